@@ -1,0 +1,51 @@
+"""Arithmetic in Jacobians of hyperelliptic curves y² + h(x)y = f(x), of any genus, over any field.
+
+>>> from jacobian import GF, HyperellipticCurve
+>>> C = HyperellipticCurve(GF(7), [1, 0, 0, 0, 0, 1])
+>>> J = C.jacobian()
+>>> D = J.from_points([(0, 1)])
+>>> 5 * D
+(1, 0)
+"""
+
+from jacobian.curve import HyperellipticCurve
+from jacobian.divisor import Divisor
+from jacobian.errors import (
+    ArgumentError,
+    CurveMismatch,
+    FieldError,
+    Infeasible,
+    JacobianError,
+    NotASquare,
+    NotOnCurve,
+    NotRepresentable,
+    PrecisionLoss,
+    SingularCurve,
+)
+from jacobian.fields import CC, GF, MP, QQ, RR, Field
+from jacobian.group import Jacobian
+from jacobian.points import AffinePoint, PointAtInfinity
+
+__all__ = [
+    "CC",
+    "GF",
+    "MP",
+    "QQ",
+    "RR",
+    "AffinePoint",
+    "ArgumentError",
+    "CurveMismatch",
+    "Divisor",
+    "Field",
+    "FieldError",
+    "HyperellipticCurve",
+    "Infeasible",
+    "Jacobian",
+    "JacobianError",
+    "NotASquare",
+    "NotOnCurve",
+    "NotRepresentable",
+    "PointAtInfinity",
+    "PrecisionLoss",
+    "SingularCurve",
+]

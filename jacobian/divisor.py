@@ -1,0 +1,129 @@
+"""Divisor classes in Mumford form: immutable values that know their Jacobian; the arithmetic is the Jacobian's."""
+
+from __future__ import annotations
+
+from operator import index
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.errors import ArgumentError, CurveMismatch
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
+
+
+class Divisor:
+    """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` and
+    its kin.
+
+    ``u``: monic, ascending, of degree at most g; ``v``: y on the points of u, of degree below deg u (trimmed over an
+    exact field, of length deg u over an inexact one); ``n``: the weight at ∞₊ on a split model, in 0 … g − deg u, and
+    None on a ramified or inert one, which leave no choice. ``jacobian``: the group.
+
+    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity. Over inexact fields ``==``
+    compares the numbers of the representation, which is not a test of equality of classes. Combining divisors of two
+    curves raises CurveMismatch.
+    """
+
+    __slots__ = ("jacobian", "n", "u", "v")
+
+    u: poly.Poly
+    v: poly.Poly
+    n: int | None
+    jacobian: Jacobian
+
+    def __init__(self, jacobian: Jacobian, u: poly.Poly, v: poly.Poly, n: int | None) -> None:
+        _set_jacobian(self, jacobian)
+        _set_u(self, u)
+        _set_v(self, v)
+        _set_n(self, n)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        raise AttributeError(f"a Divisor is immutable: {name} cannot be set")
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(f"a Divisor is immutable: {name} cannot be deleted")
+
+    @property
+    def degree(self) -> int:
+        """The number of affine points, deg u."""
+        return len(self.u) - 1
+
+    def __add__(self, other: Any) -> Divisor:
+        if not isinstance(other, Divisor):
+            return NotImplemented
+        return self.jacobian.add(self, self._compatible(other))
+
+    def __sub__(self, other: Any) -> Divisor:
+        if not isinstance(other, Divisor):
+            return NotImplemented
+        return self.jacobian.add(self, self.jacobian.negate(self._compatible(other)))
+
+    def _compatible(self, other: Divisor) -> Divisor:
+        if other.jacobian is not self.jacobian and other.jacobian != self.jacobian:
+            raise CurveMismatch(
+                f"divisors of two curves cannot be combined: {self.jacobian.curve!r} and {other.jacobian.curve!r}"
+            )
+        return other
+
+    def __neg__(self) -> Divisor:
+        return self.jacobian.negate(self)
+
+    def __pos__(self) -> Divisor:
+        return self
+
+    def double(self) -> Divisor:
+        """D + D."""
+        return self.jacobian.double(self)
+
+    def __mul__(self, scalar: Any) -> Divisor:
+        if isinstance(scalar, Divisor):
+            return NotImplemented
+        return self.jacobian.multiply(check_scalar(scalar), self)
+
+    __rmul__ = __mul__
+    # without this numpy would take a numpy integer times D apart element by element
+    __array_ufunc__ = None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Divisor):
+            return NotImplemented
+        same = self.u == other.u and self.v == other.v and self.n == other.n
+        return same and (self.jacobian is other.jacobian or self.jacobian == other.jacobian)
+
+    def __hash__(self) -> int:
+        K = self.jacobian.curve.field
+        return hash((tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n))
+
+    def __bool__(self) -> bool:
+        return len(self.u) > 1 or self.n != self.jacobian.weight_of_zero
+
+    def __repr__(self) -> str:
+        K = self.jacobian.curve.field
+        weight = "" if self.n is None else f", n={self.n}"
+        return f"({poly.text(K, self.u)}, {poly.text(K, self.v)}{weight})"
+
+    def __reduce__(self) -> Any:
+        K = self.jacobian.curve.field
+        return _rebuild, (self.jacobian, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n)
+
+
+_set_jacobian = Divisor.__dict__["jacobian"].__set__
+_set_u = Divisor.__dict__["u"].__set__
+_set_v = Divisor.__dict__["v"].__set__
+_set_n = Divisor.__dict__["n"].__set__
+
+
+def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
+    K = jacobian.curve.field
+    return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
+
+
+def check_scalar(scalar: Any) -> int:
+    """``scalar`` as an int (numpy integers too), or an ArgumentError."""
+    try:
+        if isinstance(scalar, bool):
+            raise TypeError
+        return index(scalar)
+    except TypeError:
+        raise ArgumentError(f"scalar = {scalar!r}: a divisor is multiplied by an int") from None

@@ -1,0 +1,47 @@
+"""Named errors of the divisor engine.
+
+Misuse (a wrong argument) is a :class:`ValueError`; what the mathematics itself refuses has a name of
+its own below, so that a caller can tell a typing mistake from a divisor that does not exist.
+"""
+
+from __future__ import annotations
+
+
+class JacobianError(ValueError):
+    """Base class of every error raised by :mod:`jacobian` and :mod:`integrable`."""
+
+
+class ArgumentError(JacobianError):
+    """An argument is wrong; the message names it, gives its value and says what would be right."""
+
+
+class FieldError(ArgumentError):
+    """A value does not lie in the field, or values of two fields are mixed."""
+
+
+class NotASquare(JacobianError):
+    """A square root was asked for that the field does not contain."""
+
+
+class SingularCurve(ArgumentError):
+    """The equation y² + h(x)y = f(x) has a singular point, affine or at infinity."""
+
+
+class CurveMismatch(ArgumentError):
+    """Two divisors of different curves were combined."""
+
+
+class NotOnCurve(ArgumentError):
+    """A point or a Mumford pair does not satisfy the equation of its curve."""
+
+
+class NotRepresentable(JacobianError):
+    """The class exists, but not in the representation that was asked for."""
+
+
+class PrecisionLoss(JacobianError, ArithmeticError):
+    """An inexact field cannot decide whether a quantity is zero; more digits may decide it."""
+
+
+class Infeasible(JacobianError):
+    """The answer exists, but the method at hand would take too long; the message says where its limit lies."""

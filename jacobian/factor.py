@@ -1,0 +1,99 @@
+"""Factoring polynomials over finite fields: square-free, distinct-degree and equal-degree parts (Cantor and Zassenhaus
+1981).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+from typing import Any
+
+from jacobian import poly
+from jacobian.poly import Poly
+
+
+def factor(K: Any, a: Poly) -> list[tuple[Poly, int]]:
+    """The monic irreducible factors of a monic polynomial over the finite field K with their multiplicities, sorted.
+
+    The random choices inside are seeded by the polynomial: the result and the time are reproducible.
+    """
+    factors = []
+    for part, multiplicity in _square_free(K, a):
+        for degree, product in distinct_degrees(K, part):
+            factors += [(P, multiplicity) for P in _equal_degrees(K, product, degree, Random(f"{part}"))]
+    return sorted(factors, key=lambda item: (len(item[0]), item[0][::-1]))
+
+
+def roots(K: Any, a: Poly) -> list[Any]:
+    """The distinct roots in K of a non-zero polynomial, sorted."""
+    a = poly.monic(K, a)
+    return sorted(K.neg(P[0]) for P in _equal_degrees(K, linear_part(K, a), 1, Random(f"{a}")))
+
+
+def linear_part(K: Any, a: Poly) -> Poly:
+    """gcd(x^q − x, a): the product of the distinct linear factors of a."""
+    x = (K.zero, K.one)
+    return poly.gcd(K, poly.sub(K, poly.power_mod(K, x, K.order, a), x), a)
+
+
+def _square_free(K: Any, a: Poly) -> list[tuple[Poly, int]]:
+    """(part, multiplicity) with square-free coprime parts whose powers multiply to a (Yun's scheme in characteristic
+    p).
+    """
+    parts = []
+    common = poly.gcd(K, a, poly.derivative(K, a))
+    rest = poly.quotient(K, a, common)
+    multiplicity = 1
+    while len(rest) > 1:
+        shared = poly.gcd(K, rest, common)
+        part = poly.quotient(K, rest, shared)
+        if len(part) > 1:
+            parts.append((part, multiplicity))
+        rest, common = shared, poly.quotient(K, common, shared)
+        multiplicity += 1
+    if len(common) > 1:
+        # what is left is a polynomial in x^p: its p-th root has the p-th roots of the coefficients
+        p = K.characteristic
+        root = tuple(K.power(c, K.order // p) for c in common[::p])
+        parts += [(part, p * e) for part, e in _square_free(K, root)]
+    return parts
+
+
+def distinct_degrees(K: Any, a: Poly) -> Iterator[tuple[int, Poly]]:
+    """(d, product of the irreducible factors of degree d) of a square-free monic a, d ascending."""
+    x = (K.zero, K.one)
+    power, degree = x, 0
+    while len(a) > 1:
+        degree += 1
+        if 2 * degree > len(a) - 1:
+            yield len(a) - 1, a
+            return
+        power = poly.power_mod(K, power, K.order, a)
+        product = poly.gcd(K, poly.sub(K, power, x), a)
+        if len(product) > 1:
+            yield degree, product
+            a = poly.quotient(K, a, product)
+            power = poly.mod(K, power, a)
+
+
+def _equal_degrees(K: Any, a: Poly, degree: int, rng: Random) -> list[Poly]:
+    """The irreducible factors of a, all of them of this degree."""
+    if len(a) - 1 <= degree:
+        return [a] if len(a) > 1 else []
+    while True:
+        trial = poly.random(K, len(a) - 1, rng)
+        part = poly.gcd(K, _splitting_power(K, trial, degree, a), a)
+        if 1 < len(part) < len(a):
+            other = poly.quotient(K, a, part)
+            return _equal_degrees(K, part, degree, rng) + _equal_degrees(K, other, degree, rng)
+
+
+def _splitting_power(K: Any, trial: Poly, degree: int, a: Poly) -> Poly:
+    """A function of ``trial`` that vanishes on about half of the factors: t^((q^d−1)/2) − 1, or the trace to GF(2)."""
+    if K.characteristic != 2:
+        return poly.sub(K, poly.power_mod(K, trial, (K.order**degree - 1) // 2, a), (K.one,))
+    total = power = poly.mod(K, trial, a)
+    for _ in range((K.order.bit_length() - 1) * degree - 1):
+        power = poly.mod(K, poly.mul(K, power, power), a)
+        total = poly.add(K, total, power)
+    return total

@@ -1,0 +1,89 @@
+"""Fields: contexts that compute with bare elements (:class:`jacobian.fields.protocol.Field`)."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.errors import ArgumentError
+from jacobian.fields.machine import ComplexField, RealField
+from jacobian.fields.prime import PrimeField, check_prime
+from jacobian.fields.protocol import Field
+from jacobian.fields.rational import RationalField
+
+QQ = RationalField()
+RR = RealField()
+CC = ComplexField()
+
+_prime_fields: dict[int, PrimeField] = {}
+_extension_fields: dict[tuple[int, tuple[int, ...]], Any] = {}
+_conway: dict[tuple[int, int], tuple[int, ...]] = {}
+_multiprecision: dict[tuple[int, bool], Any] = {}
+
+
+def GF(p: Any, k: int = 1, modulus: Any = None) -> Any:
+    """The finite field of p^k elements; the same arguments give the same object.
+
+    ``p`` is a prime, or a galois field class (then alone). ``modulus``: ascending coefficients of a monic irreducible
+    polynomial of degree k over GF(p); by default galois's Conway polynomial, or the first irreducible polynomial where
+    its table has none. Elements are ints: in [0, p), or Σ c_i p^i for Σ c_i a^i. ArgumentError for a composite p, a k
+    that is not a positive int, or a reducible modulus.
+    """
+    if isinstance(p, type) and hasattr(p, "irreducible_poly"):
+        return _from_galois(p)
+    if isinstance(k, bool) or not isinstance(k, int) or k < 1:
+        raise ArgumentError(f"k = {k!r}: the degree of the field over GF(p) is an int ≥ 1")
+    if type(p) is not int or p not in _prime_fields:
+        p = check_prime(p)
+    base = _prime_fields.get(p) or _prime_fields.setdefault(p, PrimeField(p))
+    if k == 1 and modulus is not None:
+        raise ArgumentError(f"modulus = {modulus!r}: GF({p}) has none, it belongs to GF(p, k) with k > 1")
+    return base if k == 1 else _extension(base, k, modulus)
+
+
+def _extension(base: PrimeField, k: int, modulus: Any) -> Any:
+    from jacobian.fields import extension
+
+    if modulus is None:
+        if (base.p, k) not in _conway:
+            _conway[base.p, k] = extension.default_modulus(base, k)
+        modulus = _conway[base.p, k]
+    modulus = extension.coerce_modulus(base, k, modulus)
+    if (base.p, modulus) not in _extension_fields:
+        _extension_fields[base.p, modulus] = _build(base, extension.check_irreducible(base, modulus))
+    return _extension_fields[base.p, modulus]
+
+
+def _build(base: PrimeField, modulus: tuple[int, ...]) -> Any:
+    from jacobian.fields.digits import DigitField, QuadraticField
+    from jacobian.fields.table import TABLE_LIMIT, TableField
+
+    if base.p ** (len(modulus) - 1) <= TABLE_LIMIT:
+        return TableField(base, modulus)
+    return QuadraticField(base, modulus) if len(modulus) == 3 and base.p > 2 else DigitField(base, modulus)
+
+
+def _from_galois(field: Any) -> Any:
+    if field.degree == 1:
+        return GF(int(field.characteristic))
+    from jacobian.fields.extension import galois_modulus
+
+    K = GF(int(field.characteristic), int(field.degree), galois_modulus(field))
+    K.__dict__.setdefault("galois", field)
+    return K
+
+
+def MP(dps: int, complex: bool = False) -> Any:
+    """The real (or complex) numbers with ``dps`` decimal digits, on an mpmath context that no one else uses.
+
+    The field has ``.dps``, ``.context`` and ``.eps``; its elements are mpf (or mpc). The same arguments give the same
+    object.
+    """
+    from jacobian.fields.multiprecision import MultiprecisionField, check_digits
+
+    key = (check_digits(dps), bool(complex))
+    if key not in _multiprecision:
+        _multiprecision[key] = MultiprecisionField(*key)
+    return _multiprecision[key]
+
+
+__all__ = ["CC", "GF", "MP", "QQ", "RR", "Field"]

@@ -1,0 +1,167 @@
+"""What every finite field shares: powers, square roots, Artin–Schreier equations, enumeration."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Iterator, Sequence
+from functools import cached_property
+from random import Random
+from typing import Any
+
+from jacobian.errors import NotASquare
+from jacobian.fields.randomness import random_below
+
+
+class FiniteField:
+    """Base of the finite fields: a subclass supplies coerce, add, sub, mul, neg, inv and element."""
+
+    name: str
+    exact = True
+    characteristic: int
+    order: int
+    zero: Any
+    one: Any
+
+    def add(self, x: Any, y: Any) -> Any:
+        raise NotImplementedError
+
+    def sub(self, x: Any, y: Any) -> Any:
+        return self.add(x, self.neg(y))
+
+    def mul(self, x: Any, y: Any) -> Any:
+        raise NotImplementedError
+
+    def neg(self, x: Any) -> Any:
+        raise NotImplementedError
+
+    def inv(self, x: Any) -> Any:
+        raise NotImplementedError
+
+    def element(self, index: int) -> Any:
+        """The element number ``index`` of an enumeration 0 … order − 1 that starts with zero and one."""
+        raise NotImplementedError
+
+    def div(self, x: Any, y: Any) -> Any:
+        return self.mul(x, self.inv(y))
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        total = self.zero
+        for x, y in zip(xs, ys, strict=True):
+            total = self.add(total, self.mul(x, y))
+        return total
+
+    def is_zero(self, x: Any, scale: Any = None) -> bool:
+        """Whether x is zero; a finite field has no use for ``scale``."""
+        return bool(x == self.zero)
+
+    def key(self, x: Any) -> Hashable:
+        """x itself."""
+        result: Hashable = x
+        return result
+
+    def from_key(self, key: Any) -> Any:
+        """The element with that :meth:`key`."""
+        return key
+
+    def random(self, rng: Any) -> Any:
+        """A uniform element. ``rng``: numpy Generator or random.Random."""
+        return self.element(random_below(rng, self.order))
+
+    def elements(self) -> Iterator[Any]:
+        """All elements, in the order of :meth:`element`."""
+        return (self.element(index) for index in range(self.order))
+
+    def power(self, x: Any, exponent: int) -> Any:
+        """x**exponent, exponent ≥ 0."""
+        result = self.one
+        for bit in bin(exponent)[2:]:
+            result = self.mul(result, result)
+            if bit == "1":
+                result = self.mul(result, x)
+        return result
+
+    def is_square(self, x: Any) -> bool:
+        """Whether x is a square, by Euler's criterion."""
+        if self.characteristic == 2 or x == self.zero:
+            return True
+        return bool(self.power(x, (self.order - 1) // 2) == self.one)
+
+    def sqrt(self, x: Any) -> Any:
+        """One square root of x, or NotASquare (Tonelli 1891, Shanks 1973)."""
+        if self.characteristic == 2:
+            return self.power(x, self.order // 2)
+        if x == self.zero:
+            return x
+        odd = self.order - 1
+        twos = (odd & -odd).bit_length() - 1
+        odd >>= twos
+        start = self.power(x, odd // 2)
+        root = self.mul(x, start)
+        rest = self.mul(root, start)  # x^odd, an element of the 2-Sylow group; root² = x·rest
+        if twos == 1:
+            if rest != self.one:
+                raise NotASquare(f"{x} is not a square in {self.name}")
+            return root
+        return self._finish_tonelli(x, root, rest, twos)
+
+    def _finish_tonelli(self, x: Any, root: Any, rest: Any, twos: int) -> Any:
+        generator = self._sylow_generator
+        while rest != self.one:
+            square, height = rest, 0
+            while square != self.one:
+                square = self.mul(square, square)
+                height += 1
+                if height == twos:
+                    raise NotASquare(f"{x} is not a square in {self.name}")
+            for _ in range(twos - height - 1):
+                generator = self.mul(generator, generator)
+            root = self.mul(root, generator)
+            generator = self.mul(generator, generator)
+            rest = self.mul(rest, generator)
+            twos = height
+        return root
+
+    @cached_property
+    def _sylow_generator(self) -> Any:
+        """A non-square to the power of the odd part of order − 1."""
+        odd = self.order - 1
+        odd //= odd & -odd
+        rng = Random(0)
+        # tried at random: the first elements may all lie in a subfield whose elements are squares
+        candidate = self.random(rng)
+        while self.is_square(candidate):
+            candidate = self.random(rng)
+        return self.power(candidate, odd)
+
+    def artin_schreier(self, c: Any) -> Any:
+        """One z with z² + z = c in characteristic 2, or NotASquare when the absolute trace of c is 1.
+
+        With Tr θ = 1, z = Σ_{i<j} c^(2^i) θ^(2^j) (IEEE P1363, A.4.7; for odd degree θ = 1 would give the half-trace).
+        """
+        degree = self.order.bit_length() - 1
+        theta = self._trace_one
+        z, power, partial = self.zero, c, self.zero
+        for _ in range(degree - 1):
+            theta = self.mul(theta, theta)
+            partial = self.add(partial, power)
+            z = self.add(z, self.mul(partial, theta))
+            power = self.mul(power, power)
+        if self.add(self.mul(z, z), z) != c:
+            raise NotASquare(f"z² + z = {c} has no solution in {self.name}")
+        return z
+
+    @cached_property
+    def _trace_one(self) -> Any:
+        rng = Random(0)
+        candidate = self.one
+        while self.trace(candidate) == self.zero:
+            candidate = self.random(rng)
+        return candidate
+
+    def trace(self, x: Any) -> Any:
+        """The trace of x down to GF(2): zero or one (characteristic 2 only)."""
+        total = x
+        for _ in range(self.order.bit_length() - 2):
+            x = self.mul(x, x)
+            total = self.add(total, x)
+        return total

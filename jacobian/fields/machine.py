@@ -1,0 +1,94 @@
+"""RR on float and CC on complex."""
+
+from __future__ import annotations
+
+import cmath
+import math
+import sys
+from collections.abc import Sequence
+from operator import mul
+from typing import Any
+
+from jacobian.errors import FieldError, NotASquare
+from jacobian.fields.inexact import InexactField
+
+
+class RealField(InexactField):
+    """The real numbers in double precision; elements are float. The instance is :data:`jacobian.RR`."""
+
+    name = "RR"
+    zero = 0.0
+    one = 1.0
+    eps = sys.float_info.epsilon
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RealField)
+
+    def __hash__(self) -> int:
+        return hash("RR")
+
+    def coerce(self, value: Any, argument: str = "value") -> float:
+        """The finite float of a real number; FieldError for NaN, infinities and anything else."""
+        if isinstance(value, (str, bytes, complex)):
+            raise FieldError(f"{argument} = {value!r} is not an element of RR: give a real number")
+        try:
+            x = float(value)
+        except (TypeError, ValueError, OverflowError):
+            raise FieldError(f"{argument} = {value!r} is not an element of RR: give a real number") from None
+        if not math.isfinite(x):
+            raise FieldError(f"{argument} = {value!r} is not finite: give a finite real number")
+        return x
+
+    def dot(self, xs: Sequence[float], ys: Sequence[float]) -> float:
+        """Σ x_i y_i: rounded products, summed exactly and rounded once."""
+        return math.fsum(map(mul, xs, ys))
+
+    def sqrt(self, x: float) -> float:
+        """The non-negative square root, or NotASquare for x < 0."""
+        if x < 0:
+            raise NotASquare(f"{x} is negative: no square root in RR")
+        return math.sqrt(x)
+
+    def random(self, rng: Any) -> float:
+        """Uniform in [−2, 2)."""
+        return 4.0 * float(rng.random()) - 2.0
+
+
+class ComplexField(InexactField):
+    """The complex numbers in double precision; elements are complex. The instance is :data:`jacobian.CC`."""
+
+    name = "CC"
+    zero = 0j
+    one = 1 + 0j
+    eps = sys.float_info.epsilon
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, ComplexField)
+
+    def __hash__(self) -> int:
+        return hash("CC")
+
+    def coerce(self, value: Any, argument: str = "value") -> complex:
+        """The finite complex of a number; FieldError for NaN, infinities and anything else."""
+        if isinstance(value, (str, bytes)):
+            raise FieldError(f"{argument} = {value!r} is not an element of CC: give a number")
+        try:
+            z = complex(value)
+        except (TypeError, ValueError, OverflowError):
+            raise FieldError(f"{argument} = {value!r} is not an element of CC: give a number") from None
+        if not cmath.isfinite(z):
+            raise FieldError(f"{argument} = {value!r} is not finite: give a finite number")
+        return z
+
+    def dot(self, xs: Sequence[complex], ys: Sequence[complex]) -> complex:
+        """Σ x_i y_i: rounded products, summed exactly and rounded once."""
+        products = list(map(mul, xs, ys))
+        return complex(math.fsum(z.real for z in products), math.fsum(z.imag for z in products))
+
+    def sqrt(self, x: complex) -> complex:
+        """The principal square root."""
+        return cmath.sqrt(x)
+
+    def random(self, rng: Any) -> complex:
+        """Uniform in the square [−2, 2)²."""
+        return complex(4.0 * float(rng.random()) - 2.0, 4.0 * float(rng.random()) - 2.0)

@@ -1,0 +1,104 @@
+"""MP(dps): real or complex numbers of any precision, on an mpmath context of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from fractions import Fraction
+from operator import index
+from typing import Any
+
+from jacobian.errors import ArgumentError, FieldError, NotASquare
+from jacobian.fields.inexact import InexactField
+from jacobian.fields.randomness import random_below
+
+
+class MultiprecisionField(InexactField):
+    """Numbers of ``dps`` decimal digits; elements are mpf (or mpc) of :attr:`context`. Get one from
+    :func:`jacobian.MP`.
+
+    The context belongs to this field: the global ``mpmath.mp`` is neither read nor changed.
+    """
+
+    def __init__(self, dps: int, complex: bool) -> None:
+        from mpmath import MPContext
+
+        self.dps = dps
+        self.complex = complex
+        self.context: Any = MPContext()
+        self.context.dps = dps
+        self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
+        self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
+        self._type = self.context.mpc if complex else self.context.mpf
+        self.zero: Any = self._type(0)
+        self.one: Any = self._type(1)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, MultiprecisionField) and (other.dps, other.complex) == (self.dps, self.complex)
+
+    def __hash__(self) -> int:
+        return hash(("MP", self.dps, self.complex))
+
+    def __reduce__(self) -> Any:
+        from jacobian.fields import MP
+
+        return MP, (self.dps, self.complex)
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """The element of an int, float, Fraction, decimal string, complex, or an mpf/mpc of any context."""
+        try:
+            x = self._convert(value)
+        except (TypeError, ValueError, ZeroDivisionError):
+            kind = "a number" if self.complex else "a real number"
+            raise FieldError(f"{argument} = {value!r} is not an element of {self.name}: give {kind}") from None
+        if not self.context.isfinite(x):
+            raise FieldError(f"{argument} = {value!r} is not finite: give a finite number")
+        return x
+
+    def _convert(self, value: Any) -> Any:
+        context = self.context
+        if isinstance(value, Fraction):
+            value = context.mpf(value.numerator) / value.denominator
+        elif hasattr(value, "_mpc_"):
+            value = context.make_mpc(value._mpc_)
+        elif hasattr(value, "_mpf_"):
+            value = context.make_mpf(value._mpf_)
+        elif isinstance(value, bool) or not isinstance(value, (int, float, complex, str)):
+            value = value.item() if hasattr(value, "item") else index(value)
+        # unary plus rounds what came with more digits to this precision
+        return +self._type(value)
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i, rounded once."""
+        return self.context.fdot(xs, ys) + self.zero
+
+    def sqrt(self, x: Any) -> Any:
+        """The non-negative (or principal) square root; NotASquare for a negative real."""
+        if not self.complex and x < 0:
+            raise NotASquare(f"{x} is negative: no square root in {self.name}")
+        return self.context.sqrt(x)
+
+    def random(self, rng: Any) -> Any:
+        """Uniform in [−2, 2), or in the square of that side."""
+        if self.complex:
+            return self.context.mpc(self._random_real(rng), self._random_real(rng))
+        return self._random_real(rng)
+
+    def _random_real(self, rng: Any) -> Any:
+        bits = self.context.prec
+        return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
+
+    def key(self, x: Any) -> Hashable:
+        """The sign, mantissa and exponent: the class of a context of its own can be neither compared nor pickled."""
+        result: Hashable = x._mpc_ if self.complex else x._mpf_
+        return result
+
+    def from_key(self, key: Any) -> Any:
+        """The element with that :meth:`key`."""
+        return self.context.make_mpc(key) if self.complex else self.context.make_mpf(key)
+
+
+def check_digits(dps: Any) -> int:
+    """dps as an int, or an ArgumentError."""
+    if isinstance(dps, bool) or not isinstance(dps, int) or dps < 1:
+        raise ArgumentError(f"dps = {dps!r}: the number of decimal digits is an int ≥ 1")
+    return dps

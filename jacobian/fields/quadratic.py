@@ -1,0 +1,44 @@
+"""Quadratic equations over any field."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.errors import NotASquare
+from jacobian.poly import integer
+
+
+def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
+    """The solutions y of y² + b·y = c in the field K: none, one (a double root) or two.
+
+    Over an inexact field the discriminant is compared with the size of its terms, and the smaller root is had from the
+    product of the two, so that neither suffers cancellation; PrecisionLoss when the discriminant cannot be told from 0.
+    """
+    if K.characteristic == 2:
+        return _roots_in_characteristic_two(K, b, c)
+    square, product = K.mul(b, b), K.mul(integer(K, 4), c)
+    discriminant = K.add(square, product)
+    half = K.inv(integer(K, 2))
+    if K.is_zero(discriminant, None if K.exact else abs(square) + abs(product)):
+        return [K.neg(K.mul(b, half))]
+    try:
+        root = K.sqrt(discriminant)
+    except NotASquare:
+        return []
+    plus, minus = K.sub(root, b), K.neg(K.add(root, b))
+    if K.exact:
+        return [K.mul(plus, half), K.mul(minus, half)]
+    large = K.mul(plus if abs(plus) > abs(minus) else minus, half)
+    small = K.neg(K.div(c, large))
+    return [large, small] if abs(plus) > abs(minus) else [small, large]
+
+
+def _roots_in_characteristic_two(K: Any, b: Any, c: Any) -> list[Any]:
+    if K.is_zero(b):
+        return [K.sqrt(c)]
+    try:
+        z = K.artin_schreier(K.div(c, K.mul(b, b)))
+    except NotASquare:
+        return []
+    y = K.mul(b, z)
+    return [y, K.add(y, b)]

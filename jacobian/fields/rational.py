@@ -1,0 +1,90 @@
+"""QQ on fractions.Fraction."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from fractions import Fraction
+from math import isqrt
+from operator import index, mul
+from typing import Any
+
+from jacobian.errors import FieldError, NotASquare
+from jacobian.fields.randomness import random_below
+
+
+class RationalField:
+    """The rational numbers; elements are :class:`fractions.Fraction`. The instance is :data:`jacobian.QQ`."""
+
+    name = "QQ"
+    exact = True
+    characteristic = 0
+    order = None
+    zero = Fraction(0)
+    one = Fraction(1)
+
+    def __repr__(self) -> str:
+        return self.name
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, RationalField)
+
+    def __hash__(self) -> int:
+        return hash("QQ")
+
+    def coerce(self, value: Any, argument: str = "value") -> Fraction:
+        """The Fraction of an int, a numpy integer, a Fraction or a string such as "-3/4"; FieldError otherwise.
+
+        A float is refused: 0.1 is not 1/10, so the caller has to say which of the two is meant.
+        """
+        if isinstance(value, Fraction):
+            return value
+        try:
+            return Fraction(value) if isinstance(value, str) else Fraction(index(value))
+        except (TypeError, ValueError, ZeroDivisionError):
+            hint = "an int, a Fraction or a string like '3/4'"
+            raise FieldError(f"{argument} = {value!r} is not an element of QQ: give {hint}") from None
+
+    def add(self, x: Fraction, y: Fraction) -> Fraction:
+        return x + y
+
+    def sub(self, x: Fraction, y: Fraction) -> Fraction:
+        return x - y
+
+    def mul(self, x: Fraction, y: Fraction) -> Fraction:
+        return x * y
+
+    def neg(self, x: Fraction) -> Fraction:
+        return -x
+
+    def inv(self, x: Fraction) -> Fraction:
+        return 1 / x
+
+    def div(self, x: Fraction, y: Fraction) -> Fraction:
+        return x / y
+
+    def dot(self, xs: Sequence[Fraction], ys: Sequence[Fraction]) -> Fraction:
+        """Σ x_i y_i."""
+        return sum(map(mul, xs, ys), self.zero)
+
+    def is_zero(self, x: Fraction, scale: Any = None) -> bool:
+        """Whether x is zero; ``scale`` is not used."""
+        return x == 0
+
+    def sqrt(self, x: Fraction) -> Fraction:
+        """The non-negative rational square root of x, or NotASquare."""
+        if x >= 0:
+            root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
+            if root * root == x:
+                return root
+        raise NotASquare(f"{x} is not the square of a rational number")
+
+    def random(self, rng: Any) -> Fraction:
+        """A fraction of small height: numerator in −20 … 20, denominator in 1 … 6."""
+        return Fraction(random_below(rng, 41) - 20, random_below(rng, 6) + 1)
+
+    def key(self, x: Fraction) -> Hashable:
+        return x
+
+    def from_key(self, key: Any) -> Fraction:
+        """The element with that :meth:`key`."""
+        return Fraction(key)

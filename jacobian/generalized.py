@@ -1,0 +1,95 @@
+"""The generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋ (Rosenlicht 1954; Serre 1959).
+
+Divisors of degree zero away from infinity, up to the functions that take one value at both points at infinity of y² =
+f(x), deg f = 4. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋), written as a Mumford pair with deg u = 2.
+The Euler top moves on it, as the Chaplygin ball does on the Jacobian of genus two of which it is the limit d → 0.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian import cantor, poly
+from jacobian.curve import HyperellipticCurve
+from jacobian.divisor import Divisor
+from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.group import Jacobian
+
+
+class GeneralizedJacobian(Jacobian):
+    """Classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4: the operators of :class:`~jacobian.group.Jacobian` on pairs of
+    degree two.
+
+    The classes with fewer affine points form a multiplicative group; of them only the identity is represented, and a
+    sum that is another one raises NotRepresentable.
+    """
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        if curve.h or len(curve.f) != 5:
+            raise ArgumentError(f"curve = {curve!r}: the modulus ∞₊ + ∞₋ is implemented for h = 0 and deg f = 4")
+        super().__init__(curve)
+        self.weight_of_zero = None
+
+    def __repr__(self) -> str:
+        return f"Generalized Jacobian of {self.curve!r} with modulus ∞₊ + ∞₋"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, GeneralizedJacobian) and self.curve == other.curve
+
+    def __hash__(self) -> int:
+        return hash(("GeneralizedJacobian", self.curve))
+
+    def __reduce__(self) -> Any:
+        return GeneralizedJacobian, (self.curve,)
+
+    def _check_representable(self) -> None:
+        """Every curve that the constructor takes will do."""
+
+    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+        """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""
+        if n is not None:
+            raise ArgumentError(f"n = {n!r}: the points at infinity are the modulus, leave n out")
+        u = self._check_monic(poly.coerce(self.field, u, "u"))
+        v = poly.coerce(self.field, v, "v")
+        if len(u) != 3 or len(v) > 2:
+            raise NotRepresentable(f"u and v have {len(u)} and {len(v)} coefficients: give deg u = 2 and deg v ≤ 1")
+        if not self.field.exact:
+            v = (*v, *[self.field.zero] * (2 - len(v)))
+        self._check_on_curve(u, v)
+        return Divisor(self, u, v, None)
+
+    def add(self, D: Divisor, E: Divisor) -> Divisor:
+        """D + E."""
+        if not D or not E:
+            return D if D else E
+        K = self.field
+        if not K.exact:
+            from jacobian import interpolate
+
+            total = interpolate.compose(K, 2, self.curve.f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
+            if len(total.u) == 1 and not total.q:
+                return self.zero()
+            return self._represented(tuple(total.u), tuple(total.v))
+        u, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        if len(u) <= 3:
+            return self._represented(u, p) if len(u) == 3 else self.zero()
+        u = poly.quotient(K, poly.sub(K, poly.mul(K, p, p), self.curve.f), u)
+        u = poly.monic(K, u)
+        return self._represented(u, poly.neg(K, poly.mod(K, p, u)))
+
+    def double(self, D: Divisor) -> Divisor:
+        """D + D."""
+        return self.add(D, D)
+
+    def negate(self, D: Divisor) -> Divisor:
+        """−D."""
+        return Divisor(self, D.u, poly.neg(self.field, D.v), None)
+
+    def order(self) -> int:
+        """Not computed here: NotRepresentable."""
+        raise NotRepresentable("the order of a generalized Jacobian is not computed")
+
+    def _represented(self, u: poly.Poly, v: poly.Poly) -> Divisor:
+        if len(u) != 3:
+            raise NotRepresentable("the sum is a class at infinity, which no Mumford pair of degree two represents")
+        return Divisor(self, u, v, None)

@@ -1,0 +1,287 @@
+"""The Jacobian of a hyperelliptic curve as a group."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from operator import index
+from typing import Any
+
+from jacobian import cantor, poly
+from jacobian.curve import HyperellipticCurve
+from jacobian.divisor import Divisor
+from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable
+
+
+class Jacobian:
+    """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
+
+    Exact fields add by :mod:`jacobian.cantor`, inexact ones by :mod:`jacobian.interpolate`. A ramified model whose
+    equation has formal degree 2g+2 is added on its ``arithmetic_model``; divisors show the curve's own coordinates
+    throughout. On an inert model of odd genus no divisor can be made (NotRepresentable), but the order is known.
+    """
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        self.curve = curve
+        self.field = curve.field
+        self.weight_of_zero = cantor.weight_of_zero(curve)
+        model = curve.arithmetic_model
+        self._model = model
+        # divisors move to the arithmetic model by v → v − z₀x^(g+1)
+        self._move = None if model is curve else poly.monomial(self.field, curve.infinity_plus, curve.genus + 1)
+
+    def __repr__(self) -> str:
+        return f"Jacobian of {self.curve!r}"
+
+    def __eq__(self, other: object) -> bool:
+        return self is other or (isinstance(other, Jacobian) and self.curve == other.curve)
+
+    def __hash__(self) -> int:
+        return hash(("Jacobian", self.curve))
+
+    def __reduce__(self) -> Any:
+        return _jacobian_of, (self.curve,)
+
+    # --- elements
+
+    def zero(self) -> Divisor:
+        """The identity: (1, 0), with n = ⌈g/2⌉ on a split model."""
+        self._check_representable()
+        return Divisor(self, (self.field.one,), (), self.weight_of_zero)
+
+    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+        """The class of the Mumford pair (u, v): ascending coefficients or galois.Poly, u monic, u | v² + hv − f.
+
+        deg u ≤ g is kept as it is (v is taken modulo u); a semi-reduced pair with deg u > g is reduced. ``n``, the
+        weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int beside deg u > g; the default ⌈(g −
+        deg u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError,
+        NotOnCurve with the remainder.
+        """
+        self._check_representable()
+        u = self._check_monic(poly.coerce(self.field, u, "u"))
+        v = poly.mod(self.field, poly.coerce(self.field, v, "v"), u)
+        if not self.field.exact:
+            v = (*v, *[self.field.zero] * (len(u) - 1 - len(v)))
+        n = self._check_weight(n, len(u) - 1)
+        self._check_on_curve(u, v)
+        if len(u) - 1 <= self.curve.genus:
+            return Divisor(self, u, v, n)
+        if not self.field.exact:
+            raise NotRepresentable(
+                f"u has degree {len(u) - 1} > g = {self.curve.genus}: over {self.field.name} add smaller ones"
+            )
+        return self._out(cantor.reduce(self._model, self._in_triple(u, v, n)))
+
+    def from_points(self, points: Iterable[Any]) -> Divisor:
+        """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated at
+        will.
+
+        For r points: minus r·∞ on a ramified model; on a split one minus ⌊r/2⌋(∞₊+∞₋), and one more ∞₋ or ∞₊, namely
+        the one that leaves the weight ⌈(g−r)/2⌉ at ∞₊, if r is odd; an inert model takes an even r (else
+        NotRepresentable).
+        """
+        self._check_representable()
+        from jacobian.support import divisor_of_points
+
+        return divisor_of_points(self, [self.curve.check_point(point) for point in points])
+
+    def __call__(self, P: Any, Q: Any = None) -> Divisor:
+        """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
+        if Q is None:
+            return self.zero() if isinstance(P, int) and P == 0 else self.from_points([P])
+        return self.from_points([P, self.curve.involution(Q)])
+
+    def random(self, rng: Any) -> Divisor:
+        """A random class: uniform in the group over a finite field, Σ of g random points elsewhere.
+
+        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes.
+        """
+        self._check_representable()
+        from jacobian.sampling import random_divisor
+
+        return random_divisor(self, rng)
+
+    def points(self) -> Iterable[Divisor]:
+        """All classes, over a small finite field, by trying every reduced (u, v, n)."""
+        self._check_representable()
+        from jacobian.sampling import all_divisors
+
+        return all_divisors(self)
+
+    # --- validation
+
+    def _check_representable(self) -> None:
+        if self.curve.model == "inert" and self.curve.genus % 2:
+            raise NotRepresentable(
+                f"{self.curve!r} is inert of odd genus {self.curve.genus}: its classes have no unique Mumford form; "
+                "move a rational point of the curve to infinity, or extend the field so that the model splits"
+            )
+
+    def _check_monic(self, u: poly.Poly) -> poly.Poly:
+        K = self.field
+        if not u:
+            raise ArgumentError("u = 0: a monic polynomial is needed")
+        if u[-1] != K.one:
+            raise ArgumentError(f"u = {poly.text(K, u)} is not monic: divide it by its leading coefficient {u[-1]}")
+        return u
+
+    def _check_weight(self, n: Any, degree: int) -> int | None:
+        genus, model = self.curve.genus, self.curve.model
+        if model == "inert" and degree % 2:
+            raise NotRepresentable(
+                f"u of degree {degree}: on an inert model deg u must be even, its infinity being one place"
+            )
+        if model != "split":
+            if n is not None:
+                raise ArgumentError(f"n = {n!r}: a {model} model has no weight at infinity, leave n out")
+            return None
+        if n is None:
+            return (genus - degree + 1) // 2
+        try:
+            n = index(n)
+        except TypeError:
+            raise ArgumentError(f"n = {n!r}: the weight at ∞₊ is an int") from None
+        if degree <= genus and not 0 <= n <= genus - degree:
+            raise ArgumentError(f"n = {n}: beside deg u = {degree} the weight at ∞₊ lies in 0 … {genus - degree}")
+        return int(n)
+
+    def _check_on_curve(self, u: poly.Poly, v: poly.Poly) -> None:
+        K, f, h = self.field, self.curve.f, self.curve.h
+        remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
+        if K.exact:
+            on_curve = not remainder
+        else:
+            on_curve = all(
+                abs(c) <= 1e6 * K.eps * scale for c, scale in zip(remainder, self._scales(u, v), strict=False)
+            )
+        if not on_curve:
+            raise NotOnCurve(
+                f"(u, v) = ({poly.text(K, u)}, {poly.text(K, v)}) is not on {self.curve!r}: v² + hv − f leaves the "
+                f"remainder {poly.text(K, remainder)} modulo u"
+            )
+
+    def _scales(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
+        """The size of the terms of the remainder: the same division on absolute values, where nothing cancels."""
+        a, h = [abs(c) for c in v], [abs(c) for c in self.curve.h]
+        size = [abs(c) for c in self.curve.f] + [0] * (2 * len(a) + len(h))
+        for i, x in enumerate(a):
+            for terms in (a, h):
+                for j, y in enumerate(terms):
+                    size[i + j] += x * y
+        for top in range(len(size) - 1, len(u) - 2, -1):
+            for j, c in enumerate(u[:-1]):
+                size[top - len(u) + 1 + j] += size[top] * abs(c)
+        return tuple(size[: len(u) - 1])
+
+    # --- the group law
+
+    def add(self, D: Divisor, E: Divisor) -> Divisor:
+        """D + E, for divisors of this Jacobian."""
+        if not self.field.exact:
+            return self._add_inexact(D, E)
+        if self._move is None:
+            return Divisor(self, *cantor.sum_of(self.curve, (D.u, D.v, D.n), (E.u, E.v, E.n)))
+        return self._out(cantor.sum_of(self._model, self._in(D), self._in(E)))
+
+    def double(self, D: Divisor) -> Divisor:
+        """D + D."""
+        if not self.field.exact:
+            return self._add_inexact(D, D)
+        return self._out(cantor.double(self._model, self._in(D)))
+
+    def negate(self, D: Divisor) -> Divisor:
+        """−D."""
+        if not self.field.exact:
+            return self._negate_inexact(D)
+        return self._out(cantor.negate(self._model, self._in(D)))
+
+    def _negate_inexact(self, D: Divisor) -> Divisor:
+        K, size = self.field, len(D.u) - 1
+        v = poly.mod(K, poly.neg(K, poly.add(K, D.v, self.curve.h)), D.u)
+        if D.n is None or self.weight_of_zero is None:
+            return Divisor(self, D.u, v, None)
+        n = 2 * self.weight_of_zero - size - D.n
+        if n > self.curve.genus - size:
+            raise NotRepresentable(f"n = {D.n}: −D is reduced by a step at infinity, which {K.name} does not make")
+        return Divisor(self, D.u, v, n)
+
+    def _add_inexact(self, D: Divisor, E: Divisor) -> Divisor:
+        if not D or not E:
+            return D if D else E
+        if D.u == E.u and D.v == self._negate_inexact(E).v:
+            # opposite to the last bit, as in D − D: no matter of precision
+            return self.zero()
+        from jacobian import interpolate
+
+        return self._out(interpolate.add(self._model, self._in(D), self._in(E)))
+
+    def multiply(self, m: int, D: Divisor) -> Divisor:
+        """m·D for any int m, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
+        if m < 0:
+            return self.multiply(-m, self.negate(D))
+        if m == 0:
+            return self.zero()
+        digits = signed_digits(m, 4 if m.bit_length() > 12 else 2)
+        odd = {1: D}
+        double = self.double(D)
+        for i in range(3, max(map(abs, digits)) + 1, 2):
+            odd[i] = self.add(odd[i - 2], double)
+        result = odd[digits[-1]]
+        for digit in digits[-2::-1]:
+            result = self.double(result)
+            if digit:
+                result = self.add(result, odd[digit] if digit > 0 else self.negate(odd[-digit]))
+        return result
+
+    # --- to the arithmetic model and back
+
+    def _in(self, D: Divisor) -> cantor.Triple:
+        return (D.u, D.v, D.n) if self._move is None else self._in_triple(D.u, D.v, D.n)
+
+    def _in_triple(self, u: poly.Poly, v: poly.Poly, n: int | None) -> cantor.Triple:
+        if self._move is None:
+            return u, v, n
+        return u, poly.mod(self.field, poly.sub(self.field, v, self._move), u), n
+
+    def _out(self, triple: cantor.Triple) -> Divisor:
+        u, v, n = triple
+        if self._move is not None:
+            v = poly.mod(self.field, poly.add(self.field, v, self._move), u)
+        return Divisor(self, u, v, n)
+
+    # --- the size of the group
+
+    def order(self) -> int:
+        """#J over a finite field, from the numbers of points of the curve over GF(q^i), i ≤ g
+        (:mod:`jacobian.counting`).
+
+        Infeasible beyond what counting can do: q^g of about 10^7 over a prime field, 10^6 otherwise.
+        """
+        return sum(self.frobenius_polynomial())
+
+    def frobenius_polynomial(self) -> list[int]:
+        """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1."""
+        from jacobian.counting import frobenius_polynomial
+
+        return frobenius_polynomial(self.curve)
+
+
+def signed_digits(m: int, width: int) -> list[int]:
+    """The width-w non-adjacent form of m > 0, least significant digit first: digits odd and below 2^(w−1) in size, or
+    0.
+    """
+    digits = []
+    while m:
+        digit = 0
+        if m & 1:
+            digit = m & ((1 << width) - 1)
+            if digit >> (width - 1):
+                digit -= 1 << width
+            m -= digit
+        digits.append(digit)
+        m >>= 1
+    return digits
+
+
+def _jacobian_of(curve: HyperellipticCurve) -> Jacobian:
+    jacobian: Jacobian = curve.jacobian()
+    return jacobian

@@ -1,0 +1,239 @@
+"""Dense univariate polynomials: tuples of raw field elements, ascending, the field first in every call.
+
+Over an exact field a polynomial is trimmed: its last coefficient is not zero, and the zero polynomial is ``()``. Over
+an inexact field nothing is ever trimmed, so that a length is a degree that was agreed on, not one that rounding
+suggested; gcds belong to exact fields only. A field may bring faster versions of the four ring operations as
+``poly_add``, ``poly_sub``, ``poly_mul`` and ``poly_divmod`` (GF(p) does); they return what the plain versions here
+return.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+from jacobian.errors import FieldError
+
+Poly = tuple[Any, ...]
+
+
+def coerce(K: Any, values: Any, argument: str = "polynomial") -> Poly:
+    """The polynomial of ascending coefficients or of a ``galois.Poly`` (which is descending); FieldError names
+    ``argument``.
+
+    Exact zeros at the top are cut off over an exact field only.
+    """
+    if type(values).__module__.startswith("galois") and hasattr(values, "coeffs"):
+        values = values.coeffs[::-1]
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        raise FieldError(f"{argument} = {values!r} is not a polynomial: give its coefficients, ascending")
+    a = tuple([K.coerce(value, f"{argument}[{i}]") for i, value in enumerate(values)])
+    return trim(K, a) if K.exact else a
+
+
+def trim(K: Any, a: Sequence[Any]) -> Poly:
+    """a without zeros at the top, each of them exactly zero."""
+    size = len(a)
+    while size and a[size - 1] == K.zero:
+        size -= 1
+    return tuple(a[:size])
+
+
+def add(K: Any, a: Poly, b: Poly) -> Poly:
+    """a + b."""
+    fast = getattr(K, "poly_add", None)
+    if fast:
+        return fast(a, b)
+    if len(a) < len(b):
+        a, b = b, a
+    total = (*map(K.add, a, b), *a[len(b) :])
+    return trim(K, total) if K.exact and len(a) == len(b) else total
+
+
+def neg(K: Any, a: Poly) -> Poly:
+    """−a."""
+    return tuple(map(K.neg, a))
+
+
+def sub(K: Any, a: Poly, b: Poly) -> Poly:
+    """a − b."""
+    fast = getattr(K, "poly_sub", None)
+    return fast(a, b) if fast else add(K, a, neg(K, b))
+
+
+def scale(K: Any, c: Any, a: Poly) -> Poly:
+    """c·a for an element c; c must not be zero over an exact field."""
+    return tuple([K.mul(c, x) for x in a])
+
+
+def mul(K: Any, a: Poly, b: Poly) -> Poly:
+    """a·b, each coefficient one dot product."""
+    fast = getattr(K, "poly_mul", None)
+    if fast:
+        return fast(a, b)
+    if not a or not b:
+        return ()
+    if len(a) < len(b):
+        a, b = b, a
+    size, last = len(a), len(b)
+    backwards = b[::-1]
+    return tuple(
+        [
+            K.dot(a[max(0, k + 1 - last) : k + 1], backwards[max(0, last - 1 - k) : last - max(0, k + 1 - size)])
+            for k in range(size + last - 1)
+        ]
+    )
+
+
+def divide(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
+    """(quotient, remainder) of a by b. Over an inexact field the remainder has length min(len a, len b − 1)."""
+    fast = getattr(K, "poly_divmod", None)
+    if fast:
+        return fast(a, b)
+    if not b or b[-1] == K.zero:
+        raise ZeroDivisionError(f"division by a polynomial whose leading coefficient is zero over {K.name}")
+    size = len(b) - 1
+    steps = len(a) - size
+    if steps <= 0:
+        return (), tuple(a)
+    monic_divisor = b[-1] == K.one
+    inverse = None if monic_divisor else K.inv(b[-1])
+    rest = list(a)
+    quotient = [K.zero] * steps
+    for i in range(steps - 1, -1, -1):
+        c = rest[i + size] if monic_divisor else K.mul(rest[i + size], inverse)
+        quotient[i] = c
+        for j in range(size):
+            rest[i + j] = K.sub(rest[i + j], K.mul(c, b[j]))
+    return tuple(quotient), trim(K, rest[:size]) if K.exact else tuple(rest[:size])
+
+
+def mod(K: Any, a: Poly, b: Poly) -> Poly:
+    """a modulo b."""
+    return divide(K, a, b)[1]
+
+
+def quotient(K: Any, a: Poly, b: Poly) -> Poly:
+    """The quotient of a by b, the remainder dropped: for divisions that are known to be exact."""
+    return divide(K, a, b)[0]
+
+
+def monic(K: Any, a: Poly) -> Poly:
+    """a over its leading coefficient; the leading coefficient of the result is exactly one."""
+    lead = a[-1]
+    if lead == K.one:
+        return a
+    inverse = K.inv(lead)
+    return (*[K.mul(x, inverse) for x in a[:-1]], K.one)
+
+
+def gcd(K: Any, a: Poly, b: Poly) -> Poly:
+    """The monic greatest common divisor (exact fields); ``()`` when both are zero."""
+    while b:
+        a, b = b, mod(K, a, b)
+    return monic(K, a) if a else a
+
+
+def half_xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
+    """(d, s): d the monic gcd of a and b, s·b ≡ d modulo a. Exact fields; not both zero."""
+    r0, r1 = a, b
+    s0: Poly = ()
+    s1: Poly = (K.one,)
+    while len(r1) > 1:
+        q, r = divide(K, r0, r1)
+        r0, r1 = r1, r
+        s0, s1 = s1, sub(K, s0, mul(K, q, s1))
+    if r1:
+        # coprime: the last division, by a constant, would only find the remainder 0
+        return (K.one,), scale(K, K.inv(r1[0]), s1)
+    lead = r0[-1]
+    if lead == K.one:
+        return r0, s0
+    inverse = K.inv(lead)
+    return (*[K.mul(inverse, x) for x in r0[:-1]], K.one), scale(K, inverse, s0)
+
+
+def xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly, Poly]:
+    """(d, r, s): d the monic gcd, d = r·a + s·b. Exact fields; not both zero."""
+    d, s = half_xgcd(K, a, b)
+    if not a:
+        return d, (), s
+    return d, quotient(K, sub(K, d, mul(K, s, b)), a), s
+
+
+def integer(K: Any, m: int) -> Any:
+    """The element m·1; ``K.coerce(m)`` is another thing over GF(p^k), where an int stands for an element."""
+    return K.coerce(m % K.characteristic if K.characteristic else m)
+
+
+def evaluate(K: Any, a: Poly, x: Any) -> Any:
+    """a(x), by Horner's rule."""
+    value = K.zero
+    for c in reversed(a):
+        value = K.add(K.mul(value, x), c)
+    return value
+
+
+def derivative(K: Any, a: Poly) -> Poly:
+    """a'."""
+    result = [K.mul(integer(K, i), a[i]) for i in range(1, len(a))]
+    return trim(K, result) if K.exact else tuple(result)
+
+
+def shift(K: Any, a: Poly, c: Any) -> Poly:
+    """a(x + c), by repeated synthetic division."""
+    result = list(a)
+    for i in range(len(a)):
+        for j in range(len(a) - 2, i - 1, -1):
+            result[j] = K.add(result[j], K.mul(c, result[j + 1]))
+    return tuple(result)
+
+
+def monomial(K: Any, c: Any, degree: int) -> Poly:
+    """c·x^degree; ``()`` when c is zero over an exact field."""
+    if K.exact and c == K.zero:
+        return ()
+    return (*([K.zero] * degree), c)
+
+
+def from_roots(K: Any, roots: Iterable[Any]) -> Poly:
+    """Π (x − root)."""
+    product: Poly = (K.one,)
+    for root in roots:
+        product = mul(K, product, (K.neg(root), K.one))
+    return product
+
+
+def random(K: Any, degree: int, rng: Any, *, monic: bool = False) -> Poly:
+    """A random polynomial: uniform of degree below ``degree``, or, with ``monic``, uniform monic of that degree."""
+    a = tuple([K.random(rng) for _ in range(degree)])
+    if monic:
+        return (*a, K.one)
+    return trim(K, a) if K.exact else a
+
+
+def power_mod(K: Any, a: Poly, exponent: int, m: Poly) -> Poly:
+    """a**exponent modulo m."""
+    result = mod(K, (K.one,), m)
+    for bit in bin(exponent)[2:]:
+        result = mod(K, mul(K, result, result), m)
+        if bit == "1":
+            result = mod(K, mul(K, result, a), m)
+    return result
+
+
+def text(K: Any, a: Sequence[Any], variable: str = "x") -> str:
+    """a as a formula, the highest power first."""
+    terms = []
+    for i in range(len(a) - 1, -1, -1):
+        c = a[i]
+        if c == K.zero:
+            continue
+        power = "" if i == 0 else variable if i == 1 else f"{variable}^{i}"
+        coefficient = str(c)
+        if power and c == K.one:
+            coefficient = ""
+        elif power and coefficient[0] != "(" and any(sign in coefficient[1:] for sign in "+-/j"):
+            coefficient = f"({coefficient})"
+        terms.append(f"{coefficient}{'·' if coefficient and power else ''}{power}")
+    return " + ".join(terms).replace("+ -", "- ") or "0"

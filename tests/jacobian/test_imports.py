@@ -1,0 +1,39 @@
+"""What is loaded when: measured in a fresh interpreter."""
+
+import subprocess
+import sys
+
+import pytest
+
+HEAVY = ("numpy", "galois", "numba", "matplotlib", "mpmath", "scipy", "flint")
+ADDITION = """
+from jacobian import RR, HyperellipticCurve
+C = HyperellipticCurve(RR, [0, 4, 0, -5, 0, 1])
+J = C.jacobian()
+D = J.from_points([C.lift_x(-1.5), C.lift_x(3)])
+E = J.from_points([C.lift_x(0.5 - 2), C.lift_x(2.5)])
+E = D + J.from_points([C.lift_x(-0.0 - 1.25), C.lift_x(2.25)])
+-E
+"""
+PRIME = """
+from random import Random
+from jacobian import GF, HyperellipticCurve
+C = HyperellipticCurve(GF(2**61 - 1), [1, 2, 3, 4, 5, 6, 1])
+J = C.jacobian()
+D = J.random(Random(1))
+assert not 12345 * D - 12345 * D
+K = GF(2, 8, (1, 0, 1, 1, 1, 0, 0, 0, 1))
+assert K.mul(3, K.inv(3)) == 1
+"""
+
+
+@pytest.mark.parametrize(
+    "code",
+    ["import jacobian", ADDITION, PRIME, "from jacobian import MP"],
+    ids=["import", "float addition", "exact arithmetic", "MP named"],
+)
+def test_nothing_heavy_is_loaded(code):
+    check = f"{code}\nimport sys\nprint([name for name in {HEAVY!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", check], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert done.stdout == "[]\n"
