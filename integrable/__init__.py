@@ -1,0 +1,41 @@
+"""Rigid bodies whose motion is addition on a Jacobian: the Chaplygin ball, the Euler top and their relatives.
+
+>>> from integrable import ChaplyginBall
+>>> ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
+>>> flow = ball.flow(ball.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488)))
+>>> flow.at([1000.0]).gamma.round(12)
+array([[-0.887809083621,  0.35373578021 , -0.294390945579]])
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from integrable.scene import load_scene, run
+    from integrable.systems.chaplygin_ball import ChaplyginBall
+    from integrable.systems.euler_top import EulerTop
+    from integrable.trajectory import Trajectory
+
+_HOME = {
+    "ChaplyginBall": "integrable.systems.chaplygin_ball",
+    "EulerTop": "integrable.systems.euler_top",
+    "Trajectory": "integrable.trajectory",
+    "load_scene": "integrable.scene",
+    "run": "integrable.scene",
+}
+
+__all__ = ["ChaplyginBall", "EulerTop", "Trajectory", "load_scene", "run"]
+
+
+def __getattr__(name: str) -> Any:
+    # a name is imported when it is used: one step of a ball needs neither numpy nor the reading of scenes
+    if name not in _HOME:
+        raise AttributeError(f"module 'integrable' has no attribute {name!r}")
+    from importlib import import_module
+
+    return getattr(import_module(_HOME[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOME])

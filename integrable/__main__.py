@@ -1,0 +1,127 @@
+"""The ``integrable`` command: list the scenes, run one."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NoReturn
+
+from jacobian.errors import JacobianError
+
+from .scene_file import load_scene, scene_names
+
+__all__ = ["main"]
+
+_EPILOG = """\
+examples:
+  integrable scenes                           what there is
+  integrable run chaplygin                    a report on the terminal, files in runs/chaplygin
+  integrable run my_ball.toml --digits 50     a scene of your own (docs/scenes.md), at 50 digits
+"""
+
+
+class _Parser(argparse.ArgumentParser):
+    """An argument parser whose errors are one line."""
+
+    def error(self, message: str) -> NoReturn:
+        self.exit(2, f"integrable: error: {message}; see {self.prog} --help\n")
+
+
+def _parser() -> argparse.ArgumentParser:
+    parser = _Parser(
+        prog="integrable",
+        description="Rigid-body motion by addition of divisors: run a scene, report error against run time.",
+        epilog=_EPILOG,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
+    parser.add_argument("--version", action="version", version=f"integrable {_version()}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    commands.add_parser("scenes", help="list the scenes that ship with the package")
+    run = commands.add_parser(
+        "run", help="run a scene", description="Run a scene and write what it asks for to a folder."
+    )
+    run.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    run.add_argument(
+        "--digits", type=int, metavar="N", help="digits of the run: up to 15 floats, above that multiprecision"
+    )
+    run.add_argument("--out", metavar="DIR", help="folder for the files (default: runs/<scene>)")
+    run.add_argument(
+        "--format", choices=("png", "svg", "both"), default="png", help="format of the pictures (default: png)"
+    )
+    run.add_argument("--no-plots", action="store_true", help="no pictures, and matplotlib is not imported")
+    run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    run.add_argument(
+        "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
+    )
+    return parser
+
+
+def _version() -> str:
+    from importlib import metadata
+
+    try:
+        return metadata.version("jacobian-integrable")
+    except metadata.PackageNotFoundError:
+        return "(not installed)"
+
+
+def _list_scenes() -> None:
+    from .tables import aligned
+
+    scenes = [load_scene(name) for name in scene_names()]
+    rows = [("name", "system", "title"), *((scene.name, scene.system, scene.title) for scene in scenes)]
+    print("\n".join(aligned(rows, left=3)))
+
+
+def _run(arguments: argparse.Namespace) -> None:
+    from .scene import run
+
+    scene = load_scene(arguments.scene)
+    out = Path(arguments.out) if arguments.out is not None else Path("runs") / scene.name
+    trajectory = run(
+        scene,
+        digits=arguments.digits,
+        out=out,
+        progress=not arguments.quiet and (arguments.progress or sys.stderr.isatty()),
+        pictures=not arguments.no_plots,
+        formats=("png", "svg") if arguments.format == "both" else (arguments.format,),
+    )
+    if arguments.quiet:
+        return
+    if trajectory.report is not None:
+        print(trajectory.report.table())
+    else:
+        print(f"{scene.title}: {len(trajectory.times)} times computed, no report asked for")
+    print(f"\nfiles written to {out}")
+
+
+def main(argv: Sequence[str] | None = None) -> int:
+    """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
+    arguments = _parser().parse_args(argv)
+    try:
+        if arguments.command == "scenes":
+            _list_scenes()
+        else:
+            _run(arguments)
+    except JacobianError as error:
+        message = " ".join(str(error).split())
+        print(f"integrable: error: {message}", file=sys.stderr)
+        return 2
+    except ModuleNotFoundError as error:
+        if error.name not in ("scipy", "matplotlib", "tqdm"):
+            raise
+        print(
+            f"integrable: error: {error.name} is not installed; pip install 'jacobian-integrable[app]' brings it",
+            file=sys.stderr,
+        )
+        return 2
+    except KeyboardInterrupt:
+        print("integrable: interrupted", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

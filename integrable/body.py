@@ -1,0 +1,154 @@
+"""A rigid body and the constants of its motion.
+
+Units are the user's: moments of inertia in kg·m², d = m r² in kg·m², angular momentum in kg·m²/s and time in s, or any
+other consistent set. Axes are the principal axes of inertia.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from jacobian import RR
+from jacobian.errors import ArgumentError, NotASquare
+
+Vector = tuple[Any, Any, Any]
+
+
+class Integrals(NamedTuple):
+    """The four integrals of the motion: C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
+
+    C1: Any
+    C2: Any
+    H1: Any
+    H2: Any
+
+
+@dataclass(frozen=True)
+class Body:
+    """Principal moments of inertia and d = m r² over a field; d = 0 is the free rigid body.
+
+    ``a`` holds 1/(I_i + d), ``contact`` the numbers 1 − d·a_i = I_i/(I_i + d).
+    """
+
+    inertia: Vector
+    d: Any
+    field: Any = RR
+
+    @staticmethod
+    def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
+        """A Body of checked parameters; ArgumentError names the one that is wrong."""
+        moments = triple(field, inertia, "inertia")
+        offset = field.coerce(d, "d")
+        if field.characteristic == 0 and offset < 0:
+            raise ArgumentError(f"d = {d!r} is negative: d = m r² ≥ 0 (0 for the Euler top)")
+        for i, moment in enumerate(moments):
+            _check_moment(field, moment, offset, i)
+        return Body(moments, offset, field)
+
+    @cached_property
+    def a(self) -> Vector:
+        """a_i = 1/(I_i + d)."""
+        K = self.field
+        a1, a2, a3 = (K.inv(K.add(moment, self.d)) for moment in self.inertia)
+        return a1, a2, a3
+
+    @cached_property
+    def contact(self) -> Vector:
+        """1 − d·a_i, computed as I_i·a_i so that thin bodies lose no digits."""
+        K = self.field
+        r1, r2, r3 = (K.mul(moment, a) for moment, a in zip(self.inertia, self.a, strict=True))
+        return r1, r2, r3
+
+    @cached_property
+    def differences(self) -> Vector:
+        """(a_i − a_j)(a_i − a_k), zero for an axis whose moment is shared.
+
+        a_i − a_j is computed from I_j − I_i, which is exact where the moments are close.
+        """
+        K = self.field
+
+        def difference(i: int, j: int) -> Any:
+            return K.mul(K.sub(self.inertia[j], self.inertia[i]), K.mul(self.a[i], self.a[j]))
+
+        c1, c2, c3 = (K.mul(difference(i, (i + 1) % 3), difference(i, (i + 2) % 3)) for i in range(3))
+        return c1, c2, c3
+
+    @property
+    def rolls(self) -> bool:
+        """Whether d ≠ 0."""
+        return bool(self.d != self.field.zero)
+
+    def conformal(self, gamma: Vector) -> Any:
+        """g⁻² = 1 − d(γ, Aγ), as Σ (1 − d·a_i) γ_i²."""
+        K = self.field
+        return K.dot(self.contact, [K.mul(x, x) for x in gamma])
+
+    def omega(self, gamma: Vector, M: Vector) -> Vector:
+        """The angular velocity ω = A M + d·n·A γ, n = g²(γ, A M)."""
+        K = self.field
+        AM = tuple(K.mul(a, x) for a, x in zip(self.a, M, strict=True))
+        if not self.rolls:
+            return AM
+        spin = K.mul(self.d, K.div(K.dot(gamma, AM), self.conformal(gamma)))
+        w1, w2, w3 = (K.add(x, K.mul(spin, K.mul(a, y))) for x, a, y in zip(AM, self.a, gamma, strict=True))
+        return w1, w2, w3
+
+    def integrals(self, gamma: Vector, M: Vector) -> Integrals:
+        """C1, C2, H1, H2 at (γ, M)."""
+        K = self.field
+        return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
+
+    def polynomial(self, h1: Any, h2: Any) -> tuple[Any, ...]:
+        """f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1), ascending; degree 5, or 4 at d = 0."""
+        from jacobian import poly
+
+        K = self.field
+        four = K.coerce(4)
+        f: tuple[Any, ...] = (K.neg(K.mul(four, h1)), K.mul(four, h2))
+        for a in self.a:
+            f = poly.mul(K, f, (a, K.neg(K.one)))
+        if self.rolls:
+            f = poly.mul(K, f, (K.one, K.neg(self.d)))
+        return f
+
+
+def triple(field: Any, values: Any, argument: str) -> Vector:
+    """Three field elements, or an ArgumentError that names ``argument``."""
+    try:
+        items = list(values)
+    except TypeError:
+        raise ArgumentError(f"{argument} = {values!r}: give three numbers") from None
+    if len(items) != 3 or isinstance(values, (str, bytes)):
+        raise ArgumentError(f"{argument} = {values!r}: give three numbers")
+    x, y, z = (field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(items))
+    return x, y, z
+
+
+def cross(field: Any, x: Vector, y: Vector) -> Vector:
+    """x × y."""
+    sub, mul = field.sub, field.mul
+    return (
+        sub(mul(x[1], y[2]), mul(x[2], y[1])),
+        sub(mul(x[2], y[0]), mul(x[0], y[2])),
+        sub(mul(x[0], y[1]), mul(x[1], y[0])),
+    )
+
+
+def _check_moment(field: Any, moment: Any, d: Any, i: int) -> None:
+    if field.characteristic == 0 and moment <= 0:
+        raise ArgumentError(f"inertia[{i}] = {moment} is not positive: a moment of inertia is > 0, so that d·a_i < 1")
+    if moment == field.zero or field.add(moment, d) == field.zero:
+        raise ArgumentError(
+            f"inertia[{i}] = {moment} over {field.name}: inertia[{i}] and inertia[{i}] + d must not vanish"
+        )
+
+
+def square_root(field: Any, x: Any, name: str) -> Any:
+    """√x, or NotASquare with the name of the quantity."""
+    try:
+        return field.sqrt(x)
+    except NotASquare:
+        raise NotASquare(f"{name} = {x} has no square root in {field.name}: the point has no image there") from None

@@ -1,0 +1,262 @@
+"""Error against run time: the divisor flow at several costs, beside SciPy's DOP853 on the same start and times.
+
+Errors are against the divisor flow at ``truth_digits`` digits, which is itself held once against the Taylor-series
+integrator of :mod:`integrable.reference` at a short time. Errors of M are relative to |M|; drifts are
+the largest departures, over the requested times, of |γ|², (γ, M)/|M|, H1/H1(0) and H2/H2(0) from their values at
+the exact start. Run times are medians of ``time.perf_counter``; set-up begins with a new body each time.
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from fractions import Fraction
+from time import perf_counter
+from typing import Any
+
+from .scene_data import FLOAT_DIGITS, Comparison, Scene
+from .tables import report_table
+
+__all__ = ["INTEGRALS", "Report", "Row", "TruthCheck", "measure", "pieces_of_work"]
+
+INTEGRALS = ("C1", "C2", "H1", "H2")
+_PATIENCE = 10.0  # seconds of repeats after which a median of fewer runs is taken
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one cost. Times in seconds; ``setup``, ``evaluation`` are None where a method has no such part."""
+
+    method: str
+    setting: str
+    digits: int | None = None
+    tolerance: float | None = None
+    error_gamma: float | None = None
+    error_M: float | None = None
+    drift: dict[str, float] | None = None
+    setup: float | None = None
+    evaluation: float | None = None
+    total: float | None = None
+    runs: int = 0
+    evaluations: int | None = None
+    """Right-hand sides, for an ordinary integrator."""
+    note: str = ""
+    """Why there are no figures, if there are none."""
+
+
+@dataclass(frozen=True)
+class TruthCheck:
+    """The truth against an integrator that shares no code with it: largest differences of γ and M/|M| at ``time``."""
+
+    digits: int
+    time: float
+    error_gamma: float
+    error_M: float
+    seconds: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the two agree to within ten digits of the precision of both."""
+        return max(self.error_gamma, self.error_M) < 10.0 ** -(self.digits - 10)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Error against run time for one scene.
+
+    ``residual_growth`` holds pairs (number of successive additions, |V²−f mod U|/scale after them).
+    """
+
+    title: str
+    times: tuple[float, float, int]
+    """First and last time, and how many."""
+    repeat: int
+    rows: tuple[Row, ...]
+    truth: TruthCheck
+    residual_growth: tuple[tuple[int, float], ...]
+
+    def table(self) -> str:
+        """The report as plain text, at most 100 columns wide."""
+        return report_table(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as plain data for JSON."""
+        return asdict(self) | {"truth_agrees": self.truth.agrees}
+
+    def floor(self) -> float:
+        """What rounding alone does to γ in double precision by the last time: eps·(1+T)."""
+        return sys.float_info.epsilon * (1 + self.times[1])
+
+
+def pieces_of_work(comparison: Comparison, digits: int) -> int:
+    """How many times :func:`measure` calls ``tick``."""
+    costs = {*comparison.digits, digits}
+    compiled = sum(cost <= FLOAT_DIGITS for cost in costs)
+    return 1 + len(costs) + compiled + len(comparison.tolerances) + 1 + bool(comparison.steps)
+
+
+def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Report, Any]:
+    """Do what ``scene.report`` asks for, and return the report with the trajectory at ``digits`` digits.
+
+    ``tick(label)`` is called before each piece of work.
+    """
+    comparison = scene.report
+    assert comparison is not None, "the scene has no [report]"
+    costs = sorted({*comparison.digits, digits})
+    truth_digits = max(comparison.truth_digits, digits + 10)
+    tick(f"truth, {truth_digits} digits")
+    truth = _Truth(scene, truth_digits)
+    rows: list[Row] = []
+    kept = None
+    for cost in costs:
+        tick("floats" if cost <= FLOAT_DIGITS else f"{cost} digits")
+        found, trajectory = _flow_rows(scene, cost, "python", comparison.repeat, truth)
+        rows += found
+        kept = trajectory if cost == digits else kept
+        if cost <= FLOAT_DIGITS:
+            tick("compiled floats")
+            rows += _flow_rows(scene, cost, "compiled", comparison.repeat, truth)[0]
+    for tolerance in map(float, comparison.tolerances):
+        tick(f"DOP853 at {tolerance:.0e}")
+        rows.append(_dop853_row(scene, tolerance, comparison.repeat, truth))
+    tick("truth against Taylor series")
+    check = _check_truth(truth, comparison.check_time, truth_digits)
+    growth: tuple[tuple[int, float], ...] = ()
+    if comparison.steps:
+        tick("residual growth")
+        body, state = scene.start(FLOAT_DIGITS)
+        growth = tuple((int(n), float(r)) for n, r in body.flow(state).residual_growth(list(comparison.steps)))
+    times = scene.times.floats()
+    report = Report(scene.title, (min(times), max(times), len(times)), comparison.repeat, tuple(rows), check, growth)
+    return report, kept
+
+
+class _Truth:
+    """The trajectory that errors are measured against, and the integrals of the exact start."""
+
+    def __init__(self, scene: Scene, digits: int) -> None:
+        body, state = scene.start(digits)
+        self.context = body.field.context
+        self.inertia, self.d = list(body.inertia), body.d
+        self.flow, self.body, self.state = body.flow(state), body, state
+        trajectory = self.flow.at(scene.times.at(digits))
+        self.gamma, self.M = self.rows(trajectory.gamma), self.rows(trajectory.M)
+        self.integrals = self.integrals_of(list(state.gamma), list(state.M))
+        self.size_of_M = self.context.sqrt(self.integrals[3])
+
+    def rows(self, array: Any) -> list[list[Any]]:
+        """An (N, 3) array of floats or foreign mpf as rows in this context, digit for digit."""
+        return [[self.context.mpf(x) for x in row] for row in array.tolist()]
+
+    def integrals_of(self, gamma: list[Any], M: list[Any]) -> list[Any]:
+        """C1, C2, H1, H2 from their definitions."""
+        dot, d = self.context.fdot, self.d
+        a = [1 / (moment + d) for moment in self.inertia]
+        A_gamma, A_M = ([a[i] * v[i] for i in range(3)] for v in (gamma, M))
+        below = sum(moment * x * y for moment, x, y in zip(self.inertia, gamma, A_gamma, strict=True))
+        n = dot(gamma, A_M) / below
+        return [dot(gamma, gamma), dot(gamma, M), dot(A_M, M) + d * n * dot(A_gamma, M), dot(M, M)]
+
+    def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
+        """Errors of γ and M and drifts of the integrals over all times, as floats, named as in :class:`Row`."""
+        gamma, M = self.rows(gamma), self.rows(M)
+        scales = [1, self.size_of_M, self.integrals[2], self.integrals[3]]
+        drifts = [self.context.zero] * 4
+        for x, m in zip(gamma, M, strict=True):
+            now = self.integrals_of(x, m)
+            drifts = [
+                max(old, abs(value - start) / scale)
+                for old, value, start, scale in zip(drifts, now, self.integrals, scales, strict=True)
+            ]
+        return {
+            "error_gamma": float(_distance(gamma, self.gamma)),
+            "error_M": float(_distance(M, self.M) / self.size_of_M),
+            "drift": dict(zip(INTEGRALS, map(float, drifts), strict=True)),
+        }
+
+
+def _distance(rows: list[list[Any]], others: list[list[Any]]) -> Any:
+    return max(abs(x - y) for row, other in zip(rows, others, strict=True) for x, y in zip(row, other, strict=True))
+
+
+def _repeated(once: Callable[[], tuple[Sequence[float], Any]], repeat: int) -> tuple[list[Sequence[float]], Any]:
+    """``once`` up to ``repeat`` times: its durations, each run's in a row, and what the last run returned."""
+    durations: list[Sequence[float]] = []
+    while len(durations) < repeat and sum(map(sum, durations)) < _PATIENCE:
+        duration, found = once()
+        durations.append(duration)
+    return durations, found
+
+
+def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Truth) -> tuple[list[Row], Any]:
+    times = scene.times.at(digits)
+
+    def once() -> tuple[Sequence[float], Any]:
+        body, state = scene.start(digits)
+        begun = perf_counter()
+        flow = body.flow(state, kernel=kernel)
+        ready = perf_counter()
+        trajectory = flow.at(times)
+        _ = trajectory.gamma, trajectory.M
+        return (ready - begun, perf_counter() - ready), trajectory
+
+    compiled = kernel == "compiled"
+    setting = "compiled" if compiled else "floats" if digits <= FLOAT_DIGITS else f"{digits} digits"
+    first = sum(once()[0]) if compiled else None  # compiles, or loads what was compiled by an earlier run
+    durations, trajectory = _repeated(once, repeat)
+    row = Row(
+        method="divisor flow",
+        setting=setting,
+        digits=digits,
+        setup=statistics.median(setup for setup, _ in durations),
+        evaluation=statistics.median(evaluation for _, evaluation in durations),
+        total=statistics.median(map(sum, durations)),
+        runs=len(durations),
+        **truth.judge(trajectory.gamma, trajectory.M),
+    )
+    if first is None:
+        return [row], trajectory
+    return [Row("divisor flow", "first use", digits=digits, total=first, runs=1), row], trajectory
+
+
+def _dop853_row(scene: Scene, tolerance: float, repeat: int, truth: _Truth) -> Row:
+    from .reference import dop853
+
+    body, state = scene.start(FLOAT_DIGITS)
+    times = scene.times.floats()
+
+    def once() -> tuple[Sequence[float], Any]:
+        begun = perf_counter()
+        solution = dop853(body, state, times, rtol=tolerance, atol=tolerance)
+        return (perf_counter() - begun,), solution
+
+    method, setting = "SciPy DOP853", f"tol {tolerance:.0e}".replace("e-0", "e-")
+    try:
+        dop853(body, state, [min(times, key=abs) or 1e-3], rtol=1e-3, atol=1e-3)  # imports SciPy, outside of the timing
+        durations, solution = _repeated(once, repeat)
+    except RuntimeError as error:
+        return Row(method, setting, tolerance=tolerance, note=str(error))
+    return Row(
+        method=method,
+        setting=setting,
+        tolerance=tolerance,
+        total=statistics.median(map(sum, durations)),
+        runs=len(durations),
+        evaluations=solution.evaluations,
+        **truth.judge(solution.gamma, solution.M),
+    )
+
+
+def _check_truth(truth: _Truth, time: Fraction, digits: int) -> TruthCheck:
+    from .reference import taylor
+
+    exact = truth.context.mpf(time.numerator) / time.denominator
+    trajectory = truth.flow.at([exact])
+    begun = perf_counter()
+    solution = taylor(truth.body, truth.state, [exact], digits=digits)
+    seconds = perf_counter() - begun
+    gamma = _distance(truth.rows(trajectory.gamma), truth.rows(solution.gamma))
+    M = _distance(truth.rows(trajectory.M), truth.rows(solution.M)) / truth.size_of_M
+    return TruthCheck(digits, float(time), float(gamma), float(M), seconds)

@@ -1,0 +1,110 @@
+"""A run described as data, and the running of it: what a scene does not ask for is neither computed nor imported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from jacobian.errors import ArgumentError
+
+from .scene_data import FLOAT_DIGITS, Comparison, Scene, Times
+from .scene_file import load_scene, scene_names
+
+if TYPE_CHECKING:
+    from .report import Report
+
+__all__ = ["Comparison", "Scene", "Times", "load_scene", "run", "scene_names"]
+
+
+def run(
+    scene: Scene | str | Path,
+    *,
+    digits: int | None = None,
+    out: str | Path | None = None,
+    progress: bool = False,
+    pictures: bool = True,
+    formats: tuple[str, ...] = ("png",),
+) -> Any:
+    """Run a scene (or load and run it): a Trajectory at the scene's times, with ``.report`` if the scene asks for one.
+
+    ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
+    ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
+    tried before anything is computed. ``progress`` draws a bar on stderr.
+    """
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    digits = scene.digits if digits is None else digits
+    if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
+        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed (15: floats)")
+    scene.start(digits)
+    if out is None:
+        with _ticks(progress, scene, digits) as tick:
+            return _compute(scene, digits, tick)
+    from .output import OutputFolder
+
+    with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
+        trajectory = _compute(scene, digits, tick)
+        _write(scene, digits, trajectory, folder, pictures, formats)
+        return trajectory
+
+
+def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
+    if scene.report is not None:
+        from .report import measure
+
+        report, trajectory = measure(scene, digits, tick)
+        trajectory.report = report
+        return trajectory
+    tick(f"{digits} digits")
+    body, state = scene.start(digits)
+    trajectory = body.flow(state).at(scene.times.at(digits))
+    trajectory.report = None
+    return trajectory
+
+
+@contextmanager
+def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str], None]]:
+    """A function to call before each piece of work, with its name; it moves a bar if there is one."""
+    if not progress:
+        yield lambda _label: None
+        return
+    from tqdm import tqdm
+
+    total = 1
+    if scene.report is not None:
+        from .report import pieces_of_work
+
+        total = pieces_of_work(scene.report, digits)
+    with tqdm(total=total, leave=False, bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]") as bar:
+        started = False
+
+        def tick(label: str) -> None:
+            nonlocal started
+            bar.update(started)
+            bar.set_description(f"{scene.name}: {label}")
+            started = True
+
+        yield tick
+        bar.update(1)
+
+
+def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bool, formats: tuple[str, ...]) -> None:
+    from .output import as_json, result
+
+    report: Report | None = trajectory.report
+    curve = None
+    if "sphere" in scene.pictures and pictures:
+        body, state = scene.start(FLOAT_DIGITS)
+        shown = scene.sphere or scene.times
+        curve = body.flow(state).at(shown.floats())
+    folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
+    if report is not None:
+        folder.write_text("report.txt", report.table() + "\n")
+    if pictures and scene.pictures:
+        from .plot import draw
+
+        for picture in scene.pictures:
+            for suffix in formats:
+                folder.write_bytes(f"{picture}.{suffix}", draw(picture, suffix, scene, report, curve))

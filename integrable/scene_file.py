@@ -1,0 +1,148 @@
+"""Reading of scene files: TOML, strictly. ``docs/scenes.md`` lists every key."""
+
+from __future__ import annotations
+
+import importlib.resources
+import tomllib
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+
+from jacobian.errors import ArgumentError
+
+from .scene_data import FLOAT_DIGITS, Comparison, Scene, Times
+from .strict_toml import Table, suggestion
+
+__all__ = ["load_scene", "scene_names"]
+
+_SYSTEMS = ("chaplygin_ball", "euler_top")
+_PICTURES = ("work_precision", "sphere", "residual_growth")
+_OF_THE_REPORT = ("work_precision", "residual_growth")
+_SMALLEST_TOLERANCE = Fraction("2.3e-14")  # SciPy raises anything below 100 eps to that, with a warning
+
+
+def scene_names() -> list[str]:
+    """Names of the scenes that ship with the package."""
+    folder = importlib.resources.files("integrable") / "scenes"
+    return sorted(item.name.removesuffix(".toml") for item in folder.iterdir() if item.name.endswith(".toml"))
+
+
+def load_scene(name_or_path: str | Path) -> Scene:
+    """The scene of that name among :func:`scene_names`, or of that TOML file.
+
+    Raises ArgumentError, one line, naming file, table, key, value and what would be right.
+    """
+    source = str(name_or_path)
+    if isinstance(name_or_path, str) and source in scene_names():
+        text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8")
+        return _read(source, f"scene {source}.toml", text)
+    path = Path(name_or_path)
+    if path.suffix != ".toml" and not path.exists():
+        raise ArgumentError(
+            f'scene: "{source}" given, no such scene; {suggestion(source, scene_names())}; or give a .toml file'
+        )
+    try:
+        text = path.read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        why = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise ArgumentError(f'scene: "{source}" cannot be read: {why}; the path of a .toml file is needed') from None
+    return _read(path.stem, f"scene {path.name}", text)
+
+
+def _read(name: str, place: str, text: str) -> Scene:
+    try:
+        content = tomllib.loads(text, parse_float=Decimal)
+    except tomllib.TOMLDecodeError as error:
+        raise ArgumentError(f"{place}: not a TOML file: {error}") from None
+    known = ("title", "description", "system", "body", "start", "run", "report", "output")
+    top = Table(f"{place}:", content, known)
+    system = top.choice("system", _SYSTEMS)
+    body = _section(top, place, "body", ("inertia", "d", "mass", "radius") if system != "euler_top" else ("inertia",))
+    start = _section(top, place, "start", ("gamma", "M"))
+    runs = _section(top, place, "run", ("times", "digits"))
+    report = _read_comparison(_section(top, place, "report", _COMPARISON)) if "report" in top else None
+    pictures, sphere = _read_output(_section(top, place, "output", ("pictures", "sphere")), report)
+    return Scene(
+        name=name,
+        title=top.text("title", name),
+        description=top.text("description", "").strip(),
+        system=system,
+        inertia=body.numbers("inertia", 3),
+        **_read_size(body, system),
+        gamma=start.numbers("gamma", 3),
+        M=start.numbers("M", 3),
+        times=_read_times(runs, "times"),
+        digits=runs.integer("digits", 1, FLOAT_DIGITS),
+        report=report,
+        pictures=pictures,
+        sphere=sphere,
+        place=place,
+    )
+
+
+def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
+    """A top-level table; messages show it as in the file, ``[key]``."""
+    needed = key in ("body", "start", "run")
+    if needed and key not in top:
+        top.fail(f"[{key}]", f"missing; a table with {', '.join(known)} is needed")
+    return Table(f"{place}: [{key}]", top.content.get(key, {}), known)
+
+
+def _read_size(body: Table, system: str) -> dict[str, Fraction | None]:
+    """d, or mass and radius: one of the two ways for a ball, neither for a top."""
+    given = {key: body.number(key) if key in body else None for key in ("d", "mass", "radius")}
+    if system == "chaplygin_ball":
+        present = [key for key, value in given.items() if value is not None]
+        if present not in (["d"], ["mass", "radius"]):
+            body.fail("d", f"{' and '.join(present) or 'nothing'} given; either d, or mass and radius, are needed")
+    return given
+
+
+def _read_times(table: Table, key: str) -> Times:
+    if isinstance(table.content.get(key), list):
+        given = table.numbers(key)
+        if not given or min(given) < 0:
+            table.fail(key, f"{float(min(given)) if given else 'no time'} given; times ≥ 0 are needed, at least one")
+        return Times(given=given)
+    spaced = table.table(key, ("from", "until", "count", "spacing"))
+    spacing = spaced.choice("spacing", ("linear", "log"), "linear")
+    first = spaced.number("from", Fraction(0)) if spacing == "linear" else spaced.number("from")
+    until = spaced.number("until")
+    if first < 0 or (spacing == "log" and first == 0):
+        spaced.fail("from", f"{float(first)} given; a time {'≥ 0' if spacing == 'linear' else '> 0'} is needed")
+    if until <= first:
+        spaced.fail("until", f"{float(until)} given; a time after {float(first)} is needed")
+    return Times((), first, until, spaced.integer("count", 2), spacing)
+
+
+_COMPARISON = ("digits", "tolerances", "truth_digits", "check_time", "repeat", "steps")
+
+
+def _read_comparison(table: Table) -> Comparison:
+    digits = table.integers("digits", 1, (FLOAT_DIGITS,))
+    tolerances = table.numbers("tolerances", default=())
+    for tolerance in tolerances:
+        if not _SMALLEST_TOLERANCE <= tolerance < 1:
+            table.fail("tolerances", f"{float(tolerance)} given; SciPy takes tolerances from 2.3e-14 to below 1")
+    truth_digits = table.integer("truth_digits", 1, max((40, *(n + 15 for n in digits))))
+    if digits and truth_digits < max(digits) + 10:
+        table.fail(
+            "truth_digits", f"{truth_digits} given; at least {max(digits) + 10}, 10 more than the costs, are needed"
+        )
+    check_time = table.number("check_time", Fraction(1))
+    if not 0 < check_time <= 100:
+        table.fail("check_time", f"{float(check_time)} given; a time above 0, not above 100, is needed")
+    if sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(set(digits)) < len(digits):
+        table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")
+    repeat, steps = table.integer("repeat", 1, 3), table.integers("steps", 1, ())
+    return Comparison(digits, tolerances, truth_digits, check_time, repeat, steps)
+
+
+def _read_output(table: Table, report: Comparison | None) -> tuple[tuple[str, ...], Times | None]:
+    pictures = table.choices("pictures", _PICTURES, ())
+    for picture in pictures:
+        if picture in _OF_THE_REPORT and report is None:
+            table.fail("pictures", f'"{picture}" given, which shows the report; a [report] table is needed')
+    if "residual_growth" in pictures and report is not None and not report.steps:
+        table.fail("pictures", '"residual_growth" given; steps in [report] are needed')
+    return pictures, _read_times(table, "sphere") if "sphere" in table else None

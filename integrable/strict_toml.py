@@ -1,0 +1,149 @@
+"""One table of a TOML file, read strictly: keys are declared, values have types, and anything else is an error.
+
+Each message is one line of the form ``scene ball.toml: [body] d: -1 given; …`` — where, which key, which value and
+what would be right.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import difflib
+import re
+from collections.abc import Iterable, Mapping
+from decimal import Decimal
+from fractions import Fraction
+from typing import Any
+
+from jacobian.errors import ArgumentError
+
+__all__ = ["Table", "suggestion"]
+
+_MISSING: Any = object()
+# an exponent of more than three digits is not tried: the exact fraction would have as many digits
+_NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
+
+
+def suggestion(word: str, known: Iterable[str]) -> str:
+    """``did you mean "x"? `` if a known word is close, and the list of what is known."""
+    known = list(known)
+    close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
+    meant = f'did you mean "{close[0]}"? ' if close else ""
+    return f"{meant}(known: {', '.join(known)})"
+
+
+class Table:
+    """A TOML table with its place in the file, for messages. A key that is not among ``known`` is an error at once.
+
+    ``place`` is the file and the table, such as ``scene ball.toml: [body]``. Numbers come back as exact
+    fractions whether they were written as 0.7 or "0.7" or "1/3" (parse floats with ``parse_float=Decimal``).
+    """
+
+    def __init__(self, place: str, content: Any, known: Iterable[str]) -> None:
+        if not isinstance(content, Mapping):
+            raise ArgumentError(f"{place}: {_shown(content)} given; a table is needed")
+        self.place = place
+        self.content = content
+        self.known = list(known)
+        for key in content:
+            if key not in self.known:
+                self.fail(key, f"unknown key; {suggestion(key, self.known)}")
+
+    def __contains__(self, key: str) -> bool:
+        return key in self.content
+
+    def fail(self, key: str, why: str) -> Any:
+        """Raise ArgumentError with the place and the key in front of ``why``."""
+        raise ArgumentError(f"{self.place} {key}: {why}")
+
+    def _get(self, key: str, default: Any, needed: str) -> Any:
+        if default is _MISSING and key not in self.content:
+            self.fail(key, f"missing; {needed} is needed")
+        return self.content.get(key, default)
+
+    def text(self, key: str, default: str = _MISSING) -> str:
+        """A string."""
+        value = self._get(key, default, "a string")
+        return value if isinstance(value, str) else self.fail(key, f"{_shown(value)} given; a string is needed")
+
+    def choice(self, key: str, choices: Iterable[str], default: str = _MISSING) -> str:
+        """One of a few strings."""
+        choices = list(choices)
+        value = self._get(key, default, "one of " + ", ".join(choices))
+        return (
+            value if value in choices else self.fail(key, f"{_shown(value)} given; {suggestion(str(value), choices)}")
+        )
+
+    def choices(self, key: str, choices: Iterable[str], default: tuple[str, ...] = _MISSING) -> tuple[str, ...]:
+        """A list of different strings, each one of a few."""
+        value = self._get(key, default, "a list")
+        chosen = self._list(key, value)
+        choices = list(choices)
+        for item in chosen:
+            if item not in choices:
+                self.fail(key, f"{_shown(item)} given; {suggestion(str(item), choices)}")
+        if len(set(chosen)) != len(chosen):
+            self.fail(key, f"{_shown(value)} given; an entry is repeated")
+        return tuple(chosen)
+
+    def integer(self, key: str, least: int, default: int = _MISSING) -> int:
+        """An integer not below ``least``."""
+        value = self._get(key, default, f"an integer ≥ {least}")
+        return self._integer(key, value, least)
+
+    def integers(self, key: str, least: int, default: tuple[int, ...] = _MISSING) -> tuple[int, ...]:
+        """A list of integers not below ``least``."""
+        value = self._get(key, default, f"a list of integers ≥ {least}")
+        return tuple(self._integer(key, item, least) for item in self._list(key, value))
+
+    def number(self, key: str, default: Fraction = _MISSING) -> Fraction:
+        """A finite number."""
+        return self._number(key, self._get(key, default, "a number"))
+
+    def numbers(
+        self, key: str, length: int | None = None, default: tuple[Fraction, ...] = _MISSING
+    ) -> tuple[Fraction, ...]:
+        """A list of finite numbers, of the given length if there is one."""
+        needed = "a list of numbers" if length is None else f"a list of {length} numbers"
+        value = self._get(key, default, needed)
+        if not isinstance(value, list | tuple) or (length is not None and len(value) != length):
+            self.fail(key, f"{_shown(value)} given; {needed} is needed")
+        return tuple(self._number(key, item) for item in value)
+
+    def table(self, key: str, known: Iterable[str]) -> Table:
+        """The table under ``key``."""
+        return Table(f"{self.place} {key}:", self._get(key, _MISSING, "a table"), known)
+
+    def _list(self, key: str, value: Any) -> list[Any]:
+        return (
+            list(value)
+            if isinstance(value, list | tuple)
+            else self.fail(key, f"{_shown(value)} given; a list is needed")
+        )
+
+    def _integer(self, key: str, value: Any, least: int) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or value < least:
+            self.fail(key, f"{_shown(value)} given; an integer ≥ {least} is needed")
+        return int(value)
+
+    def _number(self, key: str, value: Any) -> Fraction:
+        if (
+            isinstance(value, int | str | Decimal | Fraction)
+            and not isinstance(value, bool)
+            and _NUMBER.fullmatch(str(value))
+        ):
+            with contextlib.suppress(ZeroDivisionError):
+                number = Fraction(str(value))
+                if number == 0 or 1e-300 < abs(number) < 1e300:
+                    return number
+        return self.fail(key, f'{_shown(value)} given; a finite number such as 2, 0.7, "0.7" or "1/3" is needed')
+
+
+def _shown(value: Any) -> str:
+    """A TOML value on one line, as the file has it or nearly so."""
+    if isinstance(value, list):
+        return f"[{', '.join(_shown(item) for item in value)}]"
+    if isinstance(value, str):
+        return f'"{value}"'.replace("\n", "\\n")
+    if isinstance(value, bool):
+        return str(value).lower()
+    return str(value)

@@ -1,0 +1,201 @@
+"""What every system on the ball's phase space offers: states, integrals, vector field, divisors, steps and the flow."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from integrable.body import Body, Integrals, Vector, cross, triple
+from integrable.state import State
+from jacobian.errors import ArgumentError, NotRepresentable
+
+if TYPE_CHECKING:
+    from integrable.backlund import Translation
+    from integrable.flow import Flow
+    from jacobian import Divisor, HyperellipticCurve, Jacobian
+
+
+class System:
+    """A rigid body with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
+
+    body: Body
+
+    @property
+    def field(self) -> Any:
+        """The field of the coordinates."""
+        return self.body.field
+
+    @property
+    def inertia(self) -> Vector:
+        """Principal moments of inertia I_i."""
+        return self.body.inertia
+
+    @property
+    def d(self) -> Any:
+        """m r², 0 for the Euler top."""
+        return self.body.d
+
+    @property
+    def a(self) -> Vector:
+        """a_i = 1/(I_i + d)."""
+        return self.body.a
+
+    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None) -> State:
+        """The State (γ, M), with |γ| = 1 and (γ, M) = 0 checked: exactly over exact fields, to eps^0.6 over inexact
+        ones.
+
+        ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
+        is none). Raises ArgumentError that names the argument, its value and what would be right.
+        """
+        K = self.field
+        gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
+        integrals = self.body.integrals(gamma, M)
+        tolerance = 0 if K.exact else K.eps**0.6
+        square, tilt = integrals.C1, integrals.C2
+        if _distance(K, square, K.one) > tolerance:
+            raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
+        size = 1 if K.exact else integrals.H2**0.5
+        if _distance(K, tilt, K.zero) > tolerance * size:
+            raise ArgumentError(f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}")
+        return State(gamma, M, self._root(gamma, g))
+
+    def _root(self, gamma: Vector, g: Any) -> Any:
+        """The root of g² that a state over this field carries: None over the reals and at d = 0."""
+        K = self.field
+        if not (K.exact and self.body.rolls):
+            if g is not None:
+                raise ArgumentError(
+                    f"g = {g!r}: over {K.name} and at d = {self.d} the root of g² is not a choice, leave g out"
+                )
+            return None
+        from integrable import coordinates
+
+        if g is None:
+            return coordinates.root_of_g(self.body, gamma)
+        g = K.coerce(g, "g")
+        if K.mul(K.mul(g, g), self.body.conformal(gamma)) != K.one:
+            raise ArgumentError(f"g = {g}: g² must be 1/(1 − d(γ, Aγ)) = {K.inv(self.body.conformal(gamma))}")
+        return g
+
+    def integrals(self, state: State) -> Integrals:
+        """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
+        return self.body.integrals(state.gamma, state.M)
+
+    def omega(self, state: State) -> Vector:
+        """The angular velocity ω in the body frame."""
+        return self.body.omega(state.gamma, state.M)
+
+    def vector_field(self, state: State) -> State:
+        """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
+        omega = self.omega(state)
+        return State(cross(self.field, state.gamma, omega), cross(self.field, state.M, omega))
+
+    def curve(self, h1: Any, h2: Any) -> HyperellipticCurve:
+        """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
+
+        Genus 2 with one point at infinity for d ≠ 0; genus 1 with two for d = 0. SingularCurve (exact fields) where
+        roots coincide.
+        """
+        from jacobian import HyperellipticCurve
+
+        K = self.field
+        if h2 == K.zero:
+            raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
+        return HyperellipticCurve(K, self.body.polynomial(K.coerce(h1, "h1"), K.coerce(h2, "h2")))
+
+    def group(self, h1: Any, h2: Any) -> Jacobian:
+        """The group that the system moves on: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
+        curve = self.curve(h1, h2)
+        if self.body.rolls:
+            jacobian: Jacobian = curve.jacobian()
+            return jacobian
+        from jacobian.generalized import GeneralizedJacobian
+
+        return GeneralizedJacobian(curve)
+
+    def divisor(self, state: State) -> Divisor:
+        """The divisor (U, V) of a state, in :meth:`group`. NotASquare where g² has no root in the field."""
+        from integrable import coordinates
+
+        state = self._checked(state)
+        u, v = coordinates.to_mumford(self.body, coordinates.to_pairs(self.body, state))
+        return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
+
+    def from_divisor(self, D: Divisor, like: State) -> State:
+        """The state with divisor D, of the eight that share it the one with the signs of ``like``.
+
+        Over an exact field ``like`` decides only where D is its own divisor up to signs; elsewhere the field's roots
+        are taken.
+        """
+        from integrable import coordinates
+
+        like = self._checked(like)
+        if len(D.u) != 3:
+            raise NotRepresentable(f"D = {D!r} has weight {len(D.u) - 1}: a state has a divisor of weight two")
+        model = coordinates.to_pairs(self.body, like)
+        pairs = coordinates.pairs_of(self.body, D.jacobian.curve.f, D.u, D.v, model)
+        return coordinates.from_pairs(self.body, pairs)
+
+    def translation(
+        self,
+        points: Sequence[Any],
+        sheets: Sequence[int] | None = None,
+        signs: Sequence[int] | None = None,
+        multiple: int = 1,
+    ) -> Translation:
+        """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two fixed abscissas (one: d ≠ 0
+        only).
+
+        Real images need U'(a_i) > 0 at every axis: two points on one oval, two beyond 1/d, a complex-conjugate pair,
+        one branch point 1/d, or an even multiple of anything.
+        """
+        from integrable.backlund import Translation
+
+        return Translation(self, points, sheets, signs, multiple)
+
+    def torsion(self, signs: Sequence[int] | None = None) -> Translation:
+        """The 2-torsion map D ↦ D + (1/d, 0) − ∞ (d ≠ 0), Tsiganov's Proposition 2; on (γ, M) its square is (−γ, M)."""
+        if not self.body.rolls:
+            raise ArgumentError("d = 0: the branch point 1/d is at infinity; the 2-torsion map needs d ≠ 0")
+        return self.translation([self.field.inv(self.d)], signs=signs)
+
+    def flow(self, state: State, kernel: str = "auto") -> Flow:
+        """The exact motion through a state, set up once (:class:`integrable.flow.Flow`); RR and MP(digits) only."""
+        from integrable.flow import Flow
+
+        return Flow(self, self._checked(state), kernel)
+
+    def _checked(self, state: Any) -> State:
+        if not isinstance(state, State):
+            raise ArgumentError(f"state = {state!r}: give a State, made by {type(self).__name__}.state(gamma, M)")
+        return state
+
+    def __repr__(self) -> str:
+        K = self.field
+        numbers = ", ".join(map(str, self.inertia))
+        offset = f", d={self.d}" if self.body.rolls else ""
+        field = "" if K.name == "RR" else f", field={K.name}"
+        return f"{type(self).__name__}(inertia=({numbers}){offset}{field})"
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, System) and type(self) is type(other) and self.body == other.body
+
+    def __hash__(self) -> int:
+        return hash((type(self), tuple(map(self.field.key, (*self.inertia, self.d)))))
+
+
+def _distance(K: Any, x: Any, y: Any) -> Any:
+    difference = K.sub(x, y)
+    if K.exact:
+        return 0 if K.is_zero(difference) else 1
+    return abs(difference)
+
+
+def _show(vector: Vector) -> str:
+    return "(" + ", ".join(map(str, vector)) + ")"
+
+
+def _precision(K: Any) -> str:
+    if K.exact or K.name == "RR":
+        return ""
+    return f" to {K.name}; give decimal strings rather than floats"

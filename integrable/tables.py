@@ -1,0 +1,72 @@
+"""Plain-text tables for the terminal, at most 100 columns wide."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from .report import Report, Row
+
+__all__ = ["aligned", "duration", "report_table"]
+
+
+def aligned(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
+    """Rows of cells as lines with aligned columns: the first ``left`` columns to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    lines = []
+    for row in rows:
+        cells = (
+            cell.ljust(w) if k < left else cell.rjust(w) for k, (cell, w) in enumerate(zip(row, widths, strict=True))
+        )
+        lines.append("  ".join(cells).rstrip())
+    return lines
+
+
+def duration(seconds: float | None) -> str:
+    """A time with three digits and a unit."""
+    if seconds is None:
+        return "–"
+    for unit, size in (("s", 1.0), ("ms", 1e-3), ("µs", 1e-6)):
+        if seconds >= size:
+            return f"{seconds / size:.3g} {unit}" if seconds < 999.5 * size else f"{seconds / size:.0f} {unit}"
+    return f"{seconds / 1e-9:.3g} ns"
+
+
+def _figure(value: float | None, digits: int = 2) -> str:
+    return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
+
+
+_HEAD = ("method", "setting", "error γ", "error M", "ΔC1", "ΔC2", "ΔH1", "ΔH2", "set-up", "evaluate", "total")
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    drift = row.drift or {}
+    drifts = (_figure(drift.get(name), 1) for name in ("C1", "C2", "H1", "H2"))
+    times = map(duration, (row.setup, row.evaluation, row.total))
+    return (row.method, row.setting, _figure(row.error_gamma), _figure(row.error_M), *drifts, *times)
+
+
+def report_table(report: Report) -> str:
+    """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
+    first, last, count = report.times
+    check = report.truth
+    verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
+    lines = [
+        report.title,
+        f"{count} times from {first:g} to {last:g}; run times are medians of up to {report.repeat} runs",
+        "",
+        *aligned([_HEAD, *map(_cells, report.rows)], left=2),
+        *(f"{row.method}, {row.setting}: {row.note}" for row in report.rows if row.note),
+        "",
+        "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
+        "|γ|², (γ,M)/|M|, H1 and H2 (relative) from the exact start. Rounding alone, eps·(1+T), is "
+        f"{report.floor():.0e}.",
+        f"Errors are against the divisor flow at {check.digits} digits, held once against a Taylor-series integrator",
+        f"at t = {check.time:g}: they differ by {check.error_gamma:.0e} in γ and {check.error_M:.0e} in M.{verdict}",
+    ]
+    if report.residual_growth:
+        counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]
+        growth = [("steps", *counts), ("residual", *(_figure(value) for _, value in report.residual_growth))]
+        lines += ["", "|V²−f mod U| / scale after a number of successive additions, in floats", *aligned(growth)]
+    return "\n".join(lines)

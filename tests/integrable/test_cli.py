@@ -1,0 +1,177 @@
+"""The command: what it prints, what it writes, and one line for everything that is wrong."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+
+import pytest
+
+from integrable.__main__ import main
+
+SCENE = """
+title = "A short run"
+system = "chaplygin_ball"
+[body]
+inertia = ["1", "2", "3"]
+d = "0.7"
+[start]
+gamma = ["0.48", "0.6", "0.64"]
+M = ["0.384", "1.28", "-1.488"]
+[run]
+times = [0, 1, 2.5]
+"""
+REPORT = """
+[report]
+digits = [15]
+tolerances = ["1e-6"]
+truth_digits = 30
+check_time = "0.25"
+repeat = 1
+[output]
+pictures = ["sphere", "work_precision"]
+sphere = { until = 5, count = 50 }
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text(SCENE, encoding="utf-8")
+    return tmp_path
+
+
+def names(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_scenes_are_listed(capsys):
+    assert main(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].split() == ["name", "system", "title"]
+    assert any(line.startswith("chaplygin ") and "chaplygin_ball" in line for line in lines)
+    assert any(line.startswith("euler_top ") for line in lines)
+
+
+def test_run_writes_to_runs_and_the_name_of_the_scene(here, capsys):
+    assert main(["run", "ball.toml"]) == 0
+    assert names(here) == ["ball.toml", "runs", "runs/ball", "runs/ball/result.json"]
+    captured = capsys.readouterr()
+    assert "A short run: 3 times computed" in captured.out
+    assert captured.err == ""
+
+
+def test_quiet_is_quiet_and_plots_can_be_left_out(here, capsys):
+    (here / "ball.toml").write_text(SCENE + REPORT, encoding="utf-8")
+    assert main(["run", "ball.toml", "--quiet", "--no-plots", "--out", "there"]) == 0
+    assert names(here / "there") == ["report.txt", "result.json"]
+    assert capsys.readouterr() == ("", "")
+
+
+def test_a_run_with_everything(here, capsys):
+    (here / "ball.toml").write_text(SCENE + REPORT, encoding="utf-8")
+    assert main(["run", "ball.toml", "--format", "both", "--digits", "20", "--progress"]) == 0
+    assert names(here / "runs" / "ball") == [
+        "report.txt",
+        "result.json",
+        "sphere.png",
+        "sphere.svg",
+        "work_precision.png",
+        "work_precision.svg",
+    ]
+    captured = capsys.readouterr()
+    assert "20 digits" in captured.out
+    assert "SciPy DOP853" in captured.out
+    assert "ball: " in captured.err  # the bar
+    assert "6/6" in captured.err
+    assert main(["run", "ball.toml"]) == 0  # and again, over the same files
+    assert "ball: " not in capsys.readouterr().err  # no terminal, no bar
+
+
+WRONG = {
+    "a TOML typo": ("inertia = [", "inertia = ((", [], ["ball.toml", "line 5", "not a TOML file"]),
+    "an unknown key": ("inertia", "inertai", [], ["[body] inertai: unknown key", 'did you mean "inertia"']),
+    "NaN": ('"0.7"', "nan", [], ["[body] d: NaN given", "a finite number"]),
+    "gamma not of length one": ('"0.64"', '"0.65"', [], ["[start] gamma", "1"]),
+    "gamma and M not orthogonal": ('"-1.488"', '"-1.48"', [], ["[start]", "M"]),
+    "inertia zero": ('"2"', '"0"', [], ["[body] inertia", "0", "positive"]),
+    "inertia negative": ('"2"', '"-2"', [], ["[body] inertia", "-2", "positive"]),
+    "d negative, d·a ≥ 1 or worse": ('"0.7"', '"-1.5"', [], ["[body] d", "-1.5"]),
+    "a folder below a file": ("", "", ["--out", "ball.toml/x"], ['out: "ball.toml/x" cannot be written', "a folder"]),
+    "a file for a folder": ("", "", ["--out", "ball.toml"], ['out: "ball.toml" cannot be written']),
+    "no digits": ("", "", ["--digits", "0"], ["digits: 0 given", "a positive number"]),
+    "digits that are none": ("", "", ["--digits", "many"], ["--digits", "'many'", "int"]),
+    "a format that is none": ("", "", ["--format", "gif"], ["--format", "'gif'", "png"]),
+    "an unknown option": ("", "", ["--colour"], ["--colour"]),
+}
+
+
+@pytest.mark.parametrize("what", WRONG)
+def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
+    old, new, options, said = WRONG[what]
+    (here / "ball.toml").write_text((SCENE + REPORT).replace(old, new, 1), encoding="utf-8")
+    try:
+        code = main(["run", "ball.toml", *options])
+    except SystemExit as stop:  # argparse's way out
+        code = stop.code
+    captured = capsys.readouterr()
+    assert code == 2
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1
+    assert captured.err.startswith("integrable: error: ")
+    for word in said:
+        assert word in captured.err
+    assert names(here) == ["ball.toml"]
+
+
+@pytest.mark.parametrize("arguments", [["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], [], ["walk"]])
+def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
+    done = subprocess.run(
+        [sys.executable, "-m", "integrable", *arguments], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert (done.returncode, done.stdout) == (2, "")
+    assert done.stderr.startswith("integrable: error: ")
+    assert done.stderr.count("\n") == 1
+    assert names(here) == ["ball.toml"]
+
+
+def test_the_folder_is_tried_before_anything_is_computed(here, capsys, monkeypatch):
+    monkeypatch.setattr("integrable.scene._compute", lambda *_: pytest.fail("computed"))
+    assert main(["run", "ball.toml", "--out", "ball.toml/x"]) == 2
+
+
+@pytest.mark.parametrize(("error", "code"), [(KeyboardInterrupt, 130), (ZeroDivisionError, None)])
+def test_a_run_that_ends_early_leaves_nothing_behind(here, capsys, monkeypatch, error, code):
+    def stop(*_):
+        raise error
+
+    monkeypatch.setattr("integrable.scene._compute", stop)
+    if code is None:
+        with pytest.raises(error):
+            main(["run", "ball.toml"])
+    else:
+        assert main(["run", "ball.toml"]) == code
+        assert capsys.readouterr().err == "integrable: interrupted\n"
+    assert names(here) == ["ball.toml"]
+
+
+def test_a_file_is_written_whole_or_not_at_all(here, monkeypatch, capsys):
+    (here / "runs" / "ball").mkdir(parents=True)
+    (here / "runs" / "ball" / "result.json").write_text("old", encoding="utf-8")
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    assert main(["run", "ball.toml"]) == 2
+    assert "No space left on device" in capsys.readouterr().err
+    assert names(here / "runs" / "ball") == ["result.json"]
+    assert (here / "runs" / "ball" / "result.json").read_text(encoding="utf-8") == "old"
+
+
+def test_version_and_help(capsys):
+    for option, word in (("--version", "integrable "), ("--help", "integrable run chaplygin")):
+        with pytest.raises(SystemExit) as stop:
+            main([option])
+        assert stop.value.code == 0
+        assert word in capsys.readouterr().out
