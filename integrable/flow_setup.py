@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import ceil, log
 from typing import Any
 
@@ -190,25 +190,27 @@ def conditioning(step: tuple[Any, ...]) -> float:
 
 
 class Quadrature:
-    """Nodes x_i in (−1, 1) of one step as translations, weights of its two halves, and the matrix from values to a
-    Legendre series.
-    """
+    """Nodes of one step as translations, weights of its halves, the matrix from values to a Legendre series."""
 
     def __init__(self, setup: Setup, count: int, sign: int) -> None:
-        K, number = setup.wide, setup.number
-        x, w = gauss_legendre(K, count)
-        columns = [legendre_polynomials(K, node, count) for node in x]
-        rows = [[(2 * k + 1) * w[i] * columns[i][k] / 2 for i in range(count)] for k in range(count)]
-        ends = [_half_integral(K, k) for k in range(count)]
-        half = setup._half_step
-        right = [half * sum(ends[k] * rows[k][i] for k in range(count)) for i in range(count)]
+        number, half = setup.number, setup._half_step
+        x, rows, right = legendre_rule(setup.wide, count)
         outer = [setup.near(sign * half * node) for node in x[: (count + 1) // 2]]
         # the nodes are symmetric about 0, and T(−eps) = −T(eps)
         self.nodes = outer + [opposite(step) for step in outer[: count // 2][::-1]]
-        self.right = [number(c) for c in right]
-        # the nodes are symmetric
+        self.right = [number(half * c) for c in right]
         self.left = self.right[::-1]
         self.legendre = [[number(c) for c in row] for row in rows]
+
+
+@lru_cache(maxsize=32)
+def legendre_rule(K: Any, count: int) -> tuple[list[Any], list[list[Any]], list[Any]]:
+    """(nodes, matrix from values at the nodes to a Legendre series, weights of ∫_0^1) on [−1, 1]."""
+    x, w = gauss_legendre(K, count)
+    columns = [legendre_polynomials(K, node, count) for node in x]
+    rows = [[(2 * k + 1) * w[i] * columns[i][k] / 2 for i in range(count)] for k in range(count)]
+    ends = [_half_integral(K, k) for k in range(count)]
+    return x, rows, [sum(ends[k] * rows[k][i] for k in range(count)) for i in range(count)]
 
 
 def power_series(K: Any, f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:

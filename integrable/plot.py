@@ -82,7 +82,7 @@ def work_precision(report: Report) -> Figure:
     axes.margins(x=0.16, y=0.08)
     _decades(axes)
     if axes.has_data() and flow + other:
-        axes.legend(loc="center left", bbox_to_anchor=(0.03, 0.42), frameon=False, fontsize=9)
+        axes.legend(loc="upper right", frameon=False, fontsize=9)
     axes.set_title(f"{report.title}\n{count} times, t = {first:g} … {last:g}", fontsize=10.5, loc="left")
     axes.annotate(
         "better",

@@ -37,6 +37,12 @@ def _figure(value: float | None, digits: int = 2) -> str:
     return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
 
 
+def _at_most(difference: float, digits: int) -> str:
+    """A difference between numbers of so many digits, which cannot be told from zero below their last digit."""
+    last = 10.0**-digits
+    return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
+
+
 _HEAD = ("method", "setting", "error γ", "error M", "ΔC1", "ΔC2", "ΔH1", "ΔH2", "set-up", "evaluate", "total")
 
 
@@ -63,7 +69,8 @@ def report_table(report: Report) -> str:
         "|γ|², (γ,M)/|M|, H1 and H2 (relative) from the exact start. Rounding alone, eps·(1+T), is "
         f"{report.floor():.0e}.",
         f"Errors are against the divisor flow at {check.digits} digits, held once against a Taylor-series integrator",
-        f"at t = {check.time:g}: they differ by {check.error_gamma:.0e} in γ and {check.error_M:.0e} in M.{verdict}",
+        f"at t = {check.time:g}: they differ by {_at_most(check.error_gamma, check.digits)} in γ and "
+        f"{_at_most(check.error_M, check.digits)} in M.{verdict}",
     ]
     if report.residual_growth:
         counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]

@@ -324,5 +324,5 @@ def test_a_state_without_g_in_the_field_is_refused_by_name() -> None:
         gamma = unit_vector(K, rng)
         if pow(ball.body.conformal(gamma), 5003, 10007) == 10006:  # a non-residue
             break
-    with pytest.raises(NotASquare, match="g².*no square root"):
+    with pytest.raises(NotASquare, match=r"g².*no square root"):
         ball.state(gamma, (0, 0, 0))

@@ -46,7 +46,7 @@ def test_integrals_and_vector_field_of_the_ball_against_their_definition() -> No
 
 
 def test_the_vector_field_is_tangent_to_the_integrals_exactly() -> None:
-    """Σ ∂H1/∂z · ż = 0 over GF(p), the derivative of H1 taken by a difference quotient of a polynomial in t (Lagrange)."""
+    """Every integral of the top has derivative 0 along its vector field, over GF(p)."""
     K = GF(2**61 - 1)
     ball = EulerTop((3, 5, 11), field=K)
     # |γ|² = 1: (2, 3, 6)/7

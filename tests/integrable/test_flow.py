@@ -11,7 +11,7 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop, flow_kernel
 from integrable.reference import taylor
-from jacobian import GF, MP, QQ
+from jacobian import MP, QQ
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 SCENES = json.loads((Path(__file__).parents[1] / "data" / "trajectories.json").read_text())["scenes"]
@@ -205,9 +205,8 @@ def test_flows_are_for_the_reals() -> None:
         top.flow(top.state(("3/5", "4/5", 0), (4, -3, 1)))
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(20))
     start = ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
-    with pytest.raises(ArgumentError, match="compiled.*MP"):
+    with pytest.raises(ArgumentError, match=r"compiled.*MP"):
         ball.flow(start, kernel="compiled")
-    assert GF(7) is not None
 
 
 def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
