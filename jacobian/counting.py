@@ -60,7 +60,7 @@ def _check_feasible(C: HyperellipticCurve, degree: int) -> None:
         )
 
 
-def _irreducible(base: Any, degree: int) -> poly.Poly:
+def irreducible(base: Any, degree: int) -> poly.Poly:
     """The first monic irreducible polynomial of this degree over a finite field."""
     for number in count(base.order**degree):
         m = polynomial_number(base, number)
@@ -75,7 +75,7 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     if size == 1:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
     base = GF(K.characteristic)
-    L = K if degree == 1 and isinstance(K, TableField) else TableField(base, _irreducible(base, size))
+    L = K if degree == 1 and isinstance(K, TableField) else TableField(base, irreducible(base, size))
     h, f = _embed(K, L, C.h), _embed(K, L, C.f)
     if L.p == 2:
         return _count_by_trace(L, h, f)
@@ -116,7 +116,7 @@ def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
     import numpy as np
 
     p = C.field.order
-    modulus = _irreducible(C.field, degree) if degree > 1 else (0, 1)
+    modulus = irreducible(C.field, degree) if degree > 1 else (0, 1)
     character = np.full(p, -1, dtype=np.int64)
     character[np.arange(p, dtype=np.int64) ** 2 % p] = 1
     character[0] = 0

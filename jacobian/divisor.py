@@ -49,6 +49,20 @@ class Divisor:
         """The number of affine points, deg u."""
         return len(self.u) - 1
 
+    def support(self, extension: Any = None) -> list[tuple[Any, int]]:
+        """The points of D with their multiplicities: the affine ones by ascending x, then ∞₊ and ∞₋ of a split model.
+
+        ``extension``: a larger finite field to find the points in. ``from_points`` of them, repeated as often, is D
+        again. Raises NotRepresentable when points are missing from the field, with the degree of the extension that
+        has them; FieldError over an inexact field.
+        """
+        return self.jacobian.support(self, extension)
+
+    def to_galois(self) -> tuple[Any, Any]:
+        """(u, v) as galois.Poly over the galois class of the field; FieldError where there is none (QQ, RR, CC, MP)."""
+        K = self.jacobian.curve.field
+        return poly.to_galois(K, self.u), poly.to_galois(K, self.v)
+
     def __add__(self, other: Any) -> Divisor:
         if not isinstance(other, Divisor):
             return NotImplemented
@@ -75,6 +89,13 @@ class Divisor:
     def double(self) -> Divisor:
         """D + D."""
         return self.jacobian.double(self)
+
+    def order(self, multiple: int | None = None, primes: Any = None) -> int | float:
+        """The least m > 0 with m·D = 0; over QQ ``math.inf`` where there is none (:mod:`jacobian.orders`).
+
+        ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, where they are known.
+        """
+        return self.jacobian.order_of(self, multiple, primes)
 
     def __mul__(self, scalar: Any) -> Divisor:
         if isinstance(scalar, Divisor):

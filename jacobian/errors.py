@@ -45,3 +45,7 @@ class PrecisionLoss(JacobianError, ArithmeticError):
 
 class Infeasible(JacobianError):
     """The answer exists, but the method at hand would take too long; the message says where its limit lies."""
+
+
+class NotAMultiple(JacobianError):
+    """A discrete logarithm was asked for that does not exist: the target is not in the group of the base."""

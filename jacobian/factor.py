@@ -5,10 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
+from math import lcm
 from random import Random
 from typing import Any
 
 from jacobian import poly
+from jacobian.fields import GF, QQ
+from jacobian.fields.primality import is_prime
 from jacobian.poly import Poly
 
 
@@ -28,6 +32,23 @@ def roots(K: Any, a: Poly) -> list[Any]:
     """The distinct roots in K of a non-zero polynomial, sorted."""
     a = poly.monic(K, a)
     return sorted(K.neg(P[0]) for P in _equal_degrees(K, linear_part(K, a), 1, Random(f"{a}")))
+
+
+def rational_roots(a: Poly) -> list[Fraction]:
+    """The distinct rational roots of a non-zero polynomial over QQ, sorted.
+
+    With integral coefficients of size up to H and leading one c, c·root is an integer below 2H in size: it is found
+    modulo a prime above 4H, and tried.
+    """
+    integral = [int(c * lcm(*(c.denominator for c in a))) for c in a]
+    lead, height = integral[-1], max(map(abs, integral))
+    p = 4 * height + 1
+    while not is_prime(p):
+        p += 2
+    K = GF(p)
+    candidates = [lead * x % p for x in roots(K, tuple(c % p for c in integral))]
+    found = [Fraction(m if 2 * m < p else m - p, lead) for m in candidates]
+    return sorted(x for x in found if poly.evaluate(QQ, a, x) == 0)
 
 
 def linear_part(K: Any, a: Poly) -> Poly:

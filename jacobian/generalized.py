@@ -7,6 +7,7 @@ The Euler top moves on it, as the Chaplygin ball does on the Jacobian of genus t
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 from jacobian import cantor, poly
@@ -14,6 +15,8 @@ from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.group import Jacobian
+from jacobian.points import AffinePoint
+from jacobian.support import pair_of_points, repeated
 
 
 class GeneralizedJacobian(Jacobian):
@@ -58,6 +61,31 @@ class GeneralizedJacobian(Jacobian):
         self._check_on_curve(u, v)
         return Divisor(self, u, v, None)
 
+    def from_points(
+        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
+    ) -> Divisor:
+        """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any others."""
+        if extension is not None:
+            raise NotRepresentable(f"extension = {extension.name}: points modulo ∞₊ + ∞₋ lie over the field itself")
+        pair = [self.curve.check_point(point) for point in repeated(points, multiplicities)]
+        affine = [point for point in pair if isinstance(point, AffinePoint)]
+        if len(pair) != 2 or len(affine) != 2:
+            raise NotRepresentable(f"points = {pair}: a class modulo ∞₊ + ∞₋ is made from two affine points")
+        if pair[1] == self.curve.involution(pair[0]):
+            return self.zero()
+        u, v = pair_of_points(self.curve, affine)
+        return Divisor(self, u, v if self.field.exact else (*v, self.field.zero)[:2], None)
+
+    def random(self, rng: Any) -> Divisor:
+        """The class of two random points: not uniform in the group."""
+        return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])
+
+    def points(self) -> Iterable[Divisor]:
+        """Not listed here: NotRepresentable."""
+        raise NotRepresentable(
+            "the classes of a generalized Jacobian at infinity have no Mumford pair: they are not listed"
+        )
+
     def add(self, D: Divisor, E: Divisor) -> Divisor:
         """D + E."""
         if not D or not E:
@@ -86,6 +114,10 @@ class GeneralizedJacobian(Jacobian):
         return Divisor(self, D.u, poly.neg(self.field, D.v), None)
 
     def order(self) -> int:
+        """Not computed here: NotRepresentable."""
+        raise NotRepresentable("the order of a generalized Jacobian is not computed")
+
+    def frobenius_polynomial(self) -> list[int]:
         """Not computed here: NotRepresentable."""
         raise NotRepresentable("the order of a generalized Jacobian is not computed")
 

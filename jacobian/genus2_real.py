@@ -116,9 +116,9 @@ def slope(
     overlap = b1 * r1 + b2 * r2 + b3 * r3
     # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm); homogeneous, so that opposite points only send q
     # to 0
-    if size == 0:
-        # opposite points: the null vector of the triangle
-        overlap += 1
+    if norm + root(size) / 16 == norm:
+        # opposite points, to rounding: the null vector of the triangle
+        size, overlap = 0 * size, 1 + 0 * size
     second = overlap * norm
     first = b0 * overlap - r0 * size
     q = size * norm
@@ -177,6 +177,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
     y2, y3, y4, y5 = -b0 * x3, x2 - b1 * x3, -b0 * x5, x4 - b1 * x5
+    scale = 1 + r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3 + r4 * r4 + r5 * r5
     # normal form by one Householder reflection on the first column (q, 0, x2, …, x5)
     norm = root(q * q + x2 * x2 + x3 * x3 + x4 * x4 + x5 * x5)
     h = q + norm
@@ -188,10 +189,14 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
-    c1 = (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
+    # size = 0: nothing but the curve knows the tangent
+    c1 = (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size if size > 0 else size
     c0 = (y0 * c1 - r0) / norm
-    # a tangent that only the curve knows: two Newton steps along the direction that the rows above leave open
+    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open, held back as
+    # far as the curve's equation is noisier than the rows
     for _ in range(2):
+        square = c0 * c0 + c1 * c1
+        doubt = size * (square * square + f0 * f0 + f1 * f1) / scale
         e1 = f5
         e2 = f4 - b1 * e1
         e3 = f3 - b1 * e2 - b0 * e1
@@ -203,8 +208,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
         top = 2 * c1
         j0, j1 = 2 * c0 * k - b0 * top, 2 * (c1 * k + c0) - b1 * top
         jj = j0 * j0 + j1 * j1
-        # weigh the curve against the rows, which ask for t = 0 at the first pass
-        step = (j0 * d0 + j1 * d1) / (jj + size)
+        step = (j0 * d0 + j1 * d1) / (jj + doubt)
         c0 += step * k
         c1 += step
     return c0, c1

@@ -10,14 +10,18 @@ from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable
+from jacobian.finite_group import FiniteGroup
+from jacobian.kernels import kernel
+from jacobian.scalar import signed_digits
 
 
-class Jacobian:
+class Jacobian(FiniteGroup):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
-    Exact fields add by :mod:`jacobian.cantor`, inexact ones by :mod:`jacobian.interpolate`. A ramified model whose
-    equation has formal degree 2g+2 is added on its ``arithmetic_model``; divisors show the curve's own coordinates
-    throughout. On an inert model of odd genus no divisor can be made (NotRepresentable), but the order is known.
+    Exact fields add by the choice of :mod:`jacobian.kernels`, inexact ones by :mod:`jacobian.interpolate`. A ramified
+    model whose equation has formal degree 2g+2 is added on its ``arithmetic_model``; divisors show the curve's own
+    coordinates throughout. On an inert model of odd genus no divisor can be made (NotRepresentable), but the order is
+    known.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
@@ -28,6 +32,8 @@ class Jacobian:
         self._model = model
         # divisors move to the arithmetic model by v → v − z₀x^(g+1)
         self._move = None if model is curve else poly.monomial(self.field, curve.infinity_plus, curve.genus + 1)
+        if self.field.exact:
+            self._sum_of, self._double = kernel(model)
 
     def __repr__(self) -> str:
         return f"Jacobian of {self.curve!r}"
@@ -71,18 +77,32 @@ class Jacobian:
             )
         return self._out(cantor.reduce(self._model, self._in_triple(u, v, n)))
 
-    def from_points(self, points: Iterable[Any]) -> Divisor:
+    def from_points(
+        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
+    ) -> Divisor:
         """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated at
-        will.
+        will or with ``multiplicities``. ``extension``: a larger finite field that x and y lie in; each point then comes
+        with all its conjugates.
 
         For r points: minus r·∞ on a ramified model; on a split one minus ⌊r/2⌋(∞₊+∞₋), and one more ∞₋ or ∞₊, namely
         the one that leaves the weight ⌈(g−r)/2⌉ at ∞₊, if r is odd; an inert model takes an even r (else
         NotRepresentable).
         """
         self._check_representable()
-        from jacobian.support import divisor_of_points
+        from jacobian.support import divisor_of_points, repeated
 
+        points = repeated(points, multiplicities)
+        if extension is not None:
+            from jacobian.conjugates import divisor_of_conjugates
+
+            return divisor_of_conjugates(self, points, extension)
         return divisor_of_points(self, [self.curve.check_point(point) for point in points])
+
+    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Any, int]]:
+        """The points of D with multiplicities: see :meth:`jacobian.divisor.Divisor.support`."""
+        from jacobian.conjugates import support
+
+        return support(D, extension)
 
     def __call__(self, P: Any, Q: Any = None) -> Divisor:
         """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
@@ -179,14 +199,14 @@ class Jacobian:
         if not self.field.exact:
             return self._add_inexact(D, E)
         if self._move is None:
-            return Divisor(self, *cantor.sum_of(self.curve, (D.u, D.v, D.n), (E.u, E.v, E.n)))
-        return self._out(cantor.sum_of(self._model, self._in(D), self._in(E)))
+            return Divisor(self, *self._sum_of((D.u, D.v, D.n), (E.u, E.v, E.n)))
+        return self._out(self._sum_of(self._in(D), self._in(E)))
 
     def double(self, D: Divisor) -> Divisor:
         """D + D."""
         if not self.field.exact:
             return self._add_inexact(D, D)
-        return self._out(cantor.double(self._model, self._in(D)))
+        return self._out(self._double(self._in(D)))
 
     def negate(self, D: Divisor) -> Divisor:
         """−D."""
@@ -207,12 +227,18 @@ class Jacobian:
     def _add_inexact(self, D: Divisor, E: Divisor) -> Divisor:
         if not D or not E:
             return D if D else E
-        if D.u == E.u and D.v == self._negate_inexact(E).v:
-            # opposite to the last bit, as in D − D: no matter of precision
+        if self._opposite_to_the_bit(D, E):
+            # as in D − D: no matter of precision
             return self.zero()
         from jacobian import interpolate
 
         return self._out(interpolate.add(self._model, self._in(D), self._in(E)))
+
+    def _opposite_to_the_bit(self, D: Divisor, E: Divisor) -> bool:
+        K = self.field
+        if D.u != E.u or D.v != poly.mod(K, poly.neg(K, poly.add(K, E.v, self.curve.h)), E.u):
+            return False
+        return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
         """m·D for any int m, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
@@ -247,39 +273,6 @@ class Jacobian:
         if self._move is not None:
             v = poly.mod(self.field, poly.add(self.field, v, self._move), u)
         return Divisor(self, u, v, n)
-
-    # --- the size of the group
-
-    def order(self) -> int:
-        """#J over a finite field, from the numbers of points of the curve over GF(q^i), i ≤ g
-        (:mod:`jacobian.counting`).
-
-        Infeasible beyond what counting can do: q^g of about 10^7 over a prime field, 10^6 otherwise.
-        """
-        return sum(self.frobenius_polynomial())
-
-    def frobenius_polynomial(self) -> list[int]:
-        """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1."""
-        from jacobian.counting import frobenius_polynomial
-
-        return frobenius_polynomial(self.curve)
-
-
-def signed_digits(m: int, width: int) -> list[int]:
-    """The width-w non-adjacent form of m > 0, least significant digit first: digits odd and below 2^(w−1) in size, or
-    0.
-    """
-    digits = []
-    while m:
-        digit = 0
-        if m & 1:
-            digit = m & ((1 << width) - 1)
-            if digit >> (width - 1):
-                digit -= 1 << width
-            m -= digit
-        digits.append(digit)
-        m >>= 1
-    return digits
 
 
 def _jacobian_of(curve: HyperellipticCurve) -> Jacobian:

@@ -52,12 +52,12 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _check_balanced(curve: Any, *summands: Triple) -> None:
-    """On a split model only divisors with as many points as points at infinity, shared evenly, go through one function q·y − p."""
+    """On a split model one function q·y − p adds only divisors whose points at infinity are shared evenly."""
     for u, _, n in summands:
         if n is not None and 2 * n != 2 * ((curve.genus + 1) // 2) - (len(u) - 1):
             raise NotRepresentable(
-                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, which inexact split models "
-                "do not carry; use an exact field"
+                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
+                "which inexact split models do not carry; use an exact field"
             )
 
 
@@ -80,13 +80,15 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
         return Sum([field.one], [], p, q)
     slope2, _ = _divmod(_sum(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, _cofactor(f, u2, v2)))
-    v = _second_polynomial(field, f, u, p, q, summands, max(radius, _radius(u)))
+    v = _second_polynomial(field, f, u, p, q, summands, radius)
     while len(u) - 1 > genus:
         u, v = _reduction_step(field, f, u, v)
     return Sum(u, v, p, q)
 
 
-def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients, radius: Number) -> tuple[Coefficients, Number]:
+def _interpolant(
+    field: Any, first: Pair, second: Pair, w1: Coefficients, radius: Number
+) -> tuple[Coefficients, Number]:
     """(L, q) of norm 1 with q·V + U·L ≡ q·V' (mod U'), from both congruences at once."""
     (u1, v1), (u2, v2) = first, second
     m = len(u2) - 1
@@ -115,8 +117,10 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients, radius
     return [x / norm for x in solution[:m]], solution[m] / norm
 
 
-def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number, radius: Number) -> tuple[Coefficients, Number]:
-    """p and q with those leading terms set to zero that are rounding noise, so that degrees are decided here and nowhere else.
+def _without_noise(
+    field: Any, f: Coefficients, p: Coefficients, q: Number, radius: Number
+) -> tuple[Coefficients, Number]:
+    """p and q with those leading terms set to zero that are rounding noise: degrees are decided here, nowhere else.
 
     Terms are compared at |x| = ``radius``, the size of the points of the summands.
     """
@@ -162,10 +166,13 @@ def _second_polynomial(
     rows: list[Coefficients] = []
     right: Coefficients = []
 
-    bound, powers = _bound(u), [radius**i for i in range(m)]
+    bound, powers, size = _bound(u), [radius**i for i in range(m)], _size_at(f, radius) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        weight = _size_at(_remainder(noise, bound), radius) or 1
+        weight = (
+            _size_at(_remainder(noise, bound), radius) + size * _size_at(_remainder(_absolute(factor), bound), radius)
+            or 1
+        )
         for power, row, c in zip(powers, _multiplication(factor, u), _remainder(value, u), strict=True):
             rows.append([x * power / weight for x in row])
             right.append(c * power / weight)
@@ -175,7 +182,7 @@ def _second_polynomial(
         noise = _sum(_product([abs(c) for c in slope], [abs(c) for c in v]), [abs(q * c) for c in w])
         stack(slope, _sum(_product(slope, v), [-q * c for c in w]), noise)
     # below the noise of those rows: of the solutions that opposite points leave open, a small one
-    small = field.eps / (_size_at(f, radius) ** 0.5 or 1)
+    small = field.eps / (size or 1)
     rows.extend([small * power if i == j else field.zero for j in range(m)] for i, power in enumerate(powers))
     right.extend([field.zero] * m)
     solution = _least_squares(rows, right)

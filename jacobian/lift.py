@@ -47,6 +47,9 @@ class SignedGroup:
         self.curve = curve
         self.field = curve.field
         self.branch_points = tuple(curve.field.coerce(e, "branch_points") for e in branch_points)
+        for e in self.branch_points:
+            if curve.field.exact and poly.evaluate(curve.field, curve.f, e) != curve.field.zero:
+                raise ArgumentError(f"branch_points: {e} is not a root of f")
 
     def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
         """(u, v) with κ = 1 (−1 for weight one) and σ the square root of ±U(e), times ``signs``.
@@ -113,11 +116,13 @@ class SignedGroup:
             D = self.double(D)
 
     def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """D + E, D of weight two, E of weight two or one.
+        """D + E, of weight two both or one of them of weight one.
 
         Raises NotRepresentable where the sum has weight below two, or both summands are at one branch point.
         """
         K = self.field
+        if len(D.u) < len(E.u):
+            D, E = E, D
         p, q, b, u, v = self._sum(D, E)
         of_first, of_second = (self._transfer(p, q, u, v, X.u, X.v) for X in (D, E))
         last = poly.quotient(K, poly.add(K, p, poly.scale(K, q, v) if v else v), u)

@@ -31,6 +31,15 @@ def coerce(K: Any, values: Any, argument: str = "polynomial") -> Poly:
     return trim(K, a) if K.exact else a
 
 
+def to_galois(K: Any, a: Poly) -> Any:
+    """The galois.Poly of a (descending, as galois has it); FieldError for a field without a galois class."""
+    if not hasattr(K, "to_galois"):
+        raise FieldError(f"field = {K.name}: galois has finite fields only")
+    import galois
+
+    return galois.Poly(K.to_galois(a[::-1] or (K.zero,)))
+
+
 def trim(K: Any, a: Sequence[Any]) -> Poly:
     """a without zeros at the top, each of them exactly zero."""
     size = len(a)

@@ -2,34 +2,62 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterable
+from operator import index
+from typing import TYPE_CHECKING, Any
 
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
-from jacobian.errors import NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.points import AffinePoint, Point
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
 
+Descent = Callable[[poly.Poly], poly.Poly]
 
-def divisor_of_points(J: Jacobian, points: list[Point]) -> Divisor:
-    """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says."""
+
+def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
+    """Each point as often as its multiplicity, an int ≥ 0, says."""
+    points = list(points)
+    if multiplicities is None:
+        return points
+    numbers = list(multiplicities)
+    if len(numbers) != len(points):
+        raise ArgumentError(f"multiplicities = {numbers}: {len(points)} of them are needed, one for each point")
+    result = []
+    for point, number in zip(points, numbers, strict=True):
+        if isinstance(number, bool) or not hasattr(number, "__index__") or number < 0:
+            raise ArgumentError(f"multiplicities: {number!r} is not an int ≥ 0; for −P give the opposite point")
+        result += [point] * index(number)
+    return result
+
+
+def divisor_of_points(
+    J: Jacobian, points: list[Point], above: HyperellipticCurve | None = None, back: Descent | None = None
+) -> Divisor:
+    """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says.
+
+    ``above``: the curve over an extension field, where the points are; ``back`` takes polynomials over it to the field
+    of J.
+    """
     C = J.curve
     if C.model == "inert" and len(points) % 2:
         raise NotRepresentable(
             f"points: {len(points)} of them; an inert model needs an even number, its infinity being one place"
         )
     affine = [point for point in points if isinstance(point, AffinePoint)]
-    semireduced, cancelled = _cancel_opposites(C, affine)
+    semireduced, cancelled = _cancel_opposites(above or C, affine)
     n = None
     if C.model == "split":
         # the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); then r·∞₋ is shared evenly
         at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
         n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
     if C.field.exact:
-        u, v = pair_of_points(C, semireduced)
+        u, v = pair_of_points(above or C, semireduced)
+        if back is not None:
+            u, v = back(u), back(v)
         return J._out(cantor.reduce(J._model, J._in_triple(u, v, n)))
     return _inexact_sum(J, semireduced, n)
 

@@ -1,7 +1,8 @@
-"""Random real curves of genus 2, pairs of divisors on them at every distance, and their sums by the chord through four points.
+"""Random real curves of genus 2, pairs of divisors at every distance, and their sums by the chord through four points.
 
-The oracle shares nothing with the package: it moves coincident and opposite points apart by 1e-70 and interpolates at 240 digits.
-Errors are max |difference of coefficients| over max(1, |coefficients of the sum|)·max(1, |coefficients of the summands|).
+The oracle shares nothing with the package: it moves coincident and opposite points apart by 1e-70 and works
+with 240 digits.
+Errors: max |difference of coefficients| over max(1, |coefficients of the sum|)·max(1, |those of the summands|).
 """
 
 from dataclasses import dataclass
@@ -31,7 +32,7 @@ CELLS = [(variant, k) for variant in VARIANTS for k in DISTANCES]
 
 @dataclass(frozen=True)
 class Row:
-    """A sum: float coefficients of f, the Mumford pairs of D, D' and D + D' as WIDE numbers (u without its leading 1)."""
+    """A sum: float f, and the Mumford pairs of D, D', D + D' in WIDE numbers (u without its leading 1)."""
 
     f: tuple
     first: tuple
@@ -87,7 +88,7 @@ def mumford(P, Q):
 
 
 def chord_sum(f, points):
-    """(u0, u1, v0, v1) of P1 + P2 + P3 + P4, x all different: Newton's cubic p through them, and (f − p²)/Π(x − x_i), −p."""
+    """(u0, u1, v0, v1) of four points with different x: Newton's cubic p, u = (p² − f)/Π(x − x_i), v = −p."""
     p, product = [WIDE.zero] * 4, [WIDE.one]
     for x, y in points:
         step = (y - _value(p, x)) / _value(product, x)

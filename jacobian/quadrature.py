@@ -1,0 +1,161 @@
+"""What integration on a hyperelliptic curve needs: working numbers with guard digits, nodes, weights, paths.
+
+Gauss–Chebyshev for ∫ φ(t)/√(1−t²) dt and Fejér's first rule (1933) for ∫ φ(t) dt on [−1, 1], on the same nodes. For φ
+analytic in the ellipse with foci ±1 and sum of semi-axes r, their errors fall as r^(−2n) and r^(−n).
+"""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+from jacobian.errors import FieldError, Infeasible
+
+Vector = list[Any]
+Forms = Callable[[Any], Vector]
+
+GUARD_DIGITS = 12
+MOST_NODES = 20000
+
+
+class Numbers:
+    """Real and complex numbers for the work inside: doubles for RR and CC, the field's digits and a few more for MP."""
+
+    def __init__(self, field: Any) -> None:
+        if field.exact:
+            raise FieldError(f"field = {field.name}: periods are numbers of RR, CC or MP(dps)")
+        self.machine = not hasattr(field, "dps")
+        self.sqrt: Any = cmath.sqrt
+        self.pi: Any = math.pi
+        self.digits = 16
+        self.context: Any = None
+        if not self.machine:
+            from mpmath import MPContext
+
+            self.context = MPContext()
+            self.digits = self.context.dps = field.dps + GUARD_DIGITS
+            self.sqrt, self.pi = self.context.sqrt, +self.context.pi
+        self._cosines: dict[int, list[Any]] = {}
+        self._weights: dict[int, list[Any]] = {}
+
+    def real(self, x: Any) -> Any:
+        """x, a real number of any kind, as a working one."""
+        if self.machine:
+            return float(x)
+        return self.context.make_mpf(x._mpf_) if hasattr(x, "_mpf_") else self.context.mpf(x)
+
+    def convert(self, x: Any) -> Any:
+        """x, a number of any kind, as a working complex one."""
+        if self.machine:
+            return complex(x)
+        if hasattr(x, "_mpc_"):
+            return self.context.make_mpc(x._mpc_)
+        return self.context.mpc(self.real(x)) if not isinstance(x, complex) else self.context.mpc(x)
+
+    def ten(self, exponent: int) -> Any:
+        """10**exponent."""
+        return 10.0**exponent if self.machine else self.context.mpf(10) ** exponent
+
+    def root(self, square: Any, approximation: complex) -> Any:
+        """The square root of ``square`` on the side of a rough value of it."""
+        root = self.sqrt(square)
+        rough = complex(root)
+        return root if rough.real * approximation.real + rough.imag * approximation.imag >= 0 else -root
+
+    def cosines(self, n: int) -> list[Any]:
+        """cos(jπ/(2n)) for j = 0 … n."""
+        if n not in self._cosines:
+            cos = math.cos if self.machine else self.context.cos
+            values = [cos(j * self.pi / (2 * n)) for j in range(n)]
+            self._cosines[n] = [*values, 0 * values[0]]
+        return self._cosines[n]
+
+    def nodes(self, n: int) -> list[Any]:
+        """The non-negative Chebyshev nodes cos((2j−1)π/(2n)), descending; n is even."""
+        return self.cosines(n)[1::2]
+
+    def fejer(self, n: int) -> list[Any]:
+        """The weights of Fejér's first rule at :meth:`nodes`, for integrals over [0, 1] of even functions; n even."""
+        if n not in self._weights:
+            table = self.cosines(n)[::2]  # cos(kπ/n), k = 0 … n/2
+            table = table + [-c for c in table[-2::-1]]
+            table = table + table[-2:0:-1]
+            factors = [self.real(1) / (4 * m * m - 1) for m in range(1, n // 2 + 1)]
+            size = 2 * n
+            self._weights[n] = [
+                (1 - 2 * sum(c * table[m * (2 * j - 1) % size] for m, c in enumerate(factors, 1))) * 2 / n
+                for j in range(1, n // 2 + 1)
+            ]
+        return self._weights[n]
+
+    def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
+        """How many nodes, an even number of a sparse sequence, when each brings that many digits; Infeasible beyond
+        ``most``.
+        """
+        needed = (self.digits + 3) / digits_per_node if digits_per_node > 0 else math.inf
+        if needed > most:
+            raise Infeasible(
+                f"{needed:.0f} nodes of quadrature: a branch point is too near to the path; the limit is {most}"
+            )
+        step = max(2, 2 * (int(needed) // 16))
+        return step * math.ceil(needed / step)
+
+
+@lru_cache(maxsize=64)
+def working_numbers(field: Any) -> Numbers:
+    """The Numbers of a field, the same object for the same field: its nodes and weights are made once."""
+    return Numbers(field)
+
+
+def ellipse(u: complex) -> float:
+    """log₁₀ r for the ellipse with foci ±1 through u."""
+    root = cmath.sqrt(u * u - 1)
+    return math.log10(max(abs(u + root), abs(u - root)))
+
+
+def from_branch_point(
+    numbers: Numbers, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms
+) -> tuple[int, Vector]:
+    """(i, ∫ forms(x) dx/Y from the branch point i to the point) on Y² = lead·Π(x − e), i being the best start."""
+    x, Y = point
+    rough, target = [complex(e) for e in roots], complex(x)
+    scale = max(abs(e - target) for e in rough)
+    rates = [_rate([e for j, e in enumerate(rough) if j != i], start, target, scale) for i, start in enumerate(rough)]
+    i = max(range(len(roots)), key=rates.__getitem__)
+    e, span = roots[i], x - roots[i]
+    if not span:
+        return i, [0 * f for f in forms(x)]
+    ratios = [span / (other - e) for j, other in enumerate(roots) if j != i]
+    constant = lead * span
+    for j, other in enumerate(roots):
+        if j != i:
+            constant = constant * (e - other)
+    # the weights take the square of this time
+    n = numbers.node_count(rates[i], 500 + 10 * numbers.digits)
+    total: Vector = [0 * f for f in forms(x)]
+    for s, weight in zip(numbers.nodes(n), numbers.fejer(n), strict=True):
+        square = s * s
+        factor = weight / _root_of_product(numbers, ratios, square)
+        total = [t + factor * f for t, f in zip(total, forms(e + span * square), strict=True)]
+    # Y = √constant · s · Π√(1 − s²·ratio): the sign of the root is that for which Y is met at s = 1
+    root = numbers.root(constant, complex(Y / _root_of_product(numbers, ratios, 1)))
+    return i, [2 * span / root * x for x in total]
+
+
+def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
+    """Digits per node of Fejér's rule on the path from ``start``: the singularities in s are ±√((e − start)/span)."""
+    if abs(target - start) < 1e-14 * scale:
+        return 16.0
+    return min((ellipse(cmath.sqrt((e - start) / (target - start))) for e in others), default=16.0)
+
+
+def _root_of_product(numbers: Any, ratios: Vector, square: Any) -> Any:
+    """Π√(1 − s²·ratio), each root principal."""
+    product, rough, s2 = 1, 1 + 0j, float(square)
+    for ratio in ratios:
+        product = product * (1 - square * ratio)
+        rough *= (1 - s2 * complex(ratio)) ** 0.5
+    return numbers.root(product, rough)

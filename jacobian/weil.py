@@ -1,0 +1,53 @@
+"""Forms of the characteristic polynomial of Frobenius.
+
+χ(T) = T^2g + a_1 T^(2g−1) + … + q^g = T^g·R(T + q/T), R(z) = z^g + r_1 z^(g−1) + … + r_g; the roots of R are real and
+at most 2√q in size (Weil 1948). #J = χ(1) = R(1 + q), and χ(−1) is the order of the quadratic twist.
+"""
+
+from __future__ import annotations
+
+from math import comb
+
+
+def extend(chi: list[int], q: int, degree: int) -> list[int]:
+    """χ over GF(q^degree) from χ over GF(q): the roots are raised to that power (Newton's identities)."""
+    size = len(chi) - 1
+    g = size // 2
+    descending = chi[::-1]
+    sums = [0]
+    for k in range(1, g * degree + 1):
+        known = sum(descending[i] * sums[k - i] for i in range(1, min(k, size + 1)) if i <= size)
+        sums.append(-known - (k * descending[k] if k <= size else 0))
+    a = [1]
+    for i in range(1, g + 1):
+        a.append(-sum(sums[degree * j] * a[i - j] for j in range(1, i + 1)) // i)
+    return from_leading(a, q**degree)
+
+
+def from_leading(a: list[int], q: int) -> list[int]:
+    """χ, ascending, from 1, a_1 … a_g: χ(T) = T^2g χ(q/T)/q^g."""
+    g = len(a) - 1
+    return [q ** (g - i) * a[i] for i in range(g)] + a[::-1]
+
+
+def real_part(a: list[int], q: int, g: int) -> list[int]:
+    """1, r_1 … r_k from 1, a_1 … a_k, in which a_i = Σ C(g−i+2j, j) q^j r_(i−2j)."""
+    r: list[int] = []
+    for i, c in enumerate(a):
+        r.append(c - sum(comb(g - i + 2 * j, j) * q**j * r[i - 2 * j] for j in range(1, i // 2 + 1)))
+    return r
+
+
+def from_real_part(r: list[int], q: int) -> list[int]:
+    """χ, ascending, from 1, r_1 … r_g."""
+    g = len(r) - 1
+    a = [sum(comb(g - i + 2 * j, j) * q**j * r[i - 2 * j] for j in range(i // 2 + 1)) for i in range(g + 1)]
+    return from_leading(a, q)
+
+
+def leading(excess: list[int]) -> list[int]:
+    """1, a_1 … a_k from S_i = #C(GF(q^i)) − q^i − 1, i = 1 … k: i·a_i = Σ S_j a_(i−j)."""
+    a = [1]
+    for i in range(1, len(excess) + 1):
+        a.append(sum(excess[j - 1] * a[i - j] for j in range(1, i + 1)) // i)
+    return a
