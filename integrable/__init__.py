@@ -14,18 +14,26 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from integrable.scene import load_scene, run
     from integrable.systems.chaplygin_ball import ChaplyginBall
+    from integrable.systems.check import Check
+    from integrable.systems.deformed import Tilde
     from integrable.systems.euler_top import EulerTop
+    from integrable.systems.gyroscopic import Gyroscopic
+    from integrable.systems.hat import Hat
     from integrable.trajectory import Trajectory
 
 _HOME = {
     "ChaplyginBall": "integrable.systems.chaplygin_ball",
+    "Check": "integrable.systems.check",
     "EulerTop": "integrable.systems.euler_top",
+    "Gyroscopic": "integrable.systems.gyroscopic",
+    "Hat": "integrable.systems.hat",
+    "Tilde": "integrable.systems.deformed",
     "Trajectory": "integrable.trajectory",
     "load_scene": "integrable.scene",
     "run": "integrable.scene",
 }
 
-__all__ = ["ChaplyginBall", "EulerTop", "Trajectory", "load_scene", "run"]
+__all__ = ["ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "Tilde", "Trajectory", "load_scene", "run"]
 
 
 def __getattr__(name: str) -> Any:

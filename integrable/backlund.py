@@ -6,26 +6,34 @@ and sums of these (Tsiganov, Proposition 1, made precise: D' must not depend on 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from operator import index
 from typing import TYPE_CHECKING, Any
 
 from integrable import coordinates
+from integrable.jets import apply
+from integrable.step import Step
 from jacobian import poly
 from jacobian.errors import ArgumentError, NotASquare
 from jacobian.lift import SignedDivisor, SignedGroup
 
 if TYPE_CHECKING:
+    from integrable.chaplygin_transformation import ChaplyginTransformation
     from integrable.state import State
     from integrable.systems.system import System
 
 
-class Translation:
+class Translation(Step):
     """The map that adds [multiple](Σ (x_k, y_k) − ∞'s): call it on a state.
 
-    ``points``: one or two abscissas, real or a complex-conjugate pair; ``sheets``: the signs of y_k = ±√f(x_k);
-    ``signs``: those of the roots √U'(a_i) that turn γ. Use :meth:`System.translation` and :meth:`System.torsion`. ``2 *
-    step`` is its double, ``-step`` the inverse.
+    ``points``: one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
+    written with operators; ``sheets``: the signs of y_k = ±√f(x_k); ``signs``: those of the roots √U'(a_i) that turn γ.
+    Use :meth:`System.translation` and :meth:`System.torsion`. ``2 * step`` is its double, ``-step`` the inverse, ``@``
+    composes.
+
+    Preserved: H1 and H2 always, the bracket of :meth:`System.poisson` for points of fixed abscissa, for the branch
+    points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), for :func:`on_line`, and for sums of these; a generic
+    x'(h1, h2) changes it. It commutes with the flow in τ, not with that in t (d ≠ 0).
     """
 
     def __init__(
@@ -42,6 +50,7 @@ class Translation:
         self.signs = _signs(signs, 3, "signs")
         self.multiple = _multiple(multiple)
         self._last: tuple[Any, ...] | None = None
+        self._upright: tuple[System, Translation] | None = None
 
     def __repr__(self) -> str:
         points = ", ".join(map(str, self.points))
@@ -55,6 +64,9 @@ class Translation:
     def __neg__(self) -> Translation:
         return self * -1
 
+    def over(self, system: Any) -> Translation:
+        return Translation(system, self.points, self.sheets, self.signs, self.multiple)
+
     def __call__(self, state: State) -> State:
         """The image of a state.
 
@@ -64,6 +76,9 @@ class Translation:
         system = self.system
         body = system.body
         state = system._checked(state)
+        if state.tilted:
+            step, plain, change = self._transformed(state)
+            return change.invert(step(plain))
         pairs = coordinates.to_pairs(body, state)
         u, v = coordinates.to_mumford(body, pairs)
         h1, h2 = system.integrals(state)[2:]
@@ -73,20 +88,35 @@ class Translation:
 
     def divisor(self, state: State) -> Any:
         """D' on the curve of a state, as a divisor of its Jacobian."""
+        if self.system._checked(state).tilted:
+            step, plain, _ = self._transformed(state)
+            return step.divisor(plain)
         h1, h2 = self.system.integrals(self.system._checked(state))[2:]
         _, move = self._move(h1, h2)
         return self.system.group(h1, h2).from_mumford(move.u, move.v)
+
+    def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
+        """The same step on the body of :meth:`System.upright`, the branch point 1/d taken along."""
+        system, plain, change = self.system.upright(state)
+        if self._upright is None or self._upright[0] != system:
+            points = self.points
+            if system.body.rolls:
+                K = self.system.field
+                branch, image = K.inv(self.system.d), K.inv(system.d)
+                points = tuple(image if x == branch else x for x in points)
+            self._upright = (system, Translation(system, points, self.sheets, self.signs, self.multiple))
+        return self._upright[1], plain, change
 
     def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
         """The sign-resolved D' on the curve of (h1, h2); kept, because an orbit stays on one curve."""
         if self._last is None or self._last[:2] != (h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
-            self._last = (h1, h2, group, self._signed(group))
+            self._last = (h1, h2, group, self._signed(group, h1, h2))
         return self._last[2], self._last[3]
 
-    def _signed(self, group: SignedGroup) -> SignedDivisor:
-        u, v = self._mumford(group)
+    def _signed(self, group: SignedGroup, h1: Any, h2: Any) -> SignedDivisor:
+        u, v = self._mumford(group, h1, h2)
         if self.multiple % 2 == 0:
             # the double of anything has rational roots
             move = group.double(group.twist(u, v))
@@ -112,14 +142,15 @@ class Translation:
                 "conjugate pair; or an even multiple"
             ) from None
 
-    def _mumford(self, group: SignedGroup) -> tuple[poly.Poly, poly.Poly]:
+    def _mumford(self, group: SignedGroup, h1: Any, h2: Any) -> tuple[poly.Poly, poly.Poly]:
         K, f = group.field, group.curve.f
         if any(isinstance(x, complex) or hasattr(x, "_mpc_") for x in self.points):
             return self._conjugate_pair(K, f)
-        y = [self._ordinate(K, f, x, sheet) for x, sheet in zip(self.points, self.sheets, strict=True)]
+        x = [apply(K, x, h1, h2) if callable(x) else x for x in self.points]
+        y = [K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet) for e, sheet in self._sheeted(x)]
         if len(y) == 1:
-            return (K.neg(self.points[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
-        x1, x2 = self.points
+            return (K.neg(x[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
+        x1, x2 = x
         if x1 == x2:
             if y[0] != y[1]:
                 raise ArgumentError(f"points = ({x1}, {x2}): a point and its opposite add up to zero")
@@ -129,9 +160,19 @@ class Translation:
         v = (K.sub(y[0], K.mul(slope, x1)), slope)
         return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), poly.trim(K, v) if K.exact else v
 
-    def _ordinate(self, K: Any, f: poly.Poly, x: Any, sheet: int) -> Any:
-        if x in self.system.a or (self.system.body.rolls and x == K.inv(self.system.d)):
-            return K.zero
+    def _sheeted(self, x: Sequence[Any]) -> Any:
+        return zip(x, self.sheets, strict=True)
+
+    def _is_branch(self, x: Any, h1: Any, h2: Any) -> bool:
+        """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (over an inexact field to rounding)."""
+        K, system = self.system.field, self.system
+        if x in system.a or (system.body.rolls and x == K.inv(system.d)):
+            return True
+        rest = K.sub(K.mul(x, h2), h1)
+        return bool(rest == K.zero if K.exact else abs(rest) <= 4 * K.eps * abs(h1))
+
+    @staticmethod
+    def _ordinate(K: Any, f: poly.Poly, x: Any, sheet: int) -> Any:
         value = poly.evaluate(K, f, x)
         try:
             y = K.sqrt(value)
@@ -142,11 +183,27 @@ class Translation:
         return y if sheet > 0 else K.neg(y)
 
     def _conjugate_pair(self, K: Any, f: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
-        z = self.points[0]
+        # a Python complex brings only its own digits, but they are taken exactly
+        z = K.context.mpc(self.points[0]) if hasattr(K, "context") else self.points[0]
         value = poly.evaluate(K, f, z)
         y = value**0.5 if self.sheets[0] > 0 else -(value**0.5)
         slope = y.imag / z.imag
         return (K.coerce(abs(z) ** 2), -2 * z.real, K.one), (y.real - slope * z.real, slope)
+
+
+def moving_branch_point(h1: Any, h2: Any) -> Any:
+    """The abscissa h1/h2 of the branch point that moves with the integrals, for ``points``."""
+    return h1 / h2
+
+
+def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
+    """The abscissa with h1 − x'h2 = c0 + c1·x', for ``points``: y'² = φ(x')(c0 + c1·x') is fixed."""
+
+    def abscissa(h1: Any, h2: Any) -> Any:
+        K = h1.field
+        return K.div(K.sub(h1, c0), K.add(h2, c1))
+
+    return abscissa
 
 
 def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
@@ -161,7 +218,7 @@ def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
         raise ArgumentError(f"points = {points!r}: at d = 0 give two abscissas; one point and ∞ needs d > 0")
     complex_ones = [x for x in given if isinstance(x, complex) or hasattr(x, "_mpc_")]
     if not complex_ones:
-        return tuple(K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
+        return tuple(x if callable(x) else K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
     if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not given[0].imag:
         raise ArgumentError(f"points = {points!r}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP")
     return tuple(given)

@@ -106,7 +106,7 @@ class Body:
         from jacobian import poly
 
         K = self.field
-        four = K.coerce(4)
+        four = poly.integer(K, 4)
         f: tuple[Any, ...] = (K.neg(K.mul(four, h1)), K.mul(four, h2))
         for a in self.a:
             f = poly.mul(K, f, (a, K.neg(K.one)))

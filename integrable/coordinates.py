@@ -17,7 +17,7 @@ from typing import Any
 from integrable.body import Body, Vector, cross, square_root
 from integrable.state import State
 from jacobian import poly
-from jacobian.errors import NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.lift import Pair
 
 
@@ -45,6 +45,8 @@ def root_of_g(body: Body, gamma: Vector) -> Any:
 
 def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
     """The pairs at :func:`branch_points` of a state; NotASquare when g = √g² is not in the field."""
+    if state.tilted:
+        raise ArgumentError("state: (γ, M) may differ from 0 here; take the state of system.upright(state)")
     K, gamma, M = body.field, state.gamma, state.M
     w = cross(K, gamma, M)
     two = K.add(K.one, K.one)

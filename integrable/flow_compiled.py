@@ -7,10 +7,16 @@ for it.
 from __future__ import annotations
 
 from numba import njit
-from numba.extending import register_jitable
+from numba.extending import overload, register_jitable
 
 from integrable import flow_kernel
 from jacobian.genus2_compiled import JIT
+
+
+@overload(flow_kernel.estimate)
+def _estimate(series, f0, eps):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
+    return lambda series, f0, eps: (-series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4)
+
 
 for _inner in (
     flow_kernel.pair,
@@ -18,7 +24,10 @@ for _inner in (
     flow_kernel.carried,
     flow_kernel.settled,
     flow_kernel.shift,
+    flow_kernel.rate_at,
     flow_kernel.clock_rate,
+    flow_kernel.centre,
+    flow_kernel.conjugate_points,
     flow_kernel.near_identity,
     flow_kernel.integrate_series,
     flow_kernel.moving_point,

@@ -3,7 +3,8 @@
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
 the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
 *translation* is the same with κ_i = 1. All is in the flow's units (:mod:`integrable.flow_setup`). Numbers are ``float``
-or ``mpf``; sequences may be lists, tuples or numpy rows; ``axes`` is (α1, α2, α3, κ1, κ2, κ3).
+or ``mpf``; sequences may be lists, tuples or numpy rows; ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β) with the clock
+(α + βñ)/g̃ of a tilted body (:meth:`integrable.chaplygin_transformation.ChaplyginTransformation.clock`), else (1, 0).
 """
 
 from __future__ import annotations
@@ -14,6 +15,8 @@ from jacobian.genus2_real import add, chord, root
 
 Real = Any
 Row = Any
+# terms after which a series inside its reach adds nothing to a float
+FLOAT_TERMS = 48
 
 
 def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
@@ -102,8 +105,22 @@ def pair(
     return new_sigma * scale, new_nu * scale
 
 
+def rate_at(axes: Row, point: Row) -> Real:
+    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ²."""
+    x1, x2, x3 = point[4], point[5], point[6]
+    rate = 1 / root(x1 * x1 + x2 * x2 + x3 * x3)
+    if axes[7] == 0:
+        return rate
+    lean = (axes[2] - axes[1]) * point[7] * x2 * x3
+    lean += (axes[0] - axes[2]) * point[8] * x3 * x1
+    lean += (axes[1] - axes[0]) * point[9] * x1 * x2
+    return (axes[6] + axes[7] * lean) * rate
+
+
 def clock_rate(f: Row, axes: Row, point: Row, step: Row) -> Real:
-    """1/g after the addition of a translation; the sum itself is not needed for it, only the chord."""
+    """1/g after the addition of a translation; for an upright body the sum itself is not needed, only the chord."""
+    if axes[7] != 0:
+        return rate_at(axes, carried(f, axes, point, step))
     q, l1, l0 = chord(
         (f[0], f[1], f[2], f[3], f[4], f[5]),
         (point[0], point[1], point[2], point[3]),
@@ -124,15 +141,32 @@ def clock_rate(f: Row, axes: Row, point: Row, step: Row) -> Real:
 def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passes: int) -> Row:
     """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0, for eps inside the radius of the series.
 
-    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. The two points are conjugate, at
-    m ± √r with m and r of order eps², found by ``passes`` steps of Newton. All is computed relative to eps, so that no
-    digit is lost as eps → 0; eps itself must not be 0.
+    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. All is computed relative to eps,
+    so that no digit is lost as eps → 0; eps itself must not be 0.
     """
+    m, r = estimate(series, f0, eps)
+    m, r = centre(series, f0, eps, m, r, passes)
+    return conjugate_points(roots, f0, axes, eps, m, r)
+
+
+def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
+    """(m, r) of T(eps) to start Newton from: to leading order in eps, and for mpf to the digits of a float.
+
+    (Compiled code has floats only and a shorter version of its own, in :mod:`integrable.flow_compiled`.)
+    """
+    r = f0 * eps * eps / 4
+    m = -series[1] * r / 3
+    if isinstance(eps, float) or abs(eps) < 1e-100:
+        return m, r
+    floats = [float(c) for c in series[:FLOAT_TERMS]]
+    rough, square = centre(floats, float(f0), float(eps), float(m), float(r), 6)
+    return rough + 0 * r, square + 0 * r
+
+
+def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:
+    """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
     size = len(series)
     target = f0 * eps * eps / 4
-    r = target
-    m = -series[1] * r / 3
-    phi = 1 + 0 * r
     for _ in range(passes):
         # r·phi² = target and psi = 0, where 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y
         phi, psi = 0 * r, 0 * r
@@ -157,14 +191,20 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
         first_m, first_r = 2 * r * phi * phi_m, phi * phi + 2 * r * phi * phi_r
         det = first_m * psi_r - first_r * psi_m
         m, r = m - (first * psi_r - first_r * psi) / det, r - (first_m * psi - first * psi_m) / det
+    return m, r
+
+
+def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
+    """The translation with points at m ± √r, as a moving point with κ = 1."""
     # ±√(f/f0) at the two points: half their sum over √r, and half their difference
     c = m * m - r
     s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
     even, odd = 0 * r, 0 * r
-    for k in range(size):
+    for k in range(len(roots)):
         even += roots[k] * c0
         odd += roots[k] * s0
         s0, s1, c0, c1 = s1, 2 * m * s1 - c * s0, c1, 2 * m * c1 - c * c0
+    phi = root(f0 * eps * eps / (4 * r))
     t1 = phi / eps * even
     t0 = 2 * r * phi / eps * odd - t1 * m
     x1, x2, x3 = axes[0] - m, axes[1] - m, axes[2] - m
@@ -305,7 +345,7 @@ def state_at_time(
         target = rest_next / half_step
         point = reach(f, axes, start, counts, table, step)
     x = target / coefficients[0]
-    for _ in range(2 * passes):
+    for _ in range(passes + 8):
         x = max(-one, min(one, x))
         angle, rate = integrate_series(coefficients, x)
         x -= (angle - target) / rate

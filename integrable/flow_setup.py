@@ -7,6 +7,7 @@ from math import ceil, log
 from typing import Any
 
 from integrable.body import Body, Vector, cross
+from integrable.chaplygin_transformation import ChaplyginTransformation
 from integrable.flow_kernel import near_identity, shift
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError
@@ -28,8 +29,10 @@ class Setup:
     2X|M|·t.
     """
 
-    def __init__(self, body: Body, gamma: Vector, M: Vector) -> None:
+    def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool = False) -> None:
         field = body.field
+        self.wide: Any
+        self.work: Any
         if field == RR:
             self.wide, self.work, digits = MP(FLOAT_DIGITS), RR, 16
         elif type(field) is type(MP(15)) and not field.complex:
@@ -38,11 +41,13 @@ class Setup:
         else:
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
         self.digits = digits
-        self._wide_problem(Body.make(body.inertia, body.d, self.wide), gamma, M)
+        self.tilt: ChaplyginTransformation | None = None
+        self._wide_problem(Body.make(body.inertia, body.d, self.wide), gamma, M, tilted)
         number = self.number
         self.f, self.axes, self.start = (tuple(map(number, v)) for v in (self._f, self._axes, self._start))
         size = ceil(digits * log(10) / -log(1.4 * REACH)) + 4
-        self.passes = 5 + ceil(log(digits / 16 + 1, 2))
+        # steps of Newton from an estimate: floats start at leading order, multiprecision from floats
+        self.passes = 6 if self.work is RR else max(1, ceil(log(digits / 14, 2)))
         self._series = power_series(self.wide, self._f, -1, size + ceil(1.3 * (self.wide.dps - digits)))
         self._roots = power_series(self.wide, self._f, 1, len(self._series))
         self.series, self.roots = (tuple(map(number, v[:size])) for v in (self._series, self._roots))
@@ -56,12 +61,15 @@ class Setup:
         """x, rounded to the working numbers."""
         return float(x) if self.work is RR else self.work.coerce(x)
 
-    def _wide_problem(self, body: Body, gamma: Vector, M: Vector) -> None:
+    def _wide_problem(self, body: Body, gamma: Vector, M: Vector, tilted: bool) -> None:
         K = self.wide
         gamma, M = (tuple(map(K.coerce, v)) for v in (gamma, M))
         # the constraints hold to rounding; make them hold to the last digit of the wide precision
         length = K.sqrt(K.dot(gamma, gamma))
         gamma = tuple(x / length for x in gamma)
+        if tilted:
+            self.tilt = ChaplyginTransformation.of(body, gamma, M)
+            body, (gamma, M) = self.tilt.upright, self.tilt.apply_vectors(gamma, M)
         tilt = K.dot(gamma, M)
         M = tuple(m - tilt * x for m, x in zip(M, gamma, strict=True))
         h1, h2 = body.integrals(gamma, M)[2:]
@@ -70,17 +78,24 @@ class Setup:
         top, spin = max(body.a), K.sqrt(h2)
         alphas = tuple(a / top for a in body.a)
         kappas = (r * c / top**2 for r, c in zip(body.contact, body.differences, strict=True))
-        self._axes = (*alphas, *kappas)
-        self.ratio, d = h1 / (h2 * top), body.d * top
+        self._axes = (*alphas, *kappas, *self._clock(top, spin))
+        self.ratio, self._d = h1 / (h2 * top), body.d * top
         f = (-self.ratio, K.one)
         for a in alphas:
             f = poly.mul(K, f, (a, -K.one))
-        self._f = (*poly.mul(K, f, (K.one, -d)),)
+        self._f = (*poly.mul(K, f, (K.one, -self._d)),)
         self.clock = 2 * top * spin
         self.momentum = self.number(spin)
         self._start = self._moving_point(body, gamma, M, spin)
         branch = min(*alphas, self.ratio)
         self._half_step = 2 * REACH * branch / K.sqrt(-self._f[0])
+
+    def _clock(self, top: Any, spin: Any) -> tuple[Any, Any]:
+        """(α, β) of the clock, in the units of the flow."""
+        if self.tilt is None:
+            return self.wide.one, self.wide.zero
+        upright, lean = self.tilt.clock()
+        return upright, lean * top * spin
 
     def _moving_point(self, body: Body, gamma: Vector, M: Vector, spin: Any) -> tuple[Any, ...]:
         K = self.wide
@@ -97,11 +112,61 @@ class Setup:
                 v[k] += r * x * y * c
         return (u[0], u[1], v[0], v[1], *sigma, *nu)
 
+    # --- what the torus is built from, in the wide precision
+
+    @property
+    def wide_f(self) -> tuple[Any, ...]:
+        """f, ascending."""
+        return self._f
+
+    @property
+    def wide_start(self) -> tuple[Any, ...]:
+        """The moving point at time 0."""
+        return self._start
+
+    @property
+    def wide_all_axes(self) -> tuple[Any, ...]:
+        """α, κ and the clock's constants, as :mod:`integrable.flow_kernel` takes them."""
+        return self._axes
+
+    @property
+    def wide_d(self) -> Any:
+        """d·max a_i."""
+        return self._d
+
+    @property
+    def wide_axes(self) -> tuple[Any, ...]:
+        """α1, α2, α3."""
+        return self._axes[:3]
+
+    @property
+    def wide_branch_points(self) -> tuple[Any, ...]:
+        """The roots of f."""
+        rest = () if self._d == 0 else (1 / self._d,)
+        return (*self._axes[:3], self.ratio, *rest)
+
+    @property
+    def wide_passes(self) -> int:
+        """Steps of Newton from a float to the wide precision."""
+        return max(1, ceil(log(self.wide.dps / 14, 2)))
+
+    def wide_series(self, f: tuple[Any, ...], power: int) -> tuple[Any, ...]:
+        """The series of (f/f0)^(power/2), as long as the flow's own."""
+        return power_series(self.wide, f, power, len(self._series))
+
+    def combine(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
+        """The sum of two translations, as a moving point with κ = 1."""
+        return shift(self._f, (*self._axes[:3], 1, 1, 1, 1, 0), first, second)
+
+    def moved(self, step: tuple[Any, ...], point: tuple[Any, ...]) -> tuple[Any, ...]:
+        """A wide moving point after a translation."""
+        return shift(self._f, self._axes, point, step)
+
     # --- translations
     # -----------------------------------------------------------------------------------------------------------
 
     def _near(self, eps: Any) -> tuple[Any, ...]:
-        return near_identity(self._series, self._roots, self._f[0], self._axes, eps, self.passes + 2)
+        return near_identity(self._series, self._roots, self._f[0], self._axes, eps, self.wide_passes)
 
     def near(self, eps: Any) -> tuple[Any, ...]:
         """T(eps) in the working numbers, for |eps| up to half a step."""
@@ -124,7 +189,7 @@ class Setup:
         double = self._double(self._levels[-1])
         rough = {m: self._near_sum(double, m) for m in range(-min(SEARCH, self.counts[-1] - 1), SEARCH + 1)}
         best = max(rough, key=lambda m: conditioning(rough[m]))
-        exact = double if best == 0 else self._add(double, self._multiple(best))
+        exact = double if best == 0 else self.combine(double, self._multiple(best))
         self.counts.append(2 * self.counts[-1] + best)
         self._levels.append(exact)
 
@@ -132,7 +197,8 @@ class Setup:
         """The translation by m further basic steps, roughly: in floats."""
         if m == 0:
             return tuple(map(float, step))
-        floats = (tuple(map(float, row)) for row in (self._f, (*self._axes[:3], 1, 1, 1), step, self._multiple(m)))
+        axes = (*self._axes[:3], 1, 1, 1, 1, 0)
+        floats = (tuple(map(float, row)) for row in (self._f, axes, step, self._multiple(m)))
         return shift(*floats)
 
     def _multiple(self, m: int) -> tuple[Any, ...]:
@@ -140,17 +206,13 @@ class Setup:
         while len(self._multiples) < abs(m):
             last = self._multiples[-1]
             self._multiples.append(
-                self._double(last) if len(self._multiples) == 1 else self._add(last, self._multiples[0])
+                self._double(last) if len(self._multiples) == 1 else self.combine(last, self._multiples[0])
             )
         step = self._multiples[abs(m) - 1]
         return step if m > 0 else opposite(step)
 
-    def _add(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
-        """The sum of two translations, as a moving point with κ = 1."""
-        return shift(self._f, (*self._axes[:3], 1, 1, 1), first, second)
-
     def _double(self, step: tuple[Any, ...]) -> tuple[Any, ...]:
-        return self._add(step, step)
+        return self.combine(step, step)
 
     def _signed(self, step: tuple[Any, ...], sign: int) -> tuple[Any, ...]:
         rounded = tuple(map(self.number, step))
@@ -163,14 +225,13 @@ class Setup:
     # --- times
     # ------------------------------------------------------------------------------------------------------------------
 
-    def scaled(self, t: Any) -> tuple[Any, Any]:
-        """t in units of the flow, as (high, low) of working numbers."""
-        exact = self.wide.coerce(t) * self.clock
-        high = self.number(exact)
-        return high, self.number(exact - self.wide.coerce(high))
+    def split(self, t: Any) -> tuple[Any, Any]:
+        """A wide number as (high, low) of working numbers."""
+        high = self.number(t)
+        return high, self.number(t - self.wide.coerce(high))
 
     def unscaled(self, t: Any) -> Any:
-        """The inverse of :meth:`scaled`, rounded."""
+        """A time in the user's units, rounded."""
         return self.number(self.wide.coerce(t) / self.clock)
 
     @cached_property

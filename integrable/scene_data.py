@@ -80,6 +80,8 @@ class Scene:
     report: Comparison | None = None
     pictures: tuple[str, ...] = ()
     sphere: Times | None = None
+    tilted: bool = False
+    """Whether (γ, M) may differ from 0."""
     place: str = "scene"
     """What error messages call the scene: the file it came from."""
 
@@ -98,7 +100,7 @@ class Scene:
         """The body and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""
         body, number = self.body(digits), _numbers(digits)
         with self._placed("[start]"):
-            return body, body.state(tuple(map(number, self.gamma)), tuple(map(number, self.M)))
+            return body, body.state(tuple(map(number, self.gamma)), tuple(map(number, self.M)), tilted=self.tilted)
 
     def describe(self) -> dict[str, Any]:
         """The scene as plain data: fractions as strings such as "7/10"."""

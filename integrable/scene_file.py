@@ -58,7 +58,7 @@ def _read(name: str, place: str, text: str) -> Scene:
     top = Table(f"{place}:", content, known)
     system = top.choice("system", _SYSTEMS)
     body = _section(top, place, "body", ("inertia", "d", "mass", "radius") if system != "euler_top" else ("inertia",))
-    start = _section(top, place, "start", ("gamma", "M"))
+    start = _section(top, place, "start", ("gamma", "M", "tilted"))
     runs = _section(top, place, "run", ("times", "digits"))
     report = _read_comparison(_section(top, place, "report", _COMPARISON)) if "report" in top else None
     pictures, sphere = _read_output(_section(top, place, "output", ("pictures", "sphere")), report)
@@ -76,6 +76,7 @@ def _read(name: str, place: str, text: str) -> Scene:
         report=report,
         pictures=pictures,
         sphere=sphere,
+        tilted=start.flag("tilted"),
         place=place,
     )
 

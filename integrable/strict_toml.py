@@ -65,6 +65,11 @@ class Table:
         value = self._get(key, default, "a string")
         return value if isinstance(value, str) else self.fail(key, f"{_shown(value)} given; a string is needed")
 
+    def flag(self, key: str) -> bool:
+        """true or false; false where it is missing."""
+        value = self.content.get(key, False)
+        return value if isinstance(value, bool) else self.fail(key, f"{_shown(value)} given; true or false is needed")
+
     def choice(self, key: str, choices: Iterable[str], default: str = _MISSING) -> str:
         """One of a few strings."""
         choices = list(choices)

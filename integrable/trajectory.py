@@ -43,17 +43,35 @@ class Trajectory:
     @cached_property
     def gamma(self) -> np.ndarray:
         """The vertical γ in the body frame, shape (N, 3)."""
-        return self._rounded(self._points[:, 4:7] / self._lengths[:, None])
+        return self._rounded(self._original[0])
 
     @cached_property
     def M(self) -> np.ndarray:
         """The angular momentum M about the contact point in the body frame, shape (N, 3)."""
+        return self._rounded(self._original[1])
+
+    @cached_property
+    def _original(self) -> tuple[np.ndarray, np.ndarray]:
+        """(γ, M) of the given body, which for a tilted state is not that of the divisor."""
+        setup = self.flow.setup
+        if setup.tilt is None:
+            return self._upright_gamma, self._upright_M
+        matrix = [setup.number(x) for x in setup.tilt.inverse_matrix()]
+        g, m = self._upright_gamma, self._upright_M
+        return matrix[0] * g + matrix[1] * m, matrix[2] * g + matrix[3] * m
+
+    @cached_property
+    def _upright_gamma(self) -> np.ndarray:
+        return self._points[:, 4:7] / self._lengths[:, None]
+
+    @cached_property
+    def _upright_M(self) -> np.ndarray:
         sigma, nu = self._points[:, 4:7], self._points[:, 7:10]
         lean = np.sum(sigma * nu, axis=1) / self._lengths**2
         w = (nu - lean[:, None] * sigma) * self.flow.setup.momentum
-        g = self._points[:, 4:7] / self._lengths[:, None]
+        g = self._upright_gamma
         i, j = [1, 2, 0], [2, 0, 1]
-        return self._rounded(w[:, i] * g[:, j] - w[:, j] * g[:, i])
+        return w[:, i] * g[:, j] - w[:, j] * g[:, i]
 
     @cached_property
     def omega(self) -> np.ndarray:

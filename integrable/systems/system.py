@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.body import Body, Integrals, Vector, cross, triple
@@ -11,12 +11,15 @@ from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
     from integrable.backlund import Translation
+    from integrable.chaplygin_transformation import ChaplyginTransformation
     from integrable.flow import Flow
+    from integrable.moves import ConicStep, Keyless, Multiplication, Shift
+    from integrable.separation import Separated
     from jacobian import Divisor, HyperellipticCurve, Jacobian
 
 
 class System:
-    """A rigid body with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
+    """A rigid body, by default with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
     body: Body
 
@@ -40,9 +43,10 @@ class System:
         """a_i = 1/(I_i + d)."""
         return self.body.a
 
-    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None) -> State:
+    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None, *, tilted: bool = False) -> State:
         """The State (γ, M), with |γ| = 1 and (γ, M) = 0 checked: exactly over exact fields, to eps^0.6 over inexact
-        ones.
+        ones. ``tilted=True`` allows (γ, M) ≠ 0: divisors, steps and the flow then go through Chaplygin's
+        transformation, which M ∥ γ alone has not.
 
         ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
         is none). Raises ArgumentError that names the argument, its value and what would be right.
@@ -55,9 +59,11 @@ class System:
         if _distance(K, square, K.one) > tolerance:
             raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
         size = 1 if K.exact else integrals.H2**0.5
-        if _distance(K, tilt, K.zero) > tolerance * size:
-            raise ArgumentError(f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}")
-        return State(gamma, M, self._root(gamma, g))
+        if not tilted and _distance(K, tilt, K.zero) > tolerance * size:
+            raise ArgumentError(
+                f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
+            )
+        return State(gamma, M, self._root(gamma, g), tilted=tilted)
 
     def _root(self, gamma: Vector, g: Any) -> Any:
         """The root of g² that a state over this field carries: None over the reals and at d = 0."""
@@ -90,6 +96,29 @@ class System:
         omega = self.omega(state)
         return State(cross(self.field, state.gamma, omega), cross(self.field, state.M, omega))
 
+    def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
+        """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; e*(3) at d = 0.
+
+        Also for (γ, M) ≠ 0. NotASquare where g² has no root in the field.
+        """
+        from integrable.brackets import ball_matrix
+
+        return ball_matrix(self.body, state.gamma, state.M, state.g)
+
+    def upright(self, state: State) -> tuple[System, State, ChaplyginTransformation]:
+        """(system, state, transformation): the motion of a tilted state as one with (γ̃, M̃) = 0 on another body.
+
+        ``transformation.invert`` leads back. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
+        roots.
+        """
+        from integrable.chaplygin_transformation import ChaplyginTransformation
+
+        state = self._checked(state)
+        change = ChaplyginTransformation.of(self.body, state.gamma, state.M)
+        system: System = object.__new__(type(self))
+        system.body = change.upright
+        return system, change.apply(state), change
+
     def curve(self, h1: Any, h2: Any) -> HyperellipticCurve:
         """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
 
@@ -114,10 +143,16 @@ class System:
         return GeneralizedJacobian(curve)
 
     def divisor(self, state: State) -> Divisor:
-        """The divisor (U, V) of a state, in :meth:`group`. NotASquare where g² has no root in the field."""
+        """The divisor (U, V) of a state, in :meth:`group` (of :meth:`upright` for a tilted state).
+
+        NotASquare where g² has no root in the field.
+        """
         from integrable import coordinates
 
         state = self._checked(state)
+        if state.tilted:
+            system, plain, _ = self.upright(state)
+            return system.divisor(plain)
         u, v = coordinates.to_mumford(self.body, coordinates.to_pairs(self.body, state))
         return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
 
@@ -130,11 +165,37 @@ class System:
         from integrable import coordinates
 
         like = self._checked(like)
+        if like.tilted:
+            system, plain, change = self.upright(like)
+            return change.invert(system.from_divisor(D, plain))
         if len(D.u) != 3:
             raise NotRepresentable(f"D = {D!r} has weight {len(D.u) - 1}: a state has a divisor of weight two")
         model = coordinates.to_pairs(self.body, like)
         pairs = coordinates.pairs_of(self.body, D.jacobian.curve.f, D.u, D.v, model)
         return coordinates.from_pairs(self.body, pairs)
+
+    def separated(self, state: State) -> Separated:
+        """The canonical coordinates (u, p) of a state (:func:`integrable.separation.to_separated`)."""
+        from integrable import separation
+
+        return separation.to_separated(self.body, self._checked(state))
+
+    def from_separated(self, u: Sequence[Any], p: Sequence[Any], like: State | None = None) -> State:
+        """The state of (u, p), with the signs of ``like`` or the field's.
+
+        See :func:`integrable.separation.from_separated`.
+        """
+        from integrable import separation
+
+        K = self.field
+        (u1, u2), (p1, p2) = ([K.coerce(x, name) for x in v] for name, v in (("u", u), ("p", p)))
+        return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
+
+    def lifts(self, state: State) -> tuple[State, ...]:
+        """The eight states that share the divisor of a state, itself first."""
+        from integrable import separation
+
+        return separation.lifts(self.body, self._checked(state))
 
     def translation(
         self,
@@ -143,8 +204,8 @@ class System:
         signs: Sequence[int] | None = None,
         multiple: int = 1,
     ) -> Translation:
-        """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two fixed abscissas (one: d ≠ 0
-        only).
+        """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two abscissas (one: d ≠ 0 only):
+        fixed numbers, or functions of (h1, h2) as in :class:`integrable.backlund.Translation`.
 
         Real images need U'(a_i) > 0 at every axis: two points on one oval, two beyond 1/d, a complex-conjugate pair,
         one branch point 1/d, or an even multiple of anything.
@@ -158,6 +219,30 @@ class System:
         if not self.body.rolls:
             raise ArgumentError("d = 0: the branch point 1/d is at infinity; the 2-torsion map needs d ≠ 0")
         return self.translation([self.field.inv(self.d)], signs=signs)
+
+    def keyless(self, signs: Sequence[int] | None = None) -> Keyless:
+        """The 2-torsion map in closed form, on (γ, M), for d = 0 too (:class:`integrable.moves.Keyless`)."""
+        from integrable.moves import Keyless
+
+        return Keyless(self, signs)
+
+    def multiplication(self, factor: int) -> Multiplication:
+        """D ↦ [factor]D (:class:`integrable.moves.Multiplication`)."""
+        from integrable.moves import Multiplication
+
+        return Multiplication(self, factor)
+
+    def conic(self, x0: Any, y0: Any, sign: int = 1) -> ConicStep:
+        """The step to the parabola through (x0, y0), at d = 0 (:class:`integrable.moves.ConicStep`)."""
+        from integrable.moves import ConicStep
+
+        return ConicStep(self, x0, y0, sign)
+
+    def shift(self, F: Callable[[Any, Any], Any]) -> Shift:
+        """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.moves.Shift`); RR and MP(digits) only."""
+        from integrable.moves import Shift
+
+        return Shift(self, F)
 
     def flow(self, state: State, kernel: str = "auto") -> Flow:
         """The exact motion through a state, set up once (:class:`integrable.flow.Flow`); RR and MP(digits) only."""

@@ -185,7 +185,6 @@ def test_a_body_beyond_this_clock_is_refused_by_name() -> None:
         (lambda flow: flow.at([0.0, np.inf]), ("times[1]", "inf", "finite")),
         (lambda flow: flow.at("now"), ("times[0]", "now")),
         (lambda flow: flow.at_tau(["x"]), ("tau[0]", "x")),
-        (lambda flow: flow.at([1e12]), ("times", "basic steps", "50000000")),
         (lambda flow: flow.system.flow(flow.state, kernel="fast"), ("kernel = 'fast'", "'auto'")),
         (lambda flow: flow.system.flow("start"), ("state = 'start'", "State")),
     ],

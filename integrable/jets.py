@@ -1,0 +1,221 @@
+"""First-order jets x + Σ x_k ε_k, ε_iε_j = 0, over any field: derivatives without differences and without rounding.
+
+:class:`JetField` meets the protocol of :class:`jacobian.fields.protocol.Field`, so that polynomials, divisor sums and
+everything else that asks its field for its operations run on jets unchanged; the slopes of what comes out are exact
+derivatives (forward-mode differentiation; Wengert 1964). A jet also has operators, which make formulas readable over
+fields of bare elements.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from typing import Any
+
+from jacobian import poly
+from jacobian.errors import FieldError, NotRepresentable
+
+
+class Jet:
+    """``value`` and its ``slopes`` along the directions of a :class:`JetField`.
+
+    Operators combine it with jets of the same field and with ints, an int m standing for m·1; over an inexact
+    base with floats too.
+    """
+
+    __slots__ = ("field", "slopes", "value")
+
+    def __init__(self, field: JetField, value: Any, slopes: tuple[Any, ...]) -> None:
+        self.field = field
+        self.value = value
+        self.slopes = slopes
+
+    def __repr__(self) -> str:
+        return f"{self.value}" + "".join(f" + {s}·ε{k}" for k, s in enumerate(self.slopes))
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Jet):
+            return bool(self.value == other.value and self.slopes == other.slopes)
+        zero = self.field.base.zero
+        return bool(self.value == other and all(s == zero for s in self.slopes))
+
+    def __hash__(self) -> int:
+        return hash(self.field.key(self))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < (other.value if isinstance(other, Jet) else other))
+
+    def _other(self, other: Any) -> Any:
+        if isinstance(other, Jet):
+            return other
+        if isinstance(other, int):
+            return self.field.integer(other)
+        return self.field.coerce(other) if isinstance(other, float) and not self.field.exact else None
+
+    def __add__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.add(self, y)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.sub(self, y)
+
+    def __rsub__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.sub(y, self)
+
+    def __mul__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.mul(self, y)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.div(self, y)
+
+    def __rtruediv__(self, other: Any) -> Any:
+        y = self._other(other)
+        return NotImplemented if y is None else self.field.div(y, self)
+
+    def __neg__(self) -> Jet:
+        return self.field.neg(self)
+
+    def __pos__(self) -> Jet:
+        return self
+
+    def __pow__(self, exponent: int) -> Jet:
+        power, base = self.field.one, self if exponent >= 0 else self.field.inv(self)
+        for _ in range(abs(exponent)):
+            power = self.field.mul(power, base)
+        return power
+
+
+class JetField:
+    """Jets over ``base`` with ``directions`` infinitesimals; 0 of them leave the base with operators.
+
+    The methods also take bare elements of the base, as constants. Strictly a ring: a jet of value 0 has no inverse.
+    ``order`` is that of the base.
+    """
+
+    def __init__(self, base: Any, directions: int) -> None:
+        self.base = base
+        self.directions = directions
+        self.exact = base.exact
+        self.characteristic = base.characteristic
+        self.order = base.order
+        self.name = f"jets over {base.name}"
+        self._flat = (base.zero,) * directions
+        self.zero = self.constant(base.zero)
+        self.one = self.constant(base.one)
+        if not base.exact:
+            self.eps = base.eps
+
+    def __repr__(self) -> str:
+        return self.name
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, JetField) and (other.base, other.directions) == (self.base, self.directions)
+
+    def __hash__(self) -> int:
+        return hash(("JetField", self.base, self.directions))
+
+    def constant(self, value: Any) -> Jet:
+        """The jet of an element of the base, all slopes zero."""
+        return Jet(self, value, self._flat)
+
+    def variables(self, values: Sequence[Any]) -> tuple[Jet, ...]:
+        """values[k] + ε_k."""
+        zero, one = self.base.zero, self.base.one
+        return tuple(
+            Jet(self, x, tuple(one if k == i else zero for k in range(self.directions))) for i, x in enumerate(values)
+        )
+
+    def integer(self, m: int) -> Jet:
+        """m·1."""
+        return self.constant(poly.integer(self.base, m))
+
+    def coerce(self, value: Any, argument: str = "value") -> Jet:
+        """A jet of this field as it is, anything that the base takes as a constant; else FieldError."""
+        if not isinstance(value, Jet):
+            return self.constant(self.base.coerce(value, argument))
+        if len(value.slopes) != self.directions:
+            raise FieldError(f"{argument} = {value!r} has {len(value.slopes)} slopes, not {self.directions}")
+        return value
+
+    def _jet(self, x: Any) -> Jet:
+        return x if isinstance(x, Jet) else self.constant(x)
+
+    def add(self, x: Any, y: Any) -> Jet:
+        K, x, y = self.base, self._jet(x), self._jet(y)
+        return Jet(self, K.add(x.value, y.value), tuple(map(K.add, x.slopes, y.slopes)))
+
+    def sub(self, x: Any, y: Any) -> Jet:
+        K, x, y = self.base, self._jet(x), self._jet(y)
+        return Jet(self, K.sub(x.value, y.value), tuple(map(K.sub, x.slopes, y.slopes)))
+
+    def neg(self, x: Any) -> Jet:
+        K, x = self.base, self._jet(x)
+        return Jet(self, K.neg(x.value), tuple(map(K.neg, x.slopes)))
+
+    def mul(self, x: Any, y: Any) -> Jet:
+        K, x, y = self.base, self._jet(x), self._jet(y)
+        a, b = x.value, y.value
+        slopes = tuple([K.add(K.mul(a, t), K.mul(s, b)) for s, t in zip(x.slopes, y.slopes, strict=True)])
+        return Jet(self, K.mul(a, b), slopes)
+
+    def inv(self, x: Any) -> Jet:
+        """1/x; ZeroDivisionError where the value is zero."""
+        K, x = self.base, self._jet(x)
+        inverse = K.inv(x.value)
+        factor = K.neg(K.mul(inverse, inverse))
+        return Jet(self, inverse, tuple([K.mul(factor, s) for s in x.slopes]))
+
+    def div(self, x: Any, y: Any) -> Jet:
+        return self.mul(x, self.inv(y))
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Jet:
+        """Σ x_i y_i."""
+        total = self.zero
+        for x, y in zip(xs, ys, strict=True):
+            total = self.add(total, self.mul(x, y))
+        return total
+
+    def is_zero(self, x: Any, scale: Any = None) -> bool:
+        """Whether value and slopes are zero (an inexact base: the value, against ``scale``)."""
+        x = self._jet(x)
+        if self.exact:
+            return x == self.zero
+        return bool(self.base.is_zero(x.value, scale.value if isinstance(scale, Jet) else scale))
+
+    def sqrt(self, x: Any, root: Any = None) -> Jet:
+        """The square root whose value is ``root``, by default the base's own; NotASquare as there.
+
+        NotRepresentable at value 0 with a slope: the root is not differentiable.
+        """
+        K, x = self.base, self._jet(x)
+        root = K.sqrt(x.value) if root is None else root
+        if root == K.zero:
+            if x == self.zero:
+                return self.zero
+            raise NotRepresentable("a square root has no derivative where it vanishes")
+        half = K.inv(K.add(root, root))
+        return Jet(self, root, tuple([K.mul(half, s) for s in x.slopes]))
+
+    def random(self, rng: Any) -> Jet:
+        """A random constant."""
+        return self.constant(self.base.random(rng))
+
+    def key(self, x: Any) -> Hashable:
+        """The keys of value and slopes."""
+        x = self._jet(x)
+        return (self.base.key(x.value), *map(self.base.key, x.slopes))
+
+
+def apply(field: Any, function: Any, *values: Any) -> Any:
+    """``function`` of elements of a field, written with operators: it is given jets, and its result is an element."""
+    if isinstance(field, JetField):
+        return field.coerce(function(*map(field.coerce, values)))
+    numbers = JetField(field, 0)
+    return numbers.coerce(function(*map(numbers.constant, values))).value

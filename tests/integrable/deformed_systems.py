@@ -1,0 +1,55 @@
+"""The deformations that the tests run over: every system with and without potential, over any field."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.jets import JetField
+from integrable.systems.check import Check
+from integrable.systems.deformed import Tilde
+from integrable.systems.gyroscopic import Gyroscopic
+from integrable.systems.hat import Hat
+
+POTENTIAL = (3, 5, 2, 4, 6)
+SYSTEMS = {
+    "tilde": lambda K: Tilde((1, 2, 4), field=K),
+    "tilde, d": lambda K: Tilde((1, 2, 4), 1, field=K),
+    "tilde, potential": lambda K: Tilde((1, 2, 4), potential=POTENTIAL, field=K),
+    "tilde, d, potential": lambda K: Tilde((1, 2, 4), 1, potential=POTENTIAL, field=K),
+    "check": lambda K: Check((1, 2, 4), field=K),
+    "check, potential": lambda K: Check((1, 2, 4), potential=POTENTIAL, field=K),
+    "hat": lambda K: Hat((1, 2, 4), field=K),
+    "hat, potential": lambda K: Hat((1, 2, 4), potential=POTENTIAL, field=K),
+    "gyroscopic": lambda K: Gyroscopic((1, 2, 4), 3, field=K),
+}
+
+
+class OverJets:
+    """The scalars of a state as jets in (γ, M), for derivatives of any formula in them."""
+
+    def __init__(self, system: Any, state: Any, d: Any = None) -> None:
+        self.system, self.state, self.field = system, state, system.field
+        self.jets = JetField(self.field, 6)
+        wrap = self.jets.constant
+        point = self.jets.variables((*state.gamma, *state.M))
+        self.q = system.scalars(wrap, point[:3], point[3:])
+        self.terms = system._terms(wrap)
+        system_constants = JetField(self.field, 6).constant
+        self.constant = system_constants
+
+    def pair(self) -> Any:
+        """(H, K) as jets."""
+        original = self.system._constants
+        try:
+            self.system._constants = lambda _: self.constant
+            return self.system.pair(self.q, self.terms)
+        finally:
+            self.system._constants = original
+
+    def field_of(self, F: Any) -> tuple[Any, ...]:
+        """{(γ, M), F}."""
+        return tuple(self.field.dot(row, F.slopes) for row in self.system.poisson(self.state))
+
+    def bracket(self, F: Any, G: Any) -> Any:
+        """{F, G}."""
+        return self.field.dot(F.slopes, self.field_of(G))
