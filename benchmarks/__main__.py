@@ -36,11 +36,11 @@ def _text(value: object) -> str:
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """Rows as aligned text."""
+    """Rows as aligned text; a column that a row has no value for shows a dash."""
     if not rows:
         return "(no rows)"
-    columns = list(rows[0])
-    return "\n".join(aligned([columns, *([_text(row[column]) for column in columns] for row in rows)]))
+    columns = list(dict.fromkeys(column for row in rows for column in row))
+    return "\n".join(aligned([columns, *([_text(row.get(column)) for column in columns] for row in rows)]))
 
 
 def main(argv: Sequence[str] | None = None) -> int:

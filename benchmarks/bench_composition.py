@@ -1,0 +1,136 @@
+"""Error of D + D' in floats against the distance of D' from D: the classical solve, the stacked one, the kernel.
+
+``python -m benchmarks.bench_composition --figure docs/figures/composition`` also draws it, as .png and .svg.
+"""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+from jacobian import RR, genus2_real, interpolate
+from tests.jacobian.real_rows import DISTANCES, TYPICAL, WORST, Row, rows
+
+CASES = {
+    "near D": "both points of D′ near those of D",
+    "near -P, other generic": "one point of D′ near the opposite of one of D",
+}
+
+
+def classical(row: Row) -> tuple[Any, Any]:
+    """L ≡ (V' − V)/U modulo U' alone, by Cramer's rule: the textbook composition. ZeroDivisionError at D' = D."""
+    f, (u0, u1, v0, v1), (s0, s1, t0, t1) = (tuple(map(float, part)) for part in (row.f, row.first, row.second))
+    a0, a1 = u0 - s0, u1 - s1
+    b0, b1 = -s0 * a1, a0 - s1 * a1
+    r0, r1 = t0 - v0, t1 - v1
+    determinant = a0 * b1 - a1 * b0
+    l0, l1 = (r0 * b1 - r1 * b0) / determinant, (a0 * r1 - a1 * r0) / determinant
+    p0, p1, p2 = v0 + u0 * l0, v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
+    sum1, sum0 = u1 + s1, u0 + s0 + u1 * s1
+    c1 = (2 * l1 * p2 - f[5]) / (l1 * l1) - sum1
+    c0 = (p2 * p2 + 2 * l1 * p1 - f[4]) / (l1 * l1) - c1 * sum1 - sum0
+    high = p2 - c1 * l1
+    return (c0, c1), (c0 * high - p0, c0 * l1 + c1 * high - p1)
+
+
+def stacked(row: Row) -> tuple[Any, Any]:
+    """Both congruences at once, by orthogonal transformations (jacobian.interpolate)."""
+    first, second = (([*map(float, pair[:2]), 1.0], [*map(float, pair[2:])]) for pair in (row.first, row.second))
+    total = interpolate.compose(RR, 2, row.f, first, second)
+    return total.u[:2], total.v
+
+
+def kernel(row: Row) -> tuple[Any, Any]:
+    """The same, unrolled (jacobian.genus2_real)."""
+    total = genus2_real.add(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))[0]
+    return total[:2], total[2:]
+
+
+METHODS: dict[str, Callable[[Row], tuple[Any, Any]]] = {"classical": classical, "stacked": stacked, "kernel": kernel}
+
+
+def errors(method: Callable[[Row], tuple[Any, Any]], sample: Sequence[Row]) -> list[float | None]:
+    """The error of every sum, ascending; None, at the end, where the method divides by zero."""
+    found = []
+    for row in sample:
+        try:
+            found.append(row.error(*method(row)))
+        except ZeroDivisionError:
+            found.append(float("inf"))
+    return [None if error == float("inf") else error for error in sorted(found)]
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """Median and worst error for every case, distance and method, 200 random curves each; None: no result."""
+    table: list[dict[str, object]] = []
+    for case in CASES:
+        for k in (0, 8, None) if smoke else DISTANCES:
+            sample = rows(case, k, count=5 if smoke else 200)
+            row: dict[str, object] = {"case": case, "distance": "0" if k is None else f"1e-{k:02}"}
+            for name, method in METHODS.items():
+                found = errors(method, sample)
+                typical, worst = found[len(found) // 2], found[-1]
+                row |= {f"{name} median": typical, f"{name} worst": worst}
+                if name != "classical" and (worst is None or worst > WORST or median(filter(None, found)) > TYPICAL):
+                    raise AssertionError(f"{name}, {case}, {row['distance']}: median {typical}, worst {worst}")
+            table.append(row)
+    return table
+
+
+def draw(table: list[dict[str, object]], stem: Path) -> None:
+    """The table as stem.png and stem.svg."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    # Okabe and Ito's colours, and a shape each
+    styles = {
+        "classical": ("#D55E00", "s", "classical solve, L ≡ (V′ − V)/U mod U′"),
+        "stacked": ("#0072B2", "o", "both congruences, stacked"),
+        "kernel": ("#009E73", "^", "the same, unrolled kernel"),
+    }
+    figure, panels = pyplot.subplots(1, 2, figsize=(11, 4.8), sharey=True, layout="constrained")
+    top = 1e3
+    for panel, (case, title) in zip(panels, CASES.items(), strict=True):
+        chosen = [row for row in table if row["case"] == case]
+        places = range(len(chosen))
+        for name, (colour, marker, label) in styles.items():
+            typical, worst = (
+                [min(row[f"{name} {kind}"] or top, top) for row in chosen] for kind in ("median", "worst")
+            )  # type: ignore[type-var]
+            panel.semilogy(places, typical, color=colour, marker=marker, markersize=5, label=label)
+            panel.semilogy(places, worst, color=colour, linestyle=":", linewidth=1.2)
+        panel.set_title(title, fontsize=11)
+        ticks = [i for i in places if chosen[i]["distance"] == "0" or (i % 3 == 0 and i < len(chosen) - 2)]
+        panel.set_xticks(
+            ticks, ["exact" if chosen[i]["distance"] == "0" else f"$10^{{-{i}}}$" if i else "1" for i in ticks]
+        )
+        panel.set_xlabel("distance")
+        panel.set_ylim(1e-17, 3 * top)
+        panel.grid(alpha=0.25)
+    panels[0].set_ylabel("relative error of D + D′ in double precision")
+    panels[1].legend(loc="upper left", fontsize=9, title="solid: median, dotted: worst of 200 curves", title_fontsize=9)
+    figure.suptitle(
+        "Adding divisors of genus 2 in floats (squares on the top line: error ≥ 10³ or division by zero)", fontsize=11
+    )
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    for suffix in (".png", ".svg"):
+        figure.savefig(stem.with_suffix(suffix), dpi=150)
+    pyplot.close(figure)
+
+
+if __name__ == "__main__":
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
+    parser.add_argument("--smoke", action="store_true")
+    arguments = parser.parse_args()
+    measured = run(arguments.smoke)
+    from benchmarks.__main__ import table as text
+
+    print(text(measured))
+    if arguments.figure:
+        draw(measured, arguments.figure)
