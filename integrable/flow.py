@@ -1,9 +1,9 @@
 """The exact flow: time is addition on the Jacobian.
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Tsiganov's Abel quadratures; formulas.md, section
-3). The translations by 2^k basic steps are made once, in extended precision, so that any τ is reached in as many
-additions as it has binary digits. Physical time is t = ∫dτ/g along the same additions: Gauss–Legendre nodes around
-every basic step, whose values are a Legendre series for 1/g.
+3). The translations by about 2^k basic steps are made once, in extended precision, so that any τ is reached in about
+as many additions as it has binary digits. Physical time t = ∫dτ/g comes from a Fourier series on the torus of the
+motion (:mod:`integrable.torus`), or where that does not pay or degenerates from the steps (:mod:`integrable.clock`).
 """
 
 from __future__ import annotations

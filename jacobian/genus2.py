@@ -33,7 +33,6 @@ class ExplicitFormulas:
         self.field = K
         self.f = [coefficient(K, C.f, i) for i in range(7)]
         self.h = [coefficient(K, C.h, i) for i in range(4)]
-        self.monic_at_five = self.f[5] == K.one
         self.weight = 0 if C.model == "split" else None
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:

@@ -10,8 +10,6 @@ from jacobian import cantor
 from jacobian.curve import HyperellipticCurve
 from jacobian.genus2 import ExplicitFormulas
 
-Ints = tuple[int, int, int, int]
-
 
 class PrimeFormulas(ExplicitFormulas):
     """The explicit formulas over GF(p)."""

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
-from integrable.state import State
-from integrable.systems.deformation import Deformation, Potential, Scalars, combination, poles, product
-from jacobian import RR
+from integrable.systems.deformation import IsometricDeformation, Potential, Scalars, combination, poles, product
 
 
-class Check(Deformation):
+class Check(IsometricDeformation):
     """H = s·m1 − s²m2 − 2ξ², K = ξ²(s·m1 − ξ²) on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
     ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
@@ -18,17 +15,6 @@ class Check(Deformation):
     in formulas.md, sections 7 and 9.) The kinetic energy is indefinite: a pole may attract, and γ_i reach 0 in finite
     time.
     """
-
-    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
-        self._build(inertia, 0, potential, field)
-
-    def flow(self, state: State) -> Any:
-        """The motion as additions on the two curves of the tilde pair of A⁻¹: an :class:`IsometricFlow`."""
-        if self.potential is not None:
-            return super().flow(state)
-        from integrable.separated_flow import IsometricFlow
-
-        return IsometricFlow(self, state)
 
     def isometry(self) -> tuple[Any, Any, Any]:
         """(B², m, system): B² = A, m = −e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B (real fields)."""

@@ -306,3 +306,18 @@ def _potential(field: Any, values: Sequence[Any]) -> Potential:
         raise ArgumentError(f"potential = {values!r}: give five numbers (a, b, b_1, b_2, b_3)")
     a, b, *rest = (field.coerce(x, f"potential[{i}]") for i, x in enumerate(given))
     return Potential(a, b, tuple(rest))
+
+
+class IsometricDeformation(Deformation):
+    """A pair on e*(3), d = 0, isometric to the tilde pair of A⁻¹: base of :class:`Check` and :class:`Hat`."""
+
+    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
+        self._build(inertia, 0, potential, field)
+
+    def flow(self, state: State) -> Any:
+        """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
+        if self.potential is not None:
+            return super().flow(state)
+        from integrable.separated_flow import IsometricFlow
+
+        return IsometricFlow(self, state)

@@ -2,32 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
-from integrable.state import State
-from integrable.systems.deformation import Deformation, Potential, Scalars, combination, poles, product
-from jacobian import RR
+from integrable.systems.deformation import IsometricDeformation, Potential, Scalars, combination, poles, product
 
 
-class Hat(Deformation):
+class Hat(IsometricDeformation):
     """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
     α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K is minus that of formulas.md, section 8, so that it extends to the
     ``potential`` = (a, b, β_1, β_2, β_3), which adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
     S = e2/e3 − τ/σ. Isometric to the tilde pair of A⁻¹ (:func:`integrable.isometry.lift`).
     """
-
-    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
-        self._build(inertia, 0, potential, field)
-
-    def flow(self, state: State) -> Any:
-        """The motion as additions on the two curves y² = 4ν_k xΠ(a_i − x): an :class:`IsometricFlow`."""
-        if self.potential is not None:
-            return super().flow(state)
-        from integrable.separated_flow import IsometricFlow
-
-        return IsometricFlow(self, state)
 
     def isometry(self) -> tuple[Any, Any, Any]:
         """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B (real fields)."""
