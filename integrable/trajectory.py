@@ -85,6 +85,22 @@ class Trajectory:
         return moved + spin[:, None] * a * self.gamma
 
     @cached_property
+    def attitude(self) -> np.ndarray:
+        """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
+        frame, z = γ vertical, x along the horizontal part of M, which rests in space (:mod:`integrable.attitude`).
+        """
+        from integrable import attitude
+
+        return attitude.matrices(self.gamma, self.M)
+
+    @cached_property
+    def quaternion(self) -> np.ndarray:
+        """The same rotations as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
+        from integrable import attitude
+
+        return attitude.quaternions(self.attitude)
+
+    @cached_property
     def integrals(self) -> Integrals:
         """C1, C2, H1, H2 along the run, each of shape (N,)."""
         g, m = self.gamma, self.M
