@@ -91,10 +91,11 @@ def negate(C: HyperellipticCurve, a: Triple) -> Triple:
     """The reduced triple of −a."""
     K = C.field
     u, v, n = a
-    opposite = mod(K, neg(K, add(K, v, C.h)), u)
+    opposite = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
     if n is None:
         return u, opposite, None
-    return reduce(C, (u, opposite, 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n))
+    n = 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
+    return (u, opposite, n) if 0 <= n <= C.genus - (len(u) - 1) else reduce(C, (u, opposite, n))
 
 
 def reduce(C: HyperellipticCurve, a: Triple) -> Triple:

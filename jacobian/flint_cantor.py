@@ -3,8 +3,9 @@
 Triples come and go as raw elements (ints, Fractions); in between the polynomials are flint's: ``nmod_poly`` and
 ``fmpz_mod_poly`` over GF(p), ``fq_default_poly`` over GF(p^k), ``fmpq_poly`` over QQ. With the conversions an addition
 takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks backend
-heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast, and the elements of a large
-field of characteristic 2 cost as much to convert as to multiply: there it is not used.
+heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast, with gmpy2 for any p, without
+it up to LONG_PRIME; and the elements of a large field of characteristic 2 cost as much to convert as to multiply: there
+it is not used.
 
 The formulas are those of :mod:`jacobian.cantor`, with which the tests equate this copy.
 """
@@ -23,9 +24,10 @@ from jacobian.fields.extension import ExtensionField
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.rational import RationalField
 from jacobian.fields.table import TableField
+from jacobian.genus2_prime import gmp_pays
 
-LONG_PRIME = 1024
-"""Bits of p from which flint adds faster than the explicit formulas of genus 2."""
+LONG_PRIME = 512
+"""Bits of p from which flint adds faster than the explicit formulas of genus 2 on Python's ints."""
 
 Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 
@@ -34,7 +36,7 @@ def pays(C: HyperellipticCurve) -> bool:
     """Whether python-flint is installed and faster than the Python kernels on this curve."""
     K = C.field
     # where Python's explicit formulas are slower: its inverse modulo a long prime, its elements split into digits
-    slow = (isinstance(K, PrimeField) and K.p.bit_length() > LONG_PRIME) or type(K) is DigitField
+    slow = (isinstance(K, PrimeField) and K.p.bit_length() > LONG_PRIME and not gmp_pays(K.p)) or type(K) is DigitField
     if isinstance(K, RationalField):
         worthwhile = True
     elif type(K) is DigitField and K.p == 2:

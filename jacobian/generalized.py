@@ -15,6 +15,7 @@ from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.group import Jacobian
+from jacobian.ladder import multiple
 from jacobian.points import AffinePoint
 from jacobian.support import pair_of_points, repeated
 
@@ -112,6 +113,14 @@ class GeneralizedJacobian(Jacobian):
     def negate(self, D: Divisor) -> Divisor:
         """−D."""
         return Divisor(self, D.u, poly.neg(self.field, D.v), None)
+
+    def multiply(self, m: int, D: Divisor) -> Divisor:
+        """m·D for any int m, by additions of this group: the kernels of a Jacobian add another one."""
+        if m == 0:
+            return self.zero()
+        if m < 0:
+            m, D = -m, self.negate(D)
+        return multiple(m, D, self.add, self.double, self.negate)
 
     def order(self) -> int:
         """Not computed here: NotRepresentable."""

@@ -1,12 +1,17 @@
 """The formulas of :mod:`jacobian.genus2` over GF(p) on bare ints: sums of products are reduced once, not one by one.
 
 In CPython a call costs as much as a multiplication of machine words, so this copy trades Karatsuba's tricks for fewer
-operations; tests equate it with Cantor, and with the other copy, in every special case.
+operations; tests equate it with Cantor, and with the other copy, in every special case. Where gmpy2 is installed the
+same code runs on GMP's integers from some length of p on.
 """
 
 from __future__ import annotations
 
-from jacobian import cantor
+from functools import partial
+from importlib.util import find_spec
+from typing import Any
+
+from jacobian import cantor, ladder
 from jacobian.curve import HyperellipticCurve
 from jacobian.genus2 import ExplicitFormulas
 
@@ -16,7 +21,7 @@ class PrimeFormulas(ExplicitFormulas):
 
     def __init__(self, C: HyperellipticCurve) -> None:
         super().__init__(C)
-        self.p: int = C.field.p
+        self.p: Any = C.field.p
         self.ramified = C.model == "ramified"
         # one tuple for each formula: a single unpacking instead of an attribute for each coefficient
         self.coefficients = (self.p, *self.h, *self.f[2:])
@@ -114,3 +119,46 @@ class PrimeFormulas(ExplicitFormulas):
         v1 = (e0 * p3 + e1 * q - low - a1 * s0 - b1 - h1) % p
         v0 = (e0 * q - a0 * s0 - b0 - h0) % p
         return (e0, e1, 1), (v0, v1) if v1 else (v0,) if v0 else (), self.weight
+
+
+GMP_BITS = 32
+"""Bits of p from which an addition on GMP's integers takes less time: ``python -m benchmarks single`` measures it."""
+
+
+def gmp_pays(p: int) -> bool:
+    """Whether gmpy2 is installed and faster than ints modulo p."""
+    return p.bit_length() >= GMP_BITS and find_spec("gmpy2") is not None
+
+
+class GmpFormulas(PrimeFormulas):
+    """The explicit formulas over GF(p) on gmpy2's mpz; triples of ints in and out."""
+
+    def __init__(self, C: HyperellipticCurve) -> None:
+        from gmpy2 import mpz
+
+        super().__init__(C)
+        self._integer = mpz
+        # a sum with one mpz in it is an mpz: p and the coefficients are enough
+        self.p = mpz(self.p)
+        self.coefficients = tuple(map(mpz, self.coefficients))
+        self._ladder = partial(
+            ladder.multiple, sum_of=super().sum_of, double=super().double, negate=partial(cantor.negate, C)
+        )
+
+    def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + b."""
+        return _on_ints(super().sum_of(a, b))
+
+    def double(self, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + a."""
+        return _on_ints(super().double(a))
+
+    def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of m·a, m > 0; what comes between stays on mpz."""
+        u, v, n = a
+        return _on_ints(self._ladder(m, (tuple(map(self._integer, u)), tuple(map(self._integer, v)), n)))
+
+
+def _on_ints(a: cantor.Triple) -> cantor.Triple:
+    u, v, n = a
+    return tuple(map(int, u)), tuple(map(int, v)), n

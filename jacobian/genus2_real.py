@@ -4,11 +4,12 @@ The same formulas as :mod:`jacobian.interpolate` for two divisors of weight two 
 quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates are expected in units that make the
 coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions that
 this serves never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.genus2_compiled`
-compiles these functions with numba.
+compiles these functions with numba, for floats and for double-double numbers.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import sqrt
 from typing import Any
 
@@ -17,9 +18,19 @@ Four = tuple[Real, Real, Real, Real]
 Six = tuple[Real, Real, Real, Real, Real, Real]
 
 
+# for types that have something quicker than x ** 0.5; jacobian.bare_reals adds its own
+ROOTS: dict[type, Callable[[Any], Any]] = {float: sqrt}
+
+
 def root(x: Real) -> Real:
     """√x."""
-    return sqrt(x) if type(x) is float else x**0.5
+    special = ROOTS.get(type(x))
+    return special(x) if special else x**0.5
+
+
+def negligible(small: Real, large: Real) -> bool:
+    """Whether ``small`` adds nothing to ``large``, to rounding."""
+    return bool(large + small == large)
 
 
 def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real, Real, Real, Real, Real, Real]]:
@@ -116,7 +127,7 @@ def slope(
     overlap = b1 * r1 + b2 * r2 + b3 * r3
     # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm); homogeneous, so that opposite points only send q
     # to 0
-    if norm + root(size) / 16 == norm:
+    if negligible(root(size) / 16, norm):
         # opposite points, to rounding: the null vector of the triangle
         size, overlap = 0 * size, 1 + 0 * size
     second = overlap * norm
@@ -190,7 +201,7 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
     # size = 0: nothing but the curve knows the tangent
-    c1 = (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size if size > 0 else size
+    c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
     # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open, held back as
     # far as the curve's equation is noisier than the rows

@@ -11,8 +11,8 @@ from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable
 from jacobian.finite_group import FiniteGroup
-from jacobian.kernels import kernel
-from jacobian.scalar import signed_digits
+from jacobian.kernels import Kernel, compiled_kernel, kernel
+from jacobian.ladder import multiple
 
 
 class Jacobian(FiniteGroup):
@@ -33,7 +33,21 @@ class Jacobian(FiniteGroup):
         # divisors move to the arithmetic model by v → v − z₀x^(g+1)
         self._move = None if model is curve else poly.monomial(self.field, curve.infinity_plus, curve.genus + 1)
         if self.field.exact:
-            self._sum_of, self._double = kernel(model)
+            self._adopt(kernel(model, self._adopt))
+
+    def _adopt(self, chosen: Kernel) -> None:
+        """Makes a kernel the one that adds here; the first one may name a better one later."""
+        self._sum_of, self._double, self._multiple = chosen
+
+    def compile(self) -> None:
+        """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.kernels`).
+
+        That happens by itself after some work; this is for who would rather wait now. ``python -m jacobian compile``
+        makes the wait, once and for all, a matter of a second.
+        """
+        chosen = compiled_kernel(self._model) if self.field.exact else None
+        if chosen is not None:
+            self._adopt(chosen)
 
     def __repr__(self) -> str:
         return f"Jacobian of {self.curve!r}"
@@ -241,22 +255,14 @@ class Jacobian(FiniteGroup):
         return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
-        """m·D for any int m, by signed windows of four bits (width-w non-adjacent form; Solinas 2000)."""
+        """m·D for any int m, by signed windows (:mod:`jacobian.ladder`), or as one call of compiled code."""
         if m < 0:
             return self.multiply(-m, self.negate(D))
         if m == 0:
             return self.zero()
-        digits = signed_digits(m, 4 if m.bit_length() > 12 else 2)
-        odd = {1: D}
-        double = self.double(D)
-        for i in range(3, max(map(abs, digits)) + 1, 2):
-            odd[i] = self.add(odd[i - 2], double)
-        result = odd[digits[-1]]
-        for digit in digits[-2::-1]:
-            result = self.double(result)
-            if digit:
-                result = self.add(result, odd[digit] if digit > 0 else self.negate(odd[-digit]))
-        return result
+        if not self.field.exact:
+            return multiple(m, D, self.add, self.double, self.negate)
+        return self._out(self._multiple(m, self._in(D)))
 
     # --- to the arithmetic model and back
 

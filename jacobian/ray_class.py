@@ -24,8 +24,8 @@ from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotReprese
 from jacobian.fibre import FibreGroup, Function, Unit, conjugate
 from jacobian.fields.randomness import random_below
 from jacobian.group import Jacobian
+from jacobian.ladder import multiple
 from jacobian.points import AffinePoint
-from jacobian.scalar import signed_digits
 from jacobian.support import pair_of_points
 
 
@@ -154,16 +154,7 @@ class RayClassGroup:
             return self.zero()
         if m < 0:
             m, C = -m, self.negate(C)
-        digits = signed_digits(m, 4 if m.bit_length() > 12 else 2)
-        odd, double = {1: C}, self.add(C, C)
-        for i in range(3, max(map(abs, digits)) + 1, 2):
-            odd[i] = self.add(odd[i - 2], double)
-        result = odd[digits[-1]]
-        for digit in digits[-2::-1]:
-            result = self.add(result, result)
-            if digit:
-                result = self.add(result, odd[digit] if digit > 0 else self.negate(odd[-digit]))
-        return result
+        return multiple(m, C, self.add, lambda a: self.add(a, a), self.negate)
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
         """The class of (div of the triple, unit · Π functions), the triple being on the arithmetic model."""

@@ -11,29 +11,13 @@ from typing import TYPE_CHECKING
 from jacobian import cantor, poly
 from jacobian.divisor import check_scalar
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError
+from jacobian.ladder import signed_digits
 
 if TYPE_CHECKING:
     from jacobian.divisor import Divisor
     from jacobian.group import Jacobian
 
 WINDOW = 4
-
-
-def signed_digits(m: int, width: int) -> list[int]:
-    """The width-w non-adjacent form of m > 0, least significant digit first: digits odd and below 2^(w−1) in size, or
-    0.
-    """
-    digits = []
-    while m:
-        digit = 0
-        if m & 1:
-            digit = m & ((1 << width) - 1)
-            if digit >> (width - 1):
-                digit -= 1 << width
-            m -= digit
-        digits.append(digit)
-        m >>= 1
-    return digits
 
 
 class FixedBase:

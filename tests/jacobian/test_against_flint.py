@@ -20,7 +20,7 @@ def compare(row, additions, rng):
 
     J = row.curve.jacobian()
     other_cantor = FlintCantor(row.curve.arithmetic_model)
-    add, double = python_kernel(row.curve.arithmetic_model)
+    add, double, _ = python_kernel(row.curve.arithmetic_model)
     A, B = row.pool[0], row.pool[1]
     for count in range(additions):
         if row.K == QQ and count % 4 == 0:

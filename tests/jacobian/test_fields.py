@@ -24,7 +24,11 @@ INEXACT = [RR, CC, MP(30), MP(40, complex=True)]
 FIELDS = [*FINITE, QQ, ResidueField(GF(7), (3, 6, 1)), ResidueField(GF(2, 2, (1, 1, 1)), (2, 1, 1))]
 
 
-@pytest.mark.parametrize("K", FIELDS, ids=str)
+def name_of(K):
+    return K.name
+
+
+@pytest.mark.parametrize("K", FIELDS, ids=name_of)
 def test_axioms(K):
     rng = Random(1)
     for _ in range(40):
@@ -46,7 +50,7 @@ def test_axioms(K):
         K.inv(K.zero)
 
 
-@pytest.mark.parametrize("K", FIELDS, ids=str)
+@pytest.mark.parametrize("K", FIELDS, ids=name_of)
 def test_square_roots(K):
     rng = Random(2)
     squares = 0
@@ -61,7 +65,7 @@ def test_square_roots(K):
     assert squares == 40 if K.characteristic == 2 else K is QQ or 5 < squares < 36
 
 
-@pytest.mark.parametrize("K", FIELDS, ids=str)
+@pytest.mark.parametrize("K", FIELDS, ids=name_of)
 def test_quadratic_equations(K):
     rng = Random(3)
     counts = set()
@@ -75,7 +79,7 @@ def test_quadratic_equations(K):
     assert counts >= {0, 2}
 
 
-@pytest.mark.parametrize("K", [*FINITE, QQ, *INEXACT], ids=str)
+@pytest.mark.parametrize("K", [*FINITE, QQ, *INEXACT], ids=name_of)
 def test_protocol_equality_and_pickling(K):
     assert isinstance(K, Field)
     again = pickle.loads(pickle.dumps(K))
@@ -103,7 +107,7 @@ def test_large_extension_fields_are_made_at_once():
     assert GF(1000003, 2).degree == 2
 
 
-@pytest.mark.parametrize("K", [K for K in FINITE if getattr(K, "degree", 1) > 1 and K.order < 1 << 17], ids=str)
+@pytest.mark.parametrize("K", [K for K in FINITE if getattr(K, "degree", 1) > 1 and K.order < 1 << 17], ids=name_of)
 def test_tables_equal_digits_and_galois(K):
     slow = DigitField(K.base, K.modulus)
     # galois compiles its arithmetic for seconds, once for each characteristic: two fields are enough of that
@@ -235,7 +239,7 @@ def test_digits(dps):
 # --- inexact fields
 
 
-@pytest.mark.parametrize("K", INEXACT, ids=str)
+@pytest.mark.parametrize("K", INEXACT, ids=name_of)
 def test_zero_against_a_scale(K):
     scale = 100
     for factor in (0, 1, 15.9):
@@ -269,7 +273,7 @@ def test_precision_is_local():
     assert K.dps == 60
 
 
-@pytest.mark.parametrize("K", INEXACT, ids=str)
+@pytest.mark.parametrize("K", INEXACT, ids=name_of)
 def test_real_quadratics_do_not_cancel(K):
     big, small = K.coerce(1e8), K.coerce(1e-8)
     found = sorted(quadratic_roots(K, -(big + small), -big * small), key=abs)
@@ -280,7 +284,7 @@ def test_real_quadratics_do_not_cancel(K):
 # --- randomness
 
 
-@pytest.mark.parametrize("K", [*FINITE, QQ, *INEXACT], ids=str)
+@pytest.mark.parametrize("K", [*FINITE, QQ, *INEXACT], ids=name_of)
 def test_random_is_seeded_by_either_generator(K):
     for maker in (Random, np.random.default_rng):
         first, second = ([K.random(rng) for _ in range(5)] for rng in (maker(1), maker(1)))

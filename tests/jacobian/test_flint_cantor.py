@@ -5,7 +5,7 @@ from random import Random
 
 import pytest
 
-from jacobian import GF, QQ, HyperellipticCurve, cantor, flint_cantor, poly
+from jacobian import GF, QQ, HyperellipticCurve, cantor, flint_cantor, genus2_prime, poly
 from jacobian.kernels import kernel, python_kernel
 from tests.jacobian.jacobian_rows import ROWS
 
@@ -31,7 +31,7 @@ def test_primes_below_and_above_a_machine_word(bits):
     J = C.jacobian()
     assert C.model == "split"
     D = J.from_points([C.random_point(rng) for _ in range(3)])
-    add, double = python_kernel(C)
+    add, double, _ = python_kernel(C)
     total = (D.u, D.v, D.n)
     for m in range(2, 12):
         total = double(total) if m == 2 else add(total, (D.u, D.v, D.n))
@@ -51,7 +51,6 @@ CURVES = {
     "genus 3": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 1]), True),
     "genus 1": (HyperellipticCurve(GF(101), [1, 1, 0, 1]), True),
     "GF(3^40)": (HyperellipticCurve(GF(3, 40, (2, 1, *[0] * 38, 1)), [1, 2, 0, 0, 0, 1]), True),
-    "2203 bits": (HyperellipticCurve(GF(2**2203 - 1), [1, 1, 0, 0, 0, 1]), True),
     "genus 2": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 1]), False),
     "GF(2^127)": (
         HyperellipticCurve(GF(2, 127, (1, 1, *[0] * 125, 1)), [1, 1, 0, 0, 0, 0, 0, 1], [1]),
@@ -68,3 +67,12 @@ def test_where_it_pays_and_only_where_it_is_installed(name, monkeypatch):
     monkeypatch.setattr(flint_cantor, "find_spec", lambda _name: None)
     assert not flint_cantor.pays(C)
     assert not isinstance(getattr(kernel(C)[0], "__self__", None), flint_cantor.FlintCantor)
+
+
+def test_long_primes_go_to_flint_where_gmpy2_is_missing(monkeypatch):
+    C = HyperellipticCurve(GF(2**2203 - 1), [1, 1, 0, 0, 0, 1])
+    monkeypatch.setattr(genus2_prime, "find_spec", lambda name: name == "gmpy2")
+    assert not flint_cantor.pays(C)
+    monkeypatch.setattr(genus2_prime, "find_spec", lambda _name: None)
+    assert flint_cantor.pays(C)
+    assert not flint_cantor.pays(HyperellipticCurve(GF(2**127 - 1), [1, 1, 0, 0, 0, 1]))

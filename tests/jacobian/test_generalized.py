@@ -224,3 +224,16 @@ def test_opposite_points_and_pickling():
     assert not J.from_points([(x, y), (x, -y)])
     D = rational_classes()[0]
     assert pickle.loads(pickle.dumps(D)) == D
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_multiples_are_repeated_sums(seed):
+    # on inert models too, where the kernels of a Jacobian would never come to an end
+    rng = Random(seed)
+    J = random_group(GF(5, 3), rng)
+    D, total = random_class(J, rng), J.zero()
+    for m in range(1, 9):
+        total = total + D
+        assert m * D == total
+        assert -m * D == -total
+    assert not 0 * D

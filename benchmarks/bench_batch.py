@@ -1,0 +1,166 @@
+"""Batches of genus 2 beside the same formulas in C and python-flint's Cantor: nanoseconds for one addition or doubling.
+
+Each row is one prime, operation and number N of rows. "kernel" is the compiled loop alone on one thread, "C" the loop
+of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
+the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the most that
+the operator allocates at a time, in arrays of the result. The last rows are other curves: models of degree 6,
+genus 3 by Cantor's algorithm, tables.
+"""
+
+from __future__ import annotations
+
+import ctypes
+import shutil
+import subprocess
+import tempfile
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from random import Random
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from benchmarks.curves import genuine_curve, microseconds, sum_of_points
+from jacobian import GF
+from jacobian.batch import DivisorArray, set_threads, threads
+from jacobian.batch.genus2_kernels import add_rows, double_rows
+from jacobian.word_arithmetic import Double
+
+SOURCE = Path(__file__).parent / "c" / "genus2_batch.c"
+PRIMES = {"2^29-3": 2**29 - 3, "2^31-1": 2**31 - 1, "2^49-81": 2**49 - 81, "2^61-1": 2**61 - 1, "2^63-25": 2**63 - 25}
+OTHERS = {
+    "2^31-1, split": (GF(2**31 - 1), 2, "split"),
+    "2^61-1, split": (GF(2**61 - 1), 2, "split"),
+    "2^61-1, genus 3": (GF(2**61 - 1), 3, "ramified"),
+    "GF(3^5)": (GF(3, 5, (1, 2, 0, 0, 0, 1)), 2, "ramified"),
+    "GF(2^8)": (GF(2, 8, (1, 0, 1, 1, 1, 0, 0, 0, 1)), 2, "ramified"),
+}
+
+
+def fastest(action: Callable[[], object], repeat: int) -> float:
+    """Seconds of the fastest of ``repeat`` calls: the others were disturbed."""
+    action()
+    best = float("inf")
+    for _ in range(repeat):
+        begun = perf_counter()
+        action()
+        best = min(best, perf_counter() - begun)
+    return best
+
+
+def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
+    """Sums of two classes of a pool, all of full weight, no two of them equal but by chance."""
+    rng = Random(seed)
+    pool = DivisorArray.stack([sum_of_points(C, rng) for _ in range(64)])
+    draw = np.random.default_rng(seed)
+    first, second = draw.integers(64, size=(2, count))
+    scattered = pool[first] + pool[second]
+    return scattered.double() + pool[draw.integers(64, size=count)]
+
+
+class Compiled:
+    """The C program for one context, or nothing where there is no compiler."""
+
+    def __init__(self, K: Any, C: Any, directory: str) -> None:
+        self.call: Any = None
+        compiler = shutil.which("cc")
+        if compiler is None:
+            return
+        target = Path(directory) / f"{type(K).__name__}.so"
+        floats = isinstance(K, Double)
+        bits, wide, number = (53, False, ctypes.c_double) if floats else (K.bits, K.wide, ctypes.c_int64)
+        flags = ["-O3", "-march=native", "-shared", "-fPIC", f"-DBITS={bits}", f"-DWIDE={int(wide)}"]
+        if not target.exists():
+            subprocess.run([compiler, *flags, str(SOURCE), "-o", str(target), "-lm"], check=True)
+        function = ctypes.CDLL(str(target)).genus2_rows
+        function.restype = ctypes.c_int64
+        context, equation = (number * len(K))(*K), (number * 3)(*C)
+        self.call = lambda count, *arrays: function(
+            context, equation, ctypes.c_int64(count), *(ctypes.c_void_p(array.ctypes.data) for array in arrays)
+        )
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """Additions and doublings for each prime, N = 10³ … 10⁶, then the other kinds of rows."""
+    sizes = (1024,) if smoke else (1024, 10_000, 100_000, 1_000_000)
+    rows: list[dict[str, object]] = []
+    processors = threads()
+    with tempfile.TemporaryDirectory() as directory:
+        for name, p in list(PRIMES.items())[:: 4 if smoke else 1]:
+            C = genuine_curve(GF(p), 2, "ramified", Random(name))
+            for count in sizes:
+                A, B = random_rows(C, count, 1), random_rows(C, count, 2)
+                for operation in ("A + B", "2·A"):
+                    rows.append({"p": name, "operation": operation, "N": count})
+                    rows[-1].update(_measured(A, B, operation, directory, processors, smoke))
+    for name, (K, genus, model) in OTHERS.items():
+        if smoke and genus != 3:
+            continue
+        C = genuine_curve(K, genus, model, Random(name))
+        count = 1024 if smoke else 100_000
+        A, B = random_rows(C, count, 1), random_rows(C, count, 2)
+        rows.append(
+            {"p": name, "operation": "A + B", "N": count, **_on_arrays(lambda A=A, B=B: A + B, A, processors, smoke)}
+        )
+        rows[-1]["flint"] = _flint(A, B)
+    return rows
+
+
+def _measured(
+    A: DivisorArray, B: DivisorArray, operation: str, directory: str, processors: int, smoke: bool
+) -> dict[str, object]:
+    run, x, y = A._engine, A._rows, B._rows if operation == "A + B" else A._rows
+    count = len(A)
+    repeat = 3 if smoke else max(5, 4_000_000 // count)
+    rows, out = np.empty(count, np.int64), run.empty(count)
+    if operation == "A + B":
+        action: Callable[[], object] = lambda: A + B  # noqa: E731
+        ours = lambda: add_rows(run.K, run.formulas, x.data, x.degree, y.data, y.degree, out.data, 0, count, rows)  # noqa: E731
+    else:
+        action = A.double
+        ours = lambda: double_rows(run.K, run.formulas, x.data, x.degree, out.data, 0, count, rows)  # noqa: E731
+    found: dict[str, object] = {"kernel": 1e9 * fastest(ours, repeat) / count}
+    special = rows[: int(ours())]  # type: ignore[call-overload]
+    program = Compiled(run.K, run.formulas, directory)
+    if program.call is None:
+        found.update({"C": None, "kernel/C": "no C compiler"})
+    else:
+        theirs = np.empty_like(out.data)
+        seconds = fastest(lambda: program.call(count, x.data, y.data, theirs), repeat)
+        differ = np.flatnonzero((theirs != out.data).any(axis=0))
+        if set(differ) - set(special):
+            raise AssertionError(f"{A.jacobian!r}: the C program differs in row {differ[0]}")
+        found.update({"C": 1e9 * seconds / count, "kernel/C": found["kernel"] / (1e9 * seconds / count)})  # type: ignore[operator]
+    found.update(_on_arrays(action, A, processors, smoke))
+    found["flint"] = _flint(A, B if operation == "A + B" else A)
+    return found
+
+
+def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smoke: bool) -> dict[str, object]:
+    """The operator: nanoseconds a row on one thread, the gain of all processors, and memory."""
+    repeat = 3 if smoke else max(5, 4_000_000 // len(A))
+    try:
+        set_threads(1)
+        one = fastest(action, repeat)
+        set_threads(None)
+        all_ = fastest(action, repeat)
+        tracemalloc.start()
+        result = action()
+        memory = tracemalloc.get_traced_memory()[1] / sum(array.nbytes for array in result._rows)
+    finally:
+        tracemalloc.stop()
+        set_threads(None)
+    return {"array": 1e9 * one / len(A), f"{processors} threads": one / all_, "memory": memory}
+
+
+def _flint(A: DivisorArray, B: DivisorArray) -> float | None:
+    """Nanoseconds of python-flint's Cantor for one addition, or None without python-flint."""
+    try:
+        from jacobian.flint_cantor import FlintCantor
+    except ImportError:
+        return None
+    D, E = ((F.u, F.v, F.n) for F in (A[0], B[0]))
+    add = FlintCantor(A.jacobian.curve).sum_of
+    return 1e3 * microseconds(lambda: add(D, E), 3)

@@ -1,0 +1,151 @@
+"""Double-double arithmetic beside floats and mpf: an operation, an addition of divisors, the first call.
+
+µs are processor time, the least of several runs; "error" is relative, against the same inputs at 60 digits.
+"""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import tempfile
+from time import thread_time
+from typing import Any
+
+import numpy as np
+
+from integrable import ChaplyginBall, flow_kernel
+from jacobian import MP, double_double
+
+REPEATS = 7
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """Rows: µs an operation and an addition in float64, double-double and mpf; seconds of a first call."""
+    return [*_operations(smoke), *_additions(smoke), *([] if smoke else _first_call())]
+
+
+def _least(work: Any, count: int, smoke: bool) -> float:
+    """µs an item."""
+    work()
+    found = []
+    for _ in range(1 if smoke else REPEATS):
+        begun = thread_time()
+        work()
+        found.append(thread_time() - begun)
+    return 1e6 * min(found) / count
+
+
+def _operations(smoke: bool) -> list[dict[str, object]]:
+    """Sums of products and of quotients of arrays that stay in the first cache."""
+    import numba
+
+    from jacobian.double_double_compiled import JIT, number, numbers
+
+    options = {**JIT, "cache": False}
+
+    @numba.njit(**options)
+    def products(x, y, rounds):  # type: ignore[no-untyped-def]
+        first, second, total = numbers(x), numbers(y), number(0.0, 0.0)
+        for _ in range(rounds):
+            for i in range(len(first)):
+                total += first[i] * second[i]
+        return total.hi
+
+    @numba.njit(**options)
+    def quotients(x, y, rounds):  # type: ignore[no-untyped-def]
+        first, second, total = numbers(x), numbers(y), number(0.0, 0.0)
+        for _ in range(rounds):
+            for i in range(len(first)):
+                total += first[i] / second[i]
+        return total.hi
+
+    @numba.njit(**options)
+    def products_of_floats(x, y, rounds):  # type: ignore[no-untyped-def]
+        total = 0.0
+        for _ in range(rounds):
+            for i in range(len(x)):
+                total += x[i] * y[i]
+        return total
+
+    size, rounds = 500, 20 if smoke else 2000
+    rng = np.random.default_rng(3)
+    x, y = rng.uniform(1, 2, (2, size))
+    pairs = double_double.pack(x), double_double.pack(y)
+    return [
+        {
+            "what": "x·y + z",
+            "number": "float64",
+            "us": _least(lambda: products_of_floats(x, y, rounds), size * rounds, smoke),
+        },
+        {
+            "what": "x·y + z",
+            "number": "double-double",
+            "us": _least(lambda: products(*pairs, rounds), size * rounds, smoke),
+        },
+        {
+            "what": "x/y + z",
+            "number": "double-double",
+            "us": _least(lambda: quotients(*pairs, rounds), size * rounds, smoke),
+        },
+    ]
+
+
+def _additions(smoke: bool) -> list[dict[str, object]]:
+    """One moving point plus one translation, with its three pairs."""
+    from integrable import flow_compiled, flow_double_double
+
+    K, count = MP(60), 50 if smoke else 20_000
+    ball = ChaplyginBall((1, 2, 3), K.coerce("0.7"), field=K)
+    setup = ball.flow(
+        ball.state(*(map(K.coerce, v) for v in (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))))
+    ).setup
+    step = setup.table(1, 1)[1][0]
+    problem = setup.f, setup.axes, setup.start, step
+    packed = [double_double.pack(x) for x in problem]
+    exact = [double_double.unpack(x, K.coerce) for x in packed]
+    floats = [np.array([float(c) for c in x]) for x in problem]
+    true = flow_kernel.march(*exact, 1)
+    out = np.empty((10, 2))
+    flow_double_double.march(*packed, 1, out)
+    error = max(abs(x - y) / abs(y) for x, y in zip(double_double.unpack(out, K.coerce), true, strict=True))
+    from_floats = flow_compiled.march(*floats, 1)
+    rounded = flow_kernel.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
+    float_error = max(abs(x - y) / abs(y) for x, y in zip(map(K.coerce, from_floats), rounded, strict=True))
+    narrow = MP(32)
+    short = [[narrow.coerce(c) for c in x] for x in problem]
+    steps = 5 if smoke else 200
+    found: list[tuple[str, float, float | None]] = [
+        ("float64", _least(lambda: flow_compiled.march(*floats, count), count, smoke), float(float_error)),
+        ("double-double", _least(lambda: flow_double_double.march(*packed, count, out), count, smoke), float(error)),
+        ("mpf, 32 digits, interpreted", _least(lambda: flow_kernel.march(*short, steps), steps, smoke), None),
+    ]
+    return [
+        {"what": "an addition with its pairs", "number": name, "us": us, "error": wrong} for name, us, wrong in found
+    ]
+
+
+FIRST_CALL = """
+from time import perf_counter
+import numpy as np
+begun = perf_counter()
+from integrable import flow_double_double
+imported = perf_counter()
+f, axes, point = np.ones((6, 2)), np.ones((8, 2)), np.ones((10, 2))
+flow_double_double.march(f, axes, point, point.copy(), 1, point.copy())
+print(imported - begun, perf_counter() - imported)
+"""
+
+
+def _first_call() -> list[dict[str, object]]:
+    """A fresh process with an empty cache, and the next one."""
+    rows: list[dict[str, object]] = []
+    with tempfile.TemporaryDirectory() as cache:
+        environment = {**os.environ, "NUMBA_CACHE_DIR": cache}
+        for what in ("march: compiled", "march: from the cache on disk"):
+            done = subprocess.run(
+                [sys.executable, "-c", FIRST_CALL], env=environment, capture_output=True, text=True, check=True
+            )
+            imported, called = map(float, done.stdout.split())
+            rows.append({"what": what, "number": "double-double", "import s": imported, "first call s": called})
+    return rows

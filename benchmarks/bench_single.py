@@ -1,0 +1,102 @@
+"""One class at a time: D + E and a 122-bit multiple through the operators, beside Cantor on python-flint's polynomials.
+
+Microseconds, the least of several samples; flint computes on its own objects, without conversions, and multiplies by
+doubling and adding. "call" is the compiled code called on bare coordinates, "kernel" the addition of triples, "before"
+what a group runs until it has done enough work for compiled code. Results are compared first.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from functools import partial
+from random import Random
+from typing import Any
+
+from benchmarks.bench_group import FIELDS
+from benchmarks.curves import genuine_curve, sum_of_points
+from jacobian import GF
+from jacobian.kernels import is_word_sized, python_kernel
+from tests.jacobian.flint_cantor import FlintCantor
+
+SCALAR = (1 << 122) - 0x1_2345_6789_ABCD_EF01
+LENGTHS = (17, 31, 61, 89, 127, 255, 521, 1279)
+"""Bits of primes for the comparison of ints with gmpy2's integers."""
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """One row for each field, model and genus, and one for each length of p."""
+    names = ("GF(2^61-1)", "GF(p), 256 bits", "GF(2^8)", "GF(3^5)")
+    fields = {name: FIELDS[name] for name in names}
+    if not smoke:
+        fields["GF(2^63-25)"] = GF(2**63 - 25)
+    rows = []
+    for name, K in fields.items():
+        for model in ("ramified", "split"):
+            for genus in (2, 3) if smoke or name not in ("GF(2^61-1)", "GF(2^8)") else (2, 3, 5, 10):
+                C = genuine_curve(K, genus, model, Random(f"{name} {genus} {model}"))
+                rows.append({"field": name, "model": model, "g": genus, **measure(C, Random(1), smoke)})
+    return [*rows, *([] if smoke else map(integers, LENGTHS))]
+
+
+def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
+    """The times of one curve."""
+    J, flint = C.jacobian(), FlintCantor(C)
+    D, E = sum_of_points(C, rng), sum_of_points(C, rng)
+    first, second = (D.u, D.v, D.n), (E.u, E.v, E.n)
+    a, b = map(flint.convert, (first, second))
+    before = J._sum_of
+    if is_word_sized(C):
+        before = before.__self__._sum_of
+    J.compile()
+    total, multiple = D + E, SCALAR * D
+    for ours, theirs in ((total, flint.add(a, b)), (multiple, flint.multiply(SCALAR, a))):
+        if flint.convert_back(theirs) != (ours.u, ours.v, ours.n):
+            raise AssertionError(f"{C!r}: the two results differ")
+    owner = getattr(J._sum_of, "__self__", None)
+    actions: dict[str, Callable[[], object]] = {
+        "D + E": lambda: D + E,
+        "D.double()": D.double,
+        "kernel": partial(J._sum_of, first, second),
+        "before": partial(before, first, second),
+        "flint": partial(flint.add, a, b),
+        "m·D": lambda: SCALAR * D,
+        "flint m·D": partial(flint.multiply, SCALAR, a),
+    }
+    call = getattr(owner, "_add_lines", None)
+    if call:
+        actions["call"] = partial(call, owner._K, owner._equation, D.u, D.v, E.u, E.v)  # type: ignore[union-attr]
+    times = least(actions, 3 if smoke else 30)
+    return {**times, "flint/ours": times["flint"] / times["D + E"]}
+
+
+def integers(bits: int) -> dict[str, object]:
+    """The explicit formulas on ints and on gmpy2's integers, for a prime of this length."""
+    from jacobian.fields.primality import is_prime
+    from jacobian.genus2_prime import GmpFormulas, PrimeFormulas
+
+    p = next(p for p in range((1 << bits) - 1, 0, -2) if is_prime(p))
+    C = genuine_curve(GF(p), 2, "ramified", Random(bits))
+    rng = Random(1)
+    first, second = ((D.u, D.v, D.n) for D in (sum_of_points(C, rng), sum_of_points(C, rng)))
+    kernels = {"ints": PrimeFormulas(C).sum_of, "gmpy2": GmpFormulas(C).sum_of, "chosen": python_kernel(C).sum_of}
+    times = least({name: partial(add, first, second) for name, add in kernels.items()}, 30)
+    return {"field": f"p of {bits} bits", "model": "ramified", "g": 2, **times}
+
+
+def least(actions: dict[str, Callable[[], object]], repeat: int) -> dict[str, float]:
+    """The least of ``repeat`` samples of each action, taken in turn, so that a slow second disturbs all alike."""
+    calls = {}
+    for name, action in actions.items():
+        action()
+        begun = time.perf_counter()
+        action()
+        calls[name] = max(1, int(0.002 / max(time.perf_counter() - begun, 1e-7)))
+    samples: dict[str, list[float]] = {name: [] for name in actions}
+    for _ in range(repeat):
+        for name, action in actions.items():
+            begun = time.perf_counter()
+            for _ in range(calls[name]):
+                action()
+            samples[name].append((time.perf_counter() - begun) / calls[name])
+    return {name: 1e6 * min(values) for name, values in samples.items()}

@@ -1,0 +1,25 @@
+"""``python -m jacobian compile``: compile the kernels now, so that no later run waits for it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """The command line of the engine; returns the exit status."""
+    parser = argparse.ArgumentParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
+    commands = parser.add_subparsers(dest="command", required=True)
+    commands.add_parser("compile", help="compile the kernels into numba's cache, and say how long each took")
+    parser.parse_args(arguments)
+
+    from jacobian.compilation import compile_all
+
+    for name, seconds in compile_all():
+        print(f"{seconds:8.2f} s  {name}", flush=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,84 @@
+"""What DivisorArray is given: checked, and the arrays of Mumford pairs brought to one type."""
+
+from __future__ import annotations
+
+from operator import index
+from typing import Any
+
+import numpy as np
+
+from jacobian.errors import ArgumentError, FieldError
+from jacobian.fields import CC, RR
+from jacobian.fields.prime import PrimeField
+from jacobian.group import Jacobian
+
+
+def check_count(count: Any) -> int:
+    """``count`` as an int ≥ 0, or an ArgumentError."""
+    try:
+        if isinstance(count, bool) or index(count) < 0:
+            raise TypeError
+    except TypeError:
+        raise ArgumentError(f"count = {count!r}: an int ≥ 0, the number of rows") from None
+    return index(count)
+
+
+def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
+    """An array (N, width) of raw elements of J's field: int64 where rows are compiled, objects elsewhere."""
+    K = J.field
+    if hasattr(type(a), "irreducible_poly") and np.size(a):
+        K.coerce(a.ravel()[0], name)  # raises for another field
+    a = np.asarray(a).view(np.ndarray) if isinstance(a, np.ndarray) else np.array(a, object)
+    if a.size == 0:
+        a = a.reshape(0, width)
+    if a.ndim != 2 or a.shape[1] != width:
+        raise ArgumentError(f"{name}: an array of shape {a.shape}; (N, {width}) is needed in genus {J.curve.genus}")
+    if a.dtype.kind in "iu" and compiled:
+        if isinstance(K, PrimeField):
+            return (a % np.array(K.p, np.uint64 if a.dtype.kind == "u" else np.int64)).astype(np.int64)
+        if a.size and not 0 <= a.min() <= a.max() < K.order:
+            raise FieldError(f"{name}: elements of {K.name} are the ints 0 … {K.order - 1}")
+        return a.astype(np.int64)
+    known = (np.float64,) if K == RR else (np.float64, np.complex128) if K == CC else ()
+    if a.dtype in known and np.isfinite(a).all():
+        return a
+    found = np.empty(a.shape, object)
+    for i, row in enumerate(a.tolist()):
+        found[i] = [K.coerce(c, f"{name}[{i}]") for c in row]
+    return found.astype(np.int64) if compiled else found
+
+
+def degrees(J: Jacobian, u: Any, v: Any) -> Any:
+    """deg u of each row, or an ArgumentError for a u that is not monic or a v that is not of lower degree."""
+    K, g = J.field, J.curve.genus
+    degree = g - np.argmax(u[:, ::-1] != K.zero, axis=1)
+    wrong = np.flatnonzero(u[np.arange(len(u)), degree] != K.one)
+    if len(wrong):
+        raise ArgumentError(f"u[{wrong[0]}] = {u[wrong[0]].tolist()} is not monic")
+    wrong = np.flatnonzero(((v != K.zero) & (np.arange(g) >= degree[:, None])).any(axis=1))
+    if len(wrong):
+        i = wrong[0]
+        raise ArgumentError(f"v[{i}] = {v[i].tolist()} is not of lower degree than u[{i}] = {u[i].tolist()}")
+    if J.curve.model == "inert" and (degree % 2).any():
+        i = np.flatnonzero(degree % 2)[0]
+        raise ArgumentError(f"u[{i}] is of degree {degree[i]}: on an inert model deg u must be even")
+    return degree
+
+
+def weights(J: Jacobian, n: Any, degree: Any) -> Any:
+    """The weights at ∞₊ of each row, or None."""
+    g = J.curve.genus
+    if J.curve.model != "split":
+        if n is not None:
+            raise ArgumentError(f"n: a {J.curve.model} model has no weights at infinity, leave n out")
+        return None
+    if n is None:
+        return (g - degree + 1) // 2
+    n = np.asarray(n)
+    if n.shape != degree.shape or n.dtype.kind not in "iu":
+        raise ArgumentError(f"n: an array of {n.dtype} and shape {n.shape}; ints of shape {degree.shape} are needed")
+    wrong = np.flatnonzero((n < 0) | (n > g - degree))
+    if len(wrong):
+        i = wrong[0]
+        raise ArgumentError(f"n[{i}] = {n[i]}: beside deg u = {degree[i]} the weight at ∞₊ lies in 0 … {g - degree[i]}")
+    return n

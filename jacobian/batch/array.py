@@ -1,0 +1,289 @@
+"""N divisor classes of one Jacobian as arrays, with the group law on all of them at once."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from operator import index
+from typing import Any
+
+import numpy as np
+
+from jacobian.batch.arguments import check_count, degrees, elements, weights
+from jacobian.divisor import Divisor, check_scalar
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve
+from jacobian.fields import CC, RR
+from jacobian.fields.prime import PrimeField
+from jacobian.fields.table import TableField
+from jacobian.group import Jacobian
+
+OK = 0
+"""The status of a row that holds a class."""
+
+
+def engine(J: Jacobian) -> Any:
+    """What computes with rows of J, chosen by the field; kept with J."""
+    found = J.__dict__.get("_rows")
+    if found is None:
+        K = J.field
+        J.zero()  # raises where classes have no Mumford form
+        if isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63):
+            from jacobian.batch.compiled_rows import CompiledRows
+
+            found = CompiledRows(J)
+        elif K in (RR, CC) and J.curve.genus == 2 and J.curve.arithmetic_model is J.curve:
+            from jacobian.batch.float_rows import FloatRows
+
+            found = FloatRows(J)
+        else:
+            from jacobian.batch.object_rows import ObjectRows
+
+            found = ObjectRows(J)
+        J.__dict__["_rows"] = found
+    return found
+
+
+class DivisorArray:
+    """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays` or :meth:`zeros`.
+
+    ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``; one Divisor
+    stands for as many equal rows. ``A == B`` is the array (N,) of its rows' answers. ``A[i]`` is a Divisor,
+    ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Values do not change; arrays of two curves
+    cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
+
+    ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none:
+    ascending coefficients in the curve's own coordinates, ints over GF(p), p < 2^63, and over GF(p^k) of at most 2^16
+    elements (objects elsewhere). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over
+    an exact field is each.
+
+    Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
+    (:func:`jacobian.batch.set_threads`): in genus 2, outside characteristic 2, by explicit formulas with an inversion
+    for 256 rows, else by Cantor's algorithm. Over other fields it is that of the Jacobian, row by row.
+    """
+
+    __slots__ = ("_engine", "_rows", "jacobian")
+    __hash__ = None  # type: ignore[assignment]
+    # without this numpy would take an array of ints times a DivisorArray apart element by element
+    __array_ufunc__ = None
+
+    def __init__(self, J: Jacobian, rows: Any) -> None:
+        self.jacobian = J
+        self._engine = engine(J)
+        self._rows = rows
+
+    def _like(self, rows: Any) -> DivisorArray:
+        made = DivisorArray.__new__(DivisorArray)
+        made.jacobian, made._engine, made._rows = self.jacobian, self._engine, rows
+        return made
+
+    # --- making
+
+    @classmethod
+    def stack(cls, parts: Iterable[Divisor | DivisorArray], J: Jacobian | None = None) -> DivisorArray:
+        """The rows of Divisors and DivisorArrays one after the other. ``J`` is needed only where there are none."""
+        parts = list(parts)
+        for i, part in enumerate(parts):
+            if not isinstance(part, Divisor | DivisorArray):
+                raise ArgumentError(f"parts[{i}] = {part!r}: a Divisor or a DivisorArray is needed")
+            J = part.jacobian if J is None else J
+            _check_same(J, part.jacobian)
+        if J is None:
+            raise ArgumentError("parts = []: an array of no rows needs its Jacobian, stack([], J)")
+        run = engine(J)
+        if all(isinstance(part, Divisor) for part in parts):
+            return cls(J, run.from_divisors(parts))
+        arrays = [run.from_divisors([part]) if isinstance(part, Divisor) else part._rows for part in parts]
+        return cls(J, run.join(arrays))
+
+    @classmethod
+    def zeros(cls, J: Jacobian, count: int) -> DivisorArray:
+        """``count`` times the identity."""
+        return cls(J, engine(J).zero(check_count(count)))
+
+    @classmethod
+    def from_arrays(cls, J: Jacobian, u: Any, v: Any, n: Any = None, *, check: bool = True) -> DivisorArray:
+        """The classes of Mumford pairs: u (N, g + 1), monic, v (N, g), n (N,) on a split model; ascending.
+
+        Numpy or galois arrays, or nested lists. n is ⌈(g − deg u)/2⌉ by default, as in :meth:`Jacobian.from_mumford`.
+        Raises ArgumentError for wrong shapes, for a u that is not monic and a v that is not shorter; FieldError for
+        elements of another field; NotOnCurve with the first row that is not on the curve, which ``check=False`` leaves
+        out.
+        """
+        g = J.curve.genus
+        run = engine(J)
+        u, v = elements(J, u, "u", g + 1, run.compiled), elements(J, v, "v", g, run.compiled)
+        if len(u) != len(v):
+            raise ArgumentError(f"u, v: {len(u)} rows beside {len(v)}; as many are needed")
+        rows = run.from_arrays(u, v, weights(J, n, degrees(J, u, v)))
+        wrong = run.first_off_curve(rows) if check else -1
+        if wrong >= 0:
+            raise NotOnCurve(
+                f"row {wrong}: (u, v) = ({u[wrong].tolist()}, {v[wrong].tolist()}) is not on {J.curve!r}: u does not "
+                "divide v² + hv − f"
+            )
+        return cls(J, rows)
+
+    # --- reading
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    @property
+    def u(self) -> Any:
+        """(N, g + 1): u, ascending."""
+        return self._engine.to_arrays(self._rows)[0]
+
+    @property
+    def v(self) -> Any:
+        """(N, g): v, ascending."""
+        return self._engine.to_arrays(self._rows)[1]
+
+    @property
+    def n(self) -> Any:
+        """(N,): the weights at ∞₊ on a split model; None on others."""
+        return self._engine.weights(self._rows)
+
+    @property
+    def degree(self) -> Any:
+        """(N,): the number of affine points of each row."""
+        u = self.u
+        return u.shape[1] - 1 - np.argmax(u[:, ::-1] != self.jacobian.field.zero, axis=1)
+
+    @property
+    def status(self) -> Any:
+        """(N,): 0 for a row that holds a class; over RR and CC 1 for one whose digits an addition lost, and 2 for a sum
+        with a point at infinity of a split model, which inexact divisors do not carry."""
+        of_rows = getattr(self._engine, "status", None)
+        return of_rows(self._rows) if of_rows else np.full(len(self), OK, np.uint8)
+
+    def to_list(self) -> list[Divisor]:
+        """The rows as Divisors."""
+        return self._engine.to_divisors(self._rows)
+
+    def to_galois(self) -> tuple[Any, Any]:
+        """(u, v) as galois arrays; FieldError over a field that galois has no class for."""
+        K = self.jacobian.field
+        if getattr(K, "order", None) is None:
+            raise FieldError(f"field = {K.name}: galois has finite fields only")
+        return K.galois(self.u), K.galois(self.v)
+
+    def __iter__(self) -> Iterator[Divisor]:
+        return iter(self.to_list())
+
+    def __getitem__(self, key: Any) -> Any:
+        if not isinstance(key, slice | list | np.ndarray):
+            try:
+                i = index(key)
+            except TypeError:
+                raise ArgumentError(
+                    f"index = {key!r}: an int, a slice, a mask of {len(self)} or an array of ints is needed"
+                ) from None
+            if not -len(self) <= i < len(self):
+                raise IndexError(f"index = {i}: the array has {len(self)} rows")
+            i %= len(self)
+            return self._engine.to_divisors(self._engine.take(self._rows, slice(i, i + 1)))[0]
+        if not isinstance(key, slice):
+            key = np.asarray(key, None if len(key) else np.int64)
+            if key.ndim != 1 or key.dtype.kind not in "iub" or (key.dtype.kind == "b" and len(key) != len(self)):
+                raise ArgumentError(
+                    f"index = {key!r}: a slice, a mask of {len(self)} or a flat array of ints is needed"
+                )
+        return self._like(self._engine.take(self._rows, key))
+
+    def __repr__(self) -> str:
+        shown = [repr(D) for D in self[:3].to_list()]
+        return f"DivisorArray([{', '.join(shown)}{', …' if len(self) > 3 else ''}], {len(self)} rows)"
+
+    def __reduce__(self) -> Any:
+        if self.status.any():
+            # rows that hold no class have no coefficients
+            return DivisorArray, (self.jacobian, self._rows)
+        return _rebuilt, (self.jacobian, self.u, self.v, self.n)
+
+    # --- the group law
+
+    def _operand(self, other: Any) -> Any:
+        """The rows of ``other``, as many as here; NotImplemented for what is no divisor."""
+        if not isinstance(other, DivisorArray):
+            if not isinstance(other, Divisor):
+                return NotImplemented
+            _check_same(self.jacobian, other.jacobian)
+            return self._engine.repeat(self._engine.from_divisors([other]), len(self))
+        if other._engine is not self._engine:
+            _check_same(self.jacobian, other.jacobian)
+        if len(other) != len(self):
+            raise ArgumentError(f"other: {len(other)} rows beside {len(self)}; as many, or one Divisor, are needed")
+        return other._rows
+
+    def __add__(self, other: Any) -> DivisorArray:
+        if other is self:
+            return self.double()
+        rows = self._operand(other)
+        return NotImplemented if rows is NotImplemented else self._like(self._engine.add(self._rows, rows))
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> DivisorArray:
+        rows = self._operand(other)
+        if rows is NotImplemented:
+            return NotImplemented
+        return self._like(self._engine.add(self._rows, self._engine.negate(rows)))
+
+    def __rsub__(self, other: Any) -> DivisorArray:
+        return -self + other
+
+    def __neg__(self) -> DivisorArray:
+        return self._like(self._engine.negate(self._rows))
+
+    def __pos__(self) -> DivisorArray:
+        return self
+
+    def double(self) -> DivisorArray:
+        """2·A, row by row."""
+        return self._like(self._engine.double(self._rows))
+
+    def __mul__(self, scalar: Any) -> DivisorArray:
+        """m·A for an int m, or m_i·A_i for a sequence of N ints."""
+        if isinstance(scalar, Divisor | DivisorArray):
+            return NotImplemented
+        return self._like(self._engine.multiply(self._rows, self._scalars(scalar)))
+
+    __rmul__ = __mul__
+
+    def _scalars(self, scalar: Any) -> int | list[int]:
+        if not isinstance(scalar, Sequence | np.ndarray) or np.ndim(scalar) == 0:
+            return check_scalar(scalar)
+        if np.ndim(scalar) != 1 or len(scalar) != len(self):
+            raise ArgumentError(
+                f"scalar: an array of shape {np.shape(scalar)} beside {len(self)} rows; one int, or one for each row"
+            )
+        if isinstance(scalar, np.ndarray) and scalar.dtype.kind in "iu":
+            return scalar.tolist()
+        return [check_scalar(m) for m in scalar]
+
+    def sum(self) -> Divisor:
+        """Σ of all rows, by halves; of none, the identity."""
+        rows, run = self._rows, self._engine
+        if not len(rows):
+            return self.jacobian.zero()
+        while len(rows) > 1:
+            half = len(rows) // 2
+            total = run.add(run.take(rows, slice(half)), run.take(rows, slice(half, 2 * half)))
+            rows = run.join([total, run.take(rows, slice(2 * half, None))]) if len(rows) % 2 else total
+        return run.to_divisors(rows)[0]
+
+    def __eq__(self, other: object) -> Any:
+        rows = self._operand(other)
+        return NotImplemented if rows is NotImplemented else self._engine.equal(self._rows, rows)
+
+    def __ne__(self, other: object) -> Any:
+        same = self.__eq__(other)
+        return NotImplemented if same is NotImplemented else ~same
+
+
+def _rebuilt(J: Jacobian, u: Any, v: Any, n: Any) -> DivisorArray:
+    return DivisorArray.from_arrays(J, u, v, n, check=False)
+
+
+def _check_same(J: Jacobian, other: Jacobian) -> None:
+    if other is not J and other != J:
+        raise CurveMismatch(f"divisors of two curves cannot be combined: {J.curve!r} and {other.curve!r}")

@@ -1,0 +1,155 @@
+"""Sums of many divisors of genus 2 over complex numbers, and over the floats for deg f = 6: the stable composition of
+:mod:`jacobian.genus2_complex`, row by row.
+
+Sizes of complex numbers are |re| + |im| here, which needs no root. The columns are those of :mod:`jacobian.batch.sums`.
+Importing this module imports numba.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numba import njit
+from numba.extending import register_jitable
+
+from jacobian import genus2_complex
+from jacobian.batch.sums import BLOCK, GIVEN_NOISE, NOISE, OPPOSITE, Columns, Sums, row
+from jacobian.errors import ArgumentError
+from jacobian.fields import CC, RR
+from jacobian.genus2_compiled import JIT
+
+if TYPE_CHECKING:
+    from jacobian.curve import HyperellipticCurve
+
+# a sum whose p² − q²f has a leading coefficient below this has a point that is far out or at infinity
+FLATTEST = 2.0**-20
+
+
+def extent(z: Any) -> Any:
+    """|re z| + |im z|."""
+    return abs(z.real) + abs(z.imag)
+
+
+def shift(half: Any, u0: Any, u1: Any) -> Any:
+    """h/2 modulo x² + u1·x + u0."""
+    high = half[2] - u1 * half[3]
+    return half[0] - u0 * high, half[1] - u1 * high - u0 * half[3]
+
+
+def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
+    """Divisor i on y² = f + h²/4 in the units of the kernel; ``half`` is h/2, ``units`` their inverses."""
+    u0, u1 = columns[0, i], columns[1, i]
+    t0, t1 = shift(half, u0, u1)
+    return u0 * units[0], u1 * units[1], (columns[2, i] + t0) * units[2], (columns[3, i] + t1) * units[3]
+
+
+def on_curve(f: Any, divisor: Any, noise: Any) -> Any:
+    """Whether f − V² vanishes modulo U, to ``noise`` times the size of the terms."""
+    u0, u1, v0, v1 = divisor
+    s0, s1, t0, t1 = extent(u0), extent(u1), extent(v0), extent(v1)
+    r0, r1, r2, r3, r4, r5 = f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]
+    a0, a1, a2 = extent(f[0]) + t0 * t0, extent(f[1]) + 2 * t0 * t1, extent(f[2]) + t1 * t1
+    a3, a4, a5, a6 = extent(f[3]), extent(f[4]), extent(f[5]), extent(f[6])
+    r5, r4, a5, a4 = r5 - u1 * f[6], r4 - u0 * f[6], a5 + s1 * a6, a4 + s0 * a6
+    r4, r3, a4, a3 = r4 - u1 * r5, r3 - u0 * r5, a4 + s1 * a5, a3 + s0 * a5
+    r3, r2, a3, a2 = r3 - u1 * r4, r2 - u0 * r4, a3 + s1 * a4, a2 + s0 * a4
+    r2, r1, a2, a1 = r2 - u1 * r3, r1 - u0 * r3, a2 + s1 * a3, a1 + s0 * a3
+    r1, r0, a1, a0 = r1 - u1 * r2, r0 - u0 * r2, a1 + s1 * a2, a0 + s0 * a2
+    return (extent(r0) <= noise * a0) & (extent(r1) <= noise * a1)
+
+
+def apart(first: Any, second: Any) -> Any:
+    """Whether the first divisor is not the opposite of the second, nor so near to it that their sum has few digits."""
+    u0, u1, v0, v1 = first
+    s0, s1, t0, t1 = second
+    distance = extent(u0 - s0) + extent(u1 - s1) + extent(v0 + t0) + extent(v1 + t1)
+    return distance > OPPOSITE * (1 + extent(u0) + extent(u1) + extent(v0) + extent(v1))
+
+
+_KERNEL: tuple[Any, ...] = (
+    genus2_complex.square,
+    genus2_complex.phase,
+    genus2_complex.cofactor,
+    genus2_complex.remainder,
+    genus2_complex.slope,
+    genus2_complex.tangent_polynomial,
+    genus2_complex.second_polynomial,
+    genus2_complex.chord,
+    genus2_complex.add,
+)
+for _function in _KERNEL:
+    register_jitable(_function)
+for _function in (extent, shift, scaled, on_curve, apart):
+    register_jitable(forceinline=True)(_function)
+
+
+@njit(**JIT)
+def _add_columns(
+    f: Any,
+    half: Any,
+    units: Any,
+    inverses: Any,
+    first: Columns,
+    second: Columns,
+    out: Columns,
+    doubtful: np.ndarray,
+    begin: int,
+    end: int,
+) -> None:
+    """In blocks, as in :mod:`jacobian.batch.real`."""
+    # the summands, the sum and its leading coefficient
+    block = np.empty((13, BLOCK), out.dtype)
+    each = second.shape[1] > 1
+    if not each:
+        for i in range(BLOCK):
+            block[4, i], block[5, i], block[6, i], block[7, i] = scaled(half, inverses, second, 0)
+    for start in range(begin, end, BLOCK):
+        count = min(BLOCK, end - start)
+        for i in range(count):
+            block[0, i], block[1, i], block[2, i], block[3, i] = scaled(half, inverses, first, start + i)
+        if each:
+            for i in range(count):
+                block[4, i], block[5, i], block[6, i], block[7, i] = scaled(half, inverses, second, start + i)
+        for i in range(count):
+            total, block[12, i] = genus2_complex.add(f, row(block, 0, i), row(block, 4, i))
+            block[8, i], block[9, i], block[10, i], block[11, i] = total
+        for i in range(count):
+            useful = on_curve(f, row(block, 8, i), NOISE) & (extent(block[12, i]) > FLATTEST)
+            doubtful[start + i] = not (useful & apart(row(block, 0, i), row(block, 4, i)))
+        for i in range(count):
+            u0, u1 = block[8, i] * units[0], block[9, i] * units[1]
+            t0, t1 = shift(half, u0, u1)
+            out[0, start + i], out[1, start + i] = u0, u1
+            out[2, start + i], out[3, start + i] = block[10, i] * units[2] - t0, block[11, i] * units[3] - t1
+
+
+@njit(**JIT)
+def _first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
+    for i in range(divisors.shape[1]):
+        if not on_curve(f, scaled(half, inverses, divisors, i), GIVEN_NOISE):
+            return i
+    return -1
+
+
+class ComplexSums(Sums):
+    """Addition in genus 2 over CC, and over RR for deg (f + h²/4) = 6; ArgumentError for any other curve."""
+
+    lengths = (7, 4)
+    add_columns = staticmethod(_add_columns)
+    find_off_curve = staticmethod(_first_off_curve)
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        if not is_served(curve):
+            raise ArgumentError(
+                f"curve = {curve!r}: compiled sums of complex numbers need genus 2 over CC, or degree 6 over RR, and a "
+                "ramified model of deg f = 5"
+            )
+        super().__init__(curve)
+
+
+def is_served(curve: HyperellipticCurve) -> bool:
+    """Whether :class:`ComplexSums` takes a curve."""
+    if curve.genus != 2 or curve.field not in (RR, CC) or curve.arithmetic_model is not curve:
+        return False
+    return curve.field == CC or curve.model != "ramified"

@@ -1,0 +1,250 @@
+"""Batches over the floats and the complex numbers in genus 2: compiled sums of divisors of weight 2, the Jacobian's own
+addition for the others.
+
+A sum that :mod:`jacobian.interpolate` cannot decide, or that has a point at infinity of a split model, loses its row,
+not the batch. Importing this module imports numba.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from jacobian.batch.complex import ComplexSums
+from jacobian.batch.real import RealSums
+from jacobian.batch.real import is_served as is_real_quintic
+from jacobian.divisor import Divisor
+from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
+from jacobian.group import Jacobian
+from jacobian.ladder import multiple
+
+# what a row is: two points; one point, with the weight 0 or 1 at ∞₊; none, with 0, 1 or 2; no known class
+PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7
+DEGREES = np.array([2, 1, 1, 0, 0, 0, 0, 0])
+WEIGHTS = np.array([0, 0, 1, 0, 1, 2, 0, 0])
+STATUS = np.array([0, 0, 0, 0, 0, 0, 1, 2], np.uint8)
+FIRST = np.array([NONE, POINT, PAIR])
+"""The row of degree k and weight n at ∞₊ is of the kind FIRST[k] + n."""
+
+
+@dataclass(frozen=True, slots=True)
+class Rows:
+    """``data`` (4, N): u₀, u₁, v₀, v₁, zeros beyond the degree, or (4, 1) for N equal rows; ``kind`` (N,) or None if
+    all are pairs; ``count`` N.
+    """
+
+    data: Any
+    kind: Any
+    count: int
+
+    def __len__(self) -> int:
+        return self.count
+
+    @property
+    def kinds(self) -> Any:
+        """``kind``, always as an array."""
+        return np.zeros(self.count, np.uint8) if self.kind is None else self.kind
+
+
+def _rows(data: Any, kind: Any) -> Rows:
+    return Rows(data, kind if kind.any() else None, len(kind))
+
+
+class FloatRows:
+    """The operations on rows of one Jacobian, those of :class:`jacobian.batch.object_rows.ObjectRows`."""
+
+    compiled = False
+
+    def __init__(self, J: Jacobian) -> None:
+        self.jacobian = J
+        self.sums = RealSums(J.curve) if is_real_quintic(J.curve) else ComplexSums(J.curve)
+        self._h = [*J.curve.h, 0.0, 0.0, 0.0, 0.0][:4]
+        self._weighted = J.curve.model == "split"
+        self._zero = NONE + (J.weight_of_zero or 0)
+
+    # --- storage
+
+    def take(self, x: Rows, index: Any) -> Rows:
+        """The rows of an index: a slice, a mask or an array of ints."""
+        data = np.ascontiguousarray(x.data[:, index])
+        return Rows(data, None, data.shape[1]) if x.kind is None else _rows(data, x.kind[index].copy())
+
+    def join(self, parts: Sequence[Rows]) -> Rows:
+        """The rows of all parts."""
+        parts = [self.zero(0), *parts]
+        return _rows(np.concatenate([x.data for x in parts], axis=1), np.concatenate([x.kinds for x in parts]))
+
+    def repeat(self, x: Rows, count: int) -> Rows:
+        """One row, ``count`` times: its numbers are kept once."""
+        return Rows(x.data, None if x.kind is None else np.repeat(x.kind, count), count)
+
+    def equal(self, x: Rows, y: Rows) -> Any:
+        """Which rows have equal numbers, (N,); those that are lost equal none."""
+        kinds = x.kinds
+        return (kinds == y.kinds) & (kinds < LOST) & np.all(x.data == y.data, axis=0)
+
+    def zero(self, count: int) -> Rows:
+        """The identity, ``count`` times."""
+        return Rows(np.zeros((4, count), self.sums.dtype), np.full(count, self._zero, np.uint8), count)
+
+    # --- conversion
+
+    def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
+        """Rows of numbers, u (N, 3) and v (N, 2), the leading 1 of u where its degree is; n (N,) or None."""
+        u, v = u.astype(self.sums.dtype), v.astype(self.sums.dtype)
+        degree = 2 - np.argmax(u[:, ::-1] != 0, axis=1)
+        data = np.concatenate([u[:, :2].T, v.T])
+        data[0, degree == 0] = 0
+        data[1, degree < 2] = 0
+        return _rows(data, (FIRST[degree] + (0 if n is None else n)).astype(np.uint8))
+
+    def to_arrays(self, x: Rows) -> tuple[Any, Any]:
+        """(u, v): numbers, (N, 3) and (N, 2); of a row that is lost, zeros."""
+        kinds = x.kinds
+        u = np.zeros((len(x), 3), self.sums.dtype)
+        u[:, :2] = x.data[:2].T
+        known = np.flatnonzero(kinds < LOST)
+        u[known, DEGREES[kinds[known]]] = 1
+        return u, np.ascontiguousarray(x.data[2:].T)
+
+    def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
+        """Rows of Divisors of this Jacobian."""
+        if not divisors:
+            return self.zero(0)
+        data = np.array([_column(D) for D in divisors], self.sums.dtype).T
+        return _rows(np.ascontiguousarray(data), np.array([_kind(D) for D in divisors], np.uint8))
+
+    def to_divisors(self, x: Rows) -> list[Divisor]:
+        """The rows as Divisors; PrecisionLoss or NotRepresentable with the first that is lost."""
+        lost = np.flatnonzero(x.kinds >= LOST)
+        if len(lost):
+            name = self.jacobian.field.name
+            if x.kind[lost[0]] == LOST:
+                raise PrecisionLoss(f"row {lost[0]}: a sum too close to a special position for {name}")
+            raise NotRepresentable(
+                f"row {lost[0]}: a sum with a point at infinity, which split models over {name} do not carry; use an "
+                "exact field"
+            )
+        return [self._divisor(column, kind) for column, kind in zip(x.data.T.tolist(), x.kinds.tolist(), strict=True)]
+
+    def _divisor(self, column: list[Any], kind: int) -> Divisor:
+        k = int(DEGREES[kind])
+        weight = int(WEIGHTS[kind]) if self._weighted else None
+        return Divisor(self.jacobian, (*column[:k], self.jacobian.field.one), tuple(column[2 : 2 + k]), weight)
+
+    def weights(self, x: Rows) -> Any:
+        """n, (N,), or None on a model without."""
+        return WEIGHTS[x.kinds] if self._weighted else None
+
+    def status(self, x: Rows) -> Any:
+        """(N,): 0, 1 for lost digits, 2 for a point at infinity."""
+        return STATUS[x.kinds]
+
+    def first_off_curve(self, x: Rows) -> int:
+        """The first row that is not on the curve, or −1."""
+        kinds = x.kinds
+        full = np.flatnonzero(kinds == PAIR)
+        found = self.sums.first_off_curve(np.ascontiguousarray(x.data[:, full]))
+        wrong = [int(full[found])] if found >= 0 else []
+        for i in np.flatnonzero(DEGREES[kinds] == 1).tolist():
+            D = self._divisor(x.data[:, i].tolist(), kinds[i])
+            try:
+                self.jacobian.from_mumford(D.u, D.v, D.n)
+            except NotOnCurve:
+                wrong.append(i)
+                break
+        return min(wrong, default=-1)
+
+    # --- the group law
+
+    def add(self, x: Rows, y: Rows) -> Rows:
+        """x + y, row by row."""
+        data, special = self.sums.add(x.data, y.data)
+        if x.kind is None and y.kind is None and not special.any():
+            return Rows(data, None, len(x))
+        kinds = [x.kinds, y.kinds]
+        kind = np.maximum(*kinds)
+        special |= kind > 0
+        columns = np.broadcast_to(y.data, x.data.shape)
+        lost = kind >= LOST
+        data[:, lost] = 0
+        special &= ~lost
+        for summand, summand_kind, other in ((columns, kinds[1], kinds[0]), (x.data, kinds[0], kinds[1])):
+            same = (other == self._zero) & ~lost
+            data[:, same], kind[same] = summand[:, same], summand_kind[same]
+            special &= ~same
+        for i in np.flatnonzero(special).tolist():
+            data[:, i], kind[i] = self._single(
+                *(self._divisor(a[:, i].tolist(), k[i]) for a, k in zip((x.data, columns), kinds, strict=True))
+            )
+        return _rows(data, kind)
+
+    def _single(self, D: Divisor, E: Divisor) -> tuple[list[Any], int]:
+        """The column and the kind of D + E."""
+        try:
+            total = self.jacobian.add(D, E)
+        except PrecisionLoss:
+            return [0] * 4, LOST
+        except NotRepresentable:
+            return [0] * 4, AT_INFINITY
+        return _column(total), _kind(total)
+
+    def double(self, x: Rows) -> Rows:
+        """2x, row by row."""
+        return self.add(x, x)
+
+    def negate(self, x: Rows) -> Rows:
+        """−x, row by row: v → −(v + h) modulo u."""
+        u0, u1, v0, v1 = x.data
+        h0, h1, h2, h3 = self._h
+        high = h2 - u1 * h3
+        data = np.array([u0, u1, -(v0 + (h0 - u0 * high)), -(v1 + (h1 - u1 * high - u0 * h3))])
+        if x.kind is None:
+            return Rows(data, None, len(x))
+        low = np.flatnonzero(x.kind != PAIR)
+        if data.shape[1] != len(x):
+            data = np.repeat(data, len(x), axis=1)
+        source = np.broadcast_to(x.data, data.shape)
+        kind = x.kind.copy()
+        for i in low[kind[low] < LOST].tolist():
+            try:
+                D = self.jacobian.negate(self._divisor(source[:, i].tolist(), kind[i]))
+            except NotRepresentable:
+                data[:, i], kind[i] = 0, AT_INFINITY
+            else:
+                data[:, i], kind[i] = _column(D), _kind(D)
+        data[:, kind >= LOST] = 0
+        return Rows(data, kind, len(x))
+
+    def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
+        """m·x for one m, or m_i·x_i."""
+        nothing = self.zero(len(x))
+        # 0·x too is lost where x is
+        nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
+        if isinstance(scalars, int):
+            if scalars == 0:
+                return nothing
+            return multiple(abs(scalars), x if scalars > 0 else self.negate(x), self.add, self.double, self.negate)
+        base = self._chosen(np.array([m < 0 for m in scalars], bool), self.negate(x), x)
+        result = nothing
+        for k in range(max((abs(m).bit_length() for m in scalars), default=0) - 1, -1, -1):
+            result = self.double(result)
+            bits = np.array([abs(m) >> k & 1 for m in scalars], bool)
+            result = self.add(result, self._chosen(bits, base, nothing))
+        return result
+
+    def _chosen(self, mask: Any, first: Rows, second: Rows) -> Rows:
+        """Rows of the first where ``mask``, else of the second."""
+        return _rows(np.where(mask, first.data, second.data), np.where(mask, first.kinds, second.kinds))
+
+
+def _column(D: Divisor) -> list[Any]:
+    """u₀, u₁, v₀, v₁, zeros beyond the degree."""
+    return [*D.u[:-1], *[0] * (3 - len(D.u)), *D.v, *[0] * (2 - len(D.v))]
+
+
+def _kind(D: Divisor) -> int:
+    return int(FIRST[len(D.u) - 1]) + (D.n or 0)

@@ -1,0 +1,104 @@
+"""Batches over the fields that have no compiled kernel: rows are Divisors, and the Jacobian adds them one by one."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jacobian.divisor import Divisor
+from jacobian.group import Jacobian
+
+Rows = Any
+"""A numpy array (N,) of Divisors."""
+
+
+def _filled(divisors: Sequence[Divisor]) -> Rows:
+    rows = np.empty(len(divisors), object)
+    rows[:] = divisors
+    return rows
+
+
+class ObjectRows:
+    """The operations on rows of one Jacobian, those of :class:`jacobian.batch.compiled_rows.CompiledRows`."""
+
+    compiled = False
+
+    def __init__(self, J: Jacobian) -> None:
+        self.jacobian = J
+
+    def take(self, x: Rows, index: Any) -> Rows:
+        """The rows of an index: a slice, a mask or an array of ints."""
+        return x[index].copy()
+
+    def join(self, parts: Sequence[Rows]) -> Rows:
+        """The rows of all parts."""
+        return np.concatenate([np.empty(0, object), *parts])
+
+    def repeat(self, x: Rows, count: int) -> Rows:
+        """One row, ``count`` times."""
+        return np.repeat(x, count)
+
+    def equal(self, x: Rows, y: Rows) -> Any:
+        """Which rows are equal, (N,)."""
+        return np.array([D == E for D, E in zip(x, y, strict=True)], bool)
+
+    def zero(self, count: int) -> Rows:
+        """The identity, ``count`` times."""
+        return _filled([self.jacobian.zero()] * count)
+
+    def from_arrays(self, u: Any, v: Any, n: Any) -> Rows:
+        """Rows of field elements, u (N, g + 1) and v (N, g), the leading 1 of u where its degree is; n (N,) or None."""
+        zero = self.jacobian.field.zero
+        rows = []
+        for i, (a, b) in enumerate(zip(u.tolist(), v.tolist(), strict=True)):
+            while a[-1] == zero:
+                a.pop()
+            rows.append(self.jacobian.from_mumford(a, b[: len(a) - 1], None if n is None else int(n[i])))
+        return _filled(rows)
+
+    def to_arrays(self, x: Rows) -> tuple[Any, Any]:
+        """(u, v): field elements as objects, (N, g + 1) and (N, g)."""
+        g = self.jacobian.curve.genus
+        arrays = (
+            np.full((len(x), g + 1), self.jacobian.field.zero, object),
+            np.full((len(x), g), self.jacobian.field.zero, object),
+        )
+        for i, D in enumerate(x):
+            for array, a in zip(arrays, (D.u, D.v), strict=True):
+                array[i, : len(a)] = a
+        return arrays
+
+    def from_divisors(self, divisors: Sequence[Divisor]) -> Rows:
+        """Rows of Divisors of this Jacobian."""
+        return _filled(divisors)
+
+    def to_divisors(self, x: Rows) -> list[Divisor]:
+        """The rows as Divisors."""
+        return list(x)
+
+    def weights(self, x: Rows) -> Any:
+        """n, (N,), or None on a model without."""
+        return np.array([D.n for D in x], np.int64) if self.jacobian.curve.model == "split" else None
+
+    def first_off_curve(self, x: Rows) -> int:
+        """−1: :meth:`from_arrays` takes no other."""
+        return -1
+
+    def add(self, x: Rows, y: Rows) -> Rows:
+        """x + y, row by row."""
+        return _filled([self.jacobian.add(D, E) for D, E in zip(x, y, strict=True)])
+
+    def double(self, x: Rows) -> Rows:
+        """2x, row by row."""
+        return _filled([self.jacobian.double(D) for D in x])
+
+    def negate(self, x: Rows) -> Rows:
+        """−x, row by row."""
+        return _filled([self.jacobian.negate(D) for D in x])
+
+    def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
+        """m·x for one m, or m_i·x_i."""
+        each = [scalars] * len(x) if isinstance(scalars, int) else scalars
+        return _filled([self.jacobian.multiply(m, D) for m, D in zip(each, x, strict=True)])

@@ -1,0 +1,85 @@
+"""Compiles every kernel beforehand, into numba's cache on disk: ``python -m jacobian compile``.
+
+numba keeps what it compiles in ``__pycache__`` beside the source, or in the directory that NUMBA_CACHE_DIR names, for
+this version of the code, of numba and of Python and for this processor. What is not there is compiled at its first use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from random import Random
+from time import perf_counter
+
+from jacobian.batch import DivisorArray
+from jacobian.curve import HyperellipticCurve
+from jacobian.fields import CC, GF, RR
+
+QUINTIC, SEXTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1]
+
+
+def single_curves() -> dict[str, HyperellipticCurve]:
+    """One curve for each kernel of single classes, by the name of the kernel."""
+    word, binary, odd = GF(2**61 - 1), GF(2, 2, (1, 1, 1)), GF(3, 2, (2, 2, 1))
+    return {
+        "GF(p), p < 2^63, any genus": HyperellipticCurve(word, [1, 1, 0, 1]),
+        "GF(p), p < 2^63, genus 2, degree 5": HyperellipticCurve(word, QUINTIC),
+        "GF(p), p < 2^63, genus 2, degree 6": HyperellipticCurve(word, SEXTIC),
+        "GF(2^k), k ≤ 16, any genus": HyperellipticCurve(binary, QUINTIC, [1]),
+        "GF(p^k) ≤ 2^16, p odd, any genus": HyperellipticCurve(odd, [1, 1, 0, 2]),
+        "GF(p^k) ≤ 2^16, p odd, genus 2, degree 5": HyperellipticCurve(odd, QUINTIC),
+        "GF(p^k) ≤ 2^16, p odd, genus 2, degree 6": HyperellipticCurve(odd, SEXTIC),
+    }
+
+
+def batch_curves() -> dict[str, HyperellipticCurve]:
+    """One curve for each family of kernels of arrays, likewise."""
+    fields = {
+        "p < 2^29": GF(10007),
+        "p < 2^31": GF(2**31 - 1),
+        "p < 2^61": GF(2**61 - 1),
+        "p < 2^63": GF(2**63 - 25),
+        "GF(2^k), k ≤ 16": GF(2, 2, (1, 1, 1)),
+        "GF(p^k) ≤ 2^16, p odd": GF(3, 2, (2, 2, 1)),
+    }
+    return {
+        f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f, [1] if K.characteristic == 2 else ())
+        for name, K in fields.items()
+        for f in ((QUINTIC, SEXTIC) if K.characteristic != 2 else (QUINTIC,))
+    }
+
+
+def float_curves() -> dict[str, HyperellipticCurve]:
+    """One curve for each kernel of arrays of floats and of complex numbers."""
+    fields = {"floats": RR, "complex numbers": CC}
+    return {
+        f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f)
+        for name, K in fields.items()
+        for f in (QUINTIC, SEXTIC)
+    }
+
+
+def single(C: HyperellipticCurve) -> None:
+    """Compiles the kernels of single classes on C, or finds them in the cache."""
+    J = C.jacobian()
+    J.compile()
+    D = J.random(Random(1))
+    3 * D + D
+
+
+def batch(C: HyperellipticCurve) -> None:
+    """The same for arrays."""
+    J = C.jacobian()
+    D = J.random(Random(1))
+    A = DivisorArray.stack([D, J.zero(), 2 * D])
+    B = DivisorArray.from_arrays(J, A.u, A.v, A.n)
+    A + B[::-1], -A, A.double(), 3 * A, A * [1, 2, 3], A.sum()
+
+
+def compile_all() -> Iterator[tuple[str, float]]:
+    """Compiles the kernels one after the other: (name, seconds) each, tenths of a second for what the cache has."""
+    families = (("single", single, single_curves), ("arrays", batch, batch_curves), ("arrays", batch, float_curves))
+    for family, action, curves in families:
+        for name, C in curves().items():
+            begun = perf_counter()
+            action(C)
+            yield f"{family}: {name}", perf_counter() - begun

@@ -1,0 +1,58 @@
+"""``python -m jacobian compile``: what it lists, and that it covers every kernel."""
+
+import pytest
+
+from jacobian import compilation
+from jacobian.__main__ import main
+from jacobian.batch.array import engine
+from jacobian.batch.compiled_rows import CompiledRows
+from jacobian.batch.complex import ComplexSums
+from jacobian.batch.real import RealSums
+from jacobian.word_kernel import context, short_equation
+
+
+def test_every_kernel_of_single_classes_is_listed():
+    kinds = set()
+    for C in compilation.single_curves().values():
+        K = context(C.field)
+        kinds.add((type(K).__name__, type(short_equation(C, K.to_word)).__name__))
+    # in characteristic 2 h ≠ 0, and no equation is short
+    several = {(K, equation) for K in ("Wide64", "OddTable") for equation in ("NoneType", "Quintic", "Sextic")}
+    assert kinds == several | {("BinaryTable", "NoneType")}
+
+
+def test_every_kernel_of_arrays_is_listed():
+    kinds = set()
+    for C in compilation.batch_curves().values():
+        rows = engine(C.jacobian())
+        assert type(rows) is CompiledRows
+        kinds.add((type(rows.K).__name__, type(rows.formulas).__name__))
+    contexts = ("Lazy32", "Wide32", "Lazy64", "Wide64", "OddTable")
+    several = {(K, equation) for K in contexts for equation in ("Quintic", "Sextic")}
+    assert kinds == several | {("BinaryTable", "NoneType")}
+
+
+def test_every_kernel_of_arrays_of_floats_is_listed():
+    kinds = set()
+    for C in compilation.float_curves().values():
+        rows = engine(C.jacobian())
+        compilation.batch(C)
+        kinds.add((type(rows.sums), str(rows.sums.dtype)))
+    assert kinds == {(RealSums, "float64"), (ComplexSums, "float64"), (ComplexSums, "complex128")}
+
+
+def test_the_command(monkeypatch, capsys):
+    C = compilation.single_curves()["GF(p), p < 2^63, genus 2, degree 5"]
+    monkeypatch.setattr(compilation, "single_curves", lambda: {"one": C})
+    monkeypatch.setattr(compilation, "batch_curves", dict)
+    monkeypatch.setattr(compilation, "float_curves", dict)
+    assert main(["compile"]) == 0
+    (line,) = capsys.readouterr().out.splitlines()
+    assert line.endswith(" s  single: one")
+    assert float(line.split()[0]) >= 0
+
+
+def test_a_wrong_command_is_named(capsys):
+    with pytest.raises(SystemExit):
+        main(["compil"])
+    assert "compil" in capsys.readouterr().err
