@@ -101,6 +101,8 @@ def _difference(K: Any, function: Callable[[Any], Sequence[Any]], point: tuple[A
 
 def over(system: System, field: Any) -> Any:
     """The same system with its body over another field, such as jets over its own."""
+    if hasattr(system, "over"):
+        return system.over(field)
     moved = copy.copy(system)
     moved.body = replace(system.body, field=field)
     return moved

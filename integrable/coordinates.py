@@ -110,11 +110,11 @@ def pairs_of(body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[P
         square = K.div(poly.evaluate(K, u, e), kappa)
         product = K.div(poly.evaluate(K, v, e), kappa)
         other = K.neg(K.div(poly.evaluate(K, cofactor, e), kappa))
-        pairs.append(_root_of(K, square, product, other, model))
+        pairs.append(root_pair(K, square, product, other, model))
     return tuple(pairs)
 
 
-def _root_of(K: Any, square: Any, product: Any, other: Any, model: Pair) -> Pair:
+def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair) -> Pair:
     """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``."""
     if (square == K.zero) if K.exact else (abs(square) < abs(other)):
         nu = square_root(K, other, "n̂²")

@@ -11,13 +11,18 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.body import Vector, cross, square_root
+from jacobian.errors import NotRepresentable
 
 
 def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
-    """(γ', M') under the diagonal matrix B, undone by the lift of B⁻¹. NotASquare where |Bγ| is not in the field."""
+    """(γ', M') under the diagonal matrix B, undone by the lift of B⁻¹. NotASquare where |Bγ| is not in the field,
+    NotRepresentable where it is zero there.
+    """
     K = field
     turned = (K.mul(B[0], gamma[0]), K.mul(B[1], gamma[1]), K.mul(B[2], gamma[2]))
     length = square_root(K, K.dot(turned, turned), "|Bγ|²")
+    if length == K.zero:
+        raise NotRepresentable(f"|Bγ|² = 0 over {K.name}: γ has no image")
     w = cross(K, M, gamma)
     image = (K.div(turned[0], length), K.div(turned[1], length), K.div(turned[2], length))
     return image, cross(K, turned, (K.div(w[0], B[0]), K.div(w[1], B[1]), K.div(w[2], B[2])))

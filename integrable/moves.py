@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable import coordinates
 from integrable.body import Body, cross, square_root
+from integrable.extrapolation import extrapolated
 from integrable.jets import JetField, apply
 from integrable.state import State
 from integrable.step import Step
@@ -219,8 +220,14 @@ class Shift(Move):
         y = [wide.coerce(x) for pair in pairs for x in pair]
         scale = max(map(abs, y))
         count = 1 + int(2 * max(map(abs, rate(y))) / scale)
+        tolerance = K.eps * scale / 64
         for _ in range(count):
-            y = _extrapolated(rate, y, wide.one / count, K.eps * scale / 64)
+            found = extrapolated(rate, y, wide.one / count, tolerance)
+            if found is None:
+                raise PrecisionLoss(
+                    f"a time shift has not converged to {float(tolerance):.1e}: shift by less, or over more digits"
+                )
+            y = found[0]
         rounded = [K.coerce(x) for x in y]
         return tuple((rounded[2 * i], rounded[2 * i + 1]) for i in range(3))
 
@@ -243,26 +250,6 @@ def pair_rates(body: Any, f: poly.Poly, y: Sequence[Any], first: Any, second: An
         back = first * ((w[0] * sigma + v[0] * nu) / a + u[0] * lead * sigma) + second * (line[0] + line[1] * a) * sigma
         rates += [turn / 2, back / 2]
     return rates
-
-
-def _extrapolated(rate: Callable[[list[Any]], list[Any]], y: list[Any], step: Any, tolerance: Any) -> list[Any]:
-    """One step by the modified midpoint rule with 2, 4, 6, … parts, extrapolated until it changes by ``tolerance``."""
-    rows: list[list[list[Any]]] = []
-    start = rate(y)
-    for k in range(1, 60):
-        parts = 2 * k
-        h = step / parts
-        old, new = y, [a + h * b for a, b in zip(y, start, strict=True)]
-        for _ in range(parts - 1):
-            old, new = new, [a + 2 * h * b for a, b in zip(old, rate(new), strict=True)]
-        row = [[(a + b + h * c) / 2 for a, b, c in zip(old, new, rate(new), strict=True)]]
-        for j, last in enumerate(rows[-1] if rows else []):
-            ratio = (parts / (h * 0 + parts - 2 * j - 2)) ** 2 - 1
-            row.append([a + (a - b) / ratio for a, b in zip(row[-1], last, strict=True)])
-        if rows and max(abs(a - b) for a, b in zip(row[-1], rows[-1][-1], strict=True)) <= tolerance:
-            return row[-1]
-        rows.append(row)
-    raise PrecisionLoss(f"a time shift has not converged to {float(tolerance):.1e}: shift by less, or over more digits")
 
 
 def _check_moving(K: Any, h2: Any) -> None:

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError
 
-from .scene_data import FLOAT_DIGITS, Comparison, Scene, Times
+from .scene_data import FLOAT_DIGITS, Comparison, Map, Scene, Steps, Times
 from .scene_file import load_scene, scene_names
 
 if TYPE_CHECKING:
     from .report import Report
 
-__all__ = ["Comparison", "Scene", "Times", "load_scene", "run", "scene_names"]
+__all__ = ["Comparison", "Map", "Scene", "Steps", "Times", "load_scene", "run", "scene_names"]
 
 
 def run(
@@ -27,7 +27,8 @@ def run(
     pictures: bool = True,
     formats: tuple[str, ...] = ("png",),
 ) -> Any:
-    """Run a scene (or load and run it): a Trajectory at the scene's times, with ``.report`` if the scene asks for one.
+    """Run a scene (or load and run it): a Trajectory or Motion at the scene's times, an Orbit for steps; with
+    ``.report`` if the scene asks for one, an Orbit always.
 
     ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
     ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
@@ -38,7 +39,11 @@ def run(
     digits = scene.digits if digits is None else digits
     if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
         raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed (15: floats)")
-    scene.start(digits)
+    if scene.finite_field and digits != scene.digits:
+        raise ArgumentError(f"digits: {digits} given; an orbit over {scene.finite_field} is exact and has none")
+    system, _ = scene.start(digits)
+    if scene.steps is not None:
+        scene.step(system, digits)
     if out is None:
         with _ticks(progress, scene, digits) as tick:
             return _compute(scene, digits, tick)
@@ -57,9 +62,13 @@ def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
         report, trajectory = measure(scene, digits, tick)
         trajectory.report = report
         return trajectory
+    if scene.steps is not None:
+        from .orbit import measure_orbit
+
+        return measure_orbit(scene, digits, tick)
     tick(f"{digits} digits")
-    body, state = scene.start(digits)
-    trajectory = body.flow(state).at(scene.times.at(digits))
+    system, state = scene.start(digits)
+    trajectory = system.motion_through(state).at(scene.times.at(digits))
     trajectory.report = None
     return trajectory
 
@@ -76,7 +85,11 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
     if scene.report is not None:
         from .report import pieces_of_work
 
-        total = pieces_of_work(scene.report, digits)
+        total = pieces_of_work(scene, digits)
+    elif scene.steps is not None:
+        from .orbit import pieces_of_orbit
+
+        total = pieces_of_orbit(scene, digits)
     with tqdm(total=total, leave=False, bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]") as bar:
         started = False
 
@@ -96,9 +109,11 @@ def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bo
     report: Report | None = trajectory.report
     curve = None
     if "sphere" in scene.pictures and pictures:
-        body, state = scene.start(FLOAT_DIGITS)
-        shown = scene.sphere or scene.times
-        curve = body.flow(state).at(shown.floats())
+        curve = trajectory
+        if scene.steps is None:
+            shown = scene.sphere or scene.times
+            system, state = scene.start(FLOAT_DIGITS)
+            curve = system.motion_through(state).at(shown.floats())
     folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
     if report is not None:
         folder.write_text("report.txt", report.table() + "\n")

@@ -13,8 +13,10 @@ separation: Tsiganov, formulas.md section 7; the addition: Weierstrass.)
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import cached_property
 from math import ceil
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -25,19 +27,26 @@ from jacobian import MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
+    from integrable.separated_clock import SeparatedClock
     from integrable.systems.deformation import Deformation
-
 
 FLOAT_DIGITS = 34
 GUARD_DIGITS = 18
+RR_DIGITS = 16
 
 
-class Motion(NamedTuple):
-    """γ and M of shape (N, 3) at the times ``tau`` of the flow, shape (N,)."""
+@dataclass
+class Motion:
+    """γ and M of shape (N, 3) at physical times ``times`` and times ``tau`` of the flow, shape (N,), dτ = g dt.
 
-    tau: np.ndarray
+    ``times`` is None where only τ was asked for at d ≠ 0. ``report`` is the report of a scene's run, or None.
+    """
+
+    times: np.ndarray | None
+    tau: np.ndarray | None
     gamma: np.ndarray
     M: np.ndarray
+    report: Any = None
 
 
 class SeparatedFlow:
@@ -46,6 +55,8 @@ class SeparatedFlow:
     All is computed with guard digits and rounded once, also for floats (about a millisecond a state).
     NotRepresentable where moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
+
+    method = "elliptic curves"
 
     def __init__(self, system: Deformation, state: State) -> None:
         self._outer = system.field
@@ -66,31 +77,71 @@ class SeparatedFlow:
         if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self._lambdas):
             raise NotRepresentable(f"λ = {self._lambdas}: K vanishes, and one of the two curves degenerates")
         product = body.contact[0] * body.contact[1] * body.contact[2]
-        self._curves = [
+        self.curves = [
             Oval(K, [x * product / i for i in body.inertia], k, product * x, body, v, w)
             for k, (x, v, w) in enumerate(zip(self._lambdas, u, du, strict=True))
         ]
         self._signs = _signs(self, e, slope)
-        found = self._state(*(curve.start for curve in self._curves))
+        found = self._state(*(curve.start for curve in self.curves))
         self._side = 1 if sum(x * y for x, y in zip(found[0], state.gamma, strict=True)) > 0 else -1
 
     def at_tau(self, tau: Any) -> Motion:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0), of any order, size and sign."""
-        K = self.system.field
         given = [self._outer.coerce(x, f"tau[{i}]") for i, x in enumerate(tau)]
-        rows = [self._state(*(curve.moved(K.coerce(x)) for curve in self._curves)) for x in given]
-        return _motion(self._outer, given, rows, self._side)
+        return self._motion(None if self.system.body.rolls else given, given)
 
     def at(self, times: Any) -> Motion:
-        """The states at physical times, at d = 0, where they are those of the flow; ArgumentError at d ≠ 0."""
-        if self.system.body.rolls:
-            raise ArgumentError(f"d = {self.system.d}: physical time is not offered for this flow; use at_tau")
-        return self.at_tau(times)
+        """The states at physical times t, of any order, size and sign.
+
+        At d = 0 they are those of the flow; at d ≠ 0 a clock steps there once (:mod:`integrable.separated_clock`), up
+        to 200000 steps, and ArgumentError beyond.
+        """
+        given = [self._outer.coerce(x, f"times[{i}]") for i, x in enumerate(times)]
+        if not self.system.body.rolls:
+            return self._motion(given, given)
+        return self._motion(given, [self._clock.tau(self.system.field.coerce(x)) for x in given])
+
+    def translated(self, roots_of: Any) -> State:
+        """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
+        μ_k/I_i) and how many times, or None.
+        """
+        moved = []
+        for k, curve in enumerate(self.curves):
+            found = roots_of(k, self.system.field, curve.mu, curve.e)
+            point = curve.start
+            for _ in range(0 if found is None else found[1]):
+                point = curve.added(point, found[0])
+            moved.append(point)
+        row = motion_of(self._outer, None, [], [self._state(*moved)], self._side)
+        x, m = row.gamma[0].tolist(), row.M[0].tolist()
+        return State((x[0], x[1], x[2]), (m[0], m[1], m[2]))
+
+    @cached_property
+    def _clock(self) -> SeparatedClock:
+        from integrable.separated_clock import SeparatedClock
+
+        K = self._outer
+        return SeparatedClock(self, RR_DIGITS if K == RR else K.dps + RR_DIGITS // 2)
+
+    def _motion(self, times: Any, tau: list[Any]) -> Motion:
+        wide = map(self.system.field.coerce, tau)
+        rows = [self._state(*(curve.moved(x) for curve in self.curves)) for x in wide]
+        return motion_of(self._outer, times, tau, rows, self._side)
+
+    def pace(self, first: Any, second: Any) -> Any:
+        """dt/dτ = 1/g, from the roots R_i on both curves."""
+        K, d = self.system.field, self.system.d
+        z = [curve.height(r) for curve, r in zip(self.curves, (first, second), strict=True)]
+        # 1 − dũ = 1/(1 + dz)
+        f = [1 / (1 + d * x) for x in z]
+        u = [x * y for x, y in zip(z, f, strict=True)]
+        size = (self._lambdas[0] - self._lambdas[1]) / (u[1] - u[0])
+        return (size * f[0] * f[1] / (size * f[0] - d * self._lambdas[0])) ** (K.one / 2)
 
     def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
         """(γ, M), up to a common sign, from the roots R_i on both curves."""
         body, K = self.system.body, self.system.field
-        one, two = self._curves
+        one, two = self.curves
         e = [s * c * x * y for s, c, x, y in zip(self._signs, self._weights, first, second, strict=True)]
         length = K.dot(e, e) ** (K.one / 2)
         z = one.height(first), two.height(second)
@@ -117,6 +168,8 @@ class SeparatedFlow:
 class IsometricFlow:
     """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
 
+    method = "elliptic curves"
+
     def __init__(self, system: Deformation, state: State) -> None:
         self._outer = system.field
         self.system, state = widened(system, state)
@@ -133,7 +186,7 @@ class IsometricFlow:
         run = self._flow.at_tau([self._pace * K.coerce(x) for x in given])
         back = [1 / b for b in self._roots]
         rows = [lift(K, back, tuple(x), tuple(m)) for x, m in zip(run.gamma, run.M, strict=True)]
-        return _motion(self._outer, given, rows, 1)
+        return motion_of(self._outer, given, given, rows, 1)
 
     at_tau = at
 
@@ -155,8 +208,9 @@ class Oval:
         # Z' = 2R_1R_2R_3
         self.start = [turn * sizes[0], *sizes[1:]]
         self._mean = sum(self.e) / 3
-        self._centred = [x - self._mean for x in self.e]
-        self._series = _laurent(K, self._centred)
+        self.centred = [x - self._mean for x in self.e]
+        one, two, three = self.centred
+        self._series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
 
     def _size(self, moment: Any, z: Any, u: Any, a: Any, body: Any) -> Any:
         """√|μ(z − 1/I)|, from u − a where that is more exact."""
@@ -170,18 +224,19 @@ class Oval:
 
     def moved(self, tau: Any) -> list[Any]:
         """The roots R_i a time τ later."""
-        if tau == 0:
-            return self.start
-        s, r = self._translation(tau), self.start
+        return self.start if tau == 0 else self.added(self.start, self.translation(tau))
+
+    def added(self, r: Any, s: Any) -> list[Any]:
+        """The roots R_i at the sum of a point with roots r and a translation s."""
         i = self._far
         # ℘(v) − Z(u) = s_i² ∓ R_i², a sum where the sign of R_i² is −
         j = (i + 1) % 3
         down = s[j] * s[j] + r[j] * r[j]
         return [(s[n] * self.signs[n] * r[n - 2] * r[n - 1] + r[n] * s[n - 2] * s[n - 1]) / down for n in range(3)]
 
-    def _translation(self, tau: Any) -> list[Any]:
+    def translation(self, tau: Any) -> list[Any]:
         """s_i(τ) = √(℘(τ) − e_i): the Laurent series at τ/2^m, then m doublings."""
-        K, size, halvings = self._field, max(map(abs, self._centred)), 0
+        K, size, halvings = self._field, max(map(abs, self.centred)), 0
         v = tau
         while v * v * size > 1 / 16:
             v, halvings = v / 2, halvings + 1
@@ -190,7 +245,7 @@ class Oval:
         for c in reversed(self._series):
             tail = tail * square + c
         # v²(℘ − e) = 1 − v²e + v⁴·tail
-        s = [(1 - square * e + square * square * tail) ** (K.one / 2) / v for e in self._centred]
+        s = [(1 - square * e + square * square * tail) ** (K.one / 2) / v for e in self.centred]
         for _ in range(halvings):
             e = self.e
             down = 2 * s[0] * s[1] * s[2]
@@ -212,20 +267,21 @@ def widened(system: Deformation, state: State) -> tuple[Any, State]:
     return system.over(wide), State(tuple(gamma), tuple(M))
 
 
-def _motion(K: Any, tau: list[Any], rows: list[Any], side: int) -> Motion:
-    """The rows (γ, M) rounded to the field K."""
+def motion_of(K: Any, times: Any, tau: list[Any], rows: list[Any], side: int) -> Motion:
+    """Times and rows (γ, M) rounded to the field K."""
     kind = np.float64 if K == RR else object
     number = float if K == RR else K.coerce
     gamma, M = (
         np.array([[number(side * x) for x in row[k]] for row in rows], dtype=kind).reshape(-1, 3) for k in (0, 1)
     )
-    return Motion(np.array(tau, dtype=kind), gamma, M)
+    t, s = (None if x is None else np.array([number(y) for y in x], dtype=kind) for x in (times, tau))
+    assert s is not None
+    return Motion(t, s, gamma, M)
 
 
-def _laurent(K: Any, e: Any) -> list[Any]:
-    """c_0, c_1, … with ℘(v) = v⁻² + v²Σ c_n v^(2n), for e1 + e2 + e3 = 0."""
+def laurent(K: Any, g2: Any, g3: Any) -> list[Any]:
+    """c_0, c_1, … with ℘(v) = v⁻² + v²Σ c_n v^(2n), ℘'² = 4℘³ − g2℘ − g3."""
     count = ceil(0.5 * K.dps + 10)
-    g2, g3 = -4 * (e[0] * e[1] + e[1] * e[2] + e[2] * e[0]), 4 * e[0] * e[1] * e[2]
     c = [K.zero, K.zero, g2 / 20, g3 / 28]
     for n in range(4, count + 2):
         c.append(3 * sum(c[m] * c[n - m] for m in range(2, n - 1)) / ((2 * n + 1) * (n - 3)))
@@ -269,7 +325,7 @@ def _roots(a: Any, e: Any, slope: Any) -> tuple[list[Any], list[Any]]:
 
 def _signs(flow: SeparatedFlow, e: Any, slope: Any) -> list[int]:
     """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i or, where that is small, from its derivative."""
-    one, two = flow._curves
+    one, two = flow.curves
     result = []
     for i in range(3):
         j, k = i - 2, i - 1

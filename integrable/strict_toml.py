@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import difflib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from decimal import Decimal
 from fractions import Fraction
 from typing import Any
@@ -55,6 +55,13 @@ class Table:
         """Raise ArgumentError with the place and the key in front of ``why``."""
         raise ArgumentError(f"{self.place} {key}: {why}")
 
+    def within(self, key: str, check: Callable[[], Any]) -> None:
+        """Run ``check``; its ArgumentError gets the place and the key in front."""
+        try:
+            check()
+        except ArgumentError as error:
+            self.fail(key, str(error).removeprefix(f"{key}: "))
+
     def _get(self, key: str, default: Any, needed: str) -> Any:
         if default is _MISSING and key not in self.content:
             self.fail(key, f"missing; {needed} is needed")
@@ -90,10 +97,17 @@ class Table:
             self.fail(key, f"{_shown(value)} given; an entry is repeated")
         return tuple(chosen)
 
-    def integer(self, key: str, least: int, default: int = _MISSING) -> int:
-        """An integer not below ``least``."""
-        value = self._get(key, default, f"an integer ≥ {least}")
+    def integer(self, key: str, least: int | None, default: int = _MISSING) -> int:
+        """An integer, not below ``least`` if that is given."""
+        value = self._get(key, default, _integer_wanted(least))
         return self._integer(key, value, least)
+
+    def signs(self, key: str) -> tuple[int, ...]:
+        """A list of 1 and -1."""
+        chosen = self._list(key, self._get(key, _MISSING, "a list of signs"))
+        if any(isinstance(item, bool) or item not in (1, -1) for item in chosen):
+            self.fail(key, f"{_shown(chosen)} given; a list of signs 1 and -1 is needed")
+        return tuple(int(item) for item in chosen)
 
     def integers(self, key: str, least: int, default: tuple[int, ...] = _MISSING) -> tuple[int, ...]:
         """A list of integers not below ``least``."""
@@ -118,6 +132,14 @@ class Table:
         """The table under ``key``."""
         return Table(f"{self.place} {key}:", self._get(key, _MISSING, "a table"), known)
 
+    def tables(self, key: str, known: Iterable[str]) -> list[Table]:
+        """The tables of the list under ``key``, at least one."""
+        known = list(known)
+        content = self._list(key, self._get(key, _MISSING, "a list of tables"))
+        if not content:
+            self.fail(key, "[] given; at least one table is needed")
+        return [Table(f"{self.place} {key}[{i}]:", item, known) for i, item in enumerate(content)]
+
     def _list(self, key: str, value: Any) -> list[Any]:
         return (
             list(value)
@@ -125,9 +147,9 @@ class Table:
             else self.fail(key, f"{_shown(value)} given; a list is needed")
         )
 
-    def _integer(self, key: str, value: Any, least: int) -> int:
-        if isinstance(value, bool) or not isinstance(value, int) or value < least:
-            self.fail(key, f"{_shown(value)} given; an integer ≥ {least} is needed")
+    def _integer(self, key: str, value: Any, least: int | None) -> int:
+        if isinstance(value, bool) or not isinstance(value, int) or (least is not None and value < least):
+            self.fail(key, f"{_shown(value)} given; {_integer_wanted(least)} is needed")
         return int(value)
 
     def _number(self, key: str, value: Any) -> Fraction:
@@ -141,6 +163,10 @@ class Table:
                 if number == 0 or 1e-300 < abs(number) < 1e300:
                     return number
         return self.fail(key, f'{_shown(value)} given; a finite number such as 2, 0.7, "0.7" or "1/3" is needed')
+
+
+def _integer_wanted(least: int | None) -> str:
+    return "an integer" if least is None else f"an integer ≥ {least}"
 
 
 def _shown(value: Any) -> str:

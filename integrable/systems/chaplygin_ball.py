@@ -25,6 +25,7 @@ class ChaplyginBall(System):
             raise ArgumentError(
                 f"d = {d!r}, mass = {mass!r}, radius = {radius!r}: give either d or both mass and radius"
             )
+        self.radius = None if radius is None else field.coerce(radius, "radius")
         if d is None:
             d = _rolling_offset(field, mass, radius)
         self.body = Body.make(inertia, d, field)

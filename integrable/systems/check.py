@@ -17,10 +17,11 @@ class Check(IsometricDeformation):
     """
 
     def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, system): B² = A, m = −e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B (real fields)."""
+        """(B², m, system): B² = A, m = −e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
         from integrable.systems.deformed import Tilde
 
-        return self.a, -self.a[0] * self.a[1] * self.a[2], Tilde(self.a, field=self.field)
+        K, (a1, a2, a3) = self.field, self.a
+        return self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""

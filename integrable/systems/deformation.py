@@ -12,7 +12,7 @@ from __future__ import annotations
 import copy
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.body import Body
 from integrable.jets import JetField
@@ -20,6 +20,9 @@ from integrable.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable
+
+if TYPE_CHECKING:
+    from integrable.two_curves import TwoPoints
 
 
 class DeformedIntegrals(NamedTuple):
@@ -211,12 +214,82 @@ class Deformation:
         return State(tuple(rate), tuple(momentum))
 
     def flow(self, state: State) -> Any:
-        """The motion through a state as additions on two elliptic curves (:mod:`integrable.separated_flow`): the tilde,
-        check and hat pairs without potential. ArgumentError for the others: no separated curves are known.
+        """The motion through a state as additions on two elliptic curves: the tilde, check and hat pairs without
+        potential (:mod:`integrable.separated_flow`), the tilde pair at d = 0 in repelling poles b_i > 0 alone
+        (:mod:`integrable.pole_flow`). ArgumentError for the others.
         """
         raise ArgumentError(
-            f"{self!r}: no separated curves are known with a potential or gyroscopic terms; integrate vector_field"
+            f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
+            "motion_through(state)"
         )
+
+    def motion_through(self, state: State) -> Any:
+        """What gives the states at physical times, ``.at(times)``: :meth:`flow` where there is one, else the equations
+        of motion integrated (:class:`integrable.integrated.IntegratedMotion`); ``.method`` says which. RR and
+        MP(digits) only.
+        """
+        if self.separates or self.repels:
+            try:
+                return self.flow(state)
+            except NotRepresentable:
+                # equal moments, K = 0: the equations of motion are regular there
+                pass
+        from integrable.integrated import IntegratedMotion
+
+        return IntegratedMotion(self, state)
+
+    @property
+    def repels(self) -> bool:
+        """Whether the potential is one of repelling poles alone whose :meth:`flow` is known."""
+        return False
+
+    @property
+    def separates(self) -> bool:
+        """Whether there is no potential, and :meth:`divisor` and :meth:`translation` know the separated curves."""
+        return False
+
+    def curves_of(self) -> Any:
+        """The tilde pair whose curves the motion is on: the system itself, or the tilde pair of A⁻¹."""
+        return self
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The two points of a state, one on each elliptic curve (:mod:`integrable.two_curves`): tilde, check and hat
+        pairs without potential; ArgumentError for the others.
+        """
+        from integrable import two_curves
+
+        self._check_curves()
+        return two_curves.divisors(self, self._checked(state))
+
+    def from_divisor(self, D: TwoPoints, like: State) -> State:
+        """The state of two points, of the eight that share them the one with the signs of ``like``."""
+        from integrable import two_curves
+
+        self._check_curves()
+        return two_curves.from_divisors(self, D, self._checked(like))
+
+    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+        """The map that adds a point of fixed abscissa on each curve (:class:`integrable.two_curves.CurveTranslation`):
+        Poisson, it preserves H and K.
+        """
+        from integrable.two_curves import CurveTranslation
+
+        self._check_curves()
+        return CurveTranslation(self, points, sheets, multiple)
+
+    def isometry(self) -> tuple[Any, Any, Any]:
+        """(B², m, system) with H = m·H̃ of that tilde pair at the lift of B: check and hat pairs."""
+        raise ArgumentError(f"{self!r}: no isometry is known")
+
+    def _check_curves(self) -> None:
+        if not self.separates:
+            raise ArgumentError(
+                f"{self!r}: divisors and steps are those of the two curves of a tilde, check or hat pair without "
+                "potential"
+            )
+
+    def _checked(self, state: Any) -> State:
+        return self.rigid._checked(state)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K) of operator numbers."""
@@ -259,6 +332,14 @@ class Deformation:
                 self.scalars(jets.constant, jets.variables(state.gamma), (zero, zero, zero)), terms
             )
         return jets.coerce(energy).slopes
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Deformation) or type(self) is not type(other):
+            return NotImplemented
+        return self.rigid == other.rigid and self.potential == other.potential
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.rigid))
 
     def __repr__(self) -> str:
         extra = "" if self.potential is None else f", potential={tuple(self.potential)}"
@@ -314,10 +395,40 @@ class IsometricDeformation(Deformation):
     def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
         self._build(inertia, 0, potential, field)
 
+    @property
+    def separates(self) -> bool:
+        return self.potential is None
+
     def flow(self, state: State) -> Any:
         """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
-        if self.potential is not None:
+        if not self.separates:
             return super().flow(state)
         from integrable.separated_flow import IsometricFlow
 
         return IsometricFlow(self, state)
+
+    def curves_of(self) -> Any:
+        return self.isometry()[2]
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The two points of a state on the curves of the tilde pair of A⁻¹; NotASquare where the lift is not over the
+        field.
+        """
+        from integrable.two_curves import lifted
+
+        self._check_curves()
+        points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
+        return points
+
+    def from_divisor(self, D: TwoPoints, like: State) -> State:
+        from integrable.two_curves import lifted, unlifted
+
+        self._check_curves()
+        return unlifted(self, self.curves_of().from_divisor(D, lifted(self, self._checked(like))))
+
+    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+        """The step of the tilde pair of A⁻¹ (:class:`integrable.two_curves.CurveTranslation`), points on its line."""
+        from integrable.two_curves import IsometricStep
+
+        self._check_curves()
+        return IsometricStep(self, self.curves_of().translation(points, sheets, multiple))

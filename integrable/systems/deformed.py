@@ -23,9 +23,27 @@ class Tilde(Deformation):
     ) -> None:
         self._build(inertia, d, potential, field)
 
+    @property
+    def separates(self) -> bool:
+        return self.potential is None
+
+    @property
+    def repels(self) -> bool:
+        if self.potential is None or self.body.rolls or self.field.characteristic:
+            return False
+        zero = self.field.zero
+        return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
+
     def flow(self, state: State) -> Any:
-        """The motion as additions on the curves y² = 4λ_k(dx − 1)Π(a_i − x): a :class:`SeparatedFlow`."""
-        if self.potential is not None:
+        """The motion as additions on the curves y² = 4λ_k(dx − 1)Π(a_i − x), a :class:`SeparatedFlow`; in repelling
+        poles b_i > 0 alone, at d = 0, on cubics, a :class:`integrable.pole_flow.PoleFlow`. ArgumentError elsewhere.
+        """
+        if self.repels:
+            from integrable.pole_flow import PoleFlow
+
+            self.integrals(state)
+            return PoleFlow(self, state)
+        if not self.separates:
             return super().flow(state)
         from integrable.separated_flow import SeparatedFlow
 

@@ -20,6 +20,16 @@ class Gyroscopic(Deformation):
         self._build(inertia, 0, None, field)
         self.c = field.coerce(c, "c")
 
+    def over(self, field: Any) -> Any:
+        moved = super().over(field)
+        moved.c = field.coerce(self.c, "c")
+        return moved
+
+    def __eq__(self, other: object) -> bool:
+        return super().__eq__(other) and isinstance(other, Gyroscopic) and bool(self.c == other.c)
+
+    __hash__ = Deformation.__hash__
+
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""
         c = self._constants(0)(self.c)

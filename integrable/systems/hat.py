@@ -16,12 +16,12 @@ class Hat(IsometricDeformation):
     """
 
     def isometry(self) -> tuple[Any, Any, Any]:
-        """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B (real fields)."""
+        """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
         from integrable.systems.deformed import Tilde
 
-        a1, a2, a3 = self.a
-        squares = (a2 * a3, a3 * a1, a1 * a2)
-        return squares, a1 * a2 * a3, Tilde(self.a, field=self.field)
+        K, (a1, a2, a3) = self.field, self.a
+        squares = (K.mul(a2, a3), K.mul(a3, a1), K.mul(a1, a2))
+        return squares, K.mul(a1, squares[0]), Tilde(self.a, field=K)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""

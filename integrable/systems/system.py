@@ -22,6 +22,8 @@ class System:
     """A rigid body, by default with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
     body: Body
+    radius: Any = None
+    """The radius of a ball that was given one, else None: lengths are then in radii."""
 
     @property
     def field(self) -> Any:
@@ -249,6 +251,10 @@ class System:
         from integrable.flow import Flow
 
         return Flow(self, self._checked(state), kernel)
+
+    def motion_through(self, state: State) -> Flow:
+        """What gives the states at physical times, ``.at(times)``: :meth:`flow`; every system has it."""
+        return self.flow(state)
 
     def _checked(self, state: Any) -> State:
         if not isinstance(state, State):
