@@ -1,210 +1,248 @@
-"""Published discretizations and integrators to stand beside the divisor flow: fixed step, (γ, M) after every step.
+"""Published integrators and discretizations to stand beside the divisor flow, behind one interface: :data:`METHODS`.
 
-* :func:`implicit_midpoint` and :func:`gauss_legendre6`: Gauss collocation of order 2 and 6 on the six equations of
-  motion; they keep C1, C2, H2 (quadratic), at d = 0 also H1.
-* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ; it keeps
-  |M|², (γ, M), |γ| and the energy, second order, or fourth with the modified moments of Hairer and Vilmart (2006).
-* :func:`hirota_kimura`: the explicit birational Euler top of Hirota and Kimura (2000); it moves M alone and keeps the
-  three ratios of :func:`hirota_kimura_integrals` (Petrera, Pfadler and Suris 2009), but not |M|².
+    METHODS["Gauss-Legendre 6"].solve(system, state, times, 0.1)     # Solution(gamma, M, evaluations)
 
-``number`` makes the numbers of a run: ``float``, or the ``mpf`` of an mpmath context. Nothing of :mod:`jacobian`'s
-arithmetic is used.
+Every :class:`Method` says which systems it takes, what its one setting means (a step, a tolerance, a number of digits),
+and what has to be installed; ``prepare`` keeps its set-up (compilation included) apart from the run. A system is an
+object of :mod:`integrable.systems`: a body with ``inertia`` and ``d`` (ball, top), or one with a ``vector_field`` alone
+(the deformations). Nothing of :mod:`jacobian`'s arithmetic is used.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from importlib.util import find_spec
 from typing import Any
 
-import numpy as np
+from integrable.collocation import collocation
+from integrable.discrete_tops import hirota_kimura, moser_veselov
+from integrable.reference import Solution, equations, is_body, odefun, scipy_solution, taylor
+from integrable.stepping import Advance, follow
+from jacobian.errors import ArgumentError
 
-from integrable.reference import Body, Solution, Start
-from jacobian.errors import ArgumentError, PrecisionLoss
+__all__ = ["METHODS", "Method", "time_scale"]
 
-__all__ = [
-    "gauss_legendre6",
-    "hirota_kimura",
-    "hirota_kimura_integrals",
-    "hirota_kimura_step",
-    "implicit_midpoint",
-    "modified_moments",
-    "moser_veselov",
-]
+Run = Callable[[Iterable[Any]], Solution]
+Prepare = Callable[[Any, Any, Any], Run]
 
-MOST_ITERATIONS = 200
-Vector = list[Any]
+TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 3e-14)
+STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
+"""In units of the time scale of :meth:`Method.ladder`."""
 
 
-def implicit_midpoint(
-    body: Body, start: Start, *, step: Any, count: int, number: Callable[..., Any] = float
-) -> Solution:
-    """``count`` steps of the implicit midpoint rule: γ and M of shape (count + 1, 3), the start first."""
-    half = number(1) / 2
-    return _collocation(body, start, step, count, number, [[half]], [number(1)])
+@dataclass(frozen=True)
+class Method:
+    """One integrator.
 
-
-def gauss_legendre6(body: Body, start: Start, *, step: Any, count: int, number: Callable[..., Any] = float) -> Solution:
-    """``count`` steps of the three-stage Gauss method of order 6 (Kuntzmann, Butcher): shapes (count + 1, 3)."""
-    r, n = number(15) ** (number(1) / 2), number
-    matrix = [
-        [n(5) / 36, n(2) / 9 - r / 15, n(5) / 36 - r / 30],
-        [n(5) / 36 + r / 24, n(2) / 9, n(5) / 36 - r / 24],
-        [n(5) / 36 + r / 30, n(2) / 9 + r / 15, n(5) / 36],
-    ]
-    return _collocation(body, start, step, count, number, matrix, [n(5) / 18, n(4) / 9, n(5) / 18])
-
-
-def moser_veselov(
-    body: Body, start: Start, *, step: Any, count: int, number: Callable[..., Any] = float, order: int = 2
-) -> Solution:
-    """``count`` steps of the discrete Euler top (d = 0): shapes (count + 1, 3).
-
-    Order 4 takes the modified moments instead of the body's. The step is found by a fixed-point iteration;
-    PrecisionLoss where it does not converge: take a smaller step.
+    ``parameter`` is what the setting means: "step" (a time), "tolerance" or "digits"; ``settings`` are sensible values,
+    cheapest first, steps in units of the motion's own time scale (:meth:`ladder`). ``only``: "any" system, "body" (ball
+    or top) or "top" (d = 0). ``number``: "float", or "any" for methods that also run in the mpf of a system over
+    MP(digits). ``compiled``: numba compiles at first use and keeps the result on disk.
     """
-    if body.d or order not in (2, 4):
-        raise ArgumentError(f"d = {body.d}, order = {order}: the discrete top is for d = 0, of order 2 or 4")
-    h = number(step)
-    x, M = [number(v) for v in start.gamma], [number(v) for v in start.M]
-    moments = [number(v) for v in body.inertia]
-    J = modified_moments(moments, M, h) if order == 4 else moments
-    rows, work = [(x, M)], 0
-    for _ in range(count):
-        e0, e, passes = _rotation(J, M, h)
-        M = [m - 4 / h * e[i - 2] * e[i - 1] * (J[i - 1] - J[i - 2]) for i, m in enumerate(M)]
-        turned = _cross(e, x)
-        again = _cross(e, turned)
-        x = [a - 2 * e0 * b + 2 * c for a, b, c in zip(x, turned, again, strict=True)]
-        rows.append((x, M))
-        work += passes
-    return _solution(rows, work)
+
+    name: str
+    source: str
+    parameter: str
+    settings: tuple[float, ...]
+    prepare_run: Prepare
+    only: str = "any"
+    number: str = "float"
+    module: str = ""
+    extra: str = ""
+    """The module that is imported, and the optional dependency of this package that installs it."""
+    compiled: bool = False
+    order: int | None = None
+    """Of convergence, for a fixed step."""
+
+    @property
+    def installed(self) -> bool:
+        """Whether what it needs is installed."""
+        return not self.module or find_spec(self.module) is not None
+
+    def refusal(self, system: Any) -> str | None:
+        """Why the method does not take a system, or None."""
+        if self.only != "any" and not is_body(system):
+            return f"{self.name} is for the ball and the top: {system!r} has other equations"
+        if self.only == "top" and system.d:
+            return f"d = {system.d}: {self.name} is for the Euler top, d = 0"
+        if not self.installed:
+            return f"{self.name} needs {self.module}: pip install 'jacobian-integrable[{self.extra}]'"
+        return None
+
+    def takes(self, system: Any) -> bool:
+        """Whether the method is installed and integrates this system."""
+        return self.refusal(system) is None
+
+    def prepare(self, system: Any, state: Any, setting: Any) -> Run:
+        """The set-up for one start: a function times ↦ Solution that may be called again.
+
+        ArgumentError where the system or the setting is refused.
+        """
+        refusal = self.refusal(system)
+        if refusal:
+            raise ArgumentError(refusal)
+        if not setting > 0:
+            raise ArgumentError(f"{self.parameter} = {setting}: give a positive {self.parameter}")
+        return self.prepare_run(system, state, setting)
+
+    def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
+        """γ and M at ``times``, any order and either sign, the state being at time 0: shapes (N, 3).
+
+        What an integrator cannot do it says: PrecisionLoss (a step whose equations have no solution) or RuntimeError
+        (SciPy's and heyoka's own message). An error that is merely large is not noticed by any of them.
+        """
+        return self.prepare(system, state, setting)(times)
+
+    def ladder(self, system: Any, state: Any) -> list[float]:
+        """``settings`` for one start: steps are multiplied by its time scale, 1/max(|γ̇|, |Ṁ|/|M|) at time 0."""
+        if self.parameter != "step":
+            return list(self.settings)
+        scale = time_scale(system, state)
+        return [scale * x for x in self.settings]
 
 
-def modified_moments(moments: Sequence[Any], M: Sequence[Any], h: Any) -> Vector:
-    """J with 1/J_i = (1 + h²s)/I_i + h²δ, for which the discrete top is of order 4 (Hairer and Vilmart 2006)."""
-    inverse, total, product = sum(1 / x for x in moments), sum(moments), moments[0] * moments[1] * moments[2]
-    energy = sum(m * m / x for m, x in zip(M, moments, strict=True)) / 2
-    casimir = sum(m * m for m in M) / 2
-    s = -inverse * energy / 3 + total * casimir / (6 * product)
-    delta = total * energy / (6 * product) - casimir / (3 * product)
-    return [1 / ((1 + h * h * s) / x + h * h * delta) for x in moments]
+def time_scale(system: Any, state: Any) -> float:
+    """1/max(|γ̇|, |Ṁ|/|M|) at a state, 1 where nothing moves: the time in which γ or M turns by about a radian."""
+    rates = [float(x) for x in equations(system, state)([*state.gamma, *state.M])]
+    size = sum(float(m) ** 2 for m in state.M) ** 0.5
+    rate = max(
+        sum(x * x for x in rates[:3]) ** 0.5,
+        sum(x * x for x in rates[3:]) ** 0.5 / size if size else 0.0,
+    )
+    return 1 / rate if rate else 1.0
 
 
-def hirota_kimura(moments: Sequence[Any], M: Sequence[Any], *, step: Any, count: int) -> list[Vector]:
-    """M after 0, 1, …, ``count`` steps, in the numbers that are given; γ does not take part."""
-    rows = [list(M)]
-    for _ in range(count):
-        rows.append(hirota_kimura_step(moments, rows[-1], step))
-    return rows
+def _scipy(method: str) -> Prepare:
+    def prepare(system: Any, state: Any, tolerance: Any) -> Run:
+        import scipy.integrate  # noqa: F401  # belongs to the set-up
+
+        relative = float(tolerance)
+        size = sum(float(m) ** 2 for m in state.M) ** 0.5 or 1.0
+        absolute = [relative] * 3 + [relative * size] * 3
+        return lambda times: scipy_solution(system, state, times, method=method, rtol=relative, atol=absolute)
+
+    return prepare
 
 
-def hirota_kimura_step(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """The M̃ with M̃_1 − eα_1(M_3M̃_2 + M_2M̃_3) = M_1 and cyclic, e = step/2, α_1 = a_3 − a_2, by Cramer's rule.
+def _fixed(make: Callable[[Any, Any], Advance]) -> Prepare:
+    """A fixed-step method in plain Python, in the numbers of the system's field."""
 
-    Only + − × ÷: rational numbers stay rational. ZeroDivisionError where the linear system is singular.
-    """
-    p, q, r = ([c * m for m in M] for c in _half_steps(moments, step))
-    # rows (1, −p3, −p2), (−q3, 1, −q1), (−r2, −r1, 1)
-    rows = [[1, -p[2], -p[1]], [-q[2], 1, -q[0]], [-r[1], -r[0], 1]]
-    determinant = _determinant(rows)
-    return [
-        _determinant([[M[i] if j == k else row[j] for j in range(3)] for i, row in enumerate(rows)]) / determinant
-        for k in range(3)
-    ]
+    def prepare(system: Any, state: Any, step: Any) -> Run:
+        field, advance = system.field, make(system, state)
+        start, h = [*state.gamma, *state.M], field.coerce(step, "step")
+        return lambda times: follow(advance, start, [field.coerce(t, "times") for t in times], h)
+
+    return prepare
 
 
-def hirota_kimura_integrals(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """(q_2/q_3, q_3/q_1, q_1/q_2) with q_1 = 1 − e²α_2α_3M_1², cyclic: the integrals of the map."""
-    q = hirota_kimura_factors(moments, M, step)
-    return [q[1] / q[2], q[2] / q[0], q[0] / q[1]]
+def _gauss16(parameter: str) -> Prepare:
+    def prepare(system: Any, state: Any, setting: Any) -> Run:
+        from integrable.gauss16 import gauss16
+
+        return lambda times: gauss16(system, state, times, **{parameter: float(setting)})
+
+    return prepare
 
 
-def hirota_kimura_factors(moments: Sequence[Any], M: Sequence[Any], step: Any) -> Vector:
-    """q_1, q_2, q_3; det ∂M̃/∂M = (q_3(M̃)/q_3(M))²."""
-    c = _half_steps(moments, step)
-    return [1 - c[i - 2] * c[i - 1] * M[i] * M[i] for i in range(3)]
+def _taylor() -> Prepare:
+    def prepare(system: Any, state: Any, tolerance: Any) -> Run:
+        from integrable.taylor_compiled import compiled_taylor
+
+        return lambda times: compiled_taylor(system, state, times, tolerance=float(tolerance))
+
+    return prepare
 
 
-def _half_steps(moments: Sequence[Any], step: Any) -> Vector:
-    """eα_i = (step/2)(a_k − a_j)."""
-    return [step * (1 / moments[i - 1] - 1 / moments[i - 2]) / 2 for i in range(3)]
+def _heyoka(extended: bool) -> Prepare:
+    def prepare(system: Any, state: Any, tolerance: Any) -> Run:
+        from integrable.heyoka_taylor import heyoka_run
+
+        return heyoka_run(system, state, float(tolerance), extended=extended)
+
+    return prepare
 
 
-def _determinant(m: Sequence[Sequence[Any]]) -> Any:
-    return sum(m[0][i] * (m[1][i - 2] * m[2][i - 1] - m[1][i - 1] * m[2][i - 2]) for i in range(3))
+def _elliptic(system: Any, state: Any, digits: Any) -> Run:
+    from integrable.elliptic_top import EllipticTop
+
+    return EllipticTop(system, state, int(digits)).at
 
 
-def _rotation(J: Vector, M: Vector, h: Any) -> tuple[Any, Vector, int]:
-    """The quaternion (e0, e) of a step: h·M_1 = 2e0·J_1e_1 + 2e_2e_3(J_3 − J_2), cyclic."""
-    e = [h * m / (2 * x) for m, x in zip(M, J, strict=True)]
-    change = None
-    for iteration in range(MOST_ITERATIONS):
-        square = 1 - sum(x * x for x in e)
-        if not square > 0:
-            break
-        e0 = square ** (square**0 / 2)
-        new = [(h * M[i] / 2 - e[i - 2] * e[i - 1] * (J[i - 1] - J[i - 2])) / (e0 * J[i]) for i in range(3)]
-        last, change = change, max(abs(a - b) for a, b in zip(new, e, strict=True))
-        e = new
-        if change == 0 or (last is not None and change >= last and change < 1e-8 * max(map(abs, e))):
-            return (1 - sum(x * x for x in e)) ** (square**0 / 2), e, iteration + 1
-    raise PrecisionLoss(f"step = {h}: the discrete top has found no rotation; take a smaller step")
+def _multiprecision(integrate: Callable[..., Solution]) -> Prepare:
+    return lambda system, state, digits: lambda times: integrate(system, state, times, digits=int(digits))
 
 
-def _collocation(
-    body: Body, start: Start, step: Any, count: int, number: Any, matrix: list[Vector], weights: Vector
-) -> Solution:
-    rates = _rates([number(x) for x in body.inertia], number(body.d))
-    h = number(step)
-    y = [number(v) for v in (*start.gamma, *start.M)]
-    slopes = [rates(y)] * len(weights)
-    rows, work = [(y[:3], y[3:])], 1
-    for _ in range(count):
-        slopes, passes = _stages(rates, y, slopes, matrix, h)
-        y = [v + h * sum(b * k[i] for b, k in zip(weights, slopes, strict=True)) for i, v in enumerate(y)]
-        rows.append((y[:3], y[3:]))
-        work += passes * len(weights)
-    return _solution(rows, work)
+def _moments(system: Any) -> list[Any]:
+    return [system.field.coerce(x) for x in system.inertia]
 
 
-def _stages(rates: Any, y: Vector, slopes: Any, matrix: list[Vector], h: Any) -> tuple[list[Vector], int]:
-    """The slopes k_i = F(y + hΣa_ij k_j), by fixed-point iteration until it no longer improves."""
-    change = None
-    for iteration in range(MOST_ITERATIONS):
-        points = [
-            [v + h * sum(a * k[i] for a, k in zip(row, slopes, strict=True)) for i, v in enumerate(y)] for row in matrix
-        ]
-        new = [rates(point) for point in points]
-        last, change = (
-            change,
-            max(abs(a - b) for p, q in zip(new, slopes, strict=True) for a, b in zip(p, q, strict=True)),
-        )
-        slopes = new
-        if change == 0 or (last is not None and change >= last and change < 1e-8 * max(map(abs, slopes[0]))):
-            return slopes, iteration + 1
-    raise PrecisionLoss(f"step = {h}: the stages of the implicit step have not converged; take a smaller step")
+_TABLE = (
+    Method(
+        "SciPy DOP853", "Hairer, Nørsett & Wanner (1993)", "tolerance", TOLERANCES, _scipy("DOP853"),
+        module="scipy", extra="app",
+    ),
+    Method(
+        "SciPy LSODA", "Hindmarsh & Petzold (1983)", "tolerance", TOLERANCES[:-1], _scipy("LSODA"),
+        module="scipy", extra="app",
+    ),
+    Method(
+        "SciPy Radau", "Hairer & Wanner (1996)", "tolerance", TOLERANCES[:-2], _scipy("Radau"),
+        module="scipy", extra="app",
+    ),
+    Method(
+        "implicit midpoint", "Gauss collocation, one stage", "step", STEPS,
+        _fixed(lambda system, state: collocation(system, state, 1)), number="any", order=2,
+    ),
+    Method(
+        "Gauss-Legendre 6", "Kuntzmann (1961), Butcher (1964), three stages", "step", STEPS,
+        _fixed(lambda system, state: collocation(system, state, 3)), number="any", order=6,
+    ),
+    Method(
+        "Moser-Veselov", "Moser & Veselov (1991)", "step", STEPS,
+        _fixed(lambda system, _: moser_veselov(_moments(system))), only="top", number="any", order=2,
+    ),
+    Method(
+        "Moser-Veselov, order 4", "Hairer & Vilmart (2006)", "step", STEPS,
+        _fixed(lambda system, _: moser_veselov(_moments(system), 4)), only="top", number="any", order=4,
+    ),
+    Method(
+        "Hirota-Kimura", "Hirota & Kimura (2000), γ by Kahan's rule (1993)", "step", STEPS,
+        _fixed(lambda system, _: hirota_kimura(_moments(system))), only="top", number="any", order=2,
+    ),
+    Method(
+        "Gauss-Legendre 16", "Hairer, McLachlan & Razakarivony (2008), compiled", "step", (2.0, 1.4, 1.0, 0.7, 0.5),
+        _gauss16("step"), only="body", compiled=True, order=16,
+    ),
+    Method(
+        "Gauss-Legendre 16, adaptive", "the same with a chosen step, compiled", "tolerance",
+        (1e-6, 1e-9, 1e-12, 1e-15, 1e-18), _gauss16("tolerance"), only="body", compiled=True,
+    ),
+    Method(
+        "Taylor, compiled", "Jorba & Zou (2005), compensated sums", "tolerance", (1e-6, 1e-9, 1e-12, 1e-15, 1e-17),
+        _taylor(), only="body", compiled=True,
+    ),
+    Method(
+        "heyoka", "Biscani & Izzo (2021)", "tolerance", (1e-6, 1e-9, 1e-12, 1e-15, 1e-18),
+        _heyoka(extended=False), only="body", module="heyoka", extra="peers",
+    ),
+    Method(
+        "heyoka, long double", "Biscani & Izzo (2021)", "tolerance", (1e-15, 1e-17, 1e-19, 1e-21),
+        _heyoka(extended=True), only="body", module="heyoka", extra="peers",
+    ),
+    Method(
+        "closed elliptic form", "Jacobi (1850); floats by SciPy, above 15 digits mpmath", "digits", (15, 30, 50),
+        _elliptic, only="top", module="scipy", extra="app", number="any",
+    ),
+    Method(
+        "Taylor, multiprecision", "Jorba & Zou (2005), on mpmath", "digits", (15, 20, 30, 40),
+        _multiprecision(taylor), only="body", number="any",
+    ),
+    Method(
+        "mpmath odefun", "mpmath.odefun: Taylor series from differences", "digits", (15, 20),
+        _multiprecision(odefun), only="body", number="any",
+    ),
+)  # fmt: skip
 
-
-def _rates(moments: Vector, d: Any) -> Callable[[Vector], Vector]:
-    """(γ × ω, M × ω) with g⁻² = Σ I_k a_k γ_k² + 1 − |γ|², which holds off the sphere too."""
-    a = [1 / (x + d) for x in moments]
-
-    def rates(y: Vector) -> Vector:
-        x, M = y[:3], y[3:]
-        k = [c * m for c, m in zip(a, M, strict=True)]
-        below = 1 - d * sum(c * v * v for c, v in zip(a, x, strict=True))
-        spin = d * sum(u * v for u, v in zip(x, k, strict=True)) / below
-        w = [u + spin * c * v for u, c, v in zip(k, a, x, strict=True)]
-        return _cross(x, w) + _cross(M, w)
-
-    return rates
-
-
-def _cross(x: Vector, y: Vector) -> Vector:
-    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
-
-
-def _solution(rows: list[tuple[Vector, Vector]], work: int) -> Solution:
-    kind = np.float64 if isinstance(rows[0][0][0], float) else object
-    gamma, M = (np.array([list(row[k]) for row in rows], dtype=kind) for k in (0, 1))
-    return Solution(gamma, M, work)
+METHODS: dict[str, Method] = {method.name: method for method in _TABLE}
+"""The methods by name."""

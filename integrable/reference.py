@@ -3,12 +3,15 @@
     γ̇ = γ×ω,   Ṁ = M×ω,   ω = A M + d n A γ,   n = g²(γ, A M),   g⁻² = Σ I_k a_k γ_k²   (at |γ| = 1)
 
 with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here: what these two agree on with the divisor
-flow, two unrelated computations agree on. :func:`dop853` is what a user of SciPy would run; :func:`taylor`
-is a Taylor-series integrator of any number of digits.
+flow, two unrelated computations agree on. :func:`dop853` is what a user of SciPy would run, :func:`scipy_solution` the
+same with its other integrators; :func:`taylor` is a Taylor-series integrator of any number of digits. Systems with
+other equations than the ball's, which have a ``vector_field`` but no moments of inertia of their own, are integrated
+by :func:`scipy_solution` from that field.
 """
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple, Protocol
 
@@ -16,7 +19,19 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-__all__ = ["Body", "Solution", "Start", "dop853", "right_hand_side", "taylor"]
+__all__ = [
+    "Body",
+    "Solution",
+    "Start",
+    "body_equations",
+    "dop853",
+    "equations",
+    "is_body",
+    "odefun",
+    "right_hand_side",
+    "scipy_solution",
+    "taylor",
+]
 
 
 class Body(Protocol):
@@ -43,18 +58,22 @@ class Solution(NamedTuple):
     gamma: np.ndarray
     M: np.ndarray
     evaluations: int
-    """Right-hand sides (:func:`dop853`) or Taylor expansions (:func:`taylor`)."""
+    """Right-hand sides, for Taylor series expansions, for closed forms points."""
 
 
-def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Sequence[float]], list[float]]:
-    """The six equations as ``f(t, y)`` with y = (γ1, γ2, γ3, M1, M2, M3), for SciPy, in plain floats."""
-    i1, i2, i3 = (float(moment) for moment in inertia)
-    d = float(d)
+def is_body(system: Any) -> bool:
+    """Whether a system has the ball's (or top's) equations: it then has moments of inertia and d of its own."""
+    return hasattr(system, "inertia") and hasattr(system, "d")
+
+
+def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:
+    """The six equations of the ball as y ↦ ẏ, y = (γ1, γ2, γ3, M1, M2, M3), in the numbers that are given."""
+    i1, i2, i3 = inertia
     a1, a2, a3 = 1 / (i1 + d), 1 / (i2 + d), 1 / (i3 + d)
     q1, q2, q3 = i1 * a1, i2 * a2, i3 * a3
 
-    def rates(_time: float, y: Any) -> list[float]:
-        x1, x2, x3, m1, m2, m3 = y.tolist()
+    def rates(y: Sequence[Any]) -> list[Any]:
+        x1, x2, x3, m1, m2, m3 = y
         k1, k2, k3 = a1 * m1, a2 * m2, a3 * m3
         dn = d * (x1 * k1 + x2 * k2 + x3 * k3) / (q1 * x1 * x1 + q2 * x2 * x2 + q3 * x3 * x3)
         w1, w2, w3 = k1 + dn * a1 * x1, k2 + dn * a2 * x2, k3 + dn * a3 * x3
@@ -70,17 +89,51 @@ def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Sequ
     return rates
 
 
+def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
+    """y ↦ ẏ for any system of this package, in the numbers of its field.
+
+    A body's are written out (:func:`body_equations`); any other system gives its ``vector_field``, called with copies
+    of ``state``.
+    """
+    if is_body(system):
+        return body_equations(system.inertia, system.d)
+
+    def rates(y: Sequence[Any]) -> list[Any]:
+        rate = system.vector_field(dataclasses.replace(state, gamma=tuple(y[:3]), M=tuple(y[3:])))
+        return [*rate.gamma, *rate.M]
+
+    return rates
+
+
+def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any], list[float]]:
+    """The ball's six equations as ``f(t, y)`` for SciPy, in plain floats."""
+    rates = body_equations([float(moment) for moment in inertia], float(d))
+    return lambda _time, y: rates(y.tolist())
+
+
 def dop853(body: Body, state: Start, times: Iterable[float], *, rtol: float, atol: float) -> Solution:
     """The motion in double precision by SciPy's DOP853 (Hairer, Nørsett & Wanner 1993), started at time 0.
 
     Times may be in any order and of either sign. ``rtol`` and ``atol`` go to SciPy as they are. Raises
     RuntimeError with SciPy's message when the integrator gives up.
     """
+    return scipy_solution(body, state, times, method="DOP853", rtol=rtol, atol=atol)
+
+
+def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: str, rtol: float, atol: Any) -> Solution:
+    """The motion of any system by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
+
+    ``atol`` may be six numbers, one for each component.
+    """
     from scipy.integrate import solve_ivp
 
     wanted = np.asarray([float(time) for time in times])
     start = np.array([float(x) for x in (*state.gamma, *state.M)])
-    rates = right_hand_side(body.inertia, body.d)
+    if is_body(system):
+        rates = right_hand_side(system.inertia, system.d)
+    else:
+        field = equations(system, state)
+        rates = lambda _time, y: field(y.tolist())  # noqa: E731
     rows = np.empty((len(wanted), 6))
     evaluations = 0
     for sign in (1.0, -1.0):
@@ -89,10 +142,10 @@ def dop853(body: Body, state: Start, times: Iterable[float], *, rtol: float, ato
             continue
         knots, back = np.unique(sign * wanted[mask], return_inverse=True)
         span = (0.0, sign * knots[-1])
-        solution = solve_ivp(rates, span, start, method="DOP853", t_eval=sign * knots, rtol=rtol, atol=atol)
+        solution = solve_ivp(rates, span, start, method=method, t_eval=sign * knots, rtol=rtol, atol=atol)
         if not solution.success:
             raise RuntimeError(
-                f"DOP853 stopped at t = {solution.t[-1] if len(solution.t) else 0.0}: {solution.message}"
+                f"{method} stopped at t = {solution.t[-1] if len(solution.t) else 0.0}: {solution.message}"
             )
         rows[mask] = solution.y.T[back]
         evaluations += int(solution.nfev)
@@ -124,6 +177,39 @@ def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> So
         series.follow(start, order, wanted, sign, rows)
     table = np.array(rows, dtype=object).reshape(len(rows), 6)
     return Solution(table[:, :3], table[:, 3:], series.expansions)
+
+
+def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
+    """The motion by :func:`mpmath.odefun` at ``digits`` digits: what a user of mpmath would run.
+
+    Arrays of mpf, dtype object; ``evaluations`` counts right-hand sides, which it takes with many times the digits (it
+    differentiates by differences): numbers of a fixed precision would not do.
+    """
+    if digits < 1:
+        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
+    import mpmath
+
+    context = mpmath.MPContext()
+    context.dps = digits
+    start = [_number(context, x) for x in (*state.gamma, *state.M)]
+    rates = body_equations([_number(context, x) for x in body.inertia], _number(context, body.d))
+    evaluations = 0
+
+    def counted(_time: Any, y: Any) -> list[Any]:
+        nonlocal evaluations
+        evaluations += 1
+        return rates(y)
+
+    wanted = [_number(context, time) for time in times]
+    rows: list[list[Any]] = [start] * len(wanted)
+    for sign in (1, -1):
+        order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
+        # odefun goes forwards only
+        solution = context.odefun(lambda t, y, s=sign: [s * x for x in counted(t, y)], context.zero, start)
+        for i in order:
+            rows[i] = list(solution(abs(wanted[i])))
+    table = np.array(rows, dtype=object).reshape(len(rows), 6)
+    return Solution(table[:, :3], table[:, 3:], evaluations)
 
 
 def _number(context: Any, value: Any) -> Any:
