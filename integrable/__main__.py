@@ -1,4 +1,4 @@
-"""The ``integrable`` command: list the scenes, run one."""
+"""The ``integrable`` command: list the scenes, run one, report error against run time on many."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 from jacobian.errors import JacobianError
 
@@ -19,6 +19,8 @@ examples:
   integrable scenes                           what there is
   integrable run chaplygin                    a report on the terminal, files in runs/chaplygin
   integrable run my_ball.toml --digits 50     a scene of your own (docs/scenes.md), at 50 digits
+  integrable report --quick                   error against run time of a few scenes, in two minutes
+  integrable report                           of all scenes and methods; may be killed and started again
 """
 
 
@@ -55,7 +57,33 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
     )
+    _add_report(commands)
     return parser
+
+
+def _add_report(commands: Any) -> None:
+    report = commands.add_parser(
+        "report",
+        help="error against run time of scenes, beside every comparator",
+        description="Measure error against run time of the divisor flow, the Bäcklund steps and every comparator. Rows "
+        "are kept one by one: killed and started again, the study goes on; two at once on one folder share the work.",
+    )
+    report.add_argument(
+        "scenes", metavar="NAME_OR_FILE", nargs="*", help="scenes (default: all that ship; with --quick a few of them)"
+    )
+    report.add_argument("--quick", action="store_true", help="fewer scenes, settings and repeats: under two minutes")
+    report.add_argument("--out", metavar="DIR", help="folder of the study (default: runs/report, runs/report-quick)")
+    report.add_argument(
+        "--format", choices=("png", "svg", "both"), default="svg", help="format of the figures (default: svg)"
+    )
+    report.add_argument("--no-plots", action="store_true", help="no figures, and matplotlib is not imported")
+    report.add_argument(
+        "--jobs",
+        type=int,
+        metavar="N",
+        help="rows measured at a time (default: the cores; 1: quietest timings)",
+    )
+    report.add_argument("--quiet", action="store_true", help="print nothing but errors")
 
 
 def _version() -> str:
@@ -86,7 +114,7 @@ def _run(arguments: argparse.Namespace) -> None:
         out=out,
         progress=not arguments.quiet and (arguments.progress or sys.stderr.isatty()),
         pictures=not arguments.no_plots,
-        formats=("png", "svg") if arguments.format == "both" else (arguments.format,),
+        formats=_formats(arguments),
     )
     if arguments.quiet:
         return
@@ -97,12 +125,35 @@ def _run(arguments: argparse.Namespace) -> None:
     print(f"\nfiles written to {out}")
 
 
+def _formats(arguments: argparse.Namespace) -> tuple[str, ...]:
+    return ("png", "svg") if arguments.format == "both" else (arguments.format,)
+
+
+def _report(arguments: argparse.Namespace) -> None:
+    from .study.page import answer
+    from .study.report import report
+
+    out = Path(arguments.out or Path("runs") / ("report-quick" if arguments.quick else "report"))
+    study = report(
+        arguments.scenes,
+        out=out,
+        quick=arguments.quick,
+        formats=() if arguments.no_plots else _formats(arguments),
+        jobs=arguments.jobs,
+        progress=not arguments.quiet,
+    )
+    if not arguments.quiet:
+        print(f"{answer(study)}\n\nfiles written to {out}")
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
     arguments = _parser().parse_args(argv)
     try:
         if arguments.command == "scenes":
             _list_scenes()
+        elif arguments.command == "report":
+            _report(arguments)
         else:
             _run(arguments)
     except JacobianError as error:

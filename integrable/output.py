@@ -14,7 +14,7 @@ from jacobian.errors import ArgumentError
 
 from .scene_data import Scene
 
-__all__ = ["SCHEMA", "OutputFolder", "as_json", "result"]
+__all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "result", "versions"]
 
 SCHEMA = 1
 """Version of the layout of ``result.json``; raised when a reader of the old layout would misread the new one."""
@@ -95,12 +95,12 @@ def result(scene: Scene, digits: int, trajectory: Any, curve: Any) -> dict[str, 
     return {
         "schema": SCHEMA,
         "scene": scene.describe(),
-        "versions": _versions(),
-        "machine": _machine(),
+        "versions": versions(),
+        "machine": machine(),
         "digits": digits,
-        "trajectory": _arrays(trajectory, ("times", "gamma", "M")),
+        "trajectory": _arrays(trajectory, ("times" if scene.steps is None else "steps", "gamma", "M")),
         "report": trajectory.report.as_dict() if trajectory.report is not None else None,
-        "sphere": _arrays(curve, ("times", "gamma")) if curve is not None else None,
+        "sphere": _arrays(curve, ("times", "gamma")) if curve is not None and scene.steps is None else None,
     }
 
 
@@ -124,9 +124,10 @@ def _plain(values: Any) -> Any:
     return values if isinstance(values, int | float) else str(values)
 
 
-def _versions() -> dict[str, str | None]:
+def versions() -> dict[str, str | None]:
+    """The versions of Python, of this package and of the libraries that a result may depend on, None: not installed."""
     versions: dict[str, str | None] = {"python": platform.python_version()}
-    for package in ("jacobian-integrable", "numpy", "numba", "scipy", "mpmath", "matplotlib", "gmpy2"):
+    for package in ("jacobian-integrable", "numpy", "numba", "scipy", "mpmath", "matplotlib", "gmpy2", "heyoka"):
         try:
             versions[package] = metadata.version(package)
         except metadata.PackageNotFoundError:
@@ -134,7 +135,8 @@ def _versions() -> dict[str, str | None]:
     return versions
 
 
-def _machine() -> dict[str, Any]:
+def machine() -> dict[str, Any]:
+    """Operating system, processor and number of cores."""
     model = platform.processor()
     try:
         lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()

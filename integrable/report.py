@@ -1,27 +1,33 @@
-"""Error against run time: the divisor flow at several costs, beside SciPy's DOP853 on the same start and times.
+"""Error against run time: the motion at several costs, beside SciPy's DOP853 on the same start and times.
 
-Errors are against the divisor flow at ``truth_digits`` digits, which is itself held once against the Taylor-series
-integrator of :mod:`integrable.reference` at a short time. Errors of M are relative to |M|; drifts are
-the largest departures, over the requested times, of |γ|², (γ, M)/|M|, H1/H1(0) and H2/H2(0) from their values at
-the exact start. Run times are medians of ``time.perf_counter``; set-up begins with a new body each time.
+The ball and the top move by the divisor flow, the deformations by their elliptic curves or, where none are known, by
+extrapolation of their equations. Errors are against the same at ``truth_digits`` digits, which is itself held once
+against another integrator at a short time: the Taylor series of :mod:`integrable.reference`, for a deformation the
+extrapolation at 10 more digits. Errors of M are relative to |M|; drifts are the largest departures, over the requested
+times, of |γ|², (γ, M)/|M| and the two integrals, relative, from their values at the exact start. Run times are medians
+of ``time.perf_counter``; set-up begins with a new body each time. The floor is eps·conditioning: what rounding the
+inputs to doubles does to the states by itself.
 """
 
 from __future__ import annotations
 
 import statistics
-import sys
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
-from .scene_data import FLOAT_DIGITS, Comparison, Scene
-from .tables import report_table
+from jacobian.errors import PrecisionLoss
+
+from .scene_data import FLOAT_DIGITS, Scene
+from .state import State
+from .tables import DOP853, report_table
 
 __all__ = ["INTEGRALS", "Report", "Row", "TruthCheck", "measure", "pieces_of_work"]
 
 INTEGRALS = ("C1", "C2", "H1", "H2")
+DEFORMED_INTEGRALS = ("C1", "C2", "H", "K")
 _PATIENCE = 10.0  # seconds of repeats after which a median of fewer runs is taken
 
 
@@ -76,6 +82,13 @@ class Report:
     rows: tuple[Row, ...]
     truth: TruthCheck
     residual_growth: tuple[tuple[int, float], ...]
+    integrals: tuple[str, ...] = INTEGRALS
+    against: str = "divisor flow"
+    """What the truth was computed by."""
+    floor: tuple[float, float] | None = None
+    """What inputs rounded to doubles alone do to γ and to M/|M| (:mod:`integrable.conditioning`); None where the motion
+    itself is integrated.
+    """
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""
@@ -85,16 +98,14 @@ class Report:
         """The report as plain data for JSON."""
         return asdict(self) | {"truth_agrees": self.truth.agrees}
 
-    def floor(self) -> float:
-        """What rounding alone does to γ in double precision by the last time: eps·(1+T)."""
-        return sys.float_info.epsilon * (1 + self.times[1])
 
-
-def pieces_of_work(comparison: Comparison, digits: int) -> int:
+def pieces_of_work(scene: Scene, digits: int) -> int:
     """How many times :func:`measure` calls ``tick``."""
+    comparison = scene.report
+    assert comparison is not None, "the scene has no [report]"
     costs = {*comparison.digits, digits}
-    compiled = sum(cost <= FLOAT_DIGITS for cost in costs)
-    return 1 + len(costs) + compiled + len(comparison.tolerances) + 1 + bool(comparison.steps)
+    compiled = sum(cost <= FLOAT_DIGITS for cost in costs) if scene.rolls_or_spins else 0
+    return 1 + len(costs) + compiled + len(comparison.tolerances) + 2 + bool(comparison.steps)
 
 
 def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Report, Any]:
@@ -115,22 +126,35 @@ def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Rep
         found, trajectory = _flow_rows(scene, cost, "python", comparison.repeat, truth)
         rows += found
         kept = trajectory if cost == digits else kept
-        if cost <= FLOAT_DIGITS:
+        if cost <= FLOAT_DIGITS and scene.rolls_or_spins:
             tick("compiled floats")
             rows += _flow_rows(scene, cost, "compiled", comparison.repeat, truth)[0]
     for tolerance in map(float, comparison.tolerances):
         tick(f"DOP853 at {tolerance:.0e}")
         rows.append(_dop853_row(scene, tolerance, comparison.repeat, truth))
-    tick("truth against Taylor series")
-    check = _check_truth(truth, comparison.check_time, truth_digits)
+    tick("truth against an integrator")
+    check = _check_truth(scene, truth, comparison.check_time, truth_digits)
     growth: tuple[tuple[int, float], ...] = ()
     if comparison.steps:
         tick("residual growth")
         body, state = scene.start(FLOAT_DIGITS)
         growth = tuple((int(n), float(r)) for n, r in body.flow(state).residual_growth(list(comparison.steps)))
     times = scene.times.floats()
-    report = Report(scene.title, (min(times), max(times), len(times)), comparison.repeat, tuple(rows), check, growth)
+    span = min(times), max(times), len(times)
+    tick("conditioning")
+    floor = _floor(scene, times) if truth.method != "extrapolation" else None
+    report = Report(scene.title, span, comparison.repeat, tuple(rows), check, growth, truth.names, truth.method, floor)
     return report, kept
+
+
+def _floor(scene: Scene, times: list[float]) -> tuple[float, float]:
+    from .conditioning import conditioning
+
+    try:
+        return conditioning(*scene.start(FLOAT_DIGITS), times).floor()
+    except PrecisionLoss:
+        # the changed inputs are doubles apart all the same
+        return conditioning(*scene.start(2 * FLOAT_DIGITS), scene.times.at(2 * FLOAT_DIGITS)).floor()
 
 
 class _Truth:
@@ -139,30 +163,35 @@ class _Truth:
     def __init__(self, scene: Scene, digits: int) -> None:
         body, state = scene.start(digits)
         self.context = body.field.context
-        self.inertia, self.d = list(body.inertia), body.d
-        self.flow, self.body, self.state = body.flow(state), body, state
+        self.plain = scene.rolls_or_spins
+        self.names = INTEGRALS if self.plain else DEFORMED_INTEGRALS
+        self.flow, self.body, self.state = body.motion_through(state), body, state
+        self.method = getattr(self.flow, "method", "divisor flow")
         trajectory = self.flow.at(scene.times.at(digits))
         self.gamma, self.M = self.rows(trajectory.gamma), self.rows(trajectory.M)
         self.integrals = self.integrals_of(list(state.gamma), list(state.M))
-        self.size_of_M = self.context.sqrt(self.integrals[3])
+        self.size_of_M = self.context.sqrt(self.context.fdot(state.M, state.M))
 
     def rows(self, array: Any) -> list[list[Any]]:
         """An (N, 3) array of floats or foreign mpf as rows in this context, digit for digit."""
         return [[self.context.mpf(x) for x in row] for row in array.tolist()]
 
     def integrals_of(self, gamma: list[Any], M: list[Any]) -> list[Any]:
-        """C1, C2, H1, H2 from their definitions."""
-        dot, d = self.context.fdot, self.d
-        a = [1 / (moment + d) for moment in self.inertia]
+        """C1, C2, H1, H2 from their definitions, or what the deformation says."""
+        if not self.plain:
+            return list(self.body.integrals(State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))))
+        dot, d, inertia = self.context.fdot, self.body.d, self.body.inertia
+        a = [1 / (moment + d) for moment in inertia]
         A_gamma, A_M = ([a[i] * v[i] for i in range(3)] for v in (gamma, M))
-        below = sum(moment * x * y for moment, x, y in zip(self.inertia, gamma, A_gamma, strict=True))
+        below = sum(moment * x * y for moment, x, y in zip(inertia, gamma, A_gamma, strict=True))
         n = dot(gamma, A_M) / below
         return [dot(gamma, gamma), dot(gamma, M), dot(A_M, M) + d * n * dot(A_gamma, M), dot(M, M)]
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
         """Errors of γ and M and drifts of the integrals over all times, as floats, named as in :class:`Row`."""
         gamma, M = self.rows(gamma), self.rows(M)
-        scales = [1, self.size_of_M, self.integrals[2], self.integrals[3]]
+        # an integral that is zero has no relative drift
+        scales = [1, self.size_of_M, *(abs(x) or 1 for x in self.integrals[2:])]
         drifts = [self.context.zero] * 4
         for x, m in zip(gamma, M, strict=True):
             now = self.integrals_of(x, m)
@@ -173,7 +202,7 @@ class _Truth:
         return {
             "error_gamma": float(_distance(gamma, self.gamma)),
             "error_M": float(_distance(M, self.M) / self.size_of_M),
-            "drift": dict(zip(INTEGRALS, map(float, drifts), strict=True)),
+            "drift": dict(zip(self.names, map(float, drifts), strict=True)),
         }
 
 
@@ -196,7 +225,7 @@ def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Trut
     def once() -> tuple[Sequence[float], Any]:
         body, state = scene.start(digits)
         begun = perf_counter()
-        flow = body.flow(state, kernel=kernel)
+        flow = body.flow(state, kernel=kernel) if truth.plain else body.motion_through(state)
         ready = perf_counter()
         trajectory = flow.at(times)
         _ = trajectory.gamma, trajectory.M
@@ -207,7 +236,7 @@ def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Trut
     first = sum(once()[0]) if compiled else None  # compiles, or loads what was compiled by an earlier run
     durations, trajectory = _repeated(once, repeat)
     row = Row(
-        method="divisor flow",
+        method=truth.method,
         setting=setting,
         digits=digits,
         setup=statistics.median(setup for setup, _ in durations),
@@ -232,7 +261,7 @@ def _dop853_row(scene: Scene, tolerance: float, repeat: int, truth: _Truth) -> R
         solution = dop853(body, state, times, rtol=tolerance, atol=tolerance)
         return (perf_counter() - begun,), solution
 
-    method, setting = "SciPy DOP853", f"tol {tolerance:.0e}".replace("e-0", "e-")
+    method, setting = DOP853, f"tol {tolerance:.0e}".replace("e-0", "e-")
     try:
         dop853(body, state, [min(times, key=abs) or 1e-3], rtol=1e-3, atol=1e-3)  # imports SciPy, outside of the timing
         durations, solution = _repeated(once, repeat)
@@ -249,13 +278,19 @@ def _dop853_row(scene: Scene, tolerance: float, repeat: int, truth: _Truth) -> R
     )
 
 
-def _check_truth(truth: _Truth, time: Fraction, digits: int) -> TruthCheck:
-    from .reference import taylor
-
+def _check_truth(scene: Scene, truth: _Truth, time: Fraction, digits: int) -> TruthCheck:
     exact = truth.context.mpf(time.numerator) / time.denominator
     trajectory = truth.flow.at([exact])
     begun = perf_counter()
-    solution = taylor(truth.body, truth.state, [exact], digits=digits)
+    solution: Any
+    if truth.plain:
+        from .reference import taylor
+
+        solution = taylor(truth.body, truth.state, [exact], digits=digits)
+    else:
+        from .integrated import IntegratedMotion
+
+        solution = IntegratedMotion(*scene.start(digits + 10)).at([exact])
     seconds = perf_counter() - begun
     gamma = _distance(truth.rows(trajectory.gamma), truth.rows(solution.gamma))
     M = _distance(truth.rows(trajectory.M), truth.rows(solution.M)) / truth.size_of_M

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from .report import Report, Row
 
-__all__ = ["aligned", "duration", "report_table"]
+__all__ = ["DOP853", "aligned", "duration", "figure", "report_table"]
+
+DOP853 = "SciPy DOP853"
 
 
 def aligned(rows: Sequence[Sequence[str]], left: int = 1) -> list[str]:
@@ -33,7 +35,8 @@ def duration(seconds: float | None) -> str:
     return f"{seconds / 1e-9:.3g} ns"
 
 
-def _figure(value: float | None, digits: int = 2) -> str:
+def figure(value: float | None, digits: int = 2) -> str:
+    """A small number with so many digits."""
     return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
 
 
@@ -43,37 +46,54 @@ def _at_most(difference: float, digits: int) -> str:
     return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
 
 
-_HEAD = ("method", "setting", "error γ", "error M", "ΔC1", "ΔC2", "ΔH1", "ΔH2", "set-up", "evaluate", "total")
+def _head(integrals: Sequence[str]) -> tuple[str, ...]:
+    return ("method", "setting", "error γ", "error M", *(f"Δ{x}" for x in integrals), "set-up", "evaluate", "total")
 
 
-def _cells(row: Row) -> tuple[str, ...]:
+def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
     drift = row.drift or {}
-    drifts = (_figure(drift.get(name), 1) for name in ("C1", "C2", "H1", "H2"))
+    drifts = (figure(drift.get(name), 1) for name in integrals)
     times = map(duration, (row.setup, row.evaluation, row.total))
-    return (row.method, row.setting, _figure(row.error_gamma), _figure(row.error_M), *drifts, *times)
+    return (row.method, row.setting, figure(row.error_gamma), figure(row.error_M), *drifts, *times)
+
+
+_ORACLES = {
+    "divisor flow": "a Taylor-series integrator",
+    "elliptic curves": "the equations of motion",
+    "extrapolation": "the same at 10 more",
+}
+
+
+def _floor(report: Report) -> list[str]:
+    if report.floor is None:
+        return []
+    gamma, M = map(figure, report.floor)
+    return [f"Rounding the inputs to doubles alone, eps·conditioning: {gamma} in γ, {M} in M."]
 
 
 def report_table(report: Report) -> str:
     """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
     first, last, count = report.times
     check = report.truth
+    first_of, second_of = report.integrals[2:]
     verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
     lines = [
         report.title,
         f"{count} times from {first:g} to {last:g}; run times are medians of up to {report.repeat} runs",
         "",
-        *aligned([_HEAD, *map(_cells, report.rows)], left=2),
+        *aligned([_head(report.integrals), *(_cells(row, report.integrals) for row in report.rows)], left=2),
         *(f"{row.method}, {row.setting}: {row.note}" for row in report.rows if row.note),
         "",
         "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
-        "|γ|², (γ,M)/|M|, H1 and H2 (relative) from the exact start. Rounding alone, eps·(1+T), is "
-        f"{report.floor():.0e}.",
-        f"Errors are against the divisor flow at {check.digits} digits, held once against a Taylor-series integrator",
+        f"|γ|², (γ,M)/|M|, {first_of} and {second_of} (relative) from the exact start.",
+        *_floor(report),
+        f"Errors are against the {report.against} at {check.digits} digits, held once against "
+        f"{_ORACLES[report.against]}",
         f"at t = {check.time:g}: they differ by {_at_most(check.error_gamma, check.digits)} in γ and "
         f"{_at_most(check.error_M, check.digits)} in M.{verdict}",
     ]
     if report.residual_growth:
         counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]
-        growth = [("steps", *counts), ("residual", *(_figure(value) for _, value in report.residual_growth))]
+        growth = [("steps", *counts), ("residual", *(figure(value) for _, value in report.residual_growth))]
         lines += ["", "|V²−f mod U| / scale after a number of successive additions, in floats", *aligned(growth)]
     return "\n".join(lines)

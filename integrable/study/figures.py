@@ -1,0 +1,158 @@
+"""Figures of a study: error against run time for each scene, and the flow's error against the floor for all."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Sequence
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.lines import Line2D
+
+from integrable.plot import GREY, INK, STYLE, WIDTH, decades, new_figure
+from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
+from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
+
+__all__ = ["as_bytes", "error_against_run_time", "floors"]
+
+# Okabe & Ito (2008): told apart with any colour vision; each method also has a marker of its own
+_BLUE, _YELLOW = "#0072B2", "#F0E442"
+_LOOKS: dict[str, tuple[str, str]] = {
+    FLOW: (_BLUE, "o"),
+    INTEGRATED: (_BLUE, "o"),
+    BACKLUND: ("#56B4E9", "P"),
+    "SciPy DOP853": ("#D55E00", "s"),
+    "SciPy LSODA": ("#E69F00", "v"),
+    "SciPy Radau": ("#E69F00", "<"),
+    "implicit midpoint": ("#999999", "x"),
+    "Gauss-Legendre 6": ("#999999", "+"),
+    "Moser-Veselov": ("#CC79A7", "1"),
+    "Moser-Veselov, order 4": ("#CC79A7", "2"),
+    "Hirota-Kimura": ("#CC79A7", "3"),
+    "Gauss-Legendre 16": ("#009E73", "D"),
+    "Gauss-Legendre 16, adaptive": ("#009E73", "d"),
+    "Taylor, compiled": ("#000000", "^"),
+    "heyoka": ("#D55E00", "*"),
+    "heyoka, long double": ("#D55E00", "h"),
+    "closed elliptic form": (_YELLOW, "X"),
+    "Taylor, multiprecision": ("#000000", ">"),
+    "mpmath odefun": ("#000000", "4"),
+}
+DEEP = 1e-17
+"""Errors below this are those of more than double precision."""
+_OTHER = ("#CC79A7", "p")
+
+
+def as_bytes(figure: Any, suffix: str) -> bytes:
+    """The figure as a file of that format."""
+    content = io.BytesIO()
+    with rc_context(STYLE):
+        figure.savefig(content, format=suffix, dpi=160, metadata={"Date": None} if suffix == "svg" else None)
+    return content.getvalue()
+
+
+def error_against_run_time(found: SceneFindings) -> Any:
+    """Largest error of γ against run time with set-up, every method a line through its settings; None without points.
+
+    Errors beyond doubles, of multiprecision rows, are in a panel of their own below.
+    """
+    rows = [c for c in (*found.comparators, *found.backlund, *found.flow) if c["result"]["error_gamma"] > 0]
+    if not rows:
+        return None
+    deep = [c for c in rows if c["result"]["error_gamma"] < DEEP]
+    with rc_context(STYLE):
+        figure = new_figure(WIDTH, 4.9 if deep else 4.3)
+        panels = [(c for c in rows if c not in deep), deep] if deep else [rows]
+        grid = {"height_ratios": [3.4, 1], "hspace": 0.06} if deep else {}
+        every = figure.subplots(len(panels), 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
+        methods = list(dict.fromkeys(c["row"]["method"] for c in rows[::-1]))
+        for axes, panel in zip(every, map(list, panels), strict=True):
+            axes.set(xscale="log", yscale="log")
+            for method in methods:
+                _series(axes, method, [c for c in panel if c["row"]["method"] == method])
+            axes.margins(x=0.06, y=0.09 if panel is not deep else 0.25)
+        top, bottom = every[0], every[-1]
+        if found.floor is not None:
+            top.axhline(found.floor["floor_gamma"], color=GREY, linewidth=1.2, linestyle=(0, (5, 3)), zorder=1)
+        _at_least_two_decades(bottom)
+        for axes in every:
+            decades(axes)
+        if deep:
+            top.spines["bottom"].set_linestyle((0, (1, 3)))
+            bottom.set_ylabel("more digits")
+            errors = [c["result"]["error_gamma"] for c in deep]
+            bottom.set_ylim(min(errors) / 1e3, max(errors) * 1e3)
+        bottom.set_xlabel("run time with set-up, seconds")
+        top.set_ylabel("largest error of γ over the run")
+        handles = [_handle(method) for method in methods]
+        if found.floor is not None:
+            label = f"floor of doubles, {found.floor['floor_gamma']:.0e}"
+            handles.append(Line2D([], [], color=GREY, linewidth=1.2, linestyle=(0, (5, 3)), label=label))
+        figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8)
+        top.set_title(f"{found.scene.title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
+    return figure
+
+
+def _at_least_two_decades(axes: Any) -> None:
+    """Widen the axis of run times to 100 : 1, so that it has two labels."""
+    low, high = axes.get_xlim()
+    short = max(1.0, 10 / (high / low) ** 0.5)
+    axes.set_xlim(low / short, high * short)
+
+
+def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
+    if not rows:
+        return
+    own = method in (FLOW, INTEGRATED)
+    points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in rows]
+    axes.plot(*zip(*points, strict=True), **_look(method), markersize=7.5 if own else 5.5, zorder=4 if own else 3)
+    for point, content in zip(points, rows if own else [], strict=False):
+        setting = content["row"]["setting"]
+        place = {"xytext": (-6, -5), "ha": "right", "va": "top"} if setting == "compiled" else {"xytext": (6, 4)}
+        back = {"facecolor": "white", "linewidth": 0, "pad": 0.6, "alpha": 0.75}
+        text = {"textcoords": "offset points", "fontsize": 8, "color": _BLUE, "bbox": back, "zorder": 5}
+        axes.annotate(setting, point, **text, **place)
+
+
+def _look(method: str) -> dict[str, Any]:
+    colour, marker = _LOOKS.get(method, _OTHER)
+    edge = {"markeredgecolor": INK, "markeredgewidth": 0.6} if colour == _YELLOW else {}
+    return {"color": colour, "marker": marker, "linewidth": 0 if method in (FLOW, INTEGRATED) else 1.0, **edge}
+
+
+def _handle(method: str) -> Line2D:
+    return Line2D([], [], markersize=6, label=method, **_look(method))
+
+
+def _span(found: SceneFindings) -> str:
+    times = found.scene.times.floats()
+    return f"{len(times)} times to t = {max(times):g}"
+
+
+def floors(findings: Sequence[SceneFindings]) -> Any:
+    """The flow's error in floats over the floor, γ and M, for every scene; None where no scene has both."""
+    shown = [
+        (f, f.best, f.floor) for f in findings if f.best is not None and f.floor is not None and f.moved_by_divisors
+    ]
+    if not shown:
+        return None
+    with rc_context(STYLE):
+        figure = new_figure(WIDTH, 1.3 + 0.24 * len(shown))
+        axes = figure.add_subplot()
+        for k, (_, best, floor) in enumerate(shown):
+            for part, colour, marker, shift in (("gamma", _BLUE, "o", 0.14), ("M", "#D55E00", "s", -0.14)):
+                factor = best[f"error_{part}"] / floor[f"floor_{part}"]
+                axes.plot(factor, shift - k, color=colour, marker=marker, markersize=5, linestyle="none", zorder=3)
+        axes.axvline(SCENE_FLOOR_FACTOR, color=INK, linewidth=1.2, linestyle=(0, (5, 3)), zorder=2)
+        axes.axvline(1, color=GREY, linewidth=1, zorder=1)
+        axes.set(xscale="log", xlabel="error of the flow in floats / floor;  left is better, dashed: 10")
+        axes.set_yticks(range(0, -len(shown), -1), [f.scene.name for f, _, _ in shown], fontsize=8.5)
+        axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
+        axes.set_axisbelow(True)
+        axes.spines[["top", "right"]].set_visible(False)
+        handles = [
+            Line2D([], [], color=colour, marker=marker, linestyle="none", label=label)
+            for label, colour, marker in (("γ", _BLUE, "o"), ("M", "#D55E00", "s"))
+        ]
+        figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8.5)
+    return figure

@@ -1,0 +1,177 @@
+"""What the rows of a study show: who is ahead at equal run time, how far errors are from the floor, observed orders."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import log
+from typing import Any
+
+from integrable.comparators import METHODS, time_scale
+from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.study.plan import FLOW, Row
+
+__all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "fitted_slope", "gather"]
+
+LONG = 1000.0
+"""From this last time on, in the scene's units or in time scales of its motion, the divisor flow is to be ahead."""
+SCENE_FLOOR_FACTOR = 10.0
+"""The error of the flow in floats is to be within this factor of the floor."""
+WRONG, WRONG_FLOORS = 1e-6, 1000.0
+"""An error in floats above both, the second in floors, ought to have been an exception."""
+OFF_LEVEL = 0.1
+"""Drift of an integral over the error, from which on the error is said to be one of the level set."""
+PLATEAU = 30.0
+"""Errors within this factor of a method's least error are rounding, and take no part in its slope."""
+COARSE = 0.1
+"""Errors above this are no asymptotics either."""
+
+
+@dataclass(frozen=True)
+class Behind:
+    """A comparator's row that no row of the flow beats in error in the same time or less."""
+
+    scene: str
+    row: dict[str, Any]
+    flow_error: float | None
+    """The least error of the flow in that time; None where none of its rows is so fast."""
+    fastest: float | None
+    """The least run time of the flow."""
+
+
+@dataclass
+class SceneFindings:
+    """The contents of a scene's rows, by what they are, and what follows from them. ``total`` counts set-up."""
+
+    scene: Scene
+    flow: list[dict[str, Any]] = field(default_factory=list)
+    comparators: list[dict[str, Any]] = field(default_factory=list)
+    backlund: list[dict[str, Any]] = field(default_factory=list)
+    failures: list[dict[str, Any]] = field(default_factory=list)
+    truth: dict[str, Any] | None = None
+    floor: dict[str, Any] | None = None
+    orbit: dict[str, Any] | None = None
+    first_use: dict[str, Any] | None = None
+    left_out: dict[str, Any] | None = None
+    additions: dict[str, Any] | None = None
+    compiled: list[dict[str, Any]] = field(default_factory=list)
+
+    @property
+    def moved_by_divisors(self) -> bool:
+        """Whether the flow of the scene is an addition of divisors."""
+        return any(content["row"]["method"] == FLOW for content in self.flow)
+
+    @property
+    def long(self) -> bool:
+        """Whether the scene's last time is 1000 or more, in its own unit or in time scales of the motion."""
+        if self.scene.steps is not None:
+            return False
+        last = max(self.scene.times.floats())
+        return max(last, last / time_scale(*self.scene.start(FLOAT_DIGITS))) >= LONG
+
+    @property
+    def best(self) -> dict[str, Any] | None:
+        """The flow's fastest row in floats."""
+        rows = [c["result"] for c in self.flow if c["row"]["setting"] in ("floats", "compiled")]
+        return min(rows, key=lambda row: row["total"], default=None)
+
+    @property
+    def judged(self) -> dict[str, Any] | None:
+        """What is held against the floor: :attr:`best`, or of an orbit over real numbers its row in floats."""
+        if self.orbit is None:
+            return self.best
+        rows: list[dict[str, Any]] = self.orbit["rows"]
+        return next((row for row in rows if row["digits"] is not None and row["digits"] <= FLOAT_DIGITS), None)
+
+    @property
+    def over_floor(self) -> float | None:
+        """The larger of error/floor for γ and for M, of the flow or the orbit in floats: up to 10 is as promised."""
+        if self.floor is None or self.judged is None:
+            return None
+        row, floor = self.judged, self.floor
+        return max(float(row["error_gamma"] / floor["floor_gamma"]), float(row["error_M"] / floor["floor_M"]))
+
+    @property
+    def silently_wrong(self) -> bool:
+        """Whether states were returned that are wrong beyond use and beyond what rounded inputs do."""
+        row = self.judged
+        if row is None or self.over_floor is None:
+            return False
+        return max(row["error_gamma"], row["error_M"]) > WRONG and self.over_floor > WRONG_FLOORS
+
+    @property
+    def cause(self) -> str:
+        """Where an error above the floor comes from: off the level set of the integrals, or along it, in the phase."""
+        row = self.judged
+        if row is None:
+            return ""
+        drift = max(value for name, value in row["drift"].items() if name not in ("C1", "C2"))
+        if drift > OFF_LEVEL * max(row["error_gamma"], row["error_M"]):
+            return "additions leave the level set of the integrals"
+        return f"on the level set, in the phase (clock: {row.get('clock', 'none')})"
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether the truth differs from the independent integrator by more than its digits allow, or is that alone."""
+        if self.truth is None:
+            return False
+        check = self.truth["check"]
+        if check is None:
+            return True
+        growth = 1.0 if self.floor is None else max(1.0, self.floor["conditioning_gamma"], self.floor["conditioning_M"])
+        return max(check["error_gamma"], check["error_M"]) > 10.0 ** (5 - check["digits"]) * growth
+
+    def behind(self) -> list[Behind]:
+        """The comparators' rows that the flow does not beat."""
+        flow = [content["result"] for content in self.flow]
+        found = []
+        for content in self.comparators:
+            row = content["result"]
+            errors = [r["error_gamma"] for r in flow if r["total"] <= row["total"]]
+            least = min(errors, default=None)
+            if least is None or least > row["error_gamma"]:
+                fastest = min((r["total"] for r in flow), default=None)
+                found.append(Behind(self.scene.name, content, least, fastest))
+        return found
+
+    def slopes(self) -> list[tuple[str, float, int | None]]:
+        """(method, observed order, its order in theory) of the fixed-step methods with enough points."""
+        found = []
+        for name, method in METHODS.items():
+            rows = [c for c in self.comparators if c["row"]["method"] == name]
+            if method.parameter != "step":
+                continue
+            slope = fitted_slope([c["row"]["value"] for c in rows], [c["result"]["error_gamma"] for c in rows])
+            if slope is not None:
+                found.append((name, slope, method.order))
+        return found
+
+
+def gather(scenes: Sequence[Scene], rows: Sequence[Row], contents: dict[str, dict[str, Any]]) -> list[SceneFindings]:
+    """The findings of each scene, from the contents of the files of its rows."""
+    found = {scene.name: SceneFindings(scene) for scene in scenes}
+    for row in rows:
+        content, scene = contents[row.key], found[row.scene.name]
+        if content["status"] != "done":
+            scene.failures.append(content)
+        elif row.kind in ("flow", "comparator", "backlund", "compile"):
+            names = {"flow": scene.flow, "comparator": scene.comparators, "backlund": scene.backlund}
+            names.get(row.kind, scene.compiled).append(content)
+        else:
+            setattr(scene, row.kind.replace(" ", "_"), content["result"])
+    return list(found.values())
+
+
+def fitted_slope(steps: Sequence[float], errors: Sequence[float]) -> float | None:
+    """The least-squares slope of log error against log step, of the points above the plateau of rounding.
+
+    The plateau is what lies within 30 times the least error, unless that is far above rounding; errors above 0.1 are
+    left out too. None with fewer than three points.
+    """
+    least = min((e for e in errors if e > 0), default=0.0)
+    bound = PLATEAU * least if least < 1e-11 else 0.0
+    points = [(log(h), log(e)) for h, e in zip(steps, errors, strict=True) if bound < e < COARSE]
+    if len(points) < 3:
+        return None
+    x0, y0 = (sum(values) / len(points) for values in zip(*points, strict=True))
+    return sum((x - x0) * (y - y0) for x, y in points) / sum((x - x0) ** 2 for x, _ in points)

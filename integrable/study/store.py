@@ -1,0 +1,95 @@
+"""The folder of a study: one JSON file for each row, complete or not there, and a lock for each row that is under way.
+
+Locks are ``flock`` locks (POSIX): the system takes them away from a process that dies, however it dies.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+from integrable.output import OutputFolder, as_json
+
+__all__ = ["SCHEMA", "Store", "code_stamp"]
+
+SCHEMA = 1
+"""Layout of a row's file; raised when a reader of the old layout would misread the new one."""
+_SHOWN_ONLY = ("figures.py", "page.py", "findings.py", "console.py", "__main__.py", "plot.py", "tables.py")
+
+
+class Store:
+    """Rows of a study in a folder. A row has a key, which names its file, and a stamp of all that it depends on."""
+
+    def __init__(self, folder: str | Path) -> None:
+        self.path = Path(folder)
+        self._rows, self._locks = self.path / "rows", self.path / "locks"
+        for part in (self._rows, self._locks):
+            with OutputFolder(part):
+                pass
+
+    def read(self, key: str, stamp: str) -> dict[str, Any] | None:
+        """The finished row of that key, or None where there is none, or one of another stamp: older code, other scene.
+
+        A file that is no row (cut short by a full disk, edited) counts as none.
+        """
+        try:
+            content = json.loads((self._rows / f"{key}.json").read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return None
+        if not isinstance(content, dict) or content.get("stamp") != stamp or content.get("schema") != SCHEMA:
+            return None
+        return content
+
+    def write(self, key: str, stamp: str, content: dict[str, Any]) -> dict[str, Any]:
+        """Keep a row, and return what is kept: the file appears whole, or the old one stays."""
+        kept = {"schema": SCHEMA, "stamp": stamp, **content}
+        with OutputFolder(self._rows) as folder:
+            folder.write_text(f"{key}.json", as_json(kept))
+        return kept
+
+    @contextmanager
+    def claimed(self, key: str) -> Iterator[bool]:
+        """Whether this process alone may now work on a row; the claim ends with the block, or with the process."""
+        lock = self.claim(key)
+        try:
+            yield lock is not None
+        finally:
+            self.release(lock)
+
+    def claim(self, key: str) -> int | None:
+        """A claim to be given to :meth:`release`, or None where another process holds the row."""
+        handle = os.open(self._locks / f"{key}.lock", os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(handle)
+            return None
+        return handle
+
+    def release(self, lock: int | None) -> None:
+        """End a claim."""
+        if lock is not None:
+            os.close(lock)
+
+
+@lru_cache(maxsize=1)
+def code_stamp() -> str:
+    """A hash of the sources of both packages, without those that only show results: another version, another stamp."""
+    import integrable
+    import jacobian
+
+    digest = sha256()
+    for package in (integrable, jacobian):
+        root = Path(str(package.__file__)).parent
+        for path in sorted(root.rglob("*.py")):
+            if path.name not in _SHOWN_ONLY:
+                digest.update(str(path.relative_to(root)).encode())
+                digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
