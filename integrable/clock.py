@@ -1,4 +1,4 @@
-"""Physical time by stepping: the clock of a flow where its torus is degenerate or the times are near.
+"""Physical time by stepping, in floats: the clock of a flow near its start.
 
 t = ∫dτ/g along the additions of basic steps: Gauss–Legendre nodes around every step, whose values are a Legendre series
 for 1/g.
@@ -12,11 +12,10 @@ import numpy as np
 
 from integrable import flow_kernel
 from integrable.flow_setup import NODE_COUNTS, Quadrature, Setup
-from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.flow import Flow
+    from integrable.stepped_flow import SteppedFlow
 
 FIRST_STEPS = 64
 MOST_STEPS = 50_000_000
@@ -45,7 +44,7 @@ def compiled_backend() -> Backend:
 class Clock:
     """Physical time at the basic steps of a flow, in one direction, grown as far as it is asked for."""
 
-    def __init__(self, flow: Flow, sign: int) -> None:
+    def __init__(self, flow: SteppedFlow, sign: int) -> None:
         self._flow = flow
         self._sign = sign
         setup = flow.setup
@@ -59,7 +58,7 @@ class Clock:
 
     def extend(self, until: Any) -> None:
         """Make the steps reach beyond the (scaled) time ``until``."""
-        self.extend_to_step(FIRST_STEPS if self._flow.setup.work is RR else 4)
+        self.extend_to_step(FIRST_STEPS)
         while self.high[-1] <= until:
             # the mean rate is known by now to a few per cent
             known = len(self.high) - 1

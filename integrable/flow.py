@@ -1,41 +1,59 @@
 """The exact flow: time is addition on the Jacobian.
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Tsiganov's Abel quadratures; formulas.md, section
-3). The translations by about 2^k basic steps are made once, in extended precision, so that any τ is reached in about
-as many additions as it has binary digits. Physical time t = ∫dτ/g comes from a Fourier series on the torus of the
-motion (:mod:`integrable.torus`), or where that does not pay or degenerates from the steps (:mod:`integrable.clock`).
+3). On a compact torus any τ and any physical time t = ∫dτ/g is two additions away from a table
+(:mod:`integrable.torus_flow`); near the start a few additions in floats do without compiling
+(:mod:`integrable.stepped_flow`); what floats or the torus do not carry, and multiprecision, is computed with as many
+digits as it takes (:mod:`integrable.precise_flow`).
 """
 
 from __future__ import annotations
 
+import os
+from functools import cached_property
+from math import ceil, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable import flow_kernel
-from integrable.clock import Backend, Clock, compiled_backend
 from integrable.flow_setup import Setup
 from integrable.trajectory import Trajectory
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from integrable.enclosure import Enclosure
+    from integrable.precise_flow import PreciseFlow
     from integrable.state import State
+    from integrable.stepped_flow import SteppedFlow
     from integrable.systems.system import System
-    from integrable.torus import TorusClock
+    from integrable.torus_flow import TorusFlow
+    from integrable.torus_integral import TorusIntegral
+    from integrable.uniform_rotation import UniformRotation
 
 KERNELS = ("auto", "python", "compiled")
-# an interpreted addition costs about 20 µs: from this many on, loading or making the compiled loops pays
-COMPILE_FROM = 100_000
-# from this many basic steps on, samples on the torus are cheaper than stepping there
-TORUS_FROM = 256
+# from this many times on, loading the compiled loops pays
+COMPILE_FROM = 500
+# the corners of the torus are trusted where a period leads back to this
+CLOSED = 1e-14
+# states whose integrals differ from those of the start by this part are refused; so many are looked at together
+DRIFT = 1e-9
+CHUNK = 8192
+# digits with which states are computed that are rounded to floats
+FLOAT_DIGITS = 17
+DIGITS_STEP = 50
+# a motion that is no line on a compact torus is followed so long, in units of 1/(2|M|·max a)
+MOST_FOLDS = 1000
 
 
 class Flow:
     """The motion through one state. Get one from ``system.flow(state)``.
 
     ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
-    the amount of work. Set-up is done here, once; :meth:`at` and :meth:`at_tau` may be called any number of times.
+    the amount of work. Set-up is done when it is needed, once; :meth:`at` and :meth:`at_tau` may be called any number
+    of times.
     """
 
     def __init__(self, system: System, state: State, kernel: str = "auto") -> None:
@@ -52,194 +70,245 @@ class Flow:
             # M ∥ γ is refused in the precision of the state
             system.upright(state)
         self.setup = Setup(system.body, state.gamma, state.M, state.tilted)
-        self._clocks = {sign: Clock(self, sign) for sign in (1, -1)} if system.body.rolls else {}
-        self._torus_clock: Any = None
 
     def at(self, times: Any) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,)."""
         given = self._checked(times, "times")
-        if not self._clocks:
-            return Trajectory(self, given, given, self._at_scaled(self._scaled(given)))
-        scaled = self._scaled(given)
-        torus = self._torus(scaled)
-        if torus:
-            tau = torus.tau(scaled)
-            return Trajectory(self, given, self._unscaled(tau), self._at_scaled(tau))
-        points, halves = self._rows(len(given)), self._rows(len(given), 0)
-        for sign, chosen in _by_sign(scaled):
-            clock = self._clocks[sign]
-            high, low = (list(part) for part in zip(*(self.setup.split(abs(scaled[i])) for i in chosen), strict=True))
-            clock.extend(max(high))
-            points[chosen], offsets = clock.states(high, low)
-            halves[chosen] = sign * offsets
-        return Trajectory(self, given, self._unscaled(halves * self.setup.half_step), self._trusted(points))
+        rows, tau = self._motion(given, clock=True).at(given)
+        return Trajectory(self, given, tau, self._trusted(rows))
 
     def at_tau(self, tau: Any) -> Trajectory:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t for the Euler top)."""
         given = self._checked(tau, "tau")
-        return Trajectory(self, None if self._clocks else given, given, self._at_scaled(self._scaled(given)))
+        rows = self._motion(given).at_tau(given)
+        return Trajectory(self, None if self.system.body.rolls else given, given, self._trusted(rows))
+
+    def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
+        """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64
+        rows (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
+
+        The file appears when it is complete. Floats only (ArgumentError); otherwise raises what :meth:`at` raises.
+        """
+        from integrable.stream import stream
+
+        stream(self, path, start, end, count)
+
+    def certify(self, times: Any, digits: int | None = None) -> Trajectory:
+        """The states at physical times as :meth:`at` gives them, each compared with a run at more digits.
+
+        The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
+        digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
+        default all but one of MP(digits), 12 of RR. This compares two computations; what bounds the error rigorously is
+        :meth:`enclosure`.
+        """
+        from integrable.certificate import certified
+
+        return certified(self, times, digits)
+
+    def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
+        """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
+
+        Needs python-flint. The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost
+        of a time grows with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were
+        found. (:mod:`integrable.enclosure`)
+        """
+        from integrable.enclosure import enclosure
+
+        given = self._checked(times, "times")
+        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits))
+
+    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
+        """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
+        from integrable.enclosure import enclosure_at_tau
+
+        given = self._checked(tau, "tau")
+        return enclosure_at_tau(self.system.body, self.state, list(given), self._ball_digits(digits))
+
+    def _ball_digits(self, digits: int | None) -> int:
+        if digits is None:
+            return 15 if self.system.field == RR else int(self.system.field.dps)
+        if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
+            raise ArgumentError(f"digits = {digits!r}: the balls' digits are an int ≥ 1")
+        return digits
 
     def physical_time(self, tau: Any) -> np.ndarray:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""
         given = self._checked(tau, "tau")
-        if not self._clocks:
+        if not self.system.body.rolls:
             return given
-        scaled = self._scaled(given)
-        torus = self._torus(scaled)
-        if torus:
-            return self._unscaled([torus.time(t) for t in scaled])
-        times = self._rows(len(given), 0)
-        for sign, chosen in _by_sign(scaled):
-            steps, offsets = self._steps([scaled[i] for i in chosen])
-            clock = self._clocks[sign]
-            clock.extend_to_step(max(steps) + 1)
-            times[chosen] = [sign * clock.time(step, x) for step, x in zip(steps, offsets, strict=True)]
-        return self._unscaled(times)
+        times: np.ndarray = self._motion(given, clock=True).times(given)
+        return times
+
+    def events(
+        self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Any, end: Any, direction: int = 0
+    ) -> Trajectory:
+        """The states between two physical times at which ``condition`` changes sign, in order of time.
+
+        ``condition`` takes γ and M, both of shape (N, 3), and gives N numbers, smooth in them: ``lambda gamma, M:
+        gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 keeps its rising zeros, −1 the falling ones. Zeros without a change
+        of sign may be missed. ArgumentError for times that don't ascend and values of another shape, PrecisionLoss for
+        a condition that is not smooth. (:mod:`integrable.events`)
+        """
+        from integrable.events import events
+
+        return events(self, condition, start, end, direction)
 
     def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
-        backend = self._backend(max(counts))
-        setup = self.setup
-        step = setup.table(1, 1)[1][0]
-        f, axes, point, step = (backend.pack(x) for x in (setup.f, setup.axes, setup.start, step))
-        rows, done = [], 0
-        for count in sorted(counts):
-            point = backend.loops.march(f, axes, point, step, count - done)
-            done = count
-            rows.append((count, residual(setup.f, point)))
-        return rows
+        from integrable.residual import residual_growth
+
+        return residual_growth(self.setup, counts, self.kernel)
 
     # --- inside
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _torus(self, scaled: list[Any]) -> TorusClock | None:
-        """The clock on the torus, once times are far enough for it to pay; None where the torus degenerates."""
-        if max(map(abs, scaled), default=0) < TORUS_FROM * self.setup.step_length:
+    def _motion(self, times: np.ndarray, clock: bool = False) -> Any:
+        """What computes the states at these times, with ``at``, ``at_tau`` and ``times``; ``clock``: physical ones."""
+        if self.system.field != RR:
+            return self._precise
+        if self.kernel != "compiled" and len(times) < COMPILE_FROM:
+            stepped = self._stepped
+            if stepped.carries(times) and (stepped.keeps_time or not clock):
+                return stepped
+        return self._uniform or self._torus or self._precise
+
+    @cached_property
+    def _precise(self) -> PreciseRows:
+        return PreciseRows(self)
+
+    @cached_property
+    def _uniform(self) -> UniformRotation | None:
+        first, second, third = self.system.inertia
+        if not first == second == third:
             return None
-        if self._torus_clock is None:
-            from integrable.torus import TorusClock
+        from integrable.uniform_rotation import UniformRotation
 
-            try:
-                self._torus_clock = TorusClock(self.setup)
-            except PrecisionLoss:
-                self._torus_clock = False
-        return self._torus_clock or None
+        return UniformRotation(self.system, self.state)
 
-    def _at_scaled(self, scaled: list[Any]) -> np.ndarray:
-        points = self._rows(len(scaled))
-        for sign, chosen in _by_sign(scaled):
-            steps, offsets = self._steps([scaled[i] for i in chosen])
-            points[chosen] = self.states_at(sign, steps, offsets)
-        return self._trusted(points)
+    @cached_property
+    def _stepped(self) -> SteppedFlow:
+        from integrable.stepped_flow import SteppedFlow
 
-    def states_at(self, sign: int, steps: list[int], offsets: list[Any]) -> np.ndarray:
-        """The moving points ``offsets`` half steps beyond ``steps`` basic steps."""
-        backend, out = self._backend(8 * len(steps)), self._rows(len(steps))
-        setup = self.setup
-        counts, table = setup.table(sign, max(steps))
-        f, axes, start, series, roots = map(backend.pack, (setup.f, setup.axes, setup.start, setup.series, setup.roots))
-        backend.loops.states_at_offsets(
-            f,
-            axes,
-            start,
-            backend.counts(counts),
-            backend.pack(table),
-            series,
-            roots,
-            setup.half_step,
-            setup.passes,
-            sign,
-            backend.counts(steps),
-            backend.pack(offsets),
-            out,
-        )
-        return out
+        return SteppedFlow(self.setup)
 
-    def _steps(self, scaled: list[Any]) -> tuple[list[int], list[Any]]:
-        """Whole steps and half-step offsets in [−1, 1] of |τ|, divided in the wide precision."""
-        setup, steps, offsets = self.setup, [], []
-        for tau in scaled:
-            turns = abs(tau) / setup.step_length
-            whole = int(setup.wide.context.nint(turns))
-            steps.append(whole)
-            offsets.append(setup.number(2 * (turns - whole)))
-        return steps, offsets
+    @cached_property
+    def _torus(self) -> TorusFlow | None:
+        """None where the torus is not compact, or nearly so that its corners lose too many digits."""
+        from integrable.torus_flow import CompiledLoops, ReadableLoops, TorusFlow
 
-    def _scaled(self, times: np.ndarray) -> list[Any]:
-        """Times in the flow's units, in the wide precision."""
-        coerce, clock = self.setup.wide.coerce, self.setup.clock
-        return [coerce(t) * clock for t in times]
+        try:
+            torus = TorusFlow(self.setup, ReadableLoops(self.setup) if self.kernel == "python" else CompiledLoops())
+            if torus.closure > CLOSED and self.kernel != "python":
+                torus = TorusFlow(self.setup, ReadableLoops(self.setup))
+        except PrecisionLoss:
+            return None
+        return torus if torus.closure <= CLOSED else None
 
-    def _unscaled(self, times: Any) -> np.ndarray:
-        result = self._rows(len(times), 0)
-        result[:] = [self.setup.unscaled(t) for t in times]
-        return result
+    @cached_property
+    def contact_on_torus(self) -> TorusIntegral | None:
+        """What :attr:`Trajectory.contact` is far from the start, kept from one run to the next."""
+        from integrable.contact import on_torus
+
+        return on_torus(self)
 
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers."""
         field = self.system.field
         if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
             values = [values]
+        quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
+        if quick and np.isfinite(values).all():
+            return np.ascontiguousarray(values)
         items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(values)]
         return np.array(items, dtype=np.float64 if field == RR else object)
 
-    def _rows(self, count: int, width: int = 10) -> np.ndarray:
-        shape = (count, width) if width else (count,)
-        return np.empty(shape, dtype=np.float64 if self.setup.work is RR else object)
-
-    def _trusted(self, points: np.ndarray) -> np.ndarray:
-        """The points, once their integrals have been compared with those of the start: PrecisionLoss where they differ.
+    def _trusted(self, rows: np.ndarray) -> np.ndarray:
+        """The states, once their integrals have been compared with those of the start: PrecisionLoss where they differ.
 
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
-        setup = self.setup
-        drift = integrals_drift(setup, points)
-        bound = max(1e-6, setup.work.eps**0.4) if setup.work is RR else setup.work.eps**0.4
-        with np.errstate(invalid="ignore"):
-            wrong = np.flatnonzero(~np.array(drift <= bound, dtype=bool))
-        if len(wrong):
-            row = int(wrong[0])
-            raise PrecisionLoss(
-                f"row {row}: H1 and H2 are off by {float(drift[row]):.1e} of their size: the motion there is beyond "
-                f"{self.system.field.name}; use more digits"
+        if rows.dtype == object:
+            # the precise flow has done so, and with more digits
+            return rows
+        for first in range(0, len(rows), CHUNK):
+            drift = integrals_drift(self, rows[first : first + CHUNK])
+            with np.errstate(invalid="ignore"):
+                wrong = np.flatnonzero(~(drift <= DRIFT))
+            if len(wrong):
+                row = int(wrong[0])
+                raise PrecisionLoss(
+                    f"row {first + row}: H1 and H2 are off by {float(drift[row]):.1e} of their size: the motion there "
+                    f"is beyond {self.system.field.name}; use more digits"
+                )
+        return rows
+
+
+class PreciseRows:
+    """The flow to as many digits as it takes, its states rounded to the field of the system."""
+
+    def __init__(self, flow: Flow) -> None:
+        self._field = flow.system.field
+        self._body, self._state, self._setup = flow.system.body, flow.state, flow.setup
+        self._floats = self._field == RR
+        self._flows: dict[int, PreciseFlow] = {}
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        flow = self._flow(times)
+        tau, points = flow.at(times.tolist())
+        return self._vectors(flow, points), self._rounded(tau)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        flow = self._flow(tau)
+        return self._vectors(flow, flow.at_tau(tau.tolist()))
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        return self._rounded(self._flow(tau).times(tau.tolist()))
+
+    def _flow(self, times: np.ndarray) -> PreciseFlow:
+        """Floats come here where the torus is not compact: on a separatrix an error grows by e in 1/(2|M|·max a) at
+        the most, and digits that are lost together would not be missed.
+        """
+        from integrable.precise_flow import PreciseFlow
+
+        if not self._floats:
+            if 0 not in self._flows:
+                self._flows[0] = PreciseFlow(self._body, self._state, self._field.dps, self._setup)
+            return self._flows[0]
+        folds = float(max(map(abs, times), default=0) * self._setup.clock)
+        if folds > MOST_FOLDS:
+            raise ArgumentError(
+                f"times: {folds:.0f} times 1/(2|M|·max a) is more than the {MOST_FOLDS} for which a motion is followed "
+                "that is no line on a compact torus"
             )
-        return points
+        # in steps, so that few set-ups serve many calls
+        digits = FLOAT_DIGITS + DIGITS_STEP * ceil(folds / log(10) / DIGITS_STEP)
+        if digits not in self._flows:
+            self._flows[digits] = PreciseFlow(self._body, self._state, digits)
+        return self._flows[digits]
 
-    def _backend(self, additions: int) -> Backend:
-        if self.setup.work is RR and (
-            self.kernel == "compiled" or (self.kernel == "auto" and additions >= COMPILE_FROM)
-        ):
-            return compiled_backend()
-        return Backend(flow_kernel, lambda rows: rows, list, list)
+    def _vectors(self, flow: PreciseFlow, points: Any) -> np.ndarray:
+        rows = [(*gamma, *M) for gamma, M in flow.vectors(points)]
+        return self._rounded(rows).reshape(-1, 6)
 
-
-def integrals_drift(setup: Setup, points: np.ndarray) -> np.ndarray:
-    """The relative change of H1 and H2 (the larger) at every moving point, shape (N,)."""
-    sigma, nu = points[:, 4:7], points[:, 7:10]
-    square = np.sum(sigma * sigma, axis=1)
-    w = nu - (np.sum(sigma * nu, axis=1) / square)[:, None] * sigma
-    gamma = sigma / (square**0.5)[:, None]
-    i, j = [1, 2, 0], [2, 0, 1]
-    M = w[:, i] * gamma[:, j] - w[:, j] * gamma[:, i]
-    alpha = np.array(setup.axes[:3])
-    lean = np.sum(alpha * M * gamma, axis=1)
-    h2 = np.sum(M * M, axis=1)
-    h1 = np.sum(alpha * M * M, axis=1) + setup.number(setup.wide_d) * square * lean * lean
-    return np.maximum(abs(h2 - 1), abs(h1 / setup.number(setup.ratio) - 1))
+    def _rounded(self, values: Any) -> np.ndarray:
+        if self._floats:
+            return np.array(values, dtype=np.float64)
+        result: np.ndarray = np.frompyfunc(self._field.coerce, 1, 1)(np.array(values, dtype=object))
+        return result
 
 
-def residual(f: Any, point: Any) -> Any:
-    """|f − V² mod U| over the size of f, for a moving point."""
-    u0, u1, v0, v1 = point[:4]
-    rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]]
-    for k in range(5, 1, -1):
-        rest[k - 1] -= u1 * rest[k]
-        rest[k - 2] -= u0 * rest[k]
-    return max(abs(rest[0]), abs(rest[1])) / max(abs(c) for c in f)
-
-
-def _by_sign(values: list[Any]) -> list[tuple[int, np.ndarray]]:
-    negative = np.array([bool(t < 0) for t in values], dtype=bool)
-    groups = ((1, np.flatnonzero(~negative)), (-1, np.flatnonzero(negative)))
-    return [(sign, chosen) for sign, chosen in groups if len(chosen)]
+def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
+    """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
+    body, (_, _, h1, h2) = flow.system.body, flow.system.integrals(flow.state)
+    gamma, M = rows[:, :3], rows[:, 3:]
+    moved = np.array(body.a) * M
+    found2 = np.einsum("ij,ij->i", M, M)
+    found1 = np.einsum("ij,ij->i", moved, M)
+    if body.rolls:
+        spin = np.einsum("ij,ij->i", gamma, moved)
+        found1 += body.d * spin * spin / (gamma * gamma @ np.array(body.contact))
+    return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))

@@ -9,13 +9,25 @@ from __future__ import annotations
 from numba import njit
 from numba.extending import overload, register_jitable
 
+import jacobian.retraction_compiled  # noqa: F401  (makes the retraction known to numba)
 from integrable import flow_kernel
+from jacobian import double_double_compiled as double_double
 from jacobian.genus2_compiled import JIT
 
 
 @overload(flow_kernel.estimate)
 def _estimate(series, f0, eps):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
+    if isinstance(eps, double_double.DoubleDouble):
+        return _estimate_in_floats
     return lambda series, f0, eps: (-series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4)
+
+
+def _estimate_in_floats(series, f0, eps):  # type: ignore[no-untyped-def]  # the same signature
+    r = f0.hi * eps.hi * eps.hi / 4
+    m = -series[1].hi * r / 3
+    if abs(eps.hi) >= 1e-100:
+        m, r = flow_kernel.centre(series.data[: flow_kernel.FLOAT_TERMS, 0], f0.hi, eps.hi, m, r, 6)
+    return double_double.number(m, 0.0), double_double.number(r, 0.0)
 
 
 for _inner in (
@@ -26,6 +38,7 @@ for _inner in (
     flow_kernel.shift,
     flow_kernel.rate_at,
     flow_kernel.clock_rate,
+    flow_kernel.abel_sums,
     flow_kernel.centre,
     flow_kernel.conjugate_points,
     flow_kernel.near_identity,
@@ -35,8 +48,12 @@ for _inner in (
     flow_kernel.rates,
     flow_kernel.offset_point,
     flow_kernel.state_at_time,
+    flow_kernel.states_at_times,
+    flow_kernel.states_at_offsets,
+    flow_kernel.wind,
+    flow_kernel.march,
 ):
-    register_jitable(fastmath=JIT["fastmath"], error_model=JIT["error_model"])(_inner)
+    register_jitable(_inner)
 
 wind = njit(**JIT)(flow_kernel.wind)
 states_at_times = njit(**JIT)(flow_kernel.states_at_times)

@@ -12,6 +12,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian.genus2_real import add, chord, root
+from jacobian.retraction import retracted
 
 Real = Any
 Row = Any
@@ -158,40 +159,52 @@ def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
     m = -series[1] * r / 3
     if isinstance(eps, float) or abs(eps) < 1e-100:
         return m, r
-    floats = [float(c) for c in series[:FLOAT_TERMS]]
-    rough, square = centre(floats, float(f0), float(eps), float(m), float(r), 6)
-    return rough + 0 * r, square + 0 * r
+    # in a unit in which the terms of the series stay in the range of floats
+    unit = 1 / abs(series[1])
+    floats, scale = [], 1
+    for coefficient in series[:FLOAT_TERMS]:
+        floats.append(float(coefficient * scale))
+        scale *= unit
+    rough, square = centre(floats, float(f0), float(eps / unit), float(m / unit), float(r / unit**2), 6)
+    return rough * unit, square * unit * unit
 
 
 def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:
     """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
-    size = len(series)
     target = f0 * eps * eps / 4
     for _ in range(passes):
-        # r·phi² = target and psi = 0, where 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y
-        phi, psi = 0 * r, 0 * r
-        phi_m, phi_r, psi_m, psi_r = phi, phi, phi, phi
-        c = m * m - r
-        # S_j = ((m+√r)^j − (m−√r)^j)/(2√r) and its derivatives, by S_{j+1} = 2m·S_j − c·S_{j−1}
-        s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
-        for k in range(size):
-            s2 = 2 * m * s1 - c * s0
-            d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
-            e2 = 2 * m * e1 + s0 - c * e0
-            weight = series[k] / (k + 1)
-            phi += weight * s1
-            phi_m += weight * d1
-            phi_r += weight * e1
-            weight = series[k] / (k + 2)
-            psi += weight * s2
-            psi_m += weight * d2
-            psi_r += weight * e2
-            s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
+        # r·phi² = target and psi = 0
+        phi, phi_m, phi_r, psi, psi_m, psi_r = abel_sums(series, m, r)
         first = r * phi * phi - target
         first_m, first_r = 2 * r * phi * phi_m, phi * phi + 2 * r * phi * phi_r
         det = first_m * psi_r - first_r * psi_m
         m, r = m - (first * psi_r - first_r * psi) / det, r - (first_m * psi - first * psi_m) / det
     return m, r
+
+
+def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real, Real, Real]:
+    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r, each followed by its
+    derivatives with respect to m and r.
+    """
+    phi, psi = 0 * r, 0 * r
+    phi_m, phi_r, psi_m, psi_r = phi, phi, phi, phi
+    c = m * m - r
+    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r) and its derivatives, by S_{j+1} = 2m·S_j − c·S_{j−1}
+    s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
+    for k in range(len(series)):
+        s2 = 2 * m * s1 - c * s0
+        d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
+        e2 = 2 * m * e1 + s0 - c * e0
+        weight = series[k] / (k + 1)
+        phi += weight * s1
+        phi_m += weight * d1
+        phi_r += weight * e1
+        weight = series[k] / (k + 2)
+        psi += weight * s2
+        psi_m += weight * d2
+        psi_r += weight * e2
+        s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
+    return phi, phi_m, phi_r, psi, psi_m, psi_r
 
 
 def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
@@ -426,10 +439,16 @@ def states_at_offsets(
 
 
 def march(f: Row, axes: Row, point: Row, step: Row, count: int) -> Row:
-    """``count`` additions of the same translation, one after the other, the pairs settled every 16 of them."""
+    """``count`` additions of the same translation, one after the other.
+
+    Every 16 of them the divisor is put back on the curve and the pairs on the divisor: what rounding takes off it would
+    grow, for some translations exponentially (:mod:`jacobian.retraction`).
+    """
     moved = moving_point(point)
     for i in range(count):
         moved = carried(f, axes, moved, step)
         if i % 16 == 15:
+            u0, u1, v0, v1 = retracted((f[0], f[1], f[2], f[3], f[4], f[5]), (moved[0], moved[1], moved[2], moved[3]))
+            moved = (u0, u1, v0, v1, moved[4], moved[5], moved[6], moved[7], moved[8], moved[9])
             moved = settled(f, axes, moved, 0.003)
     return moved

@@ -19,10 +19,6 @@ from jacobian import RR
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
 
-# beyond these times, in the flow's units, the mean rate is computed again in the wide precision: floats know it to
-# about 1e-16; then on a grid of twice the size, because the grid of the floats has converged to their rounding only
-FAR = (5_000, 200_000)
-
 
 class TorusClock:
     """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.flow_setup.Setup`.
@@ -41,8 +37,6 @@ class TorusClock:
         # (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), Λ the periods of 1/g
         self.frequencies = (s / determinant, -q / determinant)
         grid, self.mean = self._grid.resolved()
-        self._size = len(grid), len(grid[0])
-        self._sharpness = 0 if setup.work is RR else len(FAR)
         self._series = self._oscillating_part(grid)
         self._origin = self._oscillation([self._angles(setup.wide.zero)])[0][0]
 
@@ -53,18 +47,9 @@ class TorusClock:
 
     def tau(self, times: list[Any]) -> list[Any]:
         """τ at every t, all wide."""
-        self._sharpen(max(map(abs, times), default=0))
         starts = [t / self.mean for t in times]
         shifts = self._shifts([self._angles(start) for start in starts])
         return [start + self._setup.wide.coerce(shift) for start, shift in zip(starts, shifts, strict=True)]
-
-    def _sharpen(self, farthest: Any) -> None:
-        """The mean rate to the digits that a time needs."""
-        needed = sum(farthest > limit for limit in FAR)
-        if needed > self._sharpness:
-            rows, columns = (needed * n for n in self._size)
-            self.mean = self._grid.mean(self._grid.samples(rows, columns, exact=True))
-            self._sharpness = needed
 
     def _angles(self, tau: Any) -> tuple[Any, Any]:
         """(θ₁, θ₂) modulo 1 on the grid, rounded after the whole turns are taken off."""
@@ -77,8 +62,6 @@ class TorusClock:
         setup = self._setup
         rough = [(float(a), float(b)) for a, b in angles]
         shifts = self._newton(rough, [0.0] * len(angles), float, self._rough)
-        if setup.work is RR:
-            return shifts
         return self._newton(angles, [setup.number(s) for s in shifts], setup.number, self._oscillation)
 
     def _newton(self, angles: list[Any], shifts: list[Any], number: Any, series: Any) -> list[Any]:
@@ -124,8 +107,6 @@ class TorusClock:
 
     def _oscillation(self, angles: list[tuple[Any, Any]]) -> list[tuple[Any, Any]]:
         """(S, 1/g) at every (θ₁, θ₂): the oscillating part of t, and dt/dτ (to the digits of a float)."""
-        if self._setup.work is RR:
-            return self._rough(angles)
         rates = self._rough([(float(a), float(b)) for a, b in angles])
         return [(self._swing_at(*pair), rate) for pair, (_, rate) in zip(angles, rates, strict=True)]
 

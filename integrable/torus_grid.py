@@ -9,7 +9,7 @@ import numpy as np
 
 from integrable import flow_kernel
 from integrable.periods import ovals, translation
-from jacobian import RR
+from integrable.torus_lattice import TorusLattice
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 FIRST_SIZE = 16
 # translations by Λ_k/2^j are made for j up to this
 FINEST = 9
+# coefficients of U' beyond this cost digits
+FARTHEST = 1000
 # the grid starts at these parts of the periods from D(0), in units of 2^-FINEST: odd, so that no grid point is D(0),
 # which may be at a branch point like the half periods
 OFFSET = (109, 191)
@@ -31,8 +33,12 @@ class TorusGrid:
 
     def __init__(self, setup: Setup) -> None:
         self._setup = setup
-        self.periods = [oval.periods for oval in ovals(setup)]
-        self._parts = [self._halved(period) for period in self.periods]
+        # the reduced basis needs fewest samples; the halves of its periods may lie far out (d → 0)
+        for periods in (TorusLattice(setup).periods, [oval.periods for oval in ovals(setup)]):
+            self.periods = periods
+            self._parts = [self._halved(period) for period in periods]
+            if all(abs(x) < FARTHEST for parts in self._parts for step in parts[1:] for x in step[:2]):
+                break
         self._base = self._generic_point()
         self.turns = [self._turn(parts[1]) for parts in self._parts]
         # θ of D(0) on the grid, in periods of 1/g
@@ -42,7 +48,7 @@ class TorusGrid:
     def resolved(self) -> tuple[Any, Any]:
         """(Fourier coefficients of 1/g, its mean) from the first grid that holds it to rounding.
 
-        The coefficients are an array of floats or rows of mpc; the mean is summed in the wide precision.
+        The coefficients are rows of mpc; the mean is summed in the wide precision.
         """
         setup = self._setup
         sizes = [FIRST_SIZE, FIRST_SIZE]
@@ -61,30 +67,30 @@ class TorusGrid:
         total = sum(self._setup.wide.coerce(x) for line in samples for x in line)
         return total / (len(samples) * len(samples[0]))
 
-    def samples(self, rows: int, columns: int, exact: bool = False) -> list[list[Any]]:
+    def samples(self, rows: int, columns: int) -> list[list[Any]]:
         """1/g at D(0) + OFFSET + (i/rows)Λ₁ + (j/columns)Λ₂: one addition each to a point that few additions made.
 
-        With ``exact`` in the wide precision, else in the working numbers. Rows and columns are powers of 2.
+        Rows and columns are powers of 2.
         """
         setup = self._setup
         down, across = (
             self._multiples(k, size // len(turns))
             for k, (size, turns) in enumerate(zip((rows, columns), self.turns, strict=True))
         )
-        f, axes = (setup.wide_f, setup.wide_all_axes) if exact else (setup.f, setup.axes)
-        number = setup.wide.coerce if exact else setup.number
-        steps = [tuple(map(number, step)) for step in across]
-        moved = [setup.moved(step, self._base) for step in down]
-        points = [tuple(map(number, point)) for point in (self._base, *moved)]
+        reals = setup.reals
+        f, axes = setup.bare_problem
+        steps = [reals.row(step) for step in across]
+        points = [reals.row(point) for point in (self._base, *(setup.moved(step, self._base) for step in down))]
         table: list[list[Any]] = []
         for turn in self.turns[0]:
             for point in points:
                 line = []
-                for second in self.turns[1]:
-                    here = tuple(a * b * x for a, b, x in zip(turn, second, point, strict=True))
-                    line.append(flow_kernel.rate_at(axes, here))
-                    line.extend(flow_kernel.clock_rate(f, axes, here, step) for step in steps)
-                table.append(line)
+                with reals:
+                    for second in self.turns[1]:
+                        here = tuple(a * b * x for a, b, x in zip(turn, second, point, strict=True))
+                        line.append(flow_kernel.rate_at(axes, here))
+                        line.extend(flow_kernel.clock_rate(f, axes, here, step) for step in steps)
+                table.append(list(reals.elements(setup.work, line)))
         return table
 
     def _halved(self, period: tuple[Any, ...]) -> list[Any]:
@@ -131,23 +137,24 @@ class TorusGrid:
 
 def fourier(setup: Setup, samples: list[list[Any]]) -> Any:
     """Two-dimensional discrete Fourier transform, normalised: coefficient (0, 0) is the mean."""
-    if setup.work is RR:
-        table = np.array(samples)
-        return np.fft.fft2(table) / table.size
     context: Any = setup.work.context
-    lines = [_transform(context, [context.mpc(x) for x in line]) for line in samples]
-    columns = [_transform(context, list(column)) for column in zip(*lines, strict=True)]
+    most = max(len(samples), len(samples[0]))
+    turns = [context.expjpi(-context.mpf(2 * k) / most) for k in range(most // 2)]
+    lines = [_transform(context, [context.mpc(x) for x in line], turns) for line in samples]
+    columns = [_transform(context, list(column), turns) for column in zip(*lines, strict=True)]
     size = len(lines) * len(columns)
     return [[x / size for x in line] for line in zip(*columns, strict=True)]
 
 
-def _transform(context: Any, values: list[Any]) -> list[Any]:
-    """The discrete Fourier transform of 2^k numbers (Cooley & Tukey 1965)."""
+def _transform(context: Any, values: list[Any], turns: list[Any]) -> list[Any]:
+    """The discrete Fourier transform of 2^k numbers (Cooley & Tukey 1965); ``turns`` are e^(−2πik/2^m), k < 2^(m−1),
+    2^m ≥ 2^k.
+    """
     n = len(values)
     if n == 1:
         return values
-    even, odd = _transform(context, values[::2]), _transform(context, values[1::2])
-    turned = [context.expjpi(-context.mpf(2 * k) / n) * x for k, x in enumerate(odd)]
+    even, odd = _transform(context, values[::2], turns), _transform(context, values[1::2], turns)
+    turned = [factor * x for factor, x in zip(turns[:: 2 * len(turns) // n], odd, strict=True)]
     return [x + y for x, y in zip(even, turned, strict=True)] + [x - y for x, y in zip(even, turned, strict=True)]
 
 

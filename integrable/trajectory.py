@@ -17,18 +17,23 @@ class Trajectory:
     """States at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
-    is the time of the flow, dτ = g dt. ``report`` is the report of a scene's run, or None.
+    is the time of the flow, dτ = g dt. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
+    what :meth:`integrable.flow.Flow.certify` found, else None.
     """
 
-    def __init__(self, flow: Flow, times: np.ndarray | None, tau: np.ndarray, points: np.ndarray) -> None:
+    def __init__(self, flow: Flow, times: np.ndarray | None, tau: np.ndarray, rows: np.ndarray) -> None:
         self.flow = flow
         self._times = times
-        self.tau = self._rounded(tau)
-        self._points = points
+        self.tau = tau
+        # γ and M side by side, shape (N, 6)
+        self._rows = rows
         self.report: Any = None
+        # set by Flow.certify
+        self.error: np.ndarray | None = None
+        self.digits: np.ndarray | None = None
 
     def __len__(self) -> int:
-        return len(self._points)
+        return len(self._rows)
 
     def __repr__(self) -> str:
         return f"<Trajectory of {len(self)} states of {self.flow.system!r}>"
@@ -37,41 +42,18 @@ class Trajectory:
     def times(self) -> np.ndarray:
         """Physical times t, shape (N,)."""
         if self._times is None:
-            return self._rounded(self.flow.physical_time(self.tau))
+            return self.flow.physical_time(self.tau)
         return self._times
 
-    @cached_property
+    @property
     def gamma(self) -> np.ndarray:
         """The vertical γ in the body frame, shape (N, 3)."""
-        return self._rounded(self._original[0])
+        return self._rows[:, :3]
 
-    @cached_property
+    @property
     def M(self) -> np.ndarray:
         """The angular momentum M about the contact point in the body frame, shape (N, 3)."""
-        return self._rounded(self._original[1])
-
-    @cached_property
-    def _original(self) -> tuple[np.ndarray, np.ndarray]:
-        """(γ, M) of the given body, which for a tilted state is not that of the divisor."""
-        setup = self.flow.setup
-        if setup.tilt is None:
-            return self._upright_gamma, self._upright_M
-        matrix = [setup.number(x) for x in setup.tilt.inverse_matrix()]
-        g, m = self._upright_gamma, self._upright_M
-        return matrix[0] * g + matrix[1] * m, matrix[2] * g + matrix[3] * m
-
-    @cached_property
-    def _upright_gamma(self) -> np.ndarray:
-        return self._points[:, 4:7] / self._lengths[:, None]
-
-    @cached_property
-    def _upright_M(self) -> np.ndarray:
-        sigma, nu = self._points[:, 4:7], self._points[:, 7:10]
-        lean = np.sum(sigma * nu, axis=1) / self._lengths**2
-        w = (nu - lean[:, None] * sigma) * self.flow.setup.momentum
-        g = self._upright_gamma
-        i, j = [1, 2, 0], [2, 0, 1]
-        return w[:, i] * g[:, j] - w[:, j] * g[:, i]
+        return self._rows[:, 3:]
 
     @cached_property
     def omega(self) -> np.ndarray:
@@ -101,21 +83,20 @@ class Trajectory:
         return attitude.quaternions(self.attitude)
 
     @cached_property
+    def contact(self) -> np.ndarray:
+        """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
+
+        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
+        that does not roll (:mod:`integrable.contact`).
+        """
+        from integrable import contact
+
+        return contact.positions(self)
+
+    @cached_property
     def integrals(self) -> Integrals:
         """C1, C2, H1, H2 along the run, each of shape (N,)."""
         g, m = self.gamma, self.M
         return Integrals(
             *(np.sum(x * y, axis=1) for x, y in ((g, g), (g, m), (self.omega, m), (m, m))),
         )
-
-    def _rounded(self, values: np.ndarray) -> np.ndarray:
-        """Multiprecision numbers without the guard digits of the flow."""
-        if values.dtype != object:
-            return values
-        result: np.ndarray = np.frompyfunc(self.flow.system.field.coerce, 1, 1)(values)
-        return result
-
-    @cached_property
-    def _lengths(self) -> np.ndarray:
-        square = np.sum(self._points[:, 4:7] ** 2, axis=1)
-        return square**0.5

@@ -83,7 +83,7 @@ def test_a_run_with_everything(here, capsys):
     assert "20 digits" in captured.out
     assert "SciPy DOP853" in captured.out
     assert "ball: " in captured.err  # the bar
-    assert "6/6" in captured.err
+    assert "7/7" in captured.err
     assert main(["run", "ball.toml"]) == 0  # and again, over the same files
     assert "ball: " not in capsys.readouterr().err  # no terminal, no bar
 

@@ -17,7 +17,7 @@ from integrable.systems.check import Check
 from integrable.systems.deformed import Tilde
 from integrable.systems.gyroscopic import Gyroscopic
 from integrable.systems.hat import Hat
-from jacobian import GF, MP, QQ, HyperellipticCurve, NotASquare, NotRepresentable, poly
+from jacobian import GF, MP, QQ, HyperellipticCurve, NotASquare, NotRepresentable, PrecisionLoss, poly
 from jacobian.errors import ArgumentError
 from tests.integrable.deformed_systems import SYSTEMS, OverJets
 from tests.integrable.exact_states import random_state, until_defined
@@ -293,6 +293,78 @@ def test_the_flow_on_elliptic_curves_against_an_integration_at_thirty_digits(nam
             assert max(abs(a - b) for a, b in zip(after, before, strict=True)) <= 1e-25
 
 
+def test_physical_time_of_the_tilde_flow_against_an_integration_at_thirty_digits() -> None:
+    """γ and M at t = 3 and t = −2, d ≠ 0, ≤ 1e-25: the clock t = ∫dτ/g, and the curves."""
+    system, start = in_digits(SYSTEMS["tilde, d"], 34)
+    K = system.field
+    run = system.flow(start).at([3, 0, -2])
+    assert [float(t) for t in run.times] == [3, 0, -2]
+    for row, t in enumerate((3, 0, -2)):
+        y = [*start.gamma, *start.M]
+        if t:
+            y = extrapolate(motion(system), y, K.coerce(t), pieces=40)
+        assert max(abs(a - b) for a, b in zip((*run.gamma[row], *run.M[row]), y, strict=True)) <= 1e-25
+    again = system.flow(start).at_tau(run.tau)
+    assert max(abs(a - b) for a, b in zip(again.gamma.ravel(), run.gamma.ravel(), strict=True)) <= 1e-32
+    assert again.times is None
+
+
+def test_physical_time_far_out_and_over_floats() -> None:
+    """Floats against 30 digits at |t| = 100: the error grows no faster than the rounding of t."""
+    times, runs = [100.0, -100.0, 1e-9, 0.5], []
+    for K in (None, MP(30)):
+        system = Tilde((1, 2, 4), 0.7) if K is None else Tilde((1, 2, 4), "0.7", field=K)
+        start = system.state(*START) if K else _generic(system)
+        runs.append(system.flow(start).at(times))
+    assert np.abs(runs[0].gamma - runs[1].gamma.astype(float)).max() < 2e-14
+    assert np.abs(runs[0].M - runs[1].M.astype(float)).max() < 2e-13
+
+
+@pytest.mark.parametrize("name", ["tilde, potential", "gyroscopic"])
+def test_what_has_no_curves_is_integrated(name) -> None:
+    """motion_through: floats and 25 digits agree with the integrals of the start, and with each other."""
+    from jacobian import RR
+
+    runs = []
+    for K in (RR, MP(25)):
+        system = SYSTEMS[name](K)
+        if system.potential is not None:
+            system = (
+                Tilde((1, 2, 4), potential=("0.1", "0.05", "0.02", "0.04", "0.06"), field=K)
+                if K is not RR
+                else (Tilde((1, 2, 4), potential=(0.1, 0.05, 0.02, 0.04, 0.06)))
+            )
+        start = system.state(*START) if K is not RR else _generic(system)
+        assert not system.separates
+        run = system.motion_through(start).at([1, -1, 0])
+        assert run.tau is None
+        before = system.integrals(start)
+        for x, m in zip(run.gamma, run.M, strict=True):
+            after = system.integrals(State(tuple(x), tuple(m)))
+            assert max(abs(a - b) for a, b in zip(after, before, strict=True)) < (1e-13 if K is RR else 1e-22)
+        runs.append(run)
+    assert np.abs(runs[0].gamma - runs[1].gamma.astype(float)).max() < 1e-15
+
+
+def test_a_pole_that_attracts_ends_the_motion_with_a_named_error() -> None:
+    system = Check((1, 2, 4), potential=(0.0, 0.0, 0.0, 0.5, 0.0))
+    with pytest.raises(PrecisionLoss, match=r"times: the motion ends, or cannot be followed, .* before 1"):
+        system.motion_through(_generic(system)).at([1.0])
+
+
+def test_where_a_curve_degenerates_the_equations_are_integrated() -> None:
+    """K = 0 and equal moments: flow is refused by name, motion_through goes on."""
+    for system in (Tilde((1, 2, 3), 0.7), Tilde((1, 1, 3), 0.7)):
+        start = system.state((1, 0, 0), (0, 1, 1)) if system.rigid.inertia[1] == 2 else _generic(system)
+        with pytest.raises(NotRepresentable):
+            system.flow(start)
+        found = system.motion_through(start)
+        assert found.method == "extrapolation"
+        run = found.at([2.0])
+        after = system.integrals(State(tuple(run.gamma[0]), tuple(run.M[0])))
+        assert after == pytest.approx(system.integrals(start), rel=1e-13, abs=1e-13)
+
+
 @pytest.mark.parametrize("name", ["tilde", "tilde, d"])
 def test_each_variable_moves_by_a_translation_on_its_own_elliptic_curve(name) -> None:
     """P_k(0) + P_k(2δ) = 2P_k(δ) in the group of Y² = 4Π(Z − μ_k/I_i), by the chord construction of `jacobian`."""
@@ -379,7 +451,7 @@ def test_floats_against_multiprecision_far_out(name, inertia) -> None:
         (lambda: _at_axis(Gyroscopic((1, 2, 3), 1.0), "flow"), ArgumentError, "separated"),
         (lambda: _at_axis(Tilde((1, 1, 3)), "flow"), NotRepresentable, "equal"),
         (lambda: _at_axis(Tilde((1, 2, 3)), "flow"), NotRepresentable, "degenerates"),
-        (lambda: Tilde((1, 2, 3), 0.7).flow(_generic(Tilde((1, 2, 3), 0.7))).at([1]), ArgumentError, "at_tau"),
+        (lambda: Tilde((1, 2, 3), 0.7).flow(_generic(Tilde((1, 2, 3), 0.7))).at(["x"]), ArgumentError, "times"),
         (lambda: Tilde((1, 2, 3), field=QQ).flow(None), ArgumentError, "field = QQ"),
     ],
 )

@@ -12,7 +12,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, flow_kernel
 from integrable.reference import taylor
 from jacobian import MP, QQ
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError
 
 SCENES = json.loads((Path(__file__).parents[1] / "data" / "trajectories.json").read_text())["scenes"]
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -33,14 +33,14 @@ def reference(name: str, field=None):
 
 
 @pytest.mark.parametrize("kernel", ["python", "compiled"])
-@pytest.mark.parametrize("name", ["S1", "S2"])
+@pytest.mark.parametrize("name", ["S1", "S2", "S4a"])
 def test_floats_against_the_reference(name, kernel) -> None:
-    """tests/data/trajectories.json, T = 1 … 10000: γ within 1e-14·(1 + T), signs included."""
+    """tests/data/trajectories.json, T = 1 … 10000: signs included, to what rounding the inputs to floats leaves."""
     system, state, times, states = reference(name)
     run = system.flow(state, kernel=kernel).at(times)
     for t, gamma, M, truth in zip(times, run.gamma, run.M, states, strict=True):
-        assert np.abs(gamma - np.array(truth["gamma"], dtype=float)).max() <= 1e-14 * (1 + t)
-        assert np.abs(M - np.array(truth["M"], dtype=float)).max() <= 4e-14 * (1 + t)
+        assert np.abs(gamma - np.array(truth["gamma"], dtype=float)).max() <= 1e-14 + 5e-17 * t
+        assert np.abs(M - np.array(truth["M"], dtype=float)).max() <= 4e-14 + 2e-16 * t
 
 
 @pytest.mark.parametrize(
@@ -79,7 +79,7 @@ def test_times_come_in_any_order_size_and_sign() -> None:
     together = flow.at(times).gamma
     for t, gamma in zip(times, together, strict=True):
         again = system.flow(state, kernel="python").at([t]).gamma[0]
-        assert np.abs(gamma - again).max() < 2e-14
+        assert np.abs(gamma - again).max() < 5e-14
     assert together[2] == pytest.approx(state.gamma, abs=1e-15)
     assert (together[0] == together[3]).all()
     assert flow.at(1.5).gamma.shape == (1, 3)
@@ -108,9 +108,8 @@ def test_the_compiled_loops_equal_the_readable_ones() -> None:
         system, state, _, _ = reference(name)
         times = np.linspace(-30, 60, 40)
         readable, compiled = (system.flow(state, kernel=kernel).at(times) for kernel in ("python", "compiled"))
-        tolerance = 1e-11 if name != "S4a" else 1e-7
-        assert np.abs(readable.gamma - compiled.gamma).max() < tolerance
-        assert np.abs(readable.M - compiled.M).max() < tolerance
+        assert np.abs(readable.gamma - compiled.gamma).max() < 1e-12
+        assert np.abs(readable.M - compiled.M).max() < 1e-12
 
 
 def test_the_flow_in_multiprecision_is_its_own_witness() -> None:
@@ -155,6 +154,7 @@ SPECIAL = {
     "fast spin": (ChaplyginBall((1, 2, 3), 0.7), START[0], (3840, 12800, -14880)),
     "slow spin": (ChaplyginBall((1, 2, 3), 0.7), START[0], (0.384e-8, 1.28e-8, -1.488e-8)),
     "thin ball": (ChaplyginBall((1e-2, 1, 1.5), 1), *START),
+    "moments 1 : 10^4 : 10^8": (ChaplyginBall((1, 1e4, 1e8), 1), *START),
     "axes in another order": (ChaplyginBall((3, 1, 2), 0.7), *START),
 }
 
@@ -170,12 +170,6 @@ def test_special_bodies_and_starts_against_a_taylor_integration(name) -> None:
         truth, expected, _ = taylor(system, state, [t], digits=20)
         assert np.abs(found - np.array(truth[0], dtype=float)).max() < 2e-12
         assert np.abs(momentum - np.array(expected[0], dtype=float)).max() < 4e-12 * np.linalg.norm(M)
-
-
-def test_a_body_beyond_this_clock_is_refused_by_name() -> None:
-    ball = ChaplyginBall((1, 1e4, 1e8), 1)
-    with pytest.raises(PrecisionLoss, match="not resolved"):
-        ball.flow(ball.state(*START)).at([1.0])
 
 
 @pytest.mark.parametrize(

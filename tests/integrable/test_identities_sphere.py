@@ -15,7 +15,7 @@ from integrable.brackets import (
     weighted_matrix,
 )
 from integrable.jets import JetField, apply
-from integrable.separation import Separated
+from integrable.separation import Separated, of_roots
 from jacobian import HyperellipticCurve, NotRepresentable, poly
 from jacobian.errors import ArgumentError
 from tests.integrable.exact_points import (
@@ -139,6 +139,63 @@ def test_conic_steps_preserve_their_brackets(K, name) -> None:
 
 
 @over_fields()
+@pytest.mark.parametrize("infinite", [False, True], ids=["(x0, y0)", "∞"])
+def test_the_parabola_written_out(K, infinite) -> None:
+    """Section 8: P = V + cU, c = (y0 − V(x0))/U(x0) or a constant, Ũ = (P² − f)/(lead·U), p̃ = −P(ũ)/φ(ũ)."""
+    K = K()
+    rng = Random(21)
+
+    def make():
+        a, x = point_of(K, rng)
+        x0, y0 = None if infinite else K.random(rng), K.random(rng)
+        return a, x, x0, y0, sphere.conic(K, a, pair(x), x0, y0)
+
+    a, x, x0, y0, image = attempt(make)
+    N = JetField(K, 0)
+    wrap = lambda values: tuple(map(N.constant, values))  # noqa: E731
+    phi, (h1, h2) = wrap(sphere.phi(K, a)), wrap(sphere.integrals(K, a, pair(x)))
+    f, U, V = poly.mul(N, phi, (h2, h1)), poly.from_roots(N, wrap(x[:2])), wrap(sphere.momentum_line(K, a, pair(x)))
+    c = N.constant(y0) if infinite else (N.constant(y0) - poly.evaluate(N, V, x0)) / poly.evaluate(N, U, x0)
+    P = poly.add(N, V, poly.scale(N, c, U))
+    if not infinite:
+        assert poly.evaluate(N, P, x0) == N.constant(y0)
+    square = poly.sub(N, poly.mul(N, P, P), f)
+    assert len(square) == 5
+    quotient, rest = poly.divide(N, square, poly.scale(N, square[4], U))
+    assert rest == ()
+    assert quotient == poly.from_roots(N, wrap(image.u))
+    for u, p in zip(wrap(image.u), wrap(image.p), strict=True):
+        assert p == -poly.evaluate(N, P, u) / poly.evaluate(N, phi, u)
+
+
+@over_fields()
+def test_the_walk_along_the_pencil_is_multiplicative(K) -> None:
+    """Section 8: the steps through (x0, y0) are the fibre G_m of modulus (x0, s) + (x0, −s), s² = f(x0): with t = (y0 −
+    s)/(y0 + s) they compose by multiplication, so y0 after y0' is (y0y0' + s²)/(y0 + y0'), and y0 = 0, t = −1, is of
+    order two.
+    """
+    K = K()
+    rng = Random(22)
+
+    def make():
+        a, x = point_of(K, rng)
+        h1, h2 = sphere.integrals(K, a, pair(x))
+        f = poly.mul(K, sphere.phi(K, a), (h2, h1))
+        D = poly.from_roots(K, x[:2]), sphere.momentum_line(K, a, pair(x))
+        x0, y0, y1 = (K.random(rng) for _ in range(3))
+        both = K.div(K.add(K.mul(y0, y1), poly.evaluate(K, f, x0)), K.add(y0, y1))
+        once = sphere.conic_sum(K, f, D, x0, y0)
+        half = sphere.conic_sum(K, f, D, x0, K.zero)
+        back = sphere.conic_sum(K, f, once, x0, K.neg(y0)) if y0 else None
+        return D, sphere.conic_sum(K, f, once, x0, y1), sphere.conic_sum(K, f, D, x0, both), half, back, (f, x0)
+
+    D, twice, at_once, half, back, (f, x0) = attempt(make)
+    assert twice == at_once != D
+    assert back == D
+    assert sphere.conic_sum(K, f, half, x0, K.zero) == D
+
+
+@over_fields()
 def test_a_conic_step_leaves_the_class_of_the_divisor(K) -> None:
     """Section 8: the class in Pic X does not move."""
     K = K()
@@ -175,9 +232,14 @@ def test_a_conic_through_a_point_that_moves_with_another_integral_is_not_canonic
 
 
 @over_fields()
-@pytest.mark.parametrize("size", [3, 4])
-def test_conic_steps_of_more_points(K, size) -> None:
-    """Section 8: N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: h_j and bracket are kept."""
+@pytest.mark.parametrize(
+    ("size", "name"),
+    [(3, name) for name in ("(x0, 0)", "(x0, y0)", "(x0, F(f/φ))", "∞", "not canonical")] + [(4, "(x0, y0)")],
+)
+def test_conic_steps_of_more_points(K, size, name) -> None:
+    """Section 8: N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: the h_j are kept, and the bracket,
+    but for y0 = h_N at x0 ≠ 0.
+    """
     from jacobian.factor import roots
 
     K = K()
@@ -189,6 +251,12 @@ def test_conic_steps_of_more_points(K, size) -> None:
         y = [N.mul(poly.evaluate(N, scale, e), q) for e, q in zip(u, p, strict=True)]
         h = _interpolated(N, u, [N.mul(poly.evaluate(N, scale, e), N.mul(q, q)) for e, q in zip(u, p, strict=True)])
         f = poly.mul(N, scale, h)
+        if "F" in name:
+            # F(z) = z² + 1 of z = f(x0)/φ(x0)
+            z = poly.evaluate(N, h, x0)
+            y0 = N.add(N.mul(z, z), N.one)
+        elif name == "not canonical":
+            y0 = h[0]
         U, V = sphere.conic_sum(N, f, (poly.from_roots(N, u), _interpolated(N, u, y)), x0, y0)
         if values is None:
             values = roots(N, U)
@@ -203,6 +271,9 @@ def test_conic_steps_of_more_points(K, size) -> None:
     def make():
         numbers = [K.random(rng) for _ in range(3 * size + 3)]
         a, x, (x0, y0) = numbers[: size + 1], numbers[size + 1 : 3 * size + 1], numbers[-2:]
+        if K.zero in (x0, y0):
+            raise ZeroDivisionError
+        x0, y0 = None if name == "∞" else x0, K.zero if name == "(x0, 0)" else y0
         image, h = image_of(K, a, x, x0, y0)
         rows = jacobian_matrix(K, lambda N, y: image_of(N, a, y, x0, y0, image[:size])[0], x)
         return x0, x, image, h, rows, image_of(K, a, image, x0, y0)[1]
@@ -211,13 +282,13 @@ def test_conic_steps_of_more_points(K, size) -> None:
     assert h == h_after
 
     def matrix(y):
-        weights = [K.sub(e, x0) for e in y[:size]]
+        weights = [K.one if x0 is None else K.sub(e, x0) for e in y[:size]]
         zero = [K.zero] * size
         upper = [[*zero, *zero[:i], w, *zero[i + 1 :]] for i, w in enumerate(weights)]
         lower = [[*zero[:i], K.neg(w), *zero[i + 1 :], *zero] for i, w in enumerate(weights)]
         return tuple(map(tuple, upper + lower))
 
-    assert pushed(K, rows, matrix(x)) == matrix(image)
+    assert (pushed(K, rows, matrix(x)) == matrix(image)) == (name != "not canonical")
 
 
 def _interpolated(N, nodes, values):
@@ -297,37 +368,55 @@ def test_the_hat_variables(K) -> None:
         assert K.mul(p, poly.evaluate(K, sphere.phi(K, a), u)) == K.neg(poly.evaluate(K, line, u))
 
 
+def through_line(N, a, x, q):
+    """(ũ, p̃): ũ the other roots of z²q − φ(x)(xh1 + h2), z = ℓ(x) the line through (u_k, φ_kp_k), p̃ = −ℓ(ũ)/φ(ũ)."""
+    point = pair(x)
+    line, phi = sphere.momentum_line(N, a, point), sphere.phi(N, a)
+    (u1, u2), (p1, p2) = point
+    values = [
+        N.mul(N.mul(poly.evaluate(N, phi, u), poly.evaluate(N, q, u)), N.mul(p, p)) for u, p in ((u1, p1), (u2, p2))
+    ]
+    h1 = N.div(N.sub(*values), N.sub(u1, u2))
+    h = (N.sub(values[0], N.mul(h1, u1)), h1)
+    psi = poly.sub(N, poly.mul(N, poly.mul(N, line, line), q), poly.mul(N, phi, h))
+    u = poly.monic(N, poly.quotient(N, psi, poly.from_roots(N, (u1, u2))))
+    return flat(of_roots(N, u, poly.neg(N, line), lambda e: poly.evaluate(N, phi, e)))
+
+
 @over_fields()
 @pytest.mark.parametrize("seed", [9, 10])
 def test_every_quadratic_q_gives_a_canonical_map(K, seed) -> None:
-    """Section 8: z²q(x) = φ(x)(xh1 + h2), z = ℓ(x): canonical; q = x² is the hat map, q = 1 − dx the keyless one."""
+    """Section 8: z²q(x) = φ(x)(xh1 + h2), z = ℓ(x), is canonical for every quadratic q; q = x² is the hat map."""
     K = K()
     rng = Random(seed)
-
-    def image_of(N, a, x, q):
-        point = pair(x)
-        line, phi = sphere.momentum_line(N, a, point), sphere.phi(N, a)
-        (u1, u2), (p1, p2) = point
-        values = [
-            N.mul(N.mul(poly.evaluate(N, phi, u), poly.evaluate(N, q, u)), N.mul(p, p)) for u, p in ((u1, p1), (u2, p2))
-        ]
-        h1 = N.div(N.sub(*values), N.sub(u1, u2))
-        h = (N.sub(values[0], N.mul(h1, u1)), h1)
-        psi = poly.sub(N, poly.mul(N, poly.mul(N, line, line), q), poly.mul(N, phi, h))
-        u = poly.monic(N, poly.quotient(N, psi, poly.from_roots(N, (u1, u2))))
-        from integrable.separation import of_roots
-
-        return flat(of_roots(N, u, poly.neg(N, line), lambda e: poly.evaluate(N, phi, e)))
 
     def make():
         a, x = point_of(K, rng)
         q = tuple(K.random(rng) for _ in range(3))
-        rows = jacobian_matrix(K, lambda N, y: image_of(N, a, y, tuple(map(N.constant, q))), x)
-        return a, x, rows, image_of(K, a, x, (K.zero, K.zero, K.one)), flat(sphere.hat(K, a, pair(x)))
+        rows = jacobian_matrix(K, lambda N, y: through_line(N, a, y, tuple(map(N.constant, q))), x)
+        return rows, through_line(K, a, x, (K.zero, K.zero, K.one)), flat(sphere.hat(K, a, pair(x)))
 
-    _, _, rows, special, hat = attempt(make)
+    rows, special, hat = attempt(make)
     assert pushed(K, rows, canonical_matrix(K)) == canonical_matrix(K)
     assert _same(special, hat)
+
+
+@over_fields()
+@pytest.mark.parametrize("kind", ["ball", "top"])
+def test_q_of_degree_one_is_the_keyless_map(K, kind) -> None:
+    """Section 8: q = 1 − dx is Chaplygin's 2-torsion map, q = 1 its d = 0 limit."""
+    K = K()
+    rng = Random(14)
+
+    def make():
+        system, state = random_case(K, rng, kind, squares=True)
+        point, image = system.separated(state), system.separated(system.keyless()(state))
+        q = (K.one,) if kind == "top" else (K.one, K.neg(system.d))
+        return flat(image), *(through_line(K, system.a, flat(point), part) for part in (q, (K.zero, *q)))
+
+    image, found, other = attempt(make)
+    assert _same(image, found)
+    assert not _same(image, other)
 
 
 @over_fields()

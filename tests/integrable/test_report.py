@@ -39,7 +39,7 @@ def measured(request):
 
 
 def test_rows_are_what_was_asked_for(measured):
-    _, report, _, labels = measured
+    scene, report, _, labels = measured
     assert [(row.method, row.setting) for row in report.rows] == [
         ("divisor flow", "floats"),
         ("divisor flow", "first use"),
@@ -48,7 +48,7 @@ def test_rows_are_what_was_asked_for(measured):
         ("SciPy DOP853", "tol 1e-5"),
         ("SciPy DOP853", "tol 1e-11"),
     ]
-    assert len(labels) == pieces_of_work(ASKED, 15)
+    assert len(labels) == pieces_of_work(scene, 15)
     assert report.times == (0.0, 7.5, 3)
 
 
@@ -60,6 +60,8 @@ def test_errors_and_drifts_are_of_the_size_they_should_be(measured):
         assert row.error_M < 3e-14 * (1 + 7.5)
         assert max(row.drift.values()) < 1e-13
     assert max(precise.error_gamma, precise.error_M, *precise.drift.values()) < 1e-18
+    assert 1e-16 < report.floor[0] < 1e-13
+    assert f"eps·conditioning: {report.floor[0]:.1e} in γ" in report.table()
     assert 1e-8 < loose.error_gamma < 1e-2
     assert tight.error_gamma < 1e-4 * loose.error_gamma
     assert list(floats.drift) == ["C1", "C2", "H1", "H2"]

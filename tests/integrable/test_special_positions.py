@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from random import Random
 
+import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, coordinates
+from integrable.body import cross
 from integrable.brackets import image_brackets
-from jacobian import GF, NotASquare, NotRepresentable
+from integrable.reference import taylor
+from jacobian import GF, RR, NotASquare, NotRepresentable
 from jacobian.errors import ArgumentError, SingularCurve
-from tests.integrable.exact_points import attempt, random_system
+from tests.integrable.deformed_systems import SYSTEMS, OverJets
+from tests.integrable.exact_points import attempt, over_fields, random_system
 from tests.integrable.exact_states import random_state, unit_vector
 
 KINDS = pytest.mark.parametrize("kind", ["ball", "top"])
@@ -183,6 +187,154 @@ def test_the_separatrix(kind) -> None:
         exact.translation([K.one, K.zero], multiple=2)(start)
     with pytest.raises(SingularCurve):
         exact.divisor(start)
+
+
+def test_the_separatrix_of_a_real_ball() -> None:
+    """H1/H2 = a2 at d ≠ 0: steps keep the integrals, the flow is that of the equations of motion."""
+    ball, gamma = ChaplyginBall((1, 2, 3), 0.7), (0.48, 0.6, 0.64)
+    e, f = (0.8, 0.0, -0.6), (-0.36, 0.8, -0.48)
+
+    def height(M):
+        h1, h2 = ball.body.integrals(gamma, M)[2:]
+        return h1 - ball.a[1] * h2
+
+    A, B, both = height(e), height(f), height([x + y for x, y in zip(e, f, strict=True)])
+    mixed = (both - A - B) / 2
+    # the roots of the quadratic form on the plane of γ
+    slope = (-mixed + (mixed * mixed - A * B) ** 0.5) / B
+    state = ball.state(gamma, [x + slope * y for x, y in zip(e, f, strict=True)])
+    h1, h2 = ball.integrals(state)[2:]
+    assert abs(h1 - ball.a[1] * h2) < 1e-15
+    for step in (
+        ball.translation([0.3j, -0.3j]),
+        ball.translation([1.8, 2.5]),
+        ball.keyless(),
+        ball.torsion(),
+        ball.shift(lambda h1, h2: h1 / 2),
+    ):
+        image = step(state)
+        assert max(abs(x - y) for x, y in zip(ball.integrals(image), ball.integrals(state), strict=True)) < 1e-12
+        assert max(abs(x - y) for x, y in zip(image.gamma, gamma, strict=True)) > 1e-3
+    times = [2.0, -1.0, 0.0]
+    run, truth = ball.flow(state).at(times), taylor(ball, state, times, digits=20)
+    assert np.abs(run.gamma - truth.gamma.astype(float)).max() < 1e-12
+    assert np.abs(run.M - truth.M.astype(float)).max() < 1e-12
+
+
+@pytest.mark.parametrize("small", [1e-3, 1e-8, 1e-12])
+def test_the_limit_of_d(small) -> None:
+    """d → 1/max a_i: a moment goes to 0, 1/d to a branch point; steps keep the integrals, and at 0 there is no body."""
+    ball = ChaplyginBall((small, 1, 2), 0.7)
+    state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    steps = [ball.translation([0.3j, -0.3j]), ball.translation([1.8, 2.5]), ball.keyless()]
+    for step in (*steps, ball.shift(lambda h1, h2: h1 / 2)):
+        image = step(state)
+        assert max(abs(x - y) for x, y in zip(ball.integrals(image), ball.integrals(state), strict=True)) < 1e-11
+        assert max(abs(x - y) for x, y in zip(image.gamma, state.gamma, strict=True)) > 1e-3
+    for moment, field in ((0, RR), (-small, RR), (0, GF(2**61 - 1))):
+        with pytest.raises(ArgumentError, match=r"inertia\[0\]"):
+            ChaplyginBall((moment, 1, 2), 1 if field.exact else 0.7, field=field)
+
+
+@pytest.mark.parametrize("field", [RR, GF(2**61 - 1), GF(7, 3, [4, 0, 6, 1])], ids=str)
+def test_d_zero_is_the_top(field) -> None:
+    """A ball of d = 0: the top's states, divisors, brackets, steps and flow."""
+    ball, top = ChaplyginBall((1, 2, 4), 0, field=field), EulerTop((1, 2, 4), field=field)
+    if field.exact:
+        rng = Random(6)
+        state = random_state(top, rng)
+        steps = [lambda s: s.translation([3, 5], multiple=2), lambda s: s.multiplication(3)]
+    else:
+        state = top.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+        steps = [lambda s: s.translation([0.3j, -0.3j]), lambda s: s.keyless(), lambda s: s.conic(0, 0)]
+        assert (ball.flow(state).at([2.0]).gamma == top.flow(state).at([2.0]).gamma).all()
+    assert ball.state(state.gamma, state.M) == state
+    assert ball.divisor(state) == top.divisor(state)
+    assert ball.poisson(state) == top.poisson(state)
+    assert ball.vector_field(state) == top.vector_field(state)
+    for make in steps:
+        assert _outcome(make(ball), state) == _outcome(make(top), state)
+
+
+def _outcome(step, state):
+    try:
+        return step(state)
+    except (NotASquare, NotRepresentable, SingularCurve) as error:
+        return type(error)
+
+
+# --- deformations
+
+
+GEODESIC = [name for name in SYSTEMS if "potential" not in name]
+
+
+@over_fields()
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("name", GEODESIC)
+def test_deformations_at_a_vanishing_gamma(K, name, axis) -> None:
+    """γ_i = 0: H and K commute and the equations of motion are g{x, H/2} there too."""
+    system, rng = SYSTEMS[name](K()), Random(axis)
+    K = system.field
+    state = state_without(system.rigid, axis, rng)
+    jets = OverJets(system, state)
+    H, second = jets.pair()
+    assert (H.value, second.value) == system.integrals(state)[2:]
+    assert jets.bracket(H, second) == K.zero
+    half = K.div(K.one if state.g is None else state.g, K.add(K.one, K.one))
+    rate = system.vector_field(state)
+    assert (*rate.gamma, *rate.M) == tuple(K.mul(half, x) for x in jets.field_of(H))
+
+
+@over_fields()
+@pytest.mark.parametrize("name", [name for name in SYSTEMS if "potential" in name])
+def test_poles_at_a_vanishing_gamma_are_refused_by_name(K, name) -> None:
+    system = SYSTEMS[name](K())
+    state = state_without(system.rigid, 1, Random(7))
+    for use in (system.integrals, system.vector_field):
+        with pytest.raises(NotRepresentable, match="infinite"):
+            use(state)
+
+
+@pytest.mark.parametrize("name", ["tilde", "tilde, d"])
+def test_equal_abscissas_of_a_deformation(name) -> None:
+    """ũ1 = ũ2: the integrals commute, the two points are refused by name."""
+    system, rng, found = SYSTEMS[name](GF(509)), Random(8), 0
+    K = system.field
+    while found < 2:
+        state = random_state(system.rigid, rng)
+        w = cross(K, state.gamma, state.M)
+        squares = [K.mul(x, x) for x in w]
+        h2, total = (
+            K.dot(squares, (1, 1, 1)),
+            K.dot(squares, [K.add(system.a[i - 2], system.a[i - 1]) for i in range(3)]),
+        )
+        product = K.dot(squares, [K.mul(system.a[i - 2], system.a[i - 1]) for i in range(3)])
+        if K.mul(total, total) != K.mul(4, K.mul(h2, product)):
+            continue
+        with pytest.raises(NotRepresentable, match="ũ1 = ũ2"):
+            system.divisor(state)
+        jets = OverJets(system, state)
+        assert jets.bracket(*jets.pair()) == K.zero
+        found += 1
+
+
+@pytest.mark.parametrize("axis", [0, 1, 2])
+@pytest.mark.parametrize("name", ["tilde", "tilde, d", "check", "hat"])
+def test_permanent_rotations_of_a_deformation(name, axis) -> None:
+    """M along an axis, H1/H2 = a_i: K = 0, a curve degenerates, and points and steps say so; the bracket holds."""
+    system = SYSTEMS[name](GF(2**61 - 1))
+    K, rng = system.field, Random(axis)
+    gamma = state_without(system.rigid, axis, rng)
+    M = [K.zero] * 3
+    M[axis] = 3
+    state = system.state(gamma.gamma, M, gamma.g)
+    assert K.zero == system.integrals(state).K
+    jets = OverJets(system, state)
+    assert jets.bracket(*jets.pair()) == K.zero
+    for use in (system.divisor, system.translation((3, 5))):
+        with pytest.raises((NotRepresentable, NotASquare), match=r"λ = 0|conjugate|no square root"):
+            use(state)
 
 
 @KINDS

@@ -1,0 +1,103 @@
+"""When something happens along a motion: zeros of a function of the state, found on the flow itself."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from copy import copy
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.body import Body
+from integrable.dense_panels import Panels
+from integrable.panel_calculus import zeros
+from integrable.state import State
+from jacobian import RR
+from jacobian.errors import ArgumentError, PrecisionLoss
+
+if TYPE_CHECKING:
+    from integrable.flow import Flow
+    from integrable.trajectory import Trajectory
+
+Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
+# so many panels are looked at together
+PANELS = 512
+# what states near the start, made in floats, are good for; the zeros are polished on the flow
+TOLERANCE = 1e-12
+# Newton with the slope of a float gains twelve digits a step
+MOST_STEPS = 100
+
+
+def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
+    """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
+    first, last = (flow.system.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
+    if not first < last:
+        raise ArgumentError(f"start = {start}, end = {end}: a time after start is needed")
+    if direction not in (-1, 0, 1):
+        raise ArgumentError(f"direction = {direction!r}: 1 for rising zeros, −1 for falling ones, 0 for both")
+    floats = _in_floats(flow)
+    times, slopes = [], []
+    for left, right, length in _stretches(floats, float(first), float(last)):
+        panels = Panels(partial(_column, floats, condition), left, right, length, TOLERANCE)
+        found, rates = zeros(panels)
+        times.append(found)
+        slopes.append(rates)
+    found, rates = np.concatenate(times), np.concatenate(slopes)
+    # a zero at the end of a stretch is found in the next one too
+    kept = (np.diff(found, prepend=-np.inf) > 1e-12 * (1 + np.abs(found))) & (direction * rates >= 0)
+    return flow.at(_polished(flow, condition, found[kept], rates[kept], first, last))
+
+
+def _in_floats(flow: Flow) -> Flow:
+    """The same motion in floats, for the search."""
+    if flow.system.field == RR:
+        return flow
+    system, body = copy(flow.system), flow.system.body
+    system.body = Body.make(tuple(map(float, body.inertia)), float(body.d), RR)
+    gamma, M = (tuple(map(float, v)) for v in (flow.state.gamma, flow.state.M))
+    return system.flow(State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
+
+
+def _stretches(flow: Flow, first: float, last: float) -> Iterator[tuple[float, float, float]]:
+    """(start, end, length of a panel): a panel is about a turn of the body."""
+    body = flow.system.body
+    length = 4 / (max(body.a) * float(flow.system.integrals(flow.state).H2) ** 0.5)
+    while first < last:
+        end = min(last, first + PANELS * length)
+        yield first, end, length
+        first = end
+
+
+def _column(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
+    return _values(flow, condition, times)[:, None]
+
+
+def _values(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
+    run = flow.at(times)
+    values = np.asarray(condition(run.gamma, run.M))
+    if values.shape != (len(times),):
+        raise ArgumentError(
+            f"condition: values of shape {values.shape} for {len(times)} states; one number for each is needed"
+        )
+    return values
+
+
+def _polished(flow: Flow, condition: Condition, times: Any, slopes: Any, first: Any, last: Any) -> np.ndarray:
+    """The zeros in the precision of the flow, by Newton with the slopes of the panels."""
+    field = flow.system.field
+    found = np.array([field.coerce(float(t)) for t in times], dtype=np.float64 if field == RR else object)
+    rates = np.array(slopes, dtype=found.dtype)
+    before = np.full(len(found), np.inf)
+    for _ in range(MOST_STEPS):
+        if not len(found):
+            return found
+        steps = _values(flow, condition, found) / rates
+        sizes = np.abs(steps).astype(float)
+        # rounding is reached where a step is no shorter than the last
+        moving = sizes < before / 2
+        if not moving.any():
+            return found
+        found = np.where(moving, np.clip(found - steps, first, last), found)
+        before = np.where(moving, sizes, 0.0)
+    raise PrecisionLoss(f"after {MOST_STEPS} steps of Newton a zero near t = {float(found[0])} has not settled")

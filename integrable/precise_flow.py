@@ -1,0 +1,240 @@
+"""The exact flow to many digits: the same additions as for floats, in bare reals, at a precision chosen from inside.
+
+Numbers are computed with 30 digits more than asked for. What a motion loses is measured on every call, from the
+integrals of all states and from the farthest state made again with more digits; where the 30 do not suffice all is done
+again with as many more as were missing.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log10
+from typing import TYPE_CHECKING, Any
+
+from integrable import flow_kernel
+from integrable.flow_setup import GUARD_DIGITS, Setup
+from integrable.panel_clock import PanelClock
+from jacobian.errors import PrecisionLoss
+from jacobian.genus2_real import root
+
+if TYPE_CHECKING:
+    from integrable.body import Body
+    from integrable.state import State
+
+# digits by which the second computation of the farthest state is wider
+WIDER = 10
+# digits that a result keeps beyond those asked for
+SPARE = 2
+# what a motion may lose, beyond as many digits as are asked for
+MOST_LOST = 1000
+# from this many basic steps for each digit on, the torus costs less than stepping there
+TORUS_FROM = 100
+
+
+class Motion:
+    """The flow at one internal precision, in bare reals; times and τ are in the units of the setup."""
+
+    def __init__(self, setup: Setup) -> None:
+        self.setup = setup
+        self._clocks: dict[int, PanelClock] = {}
+        self._torus: Any = None
+
+    def scaled(self, t: Any) -> Any:
+        """A time in the units of the setup."""
+        return self.setup.wide.coerce(t) * self.setup.clock
+
+    def point(self, tau: Any) -> tuple[Any, ...]:
+        """The moving point at τ."""
+        setup = self.setup
+        sign = -1 if tau < 0 else 1
+        with setup.reals:
+            cell, x = self._place(abs(setup.reals.number(tau)))
+            point = setup.bare_point(sign, cell)
+            if x != 0:
+                step = setup.translations.near(sign * x * setup.reals.number(setup._half_step))
+                point = flow_kernel.shift(*setup.bare_problem, point, step)
+            return setup.reals.plain_row(point)
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every physical time, wide."""
+        setup = self.setup
+        if setup.wide_d == 0:
+            return times
+        torus = self._far(times)
+        if torus:
+            found: list[Any] = torus.tau(times)
+            return found
+        result = []
+        for t in times:
+            if t == 0:
+                result.append(setup.wide.zero)
+                continue
+            sign = -1 if t < 0 else 1
+            cell, x = self._clock(sign).place(setup.reals.number(abs(t)))
+            with setup.reals:
+                tau = sign * (2 * cell + x) * setup.reals.number(setup._half_step)
+            result.append(setup.reals.element(setup.wide, tau))
+        return result
+
+    def time(self, tau: Any) -> Any:
+        """Physical time at τ, wide."""
+        setup = self.setup
+        if setup.wide_d == 0:
+            return tau
+        torus = self._far([tau])
+        if torus:
+            return torus.time(tau)
+        sign = -1 if tau < 0 else 1
+        with setup.reals:
+            place = self._place(abs(setup.reals.number(tau)))
+            return setup.reals.element(setup.wide, sign * self._clock(sign).time(*place))
+
+    def _place(self, tau: Any) -> tuple[int, Any]:
+        """(whole basic steps, half steps beyond them) of τ ≥ 0."""
+        half = self.setup.reals.number(self.setup._half_step)
+        cell = self.setup.reals.nearest(tau / (2 * half))
+        return cell, (tau - 2 * cell * half) / half
+
+    def _clock(self, sign: int) -> PanelClock:
+        if sign not in self._clocks:
+            self._clocks[sign] = PanelClock(self.setup, sign)
+        return self._clocks[sign]
+
+    def _far(self, times: list[Any]) -> Any:
+        """The clock on the torus, where it costs less; None where the torus degenerates."""
+        setup = self.setup
+        if max(map(abs, times), default=0) < TORUS_FROM * setup.digits * setup.step_length:
+            return None
+        if self._torus is None:
+            from integrable.torus import TorusClock
+
+            try:
+                self._torus = TorusClock(setup)
+            except PrecisionLoss:
+                self._torus = False
+        return self._torus or None
+
+
+class PreciseFlow:
+    """The motion through a state to ``digits`` digits relative to exact inputs, whatever is lost on the way."""
+
+    def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None) -> None:
+        self._problem = body, state.gamma, state.M, state.tilted
+        self.digits = digits
+        self._motion = Motion(setup or Setup(*self._problem, digits=digits))
+        self._witness: Setup | None = None
+        self._witnessed = 0.0
+
+    def at(self, times: list[Any]) -> tuple[list[Any], list[tuple[Any, ...]]]:
+        """(τ, moving points) at physical times: in the user's units and in numbers of MP, with guard digits."""
+        return self._good(lambda motion: motion.tau([motion.scaled(t) for t in times]))
+
+    def at_tau(self, tau: list[Any]) -> list[tuple[Any, ...]]:
+        """The moving points at τ."""
+        return self._good(lambda motion: [motion.scaled(t) for t in tau])[1]
+
+    def times(self, tau: list[Any]) -> list[Any]:
+        """Physical times at τ, in the user's units."""
+        motion = self._motion
+        return [motion.time(motion.scaled(t)) / motion.setup.clock for t in tau]
+
+    def vectors(self, points: list[tuple[Any, ...]]) -> list[tuple[tuple[Any, ...], tuple[Any, ...]]]:
+        """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
+        setup = self._motion.setup
+        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
+        return [vectors(point, setup.wide_momentum, matrix) for point in points]
+
+    def _good(self, scaled_tau: Any) -> tuple[list[Any], list[tuple[Any, ...]]]:
+        while True:
+            motion = self._motion
+            tau = scaled_tau(motion)
+            points = [motion.point(t) for t in tau]
+            missing = self._missing(tau, points)
+            if missing <= 0:
+                setup = motion.setup
+                return [t / setup.clock for t in tau], [setup.reals.elements(setup.wide, row) for row in points]
+            self._more_digits(missing)
+
+    def _more_digits(self, missing: int) -> None:
+        """Start again with that many more digits."""
+        digits = self._motion.setup.digits - GUARD_DIGITS + missing + WIDER
+        if digits > 2 * self.digits + MOST_LOST:
+            lost = self.digits + MOST_LOST
+            raise PrecisionLoss(
+                f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it starts"
+            )
+        self._motion, self._witness, self._witnessed = Motion(Setup(*self._problem, digits=digits)), None, 0.0
+
+    def _missing(self, tau: list[Any], points: list[Any]) -> int:
+        """How many of the digits asked for the points lack, 0 or less for none."""
+        motion = self._motion
+        wanted = self.digits + SPARE
+        worst = max((digits_of(drift(motion.setup, point)) for point in points), default=-wanted)
+        missing = worst + wanted
+        far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
+        if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
+            return missing
+        if self._witness is None:
+            self._witness = Setup(*self._problem, digits=motion.setup.digits - GUARD_DIGITS + WIDER)
+        again = Motion(self._witness).point(tau[far])
+        with self._witness.reals:
+            number = self._witness.reals.number
+            mine = [number(motion.setup.reals.element(motion.setup.wide, x)) for x in points[far]]
+            size = 1 + max(map(abs, again))
+            missing = digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size) + wanted
+        if missing <= 0:
+            self._witnessed = abs(tau[far])
+        return missing
+
+
+def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """(γ, M) of a moving point of bare reals, mpf or balls.
+
+    ``momentum`` is |M|; ``matrix`` is the inverse of Chaplygin's transformation, None for an upright body.
+    """
+    sigma, nu = point[4:7], point[7:10]
+    square = sum(x * x for x in sigma)
+    lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
+    length = root(square)
+    gamma = tuple(x / length for x in sigma)
+    w = [(y - lean * x) * momentum for x, y in zip(sigma, nu, strict=True)]
+    M = tuple(w[i - 2] * gamma[i - 1] - w[i - 1] * gamma[i - 2] for i in range(3))
+    if matrix is None:
+        return gamma, M
+    a, b, c, d = matrix
+    return (
+        tuple(a * x + b * y for x, y in zip(gamma, M, strict=True)),
+        tuple(c * x + d * y for x, y in zip(gamma, M, strict=True)),
+    )
+
+
+def drift(setup: Setup, point: Any) -> Any:
+    """The relative change of H1 or H2, the larger, at a moving point of bare reals."""
+    reals = setup.reals
+    with reals:
+        alpha = setup.bare_problem[1][:3]
+        sigma, nu = point[4:7], point[7:10]
+        square = sum(x * x for x in sigma)
+        lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
+        w = [y - lean * x for x, y in zip(sigma, nu, strict=True)]
+        # M = w × γ, γ = σ/|σ|; everything below is relative to the momentum
+        M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
+        h2 = sum(m * m for m in M) / square
+        h1 = sum(a * m * m for a, m in zip(alpha, M, strict=True)) / square
+        spin = sum(a * m * x for a, m, x in zip(alpha, M, sigma, strict=True))
+        h1 += reals.number(setup.wide_d) * spin * spin / square
+        return max(abs(h2 - 1), abs(h1 / reals.number(setup.ratio) - 1))
+
+
+def digits_of(x: Any) -> int:
+    """The decimal exponent of x ≥ 0, rounded up; very small for 0, large for what is no number."""
+    if x == 0:
+        return -(10**9)
+    if not x < 1e9:
+        return 10**9
+    size = float(x)
+    if size > 1e-290:
+        return ceil(log10(size))
+    scale = 0
+    while x < 1e-290:
+        x, scale = x * 1e280, scale - 280
+    return scale + ceil(log10(float(x)))

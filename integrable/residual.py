@@ -1,0 +1,40 @@
+"""How far a moving point is from its curve after many additions, one after the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from integrable import flow_kernel
+from integrable.clock import Backend, compiled_backend
+from jacobian import RR
+
+if TYPE_CHECKING:
+    from integrable.flow_setup import Setup
+
+# from this many additions on, loading or making the compiled loop pays
+COMPILE_FROM = 100_000
+
+
+def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
+    """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
+    compiled = kernel == "compiled" or (kernel == "auto" and max(counts) >= COMPILE_FROM)
+    readable = Backend(flow_kernel, lambda rows: rows, list, list)
+    backend = compiled_backend() if compiled and setup.work is RR else readable
+    step = setup.table(1, 1)[1][0]
+    f, axes, point, step = (backend.pack(x) for x in (setup.f, setup.axes, setup.start, step))
+    rows, done = [], 0
+    for count in sorted(counts):
+        point = backend.loops.march(f, axes, point, step, count - done)
+        done = count
+        rows.append((count, residual(setup.f, point)))
+    return rows
+
+
+def residual(f: Any, point: Any) -> Any:
+    """|f − V² mod U| over the size of f, for a moving point."""
+    u0, u1, v0, v1 = point[:4]
+    rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]]
+    for k in range(5, 1, -1):
+        rest[k - 1] -= u1 * rest[k]
+        rest[k - 2] -= u0 * rest[k]
+    return max(abs(rest[0]), abs(rest[1])) / max(abs(c) for c in f)

@@ -1,0 +1,130 @@
+"""The integral of a function on the torus along the flow: a mean rate and a Fourier series.
+
+For F on the torus with samples on a grid, ∫F dτ = mean·τ + S, dS/dτ = F − mean, S a function on the torus again: the
+series of F divided by the rates of its phases.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log2, pi
+from typing import Any
+
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
+
+
+class TorusSeries:
+    """S for the samples of F, shape (rows, columns), at the phases (i/rows, j/columns); ``frequencies`` are turns in a
+    unit of τ, wide numbers. S = 0 at the phases (0, 0).
+
+    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are rounding.
+    PrecisionLoss where a mode of F is in resonance: k·ν = 0.
+    """
+
+    def __init__(
+        self, samples: np.ndarray, frequencies: tuple[Any, Any], scale: float = 1.0, noise: float = 2.0**-54
+    ) -> None:
+        self.mean = float(np.mean(samples)) / scale
+        self.frequencies = frequencies
+        grid = np.fft.fft2(samples) / (samples.size * scale)
+        rows, columns = grid.shape
+        # the modes k ≥ 0 (the others are conjugate), m from −columns/2 to columns/2
+        half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
+        half[1:] *= 2
+        self._slope = half
+        self._first = -(columns // 2)
+        floor = noise * float(np.abs(grid).max())
+        kept = np.abs(half) > floor
+        kept[0, columns // 2] = False
+        # the conjugate half of the row k = 0 is counted with its other half
+        kept[0, : columns // 2] = False
+        half[0, columns // 2 + 1 :] *= 2
+        self._kept = kept
+        turns = self._turns(kept)
+        self._swing = np.zeros_like(half)
+        self._swing[kept] = half[kept] / (2j * pi * turns[kept])
+        self._origin = float(self._swing[kept].real.sum())
+        self._bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
+
+    def _turns(self, kept: np.ndarray) -> np.ndarray:
+        """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
+        rows, columns = kept.shape
+        nu1, nu2 = map(float, self.frequencies)
+        k, m = np.arange(rows)[:, None], np.arange(columns)[None, :] + self._first
+        turns = k * nu1 + m * nu2
+        close = kept & (np.abs(turns) < 2.0**-10 * (np.abs(k * nu1) + np.abs(m * nu2)))
+        for i, j in np.argwhere(close).tolist():
+            turns[i, j] = float(i * self.frequencies[0] + (j + self._first) * self.frequencies[1])
+            if turns[i, j] == 0:
+                raise PrecisionLoss(
+                    f"the mode ({i}, {j + self._first}) of a function on the torus is in resonance with the motion"
+                )
+        return turns
+
+    def packed(self, part: float = 0.0) -> tuple[Any, ...]:
+        """What :func:`integrable.torus_kernel.swing_and_rate` takes; only modes of F beyond ``part`` of its mean."""
+        kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
+        modes = np.flatnonzero(kept.any(axis=0))
+        least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
+        lines, swings, slopes, place = [], [], [], 0
+        for k in range(int(np.flatnonzero(kept.any(axis=1)).max(initial=0)) + 1):
+            chosen = np.flatnonzero(kept[k])
+            begin, end = (int(chosen[0]), int(chosen[-1]) + 1) if len(chosen) else (least, least)
+            lines += [begin - least, place, place + end - begin]
+            place += end - begin
+            swings.append(np.where(kept[k, begin:end], self._swing[k, begin:end], 0))
+            slopes.append(np.where(kept[k, begin:end], self._slope[k, begin:end], 0))
+        swing, slope = np.concatenate(swings), np.concatenate(slopes)
+        nu = tuple(map(float, self.frequencies))
+        return (
+            np.array(lines),
+            *(np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag)),
+            (least + self._first, count),
+            (*nu, self._bound),
+            (-self._origin, self.mean),
+        )
+
+    def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """S at arrays of phases, in turns."""
+        rows, columns = self._swing.shape
+        left = np.exp(2j * pi * np.outer(first, np.arange(rows)))
+        right = np.exp(2j * pi * np.outer(second, np.arange(columns) + self._first))
+        swing: np.ndarray = np.einsum("ij,ij->i", left @ self._swing, right).real - self._origin
+        return swing
+
+
+def needed_sizes(samples: np.ndarray, noise: float, alias: float) -> tuple[int, int]:
+    """Powers of 2: the shape of the samples where it holds their Fourier series, else larger ones.
+
+    It holds it where the last modes are below ``noise`` (relative) and where the geometric decay before that leads
+    below ``alias`` at twice as many: the first modes that the mean of the samples mistakes for itself.
+    """
+    grid = np.abs(np.fft.fft2(samples))
+    grid /= grid.max()
+    rows, columns = (_needed(np.maximum.reduce(grid, axis=axis), noise, alias) for axis in (1, 0))
+    return rows, columns
+
+
+def _needed(modes: np.ndarray, noise: float, alias: float) -> int:
+    size = len(modes)
+    half = size // 2
+    # envelope[k]: the largest of the modes from ±k on
+    folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
+    envelope = np.maximum.accumulate(folded[::-1])[::-1]
+    tail = float(envelope[half - max(1, size // 16)])
+    known = int(np.flatnonzero(envelope > 32 * noise)[-1])
+    if known < 2:
+        return size
+    decay = log2(float(envelope[known // 2]) / float(envelope[known])) / (known - known // 2)
+    at_size = log2(float(envelope[known])) - decay * (size - known)
+    if tail < noise and at_size < log2(alias):
+        return size
+    if decay <= 0:
+        return 4 * size
+    # where the same decay leads below both
+    wanted = (
+        known
+        + max(2 * (log2(noise / 8) - log2(float(envelope[known]))), log2(alias) - log2(float(envelope[known]))) / -decay
+    )
+    return int(min(max(2 * size, 2 ** ceil(log2(max(wanted, 1)))), 8 * size))

@@ -1,0 +1,236 @@
+"""The loops of the flow in double-double arithmetic beside the same loops on mpf, on easy and on hard bodies.
+
+Both get the same inputs, those that two floats hold; what a body does to errors is measured by running the loop on mpf
+again from inputs changed by 1e-31 of their size.
+"""
+
+from functools import cache
+from random import Random
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop, flow_double_double, flow_kernel
+from jacobian import MP, double_double
+
+K = MP(60)
+GAMMA, MOMENTUM = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+# inertia, d, γ, M, made to satisfy |γ| = 1 and (γ, M) = 0
+CASES = {
+    "easy": ((1, 2, 3), 0.7, GAMMA, MOMENTUM),
+    "Euler top": ((1, 2, 3), 0, GAMMA, MOMENTUM),
+    "thin ball": ((1e-4, 1, 1.5), 1, GAMMA, MOMENTUM),
+    "thinner ball": ((1e-8, 1, 1.5), 1, GAMMA, MOMENTUM),
+    "moments 1:1e4:1e8": ((1, 1e4, 1e8), 0.7, GAMMA, MOMENTUM),
+    "heavy moments and d": ((1, 1e4, 1e8), 1e8, GAMMA, MOMENTUM),
+    "nearly equal moments": ((1, 1 + 1e-12, 3), 0.7, GAMMA, MOMENTUM),
+    "tiny d": ((1, 2, 3), 1e-12, GAMMA, MOMENTUM),
+    "separatrix 1e-4": ((1, 2, 3), 0.7, (0.6, 1e-4, 0.8), (1e-4, 1, 1e-4)),
+    "separatrix 1e-8": ((1, 2, 3), 0.7, (0.6, 1e-8, 0.8), (1e-8, 1, 1e-8)),
+    "γ2 = 0": ((1, 2, 3), 0.7, (0.6, 0, 0.8), (0.8, 0.5, -0.6)),
+}
+
+
+@cache
+def setup_of(name):
+    inertia, d, gamma, M = CASES[name]
+    gamma, M = ([K.coerce(x) for x in v] for v in (gamma, M))
+    size = K.sqrt(K.dot(gamma, gamma))
+    gamma = [x / size for x in gamma]
+    tilt = K.dot(gamma, M)
+    M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
+    ball = ChaplyginBall(inertia, d, field=K) if d else EulerTop(inertia, field=K)
+    return ball.flow(ball.state(gamma, M)).setup
+
+
+def exact(array):
+    """What two floats hold, as numbers of the field."""
+    return double_double.unpack(array, K.coerce)
+
+
+def changed(value, rng):
+    if isinstance(value, list):
+        return [changed(x, rng) for x in value]
+    return value * (1 + K.coerce(rng.uniform(-1, 1)) * K.coerce("1e-31"))
+
+
+def flat(value):
+    return [x for part in value for x in flat(part)] if isinstance(value, (list, tuple)) else [value]
+
+
+def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
+    """``found`` against ``loop`` of the exact inputs, to ``factor`` times what 1e-31 in the inputs does to it."""
+    rng, values = Random(seed), [exact(x) for x in inputs]
+    true = flat(loop(*values))
+    floor = [0] * len(true)
+    for _ in range(3):
+        other = flat(loop(*[changed(x, rng) for x in values]))
+        floor = [max(old, abs(x - y)) for old, x, y in zip(floor, other, true, strict=True)]
+    scale, floor = max(map(abs, true)), max(floor)
+    error = max(abs(x - y) for x, y in zip(flat(found), true, strict=True))
+    assert error <= factor * (floor + scale * K.coerce("1e-31")), (error / scale, floor / scale)
+    return float(error / scale)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_reach(name):
+    setup = setup_of(name)
+    steps = (3, 250)
+    counts, table = setup.table(1, max(steps))
+    counts, table = counts[:9], table[:9]
+    inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, table)]
+    out = np.empty((len(steps), 10, 2))
+    flow_double_double.reach(*inputs[:3], np.array(counts), inputs[3], np.array(steps), out)
+    for row, count in zip(out, steps, strict=True):
+
+        def loop(f, axes, start, levels, count=count):
+            return flow_kernel.reach(f, axes, start, counts, levels, count)
+
+        error = assert_as_exact_as_possible(exact(row), loop, inputs, f"{name} {count}")
+        if name in ("easy", "Euler top", "γ2 = 0"):
+            assert error < 1e-28
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if "1e8" not in name and "heavy" not in name])
+def test_near_identity(name):
+    """(The terms of the series of very different moments are beyond the range of floats in the flow's own unit.)"""
+    setup = setup_of(name)
+    offsets = [K.coerce(x) * setup.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
+    inputs = [double_double.pack(x) for x in (setup.series, setup.roots, setup.f[0], setup.axes)]
+    out = np.empty((len(offsets), 10, 2))
+    flow_double_double.near_identity(*inputs, double_double.pack(offsets), 2, out)
+    for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
+        true = flow_kernel.near_identity(*map(exact, inputs), eps, 6)
+        for x, y in zip(exact(row), true, strict=True):
+            assert abs(x - y) < 1e-27 * abs(y)
+
+
+def test_states_at_offsets_and_rates():
+    setup = setup_of("easy")
+    steps, offsets = (1, 40, 97), [K.coerce(x) for x in ("0.9", "-0.4", "0")]
+    counts, table = setup.table(-1, 97)
+    problem = (setup.f, setup.axes, setup.start, table, setup.series, setup.roots, setup.half_step, offsets)
+    inputs = [double_double.pack(x) for x in problem]
+    points, rates = np.empty((3, 10, 2)), np.empty((3, 2))
+    f, axes, start, levels, series, roots, half, given = inputs
+    arguments = (f, axes, start, np.array(counts), levels, series, roots, half, 2, -1, np.array(steps), given, points)
+    flow_double_double.states_at_offsets(*arguments)
+    flow_double_double.rates_at(axes, points, rates)
+
+    def loop(f, axes, start, levels, series, roots, half, given):
+        rows = [[0] * 10 for _ in steps]
+        flow_kernel.states_at_offsets(f, axes, start, counts, levels, series, roots, half, 6, -1, steps, given, rows)
+        return [*rows, [flow_kernel.rate_at(axes, row) for row in rows]]
+
+    assert_as_exact_as_possible([*exact(points), *exact(rates)], loop, inputs, "offsets")
+
+
+def test_sums_and_multiples():
+    setup = setup_of("easy")
+    _, table = setup.table(1, 5)
+    inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, table[:3])]
+    f, axes, start, steps = inputs
+    rows, grid = np.empty((4, 10, 2)), np.empty((4, 3, 10, 2))
+    flow_double_double.multiples(f, axes, start, steps[1].copy(), rows)
+    flow_double_double.sums(f, axes, rows, steps, grid)
+
+    def loop(f, axes, start, steps):
+        points = [tuple(start)]
+        for _ in range(3):
+            points.append(flow_kernel.shift(f, axes, points[-1], steps[1]))
+        return points, [[flow_kernel.shift(f, axes, point, step) for step in steps] for point in points]
+
+    assert_as_exact_as_possible([exact(rows), exact(grid)], loop, inputs, "grid")
+
+
+def test_march():
+    setup = setup_of("easy")
+    inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])]
+    out = np.empty((10, 2))
+    flow_double_double.march(*inputs, 60, out)
+
+    def loop(f, axes, start, step):
+        return flow_kernel.march(f, axes, start, step, 60)
+
+    assert_as_exact_as_possible(exact(out), loop, inputs, "march", factor=3000)
+
+
+def test_clock():
+    """Times of the steps and states at times, with 40 nodes: their quadrature is the same in both."""
+    setup, last = setup_of("easy"), 12
+    rule = setup.quadrature(40, 1)
+    counts, table = setup.table(1, last + 1)
+    ends = np.array(counts)
+    first_half = sum(
+        w * flow_kernel.clock_rate(setup.f, setup.axes, setup.start, node)
+        for w, node in zip(rule.right, rule.nodes, strict=True)
+    )
+    stack, carry = [list(setup.start) for _ in counts], [0 * first_half, 0 * first_half, first_half]
+    high, low = [0] * last, [0] * last
+    flow_kernel.wind(
+        setup.f, setup.axes, counts, table, rule.nodes, rule.left, rule.right, 1, stack, list(counts), carry, high, low
+    )
+    pack = double_double.pack
+    f, axes, start, levels, nodes = map(pack, (setup.f, setup.axes, setup.start, table, rule.nodes))
+    found, rest = np.empty((last, 2)), np.empty((last, 2))
+    flow_double_double.wind(
+        f,
+        axes,
+        np.array(counts),
+        levels,
+        nodes,
+        pack(rule.left),
+        pack(rule.right),
+        1,
+        pack([setup.start] * len(counts)),
+        ends,
+        pack([0 * first_half, 0 * first_half, first_half]),
+        found,
+        rest,
+    )
+    times = [x + y for x, y in zip(exact(found), exact(rest), strict=True)]
+    assert max(abs(x - y - z) for x, y, z in zip(times, high, low, strict=True)) < 1e-29 * times[-1]
+    # a quarter and three quarters of the way from step 4 to step 5
+    length, step = high[4] - high[3], 4
+    rests = [length * K.coerce(x) for x in ("0.25", "0.75")]
+    nexts = [x - length for x in rests]
+    points, offsets = np.empty((2, 10, 2)), np.empty((2, 2))
+    flow_double_double.states_at_times(
+        f,
+        axes,
+        start,
+        np.array(counts),
+        levels,
+        nodes,
+        pack(rule.legendre),
+        pack(setup.series),
+        pack(setup.roots),
+        pack(setup.half_step),
+        2,
+        1,
+        np.array([step, step]),
+        pack(rests),
+        pack(nexts),
+        points,
+        offsets,
+    )
+    for k in range(2):
+        point, offset = flow_kernel.state_at_time(
+            setup.f,
+            setup.axes,
+            setup.start,
+            counts,
+            table,
+            rule.nodes,
+            rule.legendre,
+            setup.series,
+            setup.roots,
+            setup.half_step,
+            6,
+            1,
+            step,
+            rests[k],
+            nexts[k],
+        )
+        assert abs(exact(offsets[k]) - offset) < 1e-28
+        assert max(abs(x - y) for x, y in zip(exact(points[k]), point, strict=True)) < 1e-28
