@@ -1,4 +1,5 @@
-"""The loops of the flow compiled by numba, from the same source as the readable ones (:mod:`integrable.flow_kernel`).
+"""The kernels of the flow made known to numba, from the readable source (:mod:`integrable.flow_kernel`), and their loop
+over successive additions in floats.
 
 Importing this module imports numba; compiled code is kept on disk beside the source, so that only the first use pays
 for it.
@@ -37,25 +38,14 @@ for _inner in (
     flow_kernel.settled,
     flow_kernel.shift,
     flow_kernel.rate_at,
-    flow_kernel.clock_rate,
     flow_kernel.abel_sums,
     flow_kernel.centre,
     flow_kernel.conjugate_points,
     flow_kernel.near_identity,
-    flow_kernel.integrate_series,
     flow_kernel.moving_point,
     flow_kernel.reach,
-    flow_kernel.rates,
-    flow_kernel.offset_point,
-    flow_kernel.state_at_time,
-    flow_kernel.states_at_times,
-    flow_kernel.states_at_offsets,
-    flow_kernel.wind,
     flow_kernel.march,
 ):
     register_jitable(_inner)
 
-wind = njit(**JIT)(flow_kernel.wind)
-states_at_times = njit(**JIT)(flow_kernel.states_at_times)
-states_at_offsets = njit(**JIT)(flow_kernel.states_at_offsets)
 march = njit(**JIT)(flow_kernel.march)

@@ -52,12 +52,13 @@ class DivisorArray:
 
     ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none:
     ascending coefficients in the curve's own coordinates, ints over GF(p), p < 2^63, and over GF(p^k) of at most 2^16
-    elements (objects elsewhere). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over
-    an exact field is each.
+    elements, float64 and complex128 over RR and CC in genus 2 (objects elsewhere). ``degree`` (N,) is deg u. ``status``
+    (N,): 0 for a row that holds a class, which over an exact field is each.
 
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`): in genus 2, outside characteristic 2, by explicit formulas with an inversion
-    for 256 rows, else by Cantor's algorithm. Over other fields it is that of the Jacobian, row by row.
+    for 256 rows, else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
+    :mod:`jacobian.interpolate`, unrolled. Over other fields it is that of the Jacobian, row by row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")

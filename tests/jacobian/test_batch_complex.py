@@ -126,6 +126,38 @@ def test_special_rows(name):
         assert distance(column, true, units) < 1e-11
 
 
+def neighbour(precise, point, step):
+    """The point at x + step on the same branch."""
+    K, (x, y) = precise.field, point
+    x2 = x + K.coerce(step)
+    h, h2 = (poly.evaluate(K, precise.h, c) for c in (x, x2))
+    root = K.sqrt(poly.evaluate(K, precise.f, x2) + h2 * h2 / 4)
+    return x2, (root if abs(root - y - h / 2) < abs(root + y + h / 2) else -root) - h2 / 2
+
+
+@pytest.mark.parametrize("name", ["complex quintic with h", "complex sextic with h", "real sextic"])
+def test_rows_near_special_ones(name):
+    """Points that approach those of the other summand, or their opposites, by powers of 10: no digits are lost."""
+    curve, precise, units = curves(name)
+    rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
+    exact = precise.field.coerce
+    sums, used = ComplexSums(curve), 0
+    for k in range(1, 17):
+        P, Q, R = (random_point(curve, precise, units, rng) for _ in range(3))
+        D = wide.from_points([P, Q])
+        P2, Q2 = neighbour(precise, P, 10.0**-k), neighbour(precise, Q, 0.3 * 10.0**-k)
+        others = [[precise.involution(Q2), R], [Q2, R], [P2, Q2], [P2, precise.involution(Q2)]]
+        for E in map(wide.from_points, others):
+            a, b = rounded(J, D), rounded(J, E)
+            true = wide.add(*(Divisor(wide, tuple(map(exact, x.u)), tuple(map(exact, x.v)), x.n) for x in (a, b)))
+            found, doubtful = sums.add(columns(curve.field, [a]), columns(curve.field, [b]))
+            used += not doubtful[0]
+            if not doubtful[0]:
+                column = Divisor(J, (*found[:2, 0], 1), tuple(found[2:, 0]), true.n)
+                assert distance(column, true, units) < 1e-10
+    assert used > 60
+
+
 @pytest.mark.parametrize("degree", [5, 6])
 def test_doubled_branch_points(degree):
     """2(B + P) = 2P: the tangent at P is known to the equation of the curve alone."""
