@@ -5,6 +5,8 @@ Items 1–15 and 23–28 of docs/errata.md; 16–22 and 29 are in test_errata_de
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
 from random import Random
 
 from integrable import separation, sphere
@@ -30,6 +32,18 @@ from tests.integrable.exact_points import (
     tilted_phase,
     wrapped,
 )
+
+
+def test_every_item_of_the_page_names_a_test() -> None:
+    """docs/errata.md: items 1 to 29 each name a test that exists."""
+    page = (Path(__file__).parents[2] / "docs" / "errata.md").read_text(encoding="utf-8")
+    written = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parent.glob("test_*.py"))
+    rows = {int(row.split("|")[1]): row for row in page.splitlines() if re.match(r"\| \d+ \|", row)}
+    assert sorted(rows) == list(range(1, 31))
+    for item, row in rows.items():
+        assert ("`test_" in row) == (item != 30)
+    for name in re.findall(r"`(test_\w+)`", page):
+        assert f"def {name}(" in written
 
 
 class Case:
@@ -108,6 +122,29 @@ def test_item_3_the_quadratures_have_no_factor_4(K) -> None:
     assert total == 1
     assert total != 4
     assert sum(u * du / y for u, du, y in zip(case.u, speed, case.y, strict=True)) == 0
+
+
+@over_fields()
+def test_item_3_the_quadratures_of_an_image_neither(K) -> None:
+    """chap-ab2: along the motion of a state the images (ũ, p̃) under a step have Σdũ/ỹ = dτ, Σũ dũ/ỹ = 0."""
+    K = K()
+    rng = Random(30)
+
+    def make():
+        system, state = random_case(K, rng)
+        step = system.translation([K.random(rng), K.random(rng)], multiple=2)
+        rows = differential(system, lambda s, x: s.separated(step.over(s)(x)).u, state)
+        return system, state, rows, system.separated(step(state))
+
+    system, state, rows, image = attempt(make)
+    x, rate = phase(system, state), system.vector_field(state)
+    speed = [v / x.g for v in wrapped(system, [K.dot(row, (*rate.gamma, *rate.M)) for row in rows])]
+    u = wrapped(system, image.u)
+    y = wrapped(system, [K.mul(separation.phi(system.body, e), p) for e, p in zip(*image, strict=True)])
+    total = sum(du / v for du, v in zip(speed, y, strict=True))
+    assert total == 1
+    assert total != 4
+    assert sum(e * du / v for e, du, v in zip(u, speed, y, strict=True)) == 0
 
 
 def _decomposition(x, factor, last):
@@ -206,6 +243,35 @@ def test_item_10_the_cubic_meets_the_curve_in_two_more_points(K) -> None:
     rest, remainder = poly.divide(N, poly.sub(N, poly.mul(N, P, P), f), poly.from_roots(N, [e for e, _ in points]))
     assert remainder == ()
     assert len(rest) - 1 == 2
+
+
+@over_fields()
+def test_right_as_printed_the_abscissas_of_the_sum(K) -> None:
+    """g2-x: x''_1 + x''_2 and x''_1x''_2 from the coefficients of the cubic and of f, as printed."""
+    N, f, points = _four_points(K(), 31)
+    P = ()
+    for i, (e, y) in enumerate(points):
+        part = poly.from_roots(N, [z for k, (z, _) in enumerate(points) if k != i])
+        P = poly.add(N, P, poly.scale(N, y / evaluate(part, e), part))
+    rest = poly.quotient(N, poly.sub(N, poly.mul(N, P, P), f), poly.from_roots(N, [e for e, _ in points]))
+    image = poly.monic(N, rest)
+    (_, b1, b2, b3), (x1, x2, x3, x4) = P, (e for e, _ in points)
+    total = -x1 - x2 - x3 - x4 + (f[5] - 2 * b2 * b3) / (b3 * b3)
+    product = (2 * b1 * b3 + b2 * b2 - f[4]) / (b3 * b3) - (x1 + x2 + x3 + x4) * total
+    product = product - x1 * (x2 + x3 + x4) - x2 * (x3 + x4) - x3 * x4
+    assert image == (product, -total, N.one)
+
+
+@over_fields()
+def test_right_as_printed_the_integrals_and_the_separation(K) -> None:
+    """chap-ham-u and chap-sep-rel: H1 and H2 in (u, p), and φ(u_k)p_k² + u_kH2 − H1 = 0, as printed."""
+    case = Case(K(), 32)
+    (u1, u2), (p1, p2), x = case.u, case.p, case.x
+    # (u − a1)(u − a2)(u − a3)
+    first, second = (-4 * (x.d * u - 1) * case.cubic(u) * p * p for u, p in ((u1, p1), (u2, p2)))
+    assert (u2 * first / (u1 - u2) + u1 * second / (u2 - u1), first / (u1 - u2) + second / (u2 - u1)) == x.H
+    for u, p in ((u1, p1), (u2, p2)):
+        assert 4 * (x.d * u - 1) * case.cubic(u) * p * p + u * case.h2 - case.h1 == 0
 
 
 @over_fields()
@@ -359,8 +425,16 @@ def test_items_24_to_26_the_parabola(K) -> None:
     P = (N.zero, y1 / u1 - slope * u1, slope)
     U = poly.from_roots(N, (u1, u2))
     psi = poly.quotient(N, poly.sub(N, poly.mul(N, P, P), f), U)
-    e1, e2, e3 = (N.constant(e) for e in a)
-    printed = (
+    printed = _pencil_polynomial(N, a, (u1, u2), (p1, p2))
+    assert printed == poly.neg(N, psi)
+    assert printed != psi
+
+
+def _pencil_polynomial(N, a, u, p):
+    """(constant, A_1, A_2) of the paper, from (u, p)."""
+    (u1, u2), (p1, p2) = u, p
+    f1, f2, (e1, e2, e3) = _phi(N, a, u1), _phi(N, a, u2), map(N.constant, a)
+    return (
         4 * e1 * e2 * e3 * (f1 * p1**2 / (u1 * (u2 - u1)) + f2 * p2**2 / (u2 * (u1 - u2))),
         (4 * u1**2 * (e1 + e2 + e3 - u1) - f1) * f1 * p1**2 / (u1**2 * (u1 - u2))
         + (4 * u2**2 * (e1 + e2 + e3 - u2) - f2) * f2 * p2**2 / (u2**2 * (u2 - u1)),
@@ -368,8 +442,29 @@ def test_items_24_to_26_the_parabola(K) -> None:
         + 2 * f1 * f2 * p1 * p2 / (u1 * u2 * (u1 - u2) ** 2)
         + (4 * u2**2 * (u1 - u2) - f2) * f2 * p2**2 / (u2**2 * (u2 - u1) ** 2),
     )
-    assert printed == poly.neg(N, psi)
-    assert printed != psi
+
+
+@over_fields()
+def test_right_as_printed_the_hat_variables(K) -> None:
+    """new-u2 and new-p2: û are the roots of ρ(A_2)x² + ρ(A_1)x + …, ρ: p ↦ up, and p̂ = −ℓ(û)/φ(û)."""
+    K = K()
+    rng = Random(33)
+
+    def make():
+        values = [K.random(rng) for _ in range(7)]
+        if len(set(values)) < 7 or K.zero in values:
+            raise ZeroDivisionError
+        a, x = tuple(values[:3]), Separated((values[3], values[4]), (values[5], values[6]))
+        return a, x, sphere.hat(K, a, x)
+
+    a, x, image = attempt(make)
+    N = JetField(K, 0)
+    (u1, u2, p1, p2), (v1, v2, q1, q2) = map(N.constant, _flat(x)), map(N.constant, _flat(image))
+    f1, f2 = _phi(N, a, u1), _phi(N, a, u2)
+    polynomial = _pencil_polynomial(N, a, (u1, u2), (u1 * p1, u2 * p2))
+    assert poly.monic(N, polynomial) == poly.from_roots(N, (v1, v2))
+    for v, q in ((v1, q1), (v2, q2)):
+        assert q == -((v - u2) * f1 * p1 / (u1 - u2) + (v - u1) * f2 * p2 / (u2 - u1)) / _phi(N, a, v)
 
 
 def _determinant(rows):

@@ -201,7 +201,7 @@ def test_the_separatrix_of_a_real_ball() -> None:
     A, B, both = height(e), height(f), height([x + y for x, y in zip(e, f, strict=True)])
     mixed = (both - A - B) / 2
     # the roots of the quadratic form on the plane of γ
-    slope = (-mixed + (mixed * mixed - A * B) ** 0.5) / B
+    slope = -(mixed + (mixed * mixed - A * B) ** 0.5) / B
     state = ball.state(gamma, [x + slope * y for x, y in zip(e, f, strict=True)])
     h1, h2 = ball.integrals(state)[2:]
     assert abs(h1 - ball.a[1] * h2) < 1e-15
@@ -223,7 +223,10 @@ def test_the_separatrix_of_a_real_ball() -> None:
 
 @pytest.mark.parametrize("small", [1e-3, 1e-8, 1e-12])
 def test_the_limit_of_d(small) -> None:
-    """d → 1/max a_i: a moment goes to 0, 1/d to a branch point; steps keep the integrals, and at 0 there is no body."""
+    """d → 1/max a_i: a moment goes to 0, 1/d to a branch point; steps keep the integrals, and at 0 there is no body.
+
+    The addition of (1/d, 0) loses the digits of 1 − da_i, its closed form :meth:`System.keyless` does not.
+    """
     ball = ChaplyginBall((small, 1, 2), 0.7)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     steps = [ball.translation([0.3j, -0.3j]), ball.translation([1.8, 2.5]), ball.keyless()]
@@ -231,6 +234,9 @@ def test_the_limit_of_d(small) -> None:
         image = step(state)
         assert max(abs(x - y) for x, y in zip(ball.integrals(image), ball.integrals(state), strict=True)) < 1e-11
         assert max(abs(x - y) for x, y in zip(image.gamma, state.gamma, strict=True)) > 1e-3
+    image = ball.torsion()(state)
+    loss = RR.eps / min(ball.body.contact)
+    assert max(abs(x - y) for x, y in zip(ball.integrals(image), ball.integrals(state), strict=True)) < 10 * loss
     for moment, field in ((0, RR), (-small, RR), (0, GF(2**61 - 1))):
         with pytest.raises(ArgumentError, match=r"inertia\[0\]"):
             ChaplyginBall((moment, 1, 2), 1 if field.exact else 0.7, field=field)
@@ -299,7 +305,7 @@ def test_poles_at_a_vanishing_gamma_are_refused_by_name(K, name) -> None:
 @pytest.mark.parametrize("name", ["tilde", "tilde, d"])
 def test_equal_abscissas_of_a_deformation(name) -> None:
     """ũ1 = ũ2: the integrals commute, the two points are refused by name."""
-    system, rng, found = SYSTEMS[name](GF(509)), Random(8), 0
+    system, rng, found = SYSTEMS[name](GF(61)), Random(8), 0
     K = system.field
     while found < 2:
         state = random_state(system.rigid, rng)

@@ -9,6 +9,7 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.brackets import image_brackets
 from integrable.separation import lifts
+from integrable.step import Step
 from integrable.two_curves import IsometricStep, TwoPoints, lifted
 from jacobian import GF, MP, RR, poly
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
@@ -78,14 +79,38 @@ def test_a_step_preserves_both_integrals_and_adds_its_points(make, field) -> Non
         assert system.divisor(image) == total
 
 
-@pytest.mark.parametrize("name", SYSTEMS)
-def test_a_step_preserves_the_bracket(name) -> None:
+@every_case()
+def test_a_step_preserves_the_bracket(make, field) -> None:
     def of(system, state, rng):
         step, _ = step_of(system, state, rng)
         return image_brackets(system, step, state)
 
-    for _, _, (brackets, target) in cases(SYSTEMS[name], FIELDS["GF(2^61-1)"], 2, 3, of):
+    for _, _, (brackets, target) in cases(make, field, 2, 3, of):
         assert brackets == target
+
+
+class MovingPoint(Step):
+    """The step whose abscissa on the first curve is the value of H."""
+
+    def __init__(self, system, second) -> None:
+        self.system, self.second = system, second
+
+    def __call__(self, state):
+        system = self.system
+        return system.translation((system.integrals(state).H, self.second))(state)
+
+
+@every_case()
+def test_a_point_that_moves_with_the_integrals_is_not_canonical(make, field) -> None:
+    """The negative control: x' = H = λ1 + λ2 keeps H and K, but not the bracket."""
+
+    def of(system, state, rng):
+        step = MovingPoint(system, system.field.random(rng))
+        return system.integrals(step(state)), image_brackets(system, step, state)
+
+    for system, state, (after, (brackets, target)) in cases(make, field, 2, 5, of):
+        assert after == system.integrals(state)
+        assert brackets != target
 
 
 def test_a_step_on_one_curve_leaves_the_other_point_and_its_inverse_leads_back() -> None:
