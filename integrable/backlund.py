@@ -7,14 +7,17 @@ and sums of these (Tsiganov, Proposition 1, made precise: D' must not depend on 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import inf, isfinite
 from operator import index
 from typing import TYPE_CHECKING, Any
 
 from integrable import coordinates
 from integrable.jets import apply
 from integrable.step import Step
+from integrable.widening import LARGEST, MOST_CONDITION, check_integrals, drift, in_wider_numbers
 from jacobian import poly
 from jacobian.errors import ArgumentError, NotASquare
+from jacobian.fields.inexact import InexactField
 from jacobian.lift import SignedDivisor, SignedGroup
 
 if TYPE_CHECKING:
@@ -49,6 +52,7 @@ class Translation(Step):
         self.sheets = _signs(sheets, len(self.points), "sheets")
         self.signs = _signs(signs, 3, "signs")
         self.multiple = _multiple(multiple)
+        self._rounding: Any = None if system.field.exact else system.field.eps
         self._last: tuple[Any, ...] | None = None
         self._upright: tuple[System, Translation] | None = None
 
@@ -70,15 +74,89 @@ class Translation(Step):
     def __call__(self, state: State) -> State:
         """The image of a state.
 
-        Raises NotASquare where the image is not real (or not over the field), NotRepresentable where it has no
-        representative.
+        Over RR and MP with guard digits where :meth:`condition` asks for them, or H1 and H2 of the image. Raises
+        NotASquare where the image is not real (or not over the field), NotRepresentable where it has no representative,
+        PrecisionLoss where its H1 or H2 are not those of the state (to 10⁻⁹ in floats).
         """
-        system = self.system
-        body = system.body
-        state = system._checked(state)
+        state = self.system._checked(state)
         if state.tilted:
             step, plain, change = self._transformed(state)
             return change.invert(step(plain))
+        K = self.system.field
+        if not isinstance(K, InexactField) or self._rounding > K.eps:
+            # exact, or run by in_wider_numbers, which checks
+            return self._image(state)
+        image = self._quick(state) or self._wide(state)
+        check_integrals(self, image, state)
+        return image
+
+    def wider(self, system: Any) -> Translation:
+        """The same map over a field of more digits: a_i and 1/d become those of ``system``."""
+        K, body = self.system.field, self.system.body
+        same = dict(zip(body.a, system.a, strict=True))
+        if body.rolls:
+            same[K.inv(body.d)] = system.field.inv(system.d)
+        points = [same.get(x, x) for x in self.points]
+        moved = Translation(system, points, self.sheets, self.signs, self.multiple)
+        moved._rounding = self._rounding
+        return moved
+
+    def condition(self, state: State) -> float:
+        """By how much rounding grows: 1/δ for D' at a distance δ from zero, what cancels in f(x') and between two
+        points, and the multiple. inf where floats do not reach.
+        """
+        state = self.system._checked(state)
+        if state.tilted:
+            step, plain, _ = self._transformed(state)
+            return step.condition(plain)
+        if not isinstance(self.system.field, InexactField):
+            return 1.0
+        try:
+            found = self._condition(*self.system.integrals(state)[2:])
+        except NotASquare:
+            # whether f(x') is negative, or rounding made it so
+            found = float(min(1 / self.system.field.eps, LARGEST))
+        except (OverflowError, ZeroDivisionError):
+            found = inf
+        # partial multiples come near special positions: one digit and more are lost at every doubling
+        times = min(abs(self.multiple), LARGEST)
+        return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
+
+    def _condition(self, h1: Any, h2: Any) -> float:
+        group, u, v = self._class(h1, h2)
+        K, f = group.field, group.curve.f
+        x = [apply(K, x, h1, h2) if callable(x) else _own(K, x) for x in self.points]
+        found = [_size_at(f, y) / abs(poly.evaluate(K, f, y)) for y in x if not self._is_branch(y, h1, h2)]
+        worst = max((float(y) ** 0.5 for y in found), default=1.0)
+        if len(x) == 2 and x[0] != x[1]:
+            worst = max(worst, float((abs(x[0]) + abs(x[1])) / abs(x[0] - x[1])))
+        # D' near zero has V'/U' large at every branch point, in units of √f/x²
+        radius = max(map(abs, group.branch_points))
+        near = min(
+            float(abs(poly.evaluate(K, v, e)) / abs(value)) if value else inf
+            for e in group.branch_points
+            for value in (poly.evaluate(K, u, e),)
+        )
+        worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
+        return worst if isfinite(worst) else inf
+
+    def _quick(self, state: State) -> State | None:
+        """The image in the numbers of the field; None where too many digits are lost, or may be."""
+        if self.condition(state) > MOST_CONDITION:
+            return None
+        image = self._image(state)
+        return image if drift(self.system, image, state) <= self.system.field.eps**0.77 else None
+
+    def _wide(self, state: State) -> State:
+        try:
+            return in_wider_numbers(self, state)[0]
+        except NotASquare:
+            # in the numbers of the field where they refuse it too: those are the user's
+            self._move(*self.system.integrals(state)[2:])
+            raise
+
+    def _image(self, state: State) -> State:
+        system, body = self.system, self.system.body
         pairs = coordinates.to_pairs(body, state)
         u, v = coordinates.to_mumford(body, pairs)
         h1, h2 = system.integrals(state)[2:]
@@ -104,19 +182,38 @@ class Translation(Step):
                 K = self.system.field
                 branch, image = K.inv(self.system.d), K.inv(system.d)
                 points = tuple(image if x == branch else x for x in points)
-            self._upright = (system, Translation(system, points, self.sheets, self.signs, self.multiple))
+            step = Translation(system, points, self.sheets, self.signs, self.multiple)
+            step._rounding = self._rounding
+            self._upright = (system, step)
         return self._upright[1], plain, change
 
     def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
-        """The sign-resolved D' on the curve of (h1, h2); kept, because an orbit stays on one curve."""
-        if self._last is None or self._last[:2] != (h1, h2):
+        """The sign-resolved [multiple]D' on the curve of (h1, h2); kept, because an orbit stays on one curve."""
+        group, u, v = self._class(h1, h2)
+        assert self._last is not None
+        if len(self._last) == 5:
+            self._last = (*self._last, self._signed(group, u, v))
+        return group, self._last[5]
+
+    def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
+        """The group of the curve of (h1, h2) and (u, v) of D' before it is multiplied; kept like the multiple."""
+        if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
-            self._last = (h1, h2, group, self._signed(group, h1, h2))
-        return self._last[2], self._last[3]
+            self._last = (h1, h2, group, *self._mumford(group, h1, h2))
+        assert self._last is not None
+        return self._last[2], self._last[3], self._last[4]
 
-    def _signed(self, group: SignedGroup, h1: Any, h2: Any) -> SignedDivisor:
-        u, v = self._mumford(group, h1, h2)
+    def _is_last(self, h1: Any, h2: Any) -> bool:
+        """Whether D' is known on this curve; guard digits are there to let an orbit stay on that of its start."""
+        if self._last is None:
+            return False
+        K = self.system.field
+        if K.exact or self._rounding <= K.eps:
+            return self._last[:2] == (h1, h2)
+        return all(abs(x - y) <= K.eps**0.75 * abs(y) for x, y in zip((h1, h2), self._last, strict=False))
+
+    def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         if self.multiple % 2 == 0:
             # the double of anything has rational roots
             move = group.double(group.twist(u, v))
@@ -169,7 +266,7 @@ class Translation(Step):
         if x in system.a or (system.body.rolls and x == K.inv(system.d)):
             return True
         rest = K.sub(K.mul(x, h2), h1)
-        return bool(rest == K.zero if K.exact else abs(rest) <= 4 * K.eps * abs(h1))
+        return bool(rest == K.zero if K.exact else abs(rest) <= 4 * self._rounding * abs(h1))
 
     @staticmethod
     def _ordinate(K: Any, f: poly.Poly, x: Any, sheet: int) -> Any:
@@ -183,8 +280,7 @@ class Translation(Step):
         return y if sheet > 0 else K.neg(y)
 
     def _conjugate_pair(self, K: Any, f: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
-        # a Python complex brings only its own digits, but they are taken exactly
-        z = K.context.mpc(self.points[0]) if hasattr(K, "context") else self.points[0]
+        z = _own(K, self.points[0])
         value = poly.evaluate(K, f, z)
         y = value**0.5 if self.sheets[0] > 0 else -(value**0.5)
         slope = y.imag / z.imag
@@ -222,6 +318,16 @@ def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
     if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not given[0].imag:
         raise ArgumentError(f"points = {points!r}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP")
     return tuple(given)
+
+
+def _own(K: Any, x: Any) -> Any:
+    """An abscissa in the numbers of K: a complex brings only its own digits, but they are taken exactly."""
+    return K.context.mpc(x) if hasattr(K, "context") and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
+
+
+def _size_at(f: poly.Poly, x: Any) -> Any:
+    """Σ |f_i||x|^i: what rounding in f(x) is relative to."""
+    return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))
 
 
 def _signs(values: Sequence[int] | None, count: int, argument: str) -> tuple[int, ...]:

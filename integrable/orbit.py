@@ -20,7 +20,9 @@ from jacobian import RR
 from .backlund import Translation
 from .scene_data import FLOAT_DIGITS, Scene
 from .state import State
+from .step import Step
 from .tables import aligned, duration, figure
+from .widening import MOST_CONDITION, in_wider_numbers
 
 __all__ = ["Orbit", "OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 
@@ -122,12 +124,18 @@ def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orb
     return kept
 
 
-def orbit(step: Callable[[State], State], state: State, count: int) -> Orbit:
-    """The states after 0, 1, …, ``count`` steps."""
+def orbit(step: Step, state: State, count: int) -> Orbit:
+    """The states after 0, 1, …, ``count`` steps.
+
+    Where the map loses digits (:meth:`Step.condition`) the orbit runs in wider numbers and its states are rounded to
+    the field of the map one by one, so that rounding is not fed back into the map.
+    """
+    if step.condition(state) > MOST_CONDITION:
+        return Orbit((state, *in_wider_numbers(step, state, count)), step.system.field)
     states = [state]
     for _ in range(count):
         states.append(step(states[-1]))
-    return Orbit(tuple(states), step.system.field)  # type: ignore[attr-defined]
+    return Orbit(tuple(states), step.system.field)
 
 
 def _timed(scene: Scene, digits: int) -> tuple[Orbit, list[float]]:

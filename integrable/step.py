@@ -26,6 +26,14 @@ class Step:
         moved.system = system
         return moved
 
+    def wider(self, system: Any) -> Step:
+        """The same map over a field of more digits, its own numbers taken for what they stand for, such as 1/d."""
+        return self.over(system)
+
+    def condition(self, state: State) -> float:
+        """By how much rounding in the arithmetic of a step may grow; digits are added where it is large."""
+        return 1.0
+
     def __matmul__(self, first: Any) -> Composition:
         if not isinstance(first, Step):
             return NotImplemented
@@ -50,6 +58,12 @@ class Composition(Step):
 
     def over(self, system: Any) -> Composition:
         return Composition(self.second.over(system), self.first.over(system))
+
+    def wider(self, system: Any) -> Composition:
+        return Composition(self.second.wider(system), self.first.wider(system))
+
+    def condition(self, state: State) -> float:
+        return max(self.second.condition(state), self.first.condition(state))
 
     def __neg__(self) -> Composition:
         """The inverse, where both have one."""

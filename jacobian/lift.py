@@ -37,8 +37,7 @@ class SignedGroup:
     """Divisors of weight two on y² = f(x), deg f = 5 or 4, with pairs at the given branch points.
 
     deg f = 5 is the Jacobian of a curve of genus 2; deg f = 4 the generalized Jacobian of an elliptic curve with
-    modulus ∞₊ + ∞₋. ``moves`` of weight one are admitted on deg f = 5 as second summands when √(leading coefficient)
-    lies in the field.
+    modulus ∞₊ + ∞₋. Divisors of weight one are admitted on deg f = 5 when √(leading coefficient) lies in the field.
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
@@ -116,13 +115,15 @@ class SignedGroup:
             D = self.double(D)
 
     def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """D + E, of weight two both or one of them of weight one.
+        """D + E, of weight two or one.
 
         Raises NotRepresentable where the sum has weight below two, or both summands are at one branch point.
         """
         K = self.field
         if len(D.u) < len(E.u):
             D, E = E, D
+        if len(D.u) == 2:
+            return self._two_points(D, E)
         p, q, b, u, v = self._sum(D, E)
         of_first, of_second = (self._transfer(p, q, u, v, X.u, X.v) for X in (D, E))
         last = poly.quotient(K, poly.add(K, p, poly.scale(K, q, v) if v else v), u)
@@ -135,6 +136,28 @@ class SignedGroup:
             ]
             pairs.append(self._combine(e, rows))
             kappas.append(K.mul(k, k2) if len(E.u) == 3 else K.neg(K.mul(k, k2)))
+        return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
+
+    def _two_points(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
+        """P + Q of two points, which nothing reduces: U'' = UU', V'' the line through both, σ'' = σσ'."""
+        K = self.field
+        if K.exact:
+            u, v, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        else:
+            u, v, _, _ = map(
+                _frozen, interpolate.compose(K, 2, self.curve.f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
+            )
+        if len(u) != 3:
+            raise NotRepresentable("the summands are opposite points: their sum is zero and has no pairs")
+        pairs, kappas = [], []
+        for e, (x, y), (x2, y2), k, k2 in zip(self.branch_points, D.pairs, E.pairs, D.kappas, E.kappas, strict=True):
+            sigma, kappa = K.mul(x, x2), K.mul(k, k2)
+            if sigma != K.zero:
+                nu = K.div(poly.evaluate(K, v, e), K.mul(kappa, sigma))
+            else:
+                nu = K.div(K.sub(K.mul(y, x2), K.mul(y2, x)), K.sub(E.u[0], D.u[0]))
+            pairs.append((sigma, nu))
+            kappas.append(kappa)
         return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
 
     def _sum(self, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, Any, Any, poly.Poly, poly.Poly]:

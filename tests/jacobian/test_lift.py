@@ -147,6 +147,40 @@ def test_single_points(p):
     assert checked >= 14
 
 
+@pytest.mark.parametrize("p", PRIMES)
+def test_two_single_points_add_up_as_if_one_by_one(p):
+    """Q general, Q = P and Q a branch point, where σ = 0; a point and its opposite are refused."""
+    rng = Random(f"two single {p}")
+    group = group_over(p, 5, rng)
+    K, checked = group.field, 0
+    for A in elements(group, rng, 20):
+        P = single_point(group, rng)
+        for Q in (single_point(group, rng), P, *_branch_points_of(group)):
+            try:
+                total = group.add(P, Q)
+                one_by_one = group.add(group.add(A, P), Q)
+                both = group.add(A, total)
+            except NotRepresentable:
+                assert p == 101
+                continue
+            assert_pairs(group, total)
+            assert group.add(Q, P) == total
+            assert both == one_by_one
+            checked += 1
+        with pytest.raises(NotRepresentable, match="opposite points"):
+            group.add(P, P._replace(v=poly.neg(K, P.v)))
+    assert checked >= 35
+
+
+def _branch_points_of(group):
+    """Lifted divisors (e, 0) at those branch points where the roots exist."""
+    for e in group.branch_points:
+        try:
+            yield group.lift((group.field.neg(e), group.field.one), ())
+        except NotASquare:
+            continue
+
+
 @pytest.mark.parametrize(("p", "degree"), CASES)
 def test_multiples(p, degree):
     rng = Random(f"multiples {p} {degree}")
@@ -222,9 +256,6 @@ def test_named_errors():
 
     with pytest.raises(NotRepresentable, match="vanishes at a branch point"):
         group.twist(*beside(P))
-    single = single_point(group, rng)
-    with pytest.raises(NotRepresentable, match="weight"):
-        group.add(single, single)
     # two divisors through one branch point: their sum loses it, and either order
     first, second = (SignedDivisor(*beside(X), ((K.one, K.one),) * 3, (K.one,) * 3) for X in (P, Q))
     with pytest.raises(NotRepresentable):
