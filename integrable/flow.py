@@ -10,8 +10,8 @@ digits as it takes (:mod:`integrable.precise_flow`).
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from functools import cached_property
-from math import ceil, log
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -43,9 +43,6 @@ DRIFT = 1e-9
 CHUNK = 8192
 # digits with which states are computed that are rounded to floats
 FLOAT_DIGITS = 17
-DIGITS_STEP = 50
-# a motion that is no line on a compact torus is followed so long, in units of 1/(2|M|·max a)
-MOST_FOLDS = 1000
 
 
 class Flow:
@@ -168,7 +165,7 @@ class Flow:
             return self._precise
         if self.kernel != "compiled" and len(times) < COMPILE_FROM:
             stepped = self._stepped
-            if stepped.carries(times) and (stepped.keeps_time or not clock):
+            if stepped.carries(times, clock) and (stepped.keeps_time or not clock):
                 return stepped
         return self._uniform or self._torus or self._precise
 
@@ -194,11 +191,14 @@ class Flow:
     @cached_property
     def _torus(self) -> TorusFlow | None:
         """None where the torus is not compact, or nearly so that its corners lose too many digits."""
-        from integrable.torus_flow import CompiledLoops, ReadableLoops, TorusFlow
+        from integrable.torus_flow import BeyondFloats, CompiledLoops, ReadableLoops, TorusFlow
 
+        torus = None
         try:
-            torus = TorusFlow(self.setup, ReadableLoops(self.setup) if self.kernel == "python" else CompiledLoops())
-            if torus.closure > CLOSED and self.kernel != "python":
+            if self.kernel != "python":
+                with suppress(BeyondFloats):
+                    torus = TorusFlow(self.setup, CompiledLoops())
+            if torus is None or torus.closure > CLOSED:
                 torus = TorusFlow(self.setup, ReadableLoops(self.setup))
         except PrecisionLoss:
             return None
@@ -251,47 +251,30 @@ class PreciseRows:
         self._field = flow.system.field
         self._body, self._state, self._setup = flow.system.body, flow.state, flow.setup
         self._floats = self._field == RR
-        self._flows: dict[int, PreciseFlow] = {}
+
+    @cached_property
+    def _flow(self) -> PreciseFlow:
+        from integrable.precise_flow import PreciseFlow
+
+        if self._floats:
+            return PreciseFlow(self._body, self._state, FLOAT_DIGITS)
+        return PreciseFlow(self._body, self._state, self._field.dps, self._setup)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        flow = self._flow(times)
-        tau, points = flow.at(times.tolist())
-        return self._vectors(flow, points), self._rounded(tau)
+        tau, points = self._flow.at(times.tolist())
+        return self._vectors(points), self._rounded(tau)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
-        flow = self._flow(tau)
-        return self._vectors(flow, flow.at_tau(tau.tolist()))
+        return self._vectors(self._flow.at_tau(tau.tolist()))
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
-        return self._rounded(self._flow(tau).times(tau.tolist()))
+        return self._rounded(self._flow.times(tau.tolist()))
 
-    def _flow(self, times: np.ndarray) -> PreciseFlow:
-        """Floats come here where the torus is not compact: on a separatrix an error grows by e in 1/(2|M|·max a) at
-        the most, and digits that are lost together would not be missed.
-        """
-        from integrable.precise_flow import PreciseFlow
-
-        if not self._floats:
-            if 0 not in self._flows:
-                self._flows[0] = PreciseFlow(self._body, self._state, self._field.dps, self._setup)
-            return self._flows[0]
-        folds = float(max(map(abs, times), default=0) * self._setup.clock)
-        if folds > MOST_FOLDS:
-            raise ArgumentError(
-                f"times: {folds:.0f} times 1/(2|M|·max a) is more than the {MOST_FOLDS} for which a motion is followed "
-                "that is no line on a compact torus"
-            )
-        # in steps, so that few set-ups serve many calls
-        digits = FLOAT_DIGITS + DIGITS_STEP * ceil(folds / log(10) / DIGITS_STEP)
-        if digits not in self._flows:
-            self._flows[digits] = PreciseFlow(self._body, self._state, digits)
-        return self._flows[digits]
-
-    def _vectors(self, flow: PreciseFlow, points: Any) -> np.ndarray:
-        rows = [(*gamma, *M) for gamma, M in flow.vectors(points)]
+    def _vectors(self, points: Any) -> np.ndarray:
+        rows = [(*gamma, *M) for gamma, M in self._flow.vectors(points)]
         return self._rounded(rows).reshape(-1, 6)
 
     def _rounded(self, values: Any) -> np.ndarray:

@@ -1,13 +1,14 @@
 """The exact flow to many digits: the same additions as for floats, in bare reals, at a precision chosen from inside.
 
-Numbers are computed with 30 digits more than asked for. What a motion loses is measured on every call, from the
-integrals of all states and from the farthest state made again with more digits; where the 30 do not suffice all is done
-again with as many more as were missing.
+Numbers are computed with 30 digits more than asked for, and with as many more as errors can grow by beside a separatrix
+(:func:`lost_digits`). What a motion loses is measured as well on every call, from the integrals of all states and from
+the farthest state made again with more digits; where the digits do not suffice all is done again with as many more as
+were missing.
 """
 
 from __future__ import annotations
 
-from math import ceil, log10
+from math import ceil, log, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable import flow_kernel
@@ -20,12 +21,16 @@ if TYPE_CHECKING:
     from integrable.body import Body
     from integrable.state import State
 
-# digits by which the second computation of the farthest state is wider
+# digits by which the second computation of the farthest state is wider, beside those that it may lose
 WIDER = 10
+# what a motion may be expected to lose of the digits that are there beyond those asked for
+EXPECTED = 24
+# digits are added in steps, so that few set-ups serve many calls
+DIGITS_STEP = 50
 # digits that a result keeps beyond those asked for
 SPARE = 2
-# what a motion may lose, beyond as many digits as are asked for
-MOST_LOST = 1000
+# what a motion may lose, beyond as many digits as are asked for: half a minute of computing on the separatrix
+MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 100
 
@@ -126,11 +131,11 @@ class PreciseFlow:
 
     def at(self, times: list[Any]) -> tuple[list[Any], list[tuple[Any, ...]]]:
         """(τ, moving points) at physical times: in the user's units and in numbers of MP, with guard digits."""
-        return self._good(lambda motion: motion.tau([motion.scaled(t) for t in times]))
+        return self._good(times, lambda motion, scaled: motion.tau(scaled))
 
     def at_tau(self, tau: list[Any]) -> list[tuple[Any, ...]]:
         """The moving points at τ."""
-        return self._good(lambda motion: [motion.scaled(t) for t in tau])[1]
+        return self._good(tau, lambda _, scaled: scaled)[1]
 
     def times(self, tau: list[Any]) -> list[Any]:
         """Physical times at τ, in the user's units."""
@@ -143,24 +148,42 @@ class PreciseFlow:
         matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
         return [vectors(point, setup.wide_momentum, matrix) for point in points]
 
-    def _good(self, scaled_tau: Any) -> tuple[list[Any], list[tuple[Any, ...]]]:
+    def _good(self, times: list[Any], flow_times: Any) -> tuple[list[Any], list[tuple[Any, ...]]]:
         while True:
             motion = self._motion
-            tau = scaled_tau(motion)
+            tau = [motion.scaled(t) for t in times]
+            # τ ≥ t for an upright body: what t alone is too far for needs no clock
+            if self._widened(tau):
+                continue
+            tau = flow_times(motion, tau)
+            if self._widened(tau):
+                continue
             points = [motion.point(t) for t in tau]
             missing = self._missing(tau, points)
             if missing <= 0:
                 setup = motion.setup
                 return [t / setup.clock for t in tau], [setup.reals.elements(setup.wide, row) for row in points]
-            self._more_digits(missing)
+            self._more_digits(missing + WIDER)
 
-    def _more_digits(self, missing: int) -> None:
+    def _widened(self, tau: list[Any]) -> bool:
+        """Whether errors may grow by more digits until then than there were; now there are more."""
+        setup = self._motion.setup
+        missing = self._lost(tau) - EXPECTED - (setup.digits - GUARD_DIGITS - self.digits)
+        if missing > 0:
+            self._more_digits(DIGITS_STEP * ceil(missing / DIGITS_STEP))
+        return missing > 0
+
+    def _lost(self, tau: list[Any]) -> int:
+        return lost_digits(self._motion.setup, max(map(abs, tau), default=0))
+
+    def _more_digits(self, more: int) -> None:
         """Start again with that many more digits."""
-        digits = self._motion.setup.digits - GUARD_DIGITS + missing + WIDER
+        digits = self._motion.setup.digits - GUARD_DIGITS + more
         if digits > 2 * self.digits + MOST_LOST:
             lost = self.digits + MOST_LOST
             raise PrecisionLoss(
-                f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it starts"
+                f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it "
+                "starts; times nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
         self._motion, self._witness, self._witnessed = Motion(Setup(*self._problem, digits=digits)), None, 0.0
 
@@ -173,8 +196,10 @@ class PreciseFlow:
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
             return missing
-        if self._witness is None:
-            self._witness = Setup(*self._problem, digits=motion.setup.digits - GUARD_DIGITS + WIDER)
+        # two computations that have both lost every digit may meet in the same rotation
+        wider = motion.setup.digits - GUARD_DIGITS + WIDER + self._lost(tau)
+        if self._witness is None or self._witness.digits - GUARD_DIGITS < wider:
+            self._witness = Setup(*self._problem, digits=wider)
         again = Motion(self._witness).point(tau[far])
         with self._witness.reals:
             number = self._witness.reals.number
@@ -205,6 +230,34 @@ def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tu
         tuple(a * x + b * y for x, y in zip(gamma, M, strict=True)),
         tuple(c * x + d * y for x, y in zip(gamma, M, strict=True)),
     )
+
+
+def lost_digits(setup: Setup, tau: Any) -> int:
+    """How many digits an error may grow by until τ (in the units of the setup), from the curve.
+
+    At a double root e of f = (x − e)²h, the unstable rotation, the integral τ = Σ∫dx/y is a logarithm over √h: points
+    and translations grow like e^(√h·τ), beside it during one passage, to about 16·(distance to the other roots) /
+    (distance of the two roots). All other errors grow like τ.
+    """
+    K = setup.wide
+    roots = sorted(setup.wide_branch_points)
+    lead, tau = abs(setup.wide_f[5] or setup.wide_f[4]), abs(K.coerce(tau))
+    total = K.context.log(1 + tau)
+    # the gaps between the ovals and behind the second: a real point passes them in imaginary time only
+    for k in range(1, len(roots) - 1, 2):
+        middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
+        others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]
+        square = lead
+        for x in others:
+            square *= x
+        grown = K.sqrt(square) * tau
+        near = min(others)
+        # below that the gap is rounding
+        if gap > K.eps * 10**8 * near:
+            grown = min(grown, K.context.log(1 + 16 * near / gap))
+        # translations grow alike: an addition loses the digits of both
+        total += 2 * grown
+    return ceil(float(total) / log(10))
 
 
 def drift(setup: Setup, point: Any) -> Any:

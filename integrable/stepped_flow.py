@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 # motions are carried this many basic steps; beyond, the corners of the torus cost less
 FARTHEST = 256
-# the error at that distance that floats may make
+# the error of γ that floats may make on the way there, that of their clock included
 WORST = 1e-13
 
 
@@ -31,23 +31,25 @@ class SteppedFlow:
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
         self._clocks = {sign: Clock(self, sign) for sign in (1, -1)} if setup.wide_d != 0 else {}
-        self._losses: dict[int, float] = {}
+        self._losses: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
-    def carries(self, times: np.ndarray) -> bool:
-        """Whether times, of the flow or physical, are near and additions in floats lose nothing on the way there.
+    def carries(self, times: np.ndarray, clock: bool) -> bool:
+        """Whether times, of the flow or (``clock``) physical, are near and floats lose nothing on the way there.
 
-        Measured: some of the way's states in floats beside the wide precision.
+        Measured: the points and 1/g at all steps of the way, in floats beside the wide precision.
         """
         setup = self.setup
         # g is at most that of an axis
         slowest = min(float(1 - setup.wide_d * a) for a in setup.wide_axes) ** 0.5
-        steps = float(np.abs(times).max(initial=0) * float(setup.clock / setup.step_length)) / slowest
-        if steps > FARTHEST:
+        steps = times * float(setup.clock / setup.step_length) / slowest
+        if np.abs(steps).max(initial=0) > FARTHEST:
             return False
-        level = 1 << max(3, int(steps)).bit_length()
-        if level not in self._losses:
-            self._losses[level] = max(self._loss(level * k // 4) for k in range(1, 5))
-        return self._losses[level] <= WORST
+        for sign in (1, -1):
+            last = int((sign * steps).max(initial=0)) + 1
+            losses, delays = self._measured(sign, last)
+            if losses[last] + (delays[last] if clock else 0) > WORST:
+                return False
+        return True
 
     @cached_property
     def keeps_time(self) -> bool:
@@ -57,15 +59,32 @@ class SteppedFlow:
         except PrecisionLoss:
             return False
 
-    def _loss(self, steps: int) -> float:
-        """The error of σ after ``steps`` basic steps, in units of its size."""
-        setup = self.setup
-        counts, table = setup.table(1, steps)
-        found = flow_kernel.reach(setup.f, setup.axes, setup.start, counts, table, steps)
+    def _measured(self, sign: int, last: int) -> tuple[np.ndarray, np.ndarray]:
+        """For every number of basic steps up to ``last`` or more: the largest error of σ until there, in units of its
+        size, and the largest of the clock, in those of its time, by which γ turns by half as much at the most.
+        """
+        known = self._losses.get(sign)
+        if known is not None and len(known[0]) > last:
+            return known
+        setup, count = self.setup, 1 << max(3, last.bit_length())
+        counts, table = setup.table(sign, count)
         with setup.reals:
-            truth = setup.bare_point(1, steps)
-            errors = [abs(float(setup.reals.number(x) - y)) for x, y in zip(found[4:7], truth[4:7], strict=True)]
-            return max(errors) / max(abs(float(y)) for y in truth[4:7])
+            problem, exact = setup.bare_problem, setup.bare_start
+            step = setup.bare_table(sign, 1)[1][0]
+            errors, rates = [], []
+            for steps in range(count + 1):
+                found = flow_kernel.reach(setup.f, setup.axes, setup.start, counts, table, steps)
+                size = max(abs(float(y)) for y in exact[4:7])
+                number = setup.reals.number
+                errors.append(
+                    max(abs(float(number(x) - y)) for x, y in zip(found[4:7], exact[4:7], strict=True)) / size
+                )
+                rate = flow_kernel.rate_at(setup.axes, found)
+                rates.append(float(number(rate) - flow_kernel.rate_at(problem[1], exact)))
+                exact = setup.reals.plain_row(flow_kernel.shift(*problem, exact, step))
+        delays = abs(np.cumsum(rates)) * float(setup.step_length) / 2
+        self._losses[sign] = np.maximum.accumulate(errors), np.maximum.accumulate(delays)
+        return self._losses[sign]
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""

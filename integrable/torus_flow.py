@@ -3,9 +3,8 @@
 The moving points at the corners are made once; a time of the flow is two phases, its whole turns are signs, and what is
 left inside a cell is T(s₁, c₁s₁) + T(s₂, c₂s₂) with T a power series. Compiled, all this is done in double-double
 numbers and rounded once, so that no error grows with the time; interpreted, with
-more digits. Physical time t = ∫dτ/g is a
-mean rate and a Fourier series on the torus, inverted by Newton (Fedorov 2009 gives the same functions as theta
-functions).
+more digits. Physical time t = ∫dτ/g is a mean rate and a Fourier series on the torus, inverted by Newton (Fedorov 2009
+gives the same functions as theta functions).
 """
 
 from __future__ import annotations
@@ -24,7 +23,7 @@ from integrable.torus_series import TorusSeries, needed_sizes
 from jacobian import poly
 from jacobian.bare_reals import BareReals
 from jacobian.double_double import pack
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
@@ -43,6 +42,10 @@ DENSE_FROM = 5000
 DENSE = 3
 # translations that are conditioned worse than this are made in two parts
 LEAST_CONDITION = 0.02
+
+
+class BeyondFloats(PrecisionLoss):
+    """Numbers beyond the range of floats: series about a centre close to several branch points."""
 
 
 class ReadableLoops:
@@ -166,8 +169,12 @@ class CompiledLoops:
         return high / len(values), fsum([-high, *parts]) / len(values)
 
     def direction(self, series: Any, roots: Any, f0: Any, reach: Any, axes: Any, nodes: Any, table: Any) -> None:
+        try:
+            rows = [self.row(values) for values in (series, roots, (f0, reach), axes)]
+        except ArgumentError as error:
+            raise BeyondFloats(f"the translations of this motion are beyond the range of floats: {error}") from error
         self._loops.direction(
-            *map(self.row, (series, roots, (f0, reach), axes)),
+            *rows,
             np.array(nodes),
             NEWTON_PASSES,
             self.room(len(nodes)),

@@ -8,7 +8,7 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 from __future__ import annotations
 
 from functools import cached_property
-from math import inf, sqrt
+from math import inf, prod, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.periods import REACH, ovals
@@ -73,12 +73,15 @@ def _parts(c1: Any, c2: Any, a: Any, b: Any) -> tuple[Any, Any]:
 
 
 def _best_chart(setup: Setup, periods: list[list[float]]) -> Chart:
-    f = [float(c) for c in setup.wide_f]
     least = float(min(setup.wide_branch_points))
     nearest = min(least, float(max(setup.wide_axes) - min(setup.wide_axes))) / 4
     ratio = (FARTHEST / nearest) ** (1 / (CENTRES - 1))
     centres = [least - nearest * ratio**k for k in range(CENTRES)]
-    reaches = {c: 2 * REACH * (least - c) / sqrt(abs(_value(f, c))) for c in centres}
+    # from the roots, near which the coefficients of f cancel
+    lead = abs(float(setup.wide_f[5] or setup.wide_f[4]))
+    reaches = {
+        c: 2 * REACH * (least - c) / sqrt(lead * prod(float(e - c) for e in setup.wide_branch_points)) for c in centres
+    }
     best, fewest = None, inf
     for i, c1 in enumerate(centres):
         for c2 in centres[:i]:
@@ -92,13 +95,6 @@ def _best_chart(setup: Setup, periods: list[list[float]]) -> Chart:
     if best is None or fewest > MOST_CELLS:
         raise PrecisionLoss(f"{fewest} cells are needed on the torus of this motion, which is nearly not compact")
     return best
-
-
-def _value(f: list[float], x: float) -> float:
-    total = 0.0
-    for c in reversed(f):
-        total = total * x + c
-    return total
 
 
 def _reduced(rows: list[Any]) -> tuple[tuple[int, int], tuple[int, int]]:

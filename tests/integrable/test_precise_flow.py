@@ -9,7 +9,7 @@ from integrable import ChaplyginBall, EulerTop, load_scene, precise_flow
 from integrable.flow_setup import Setup
 from integrable.legendre import gauss_legendre, legendre_rule
 from integrable.panel_clock import LONG, NEAR_CELLS, PanelClock
-from integrable.precise_flow import Motion, PreciseFlow, digits_of
+from integrable.precise_flow import EXPECTED, Motion, PreciseFlow, digits_of, lost_digits
 from jacobian import MP, bare_reals
 from jacobian.bare_reals import KINDS, BareReals
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -118,6 +118,43 @@ def test_lost_digits_are_found_and_made_up_for() -> None:
         max(abs(MP(90).coerce(x) - y) for a, b in zip(found, truth, strict=True) for x, y in zip(a, b, strict=True))
         < 1e-30
     )
+
+
+@pytest.mark.parametrize("digits", [17, 40])
+def test_the_unstable_rotation_against_the_exact_motion(digits) -> None:
+    """H1/H2 = a2 with M along the middle axis: M rests, γ turns by a2·t, and every rounding grows like e^(λt)."""
+    system = ChaplyginBall((1, 2, 3), 0.7)
+    state = system.state((0, 0, 1), (0, 1, 0))
+    flow = PreciseFlow(system.body, state, digits)
+    context = MP(digits + 10).context
+    rate = 1 / (2 + context.mpf(0.7))
+    for t in (-60.0, 400.0):
+        gamma, M = flow.vectors(flow.at([t])[1])[0]
+        expected = (-context.sin(rate * t), 0, context.cos(rate * t))
+        assert max(abs(x - y) for x, y in zip(gamma, expected, strict=True)) < context.mpf(10) ** -digits
+        assert max(abs(x - y) for x, y in zip(M, (0, 1, 0), strict=True)) < context.mpf(10) ** -digits
+
+
+@pytest.mark.parametrize("t", [50, 100, 200])
+def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
+    """The same rotation at 100 digits beside 250: no more is lost, and not much less."""
+    system = ChaplyginBall((1, 2, 3), 0.7)
+    state = system.state((0, 0, 1), (0, 1, 0))
+    setup, wider = (Setup(system.body, state.gamma, state.M, digits=digits) for digits in (100, 250))
+    tau = Motion(setup).scaled(1.5 * t)
+    point, truth = Motion(setup).point(tau), Motion(wider).point(tau)
+    with wider.reals:
+        number = wider.reals.number
+        error = max(abs(number(setup.reals.element(setup.wide, x)) - y) for x, y in zip(point, truth, strict=True))
+    lost = digits_of(error) + setup.wide.dps
+    assert lost <= lost_digits(setup, tau) <= lost + 15
+
+
+def test_an_ordinary_motion_is_not_expected_to_lose_digits() -> None:
+    system, state = ball(30)
+    setup = Setup(system.body, state.gamma, state.M)
+    assert lost_digits(setup, 0) == 0
+    assert lost_digits(setup, 10**6) < EXPECTED
 
 
 def test_what_loses_too_much_is_refused_by_name(monkeypatch) -> None:

@@ -82,6 +82,17 @@ def test_any_time_against_quadrature_at_25_digits(name) -> None:
         assert abs(float(found - true)) < 4e-15 * float(abs(true))
 
 
+def test_branch_points_within_a_millionth_of_each_other() -> None:
+    """m r² = 10⁶ times the moments: series about centres that close leave the range of floats, the torus does not."""
+    system = ChaplyginBall((1, 2, 3), 1e6)
+    state = system.state(*START)
+    times = np.array([1e5, -3e5])
+    run = system.flow(state, kernel="compiled").at(times)
+    precise = PreciseFlow(system.body, state, 17)
+    for gamma, (truth, _) in zip(run.gamma.tolist(), precise.vectors(precise.at(times.tolist())[1]), strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(gamma, truth, strict=True)) < 1e-14
+
+
 @pytest.mark.parametrize("name", ["S1", "S2", "(γ, M) = 1.5", "gamma_2 = 0", "moments 1 : 10^4 : 10^8"])
 def test_the_error_does_not_grow_with_the_time(name) -> None:
     """T = 10^6 … 10^12 beside 48 digits, by the same series in the readable loops."""
