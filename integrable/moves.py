@@ -97,7 +97,7 @@ class Keyless(Move):
         """The image; NotASquare where |M|, a √(1 − d·a_i) or g̃ is not in the field."""
         system, body, K = self.system, self.system.body, self.system.field
         gamma, M = state.gamma, state.M
-        h1, h2 = system.integrals(state)[2:]
+        h2 = system.integrals(state).H2
         _check_moving(K, h2)
         size = square_root(K, h2, "H2 = |M|²")
         axes = [K.div(self._signed(s, x), size) for s, x in zip(self.signs, cross(K, gamma, M), strict=True)]
@@ -107,9 +107,8 @@ class Keyless(Move):
             return State(x, self._momentum(size, x, turned))
         roots = [square_root(K, r, f"1 − d·a_{i + 1}") for i, r in enumerate(body.contact)]
         g = coordinates.root_of_g(body, gamma) if state.g is None else state.g
-        product = K.mul(K.mul(body.contact[0], body.contact[1]), body.contact[2])
-        below = K.mul(K.mul(K.mul(g, g), h2), product)
-        g_image = square_root(K, K.div(K.sub(h2, K.mul(body.d, h1)), below), "g̃²")
+        # (H2 − dH1)/(g²H2Π(1 − da_i)) as a sum, which does not cancel on thin bodies
+        g_image = square_root(K, K.dot(axes, [K.div(e, r) for e, r in zip(axes, body.contact, strict=True)]), "g̃²")
         x1, x2, x3 = (K.div(e, K.mul(g_image, r)) for e, r in zip(axes, roots, strict=True))
         scaled = [K.mul(K.mul(g, r), x) for r, x in zip(roots, turned, strict=True)]
         return State((x1, x2, x3), self._momentum(size, (x1, x2, x3), scaled), None if state.g is None else g_image)

@@ -99,3 +99,14 @@ def test_the_keyless_map_is_real_for_every_body() -> None:
         assert back.gamma == pytest.approx([-x for x in state.gamma], abs=1e-10)
     with pytest.raises(ArgumentError, match="3 signs"):
         ball.keyless((1, 2, 3))
+
+
+@pytest.mark.parametrize("moment", [1e-4, 1e-8, 1e-12])
+def test_thin_balls_lose_no_digits(moment):
+    ball = ChaplyginBall(inertia=(moment, 1, 1.5), d=1.0)
+    state = ball.state((0.6, 0.48, 0.64), (0.8, -0.36, -0.48))
+    image = ball.keyless()(state)
+    before, after = ball.integrals(state), ball.integrals(image)
+    assert abs(after.C1 - 1) < 1e-15
+    assert abs(after.H1 / before.H1 - 1) < 2e-15
+    assert abs(after.H2 / before.H2 - 1) < 2e-15
