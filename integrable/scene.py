@@ -101,6 +101,8 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
 
         yield tick
         bar.update(1)
+        # however soon after the last piece it is
+        bar.refresh()
 
 
 def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bool, formats: tuple[str, ...]) -> None:
