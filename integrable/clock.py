@@ -6,7 +6,7 @@ for 1/g.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -14,40 +14,16 @@ from integrable import flow_kernel
 from integrable.flow_setup import NODE_COUNTS, Quadrature, Setup
 from jacobian.errors import ArgumentError, PrecisionLoss
 
-if TYPE_CHECKING:
-    from integrable.stepped_flow import SteppedFlow
-
 FIRST_STEPS = 64
 MOST_STEPS = 50_000_000
-
-
-class Backend:
-    """One set of loops and the containers that they take."""
-
-    def __init__(self, loops: Any, pack: Any, counts: Any, scratch: Any) -> None:
-        self.loops = loops
-        self.pack = pack
-        self.counts = counts
-        self.scratch = scratch
-
-
-def compiled_backend() -> Backend:
-    """The loops compiled by numba, on float64 arrays."""
-    from integrable import flow_compiled
-
-    def pack(rows: Any) -> np.ndarray:
-        return np.ascontiguousarray(rows, dtype=np.float64)
-
-    return Backend(flow_compiled, pack, lambda steps: np.array(steps, dtype=np.int64), pack)
 
 
 class Clock:
     """Physical time at the basic steps of a flow, in one direction, grown as far as it is asked for."""
 
-    def __init__(self, flow: SteppedFlow, sign: int) -> None:
-        self._flow = flow
+    def __init__(self, setup: Setup, sign: int) -> None:
+        self._setup = setup
         self._sign = sign
-        setup = flow.setup
         zero = 0 * setup.start[0]
         self.high = np.array([zero])
         self.low = np.array([zero])
@@ -74,33 +50,29 @@ class Clock:
             raise ArgumentError(
                 f"times: {last} basic steps are more than the {MOST_STEPS} that a clock in memory is made for"
             )
-        rule, setup = self.rule, self._flow.setup
-        backend = self._flow._backend(count * (1 + len(rule.nodes)))
+        rule, setup = self.rule, self._setup
         counts, table = setup.table(self._sign, last)
         self._start(rule, counts)
         high, low = np.empty(count, dtype=self.high.dtype), np.empty(count, dtype=self.low.dtype)
-        stack, ends, carry = backend.scratch(self._stack), backend.counts(self._ends), backend.scratch(self._carry)
-        f, axes, left, right = map(backend.pack, (setup.f, setup.axes, rule.left, rule.right))
-        backend.loops.wind(
-            f,
-            axes,
-            backend.counts(counts),
-            backend.pack(table),
-            backend.pack(rule.nodes),
-            left,
-            right,
+        flow_kernel.wind(
+            setup.f,
+            setup.axes,
+            counts,
+            table,
+            rule.nodes,
+            rule.left,
+            rule.right,
             len(self.high),
-            stack,
-            ends,
-            carry,
+            self._stack,
+            self._ends,
+            self._carry,
             high,
             low,
         )
-        self._stack, self._ends, self._carry = [list(row) for row in stack], [int(n) for n in ends], list(carry)
         self.high, self.low = np.concatenate([self.high, high]), np.concatenate([self.low, low])
 
     def _start(self, rule: Quadrature, counts: list[int]) -> None:
-        setup = self._flow.setup
+        setup = self._setup
         if self._carry is None:
             values = [0 * setup.start[0]] * len(rule.nodes)
             flow_kernel.rates(setup.f, setup.axes, setup.start, rule.nodes, values)
@@ -115,7 +87,7 @@ class Clock:
     def rule(self) -> Quadrature:
         """The quadrature whose Legendre series has converged on steps spread over the motion."""
         if self._rule is None:
-            setup = self._flow.setup
+            setup = self._setup
             levels = setup.table(self._sign, 512)
             samples = [flow_kernel.reach(setup.f, setup.axes, setup.start, *levels, j) for j in range(0, 512, 61)]
             # an easy body needs about 0.8 nodes a digit
@@ -133,32 +105,26 @@ class Clock:
 
     def states(self, high: list[Any], low: list[Any]) -> tuple[np.ndarray, np.ndarray]:
         """(moving points, flow time in half steps) at (scaled) times inside the reach of the clock."""
-        flow, setup, rule = self._flow, self._flow.setup, self.rule
+        setup, rule = self._setup, self.rule
         steps = [int(s) for s in np.searchsorted(self.high, np.array(high), side="right") - 1]
         rests = [(t - self.high[s]) + (r - self.low[s]) for t, r, s in zip(high, low, steps, strict=True)]
         nexts = [(t - self.high[s + 1]) + (r - self.low[s + 1]) for t, r, s in zip(high, low, steps, strict=True)]
-        backend = flow._backend(len(steps) * (16 + len(rule.nodes)))
-        points, offsets = flow._rows(len(steps)), flow._rows(len(steps), 0)
-        counts, table = setup.table(self._sign, max(steps) + 1)
-        f, axes, start, nodes, legendre, series, roots = map(
-            backend.pack, (setup.f, setup.axes, setup.start, rule.nodes, rule.legendre, setup.series, setup.roots)
-        )
-        backend.loops.states_at_times(
-            f,
-            axes,
-            start,
-            backend.counts(counts),
-            backend.pack(table),
-            nodes,
-            legendre,
-            series,
-            roots,
+        points, offsets = np.empty((len(steps), 10)), np.empty(len(steps))
+        flow_kernel.states_at_times(
+            setup.f,
+            setup.axes,
+            setup.start,
+            *setup.table(self._sign, max(steps) + 1),
+            rule.nodes,
+            rule.legendre,
+            setup.series,
+            setup.roots,
             setup.half_step,
             setup.passes,
             self._sign,
-            backend.counts(steps),
-            backend.pack(_plain(rests)),
-            backend.pack(_plain(nexts)),
+            steps,
+            _plain(rests),
+            _plain(nexts),
             points,
             offsets,
         )
@@ -166,7 +132,7 @@ class Clock:
 
     def time(self, step: int, offset: Any) -> Any:
         """The (scaled) time ``offset`` half steps beyond a basic step."""
-        setup, rule = self._flow.setup, self.rule
+        setup, rule = self._setup, self.rule
         point = flow_kernel.reach(setup.f, setup.axes, setup.start, *setup.table(self._sign, step), step)
         angle, _ = flow_kernel.integrate_series(_series(setup, rule, point), offset)
         return self.high[step] + (self.low[step] + setup.half_step * angle)

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from integrable import flow_kernel
-from integrable.clock import Backend, compiled_backend
 from jacobian import RR
 
 if TYPE_CHECKING:
@@ -18,13 +19,16 @@ COMPILE_FROM = 100_000
 def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
     """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts) >= COMPILE_FROM)
-    readable = Backend(flow_kernel, lambda rows: rows, list, list)
-    backend = compiled_backend() if compiled and setup.work is RR else readable
-    step = setup.table(1, 1)[1][0]
-    f, axes, point, step = (backend.pack(x) for x in (setup.f, setup.axes, setup.start, step))
+    march: Any = flow_kernel.march
+    inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])
+    if compiled and setup.work is RR:
+        from integrable import flow_compiled
+
+        march, inputs = flow_compiled.march, map(np.array, inputs)
+    f, axes, point, step = inputs
     rows, done = [], 0
     for count in sorted(counts):
-        point = backend.loops.march(f, axes, point, step, count - done)
+        point = march(f, axes, point, step, count - done)
         done = count
         rows.append((count, residual(setup.f, point)))
     return rows

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable import flow_kernel
-from integrable.clock import Backend, Clock
+from integrable.clock import Clock
 from integrable.precise_flow import vectors
 from jacobian.errors import PrecisionLoss
 
@@ -30,7 +30,7 @@ class SteppedFlow:
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
-        self._clocks = {sign: Clock(self, sign) for sign in (1, -1)} if setup.wide_d != 0 else {}
+        self._clocks = {sign: Clock(setup, sign) for sign in (1, -1)} if setup.wide_d != 0 else {}
         self._losses: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def carries(self, times: np.ndarray, clock: bool) -> bool:
@@ -162,14 +162,6 @@ class SteppedFlow:
         matrix = None if setup.tilt is None else [float(x) for x in setup.tilt.inverse_matrix()]
         rows = [vectors(row, setup.momentum, matrix) for row in points.tolist()]
         return np.array([(*gamma, *M) for gamma, M in rows]).reshape(-1, 6)
-
-    # --- what a clock asks for
-
-    def _rows(self, count: int, width: int = 10) -> np.ndarray:
-        return np.empty((count, width) if width else count)
-
-    def _backend(self, additions: int) -> Backend:
-        return Backend(flow_kernel, lambda rows: rows, list, list)
 
 
 def _by_sign(values: list[Any]) -> list[tuple[int, np.ndarray]]:
