@@ -1,4 +1,4 @@
-"""The orientation of a body in space, read off the two vectors that are fixed there.
+"""The orientation of a body in space, read off the two vectors that are fixed there, and how fast it turns.
 
 γ̇ = γ×ω and Ṁ = M×ω say that the vertical γ and the angular momentum M about the contact point rest in space. They give
 the orientation without any integration: z is the vertical, x the direction of the horizontal part of M, y = z × x.
@@ -6,9 +6,25 @@ the orientation without any integration: z is the vertical, x the direction of t
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
-__all__ = ["matrices", "quaternions"]
+if TYPE_CHECKING:
+    from integrable.body import Body
+
+__all__ = ["angular_velocities", "matrices", "quaternions"]
+
+
+def angular_velocities(body: Body, gamma: np.ndarray, M: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """ω = A M + d·n·A γ, shape (N, 3), and n = (γ, ω) = g²(γ, A M), shape (N,), from γ and M of shape (N, 3).
+
+    The rows of :meth:`integrable.body.Body.omega`.
+    """
+    a = np.array(body.a)
+    moved = a * M
+    spin = np.sum(gamma * moved, axis=1) / np.sum(np.array(body.contact) * gamma**2, axis=1)
+    return (moved + body.d * spin[:, None] * a * gamma if body.rolls else moved), spin
 
 
 def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
@@ -19,9 +35,7 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     tilt = np.sum(gamma * M, axis=1)[:, None]
     horizontal = M - tilt * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]
-    i, j = [1, 2, 0], [2, 0, 1]
-    y = gamma[:, i] * x[:, j] - gamma[:, j] * x[:, i]
-    return np.stack([x, y, gamma], axis=1)
+    return np.stack([x, np.cross(gamma, x), gamma], axis=1)
 
 
 def quaternions(rotations: np.ndarray) -> np.ndarray:

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.attitude import angular_velocities
 from integrable.dense_panels import Panels
 from integrable.legendre import legendre_rule
 from integrable.panel_calculus import integrals
@@ -76,14 +77,8 @@ def _length(flow: Flow) -> Any:
 
 def velocities(flow: Flow, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     """(ẋ/r, (γ, ω)) at states, shape (N, 2)."""
-    body = flow.system.body
-    moved = np.array(body.a) * M
-    lean = np.sum(gamma * moved, axis=1)
-    # n = (γ, ω) = g²(γ, AM)
-    spin = lean / np.sum(np.array(body.contact) * gamma * gamma, axis=1)
-    omega = moved + body.d * spin[:, None] * np.array(body.a) * gamma
-    i, j = [1, 2, 0], [2, 0, 1]
-    across = gamma[:, i] * M[:, j] - gamma[:, j] * M[:, i]
+    omega, spin = angular_velocities(flow.system.body, gamma, M)
+    across = np.cross(gamma, M)
     return np.stack([np.sum(omega * across, axis=1) / _length(flow), spin], axis=1)
 
 

@@ -58,13 +58,9 @@ class Trajectory:
     @cached_property
     def omega(self) -> np.ndarray:
         """The angular velocity ω in the body frame, shape (N, 3)."""
-        body = self.flow.system.body
-        a, contact = np.array(body.a), np.array(body.contact)
-        moved = a * self.M
-        if not body.rolls:
-            return moved
-        spin = body.d * np.sum(self.gamma * moved, axis=1) / np.sum(contact * self.gamma**2, axis=1)
-        return moved + spin[:, None] * a * self.gamma
+        from integrable import attitude
+
+        return attitude.angular_velocities(self.flow.system.body, self.gamma, self.M)[0]
 
     @cached_property
     def attitude(self) -> np.ndarray:
