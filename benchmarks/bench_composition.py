@@ -5,12 +5,12 @@
 
 from __future__ import annotations
 
-import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+from benchmarks.figures import command, save
 from jacobian import RR, genus2_real, interpolate
 from tests.jacobian.real_rows import DISTANCES, TYPICAL, WORST, Row, rows
 
@@ -117,20 +117,9 @@ def draw(table: list[dict[str, object]], stem: Path) -> None:
     figure.suptitle(
         "Adding divisors of genus 2 in floats (squares on the top line: error ≥ 10³ or division by zero)", fontsize=11
     )
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    for suffix in (".png", ".svg"):
-        figure.savefig(stem.with_suffix(suffix), dpi=150)
+    save(figure, stem)
     pyplot.close(figure)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
-    parser.add_argument("--smoke", action="store_true")
-    arguments = parser.parse_args()
-    measured = run(arguments.smoke)
-    from benchmarks.__main__ import table as text
-
-    print(text(measured))
-    if arguments.figure:
-        draw(measured, arguments.figure)
+    command(__doc__, run, draw)

@@ -7,7 +7,6 @@ those of the coefficients of (U, V), the residual is |f − V² mod U| over the 
 
 from __future__ import annotations
 
-import argparse
 import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import numpy as np
 from numba import njit
 
 import jacobian.retraction_compiled  # noqa: F401
+from benchmarks.figures import command, save
 from integrable import ChaplyginBall, EulerTop, flow_compiled
 from jacobian import MP, genus2_real, retraction
 from jacobian.double_double import pack, unpack
@@ -366,20 +366,9 @@ def draw(table: list[dict[str, Any]], stem: Path) -> None:
             panel.grid(alpha=0.25)
             panel.set_ylabel(f"{label} (lower is better)" if column == 0 else "")
     figure.legend(*panels[0][0].get_legend_handles_labels(), loc="outside lower center", ncols=3, fontsize=9)
-    stem.parent.mkdir(parents=True, exist_ok=True)
-    for suffix in (".png", ".svg"):
-        figure.savefig(stem.with_suffix(suffix), dpi=150)
+    save(figure, stem)
     pyplot.close(figure)
 
 
 if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
-    parser.add_argument("--smoke", action="store_true")
-    arguments = parser.parse_args()
-    measured = run(arguments.smoke)
-    from benchmarks.__main__ import table as text
-
-    print(text(measured))
-    if arguments.figure:
-        draw(measured, arguments.figure)
+    command(__doc__, run, draw)

@@ -1,0 +1,31 @@
+"""What benchmarks with a picture share: ``python -m benchmarks.bench_<name> [--smoke] [--figure STEM]``."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from benchmarks.__main__ import table
+
+Rows = list[dict[str, Any]]
+
+
+def save(figure: Any, stem: Path) -> None:
+    """The figure as stem.png and stem.svg."""
+    stem.parent.mkdir(parents=True, exist_ok=True)
+    for suffix in (".png", ".svg"):
+        figure.savefig(stem.with_suffix(suffix), dpi=150)
+
+
+def command(description: str | None, run: Callable[[bool], Rows], draw: Callable[[Rows, Path], None]) -> None:
+    """Run one benchmark, print its table and draw it where ``--figure`` says."""
+    parser = argparse.ArgumentParser(description=description)
+    parser.add_argument("--figure", type=Path, help="draw to FIGURE.png and FIGURE.svg")
+    parser.add_argument("--smoke", action="store_true")
+    arguments = parser.parse_args()
+    measured = run(arguments.smoke)
+    print(table(measured))
+    if arguments.figure:
+        draw(measured, arguments.figure)
