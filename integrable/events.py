@@ -31,6 +31,8 @@ MOST_STEPS = 100
 
 def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
     """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
+    if not callable(condition):
+        raise ArgumentError(f"condition = {condition!r}: give a function of γ and M, arrays of shape (N, 3)")
     first, last = (flow.system.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
     if not first < last:
         raise ArgumentError(f"start = {start}, end = {end}: a time after start is needed")

@@ -104,3 +104,9 @@ def test_a_condition_gives_one_number_a_state():
     flow = BALL.flow(BALL.state(GAMMA, M))
     with pytest.raises(ArgumentError, match=r"condition: values of shape \(\d+, 3\) for \d+ states"):
         flow.events(lambda gamma, M: gamma, 0, 5)
+
+
+def test_a_condition_is_a_function():
+    flow = BALL.flow(BALL.state(GAMMA, M))
+    with pytest.raises(ArgumentError, match="condition = 3: give a function"):
+        flow.events(3, 0, 5)
