@@ -165,9 +165,6 @@ class Setup:
     # --- translations
     # -----------------------------------------------------------------------------------------------------------
 
-    def _near(self, eps: Any) -> tuple[Any, ...]:
-        return self.reals.elements(self.wide, self.translations.near(eps))
-
     def near(self, eps: Any) -> tuple[Any, ...]:
         """T(eps) in the working numbers, for |eps| up to half a step."""
         return near_identity(self.series, self.roots, self.f[0], self.axes, self.number(eps), self.passes)

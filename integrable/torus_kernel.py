@@ -259,7 +259,7 @@ def states_at_times(torus: Any, pace: Any, clock: Any, times: Row, tau: Row, del
     mean into ``delays``.
 
     ``pace`` is (turns of either phase in a unit of t, frequencies, dτ/dt), all means; ``clock`` (periods of 1/g in
-    turns, rough series, series) as :class:`integrable.torus_clock.TorusClock` makes them. τ = t·dτ/dt + x with a
+    turns, rough series, series) as :class:`integrable.torus_flow.TorusClock` makes them. τ = t·dτ/dt + x with a
     bounded x from :func:`delay`. ``room`` is for powers.
     """
     pace1, pace2, nu1, nu2, mean = pace

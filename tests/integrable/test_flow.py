@@ -221,6 +221,7 @@ def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
     setup = system.flow(state, kernel="python").setup
     for exponent in range(16):
         eps = setup.wide.coerce(10) ** -exponent * setup._half_step
-        exact = flow_kernel.shift(setup._f, setup._axes, setup._start, setup._near(eps))
+        step = setup.reals.elements(setup.wide, setup.translations.near(eps))
+        exact = flow_kernel.shift(setup._f, setup._axes, setup._start, step)
         found = flow_kernel.shift(setup.f, setup.axes, setup.start, setup.near(eps))
         assert max(abs(float(a - b)) for a, b in zip(exact, found, strict=True)) < 2e-14
