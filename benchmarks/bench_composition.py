@@ -10,6 +10,7 @@ from pathlib import Path
 from statistics import median
 from typing import Any
 
+from benchmarks.classical import classical
 from benchmarks.figures import command, save
 from jacobian import RR, genus2_real, interpolate
 from tests.jacobian.real_rows import DISTANCES, TYPICAL, WORST, Row, rows
@@ -20,20 +21,10 @@ CASES = {
 }
 
 
-def classical(row: Row) -> tuple[Any, Any]:
-    """L ≡ (V' − V)/U modulo U' alone, by Cramer's rule: the textbook composition. ZeroDivisionError at D' = D."""
-    f, (u0, u1, v0, v1), (s0, s1, t0, t1) = (tuple(map(float, part)) for part in (row.f, row.first, row.second))
-    a0, a1 = u0 - s0, u1 - s1
-    b0, b1 = -s0 * a1, a0 - s1 * a1
-    r0, r1 = t0 - v0, t1 - v1
-    determinant = a0 * b1 - a1 * b0
-    l0, l1 = (r0 * b1 - r1 * b0) / determinant, (a0 * r1 - a1 * r0) / determinant
-    p0, p1, p2 = v0 + u0 * l0, v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
-    sum1, sum0 = u1 + s1, u0 + s0 + u1 * s1
-    c1 = (2 * l1 * p2 - f[5]) / (l1 * l1) - sum1
-    c0 = (p2 * p2 + 2 * l1 * p1 - f[4]) / (l1 * l1) - c1 * sum1 - sum0
-    high = p2 - c1 * l1
-    return (c0, c1), (c0 * high - p0, c0 * l1 + c1 * high - p1)
+def by_cramer(row: Row) -> tuple[Any, Any]:
+    """The textbook composition. ZeroDivisionError at D' = D."""
+    u0, u1, v0, v1 = classical(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))
+    return (u0, u1), (v0, v1)
 
 
 def stacked(row: Row) -> tuple[Any, Any]:
@@ -49,7 +40,7 @@ def kernel(row: Row) -> tuple[Any, Any]:
     return total[:2], total[2:]
 
 
-METHODS: dict[str, Callable[[Row], tuple[Any, Any]]] = {"classical": classical, "stacked": stacked, "kernel": kernel}
+METHODS: dict[str, Callable[[Row], tuple[Any, Any]]] = {"classical": by_cramer, "stacked": stacked, "kernel": kernel}
 
 
 def errors(method: Callable[[Row], tuple[Any, Any]], sample: Sequence[Row]) -> list[float | None]:

@@ -22,8 +22,7 @@ import numpy as np
 from integrable import ChaplyginBall
 from jacobian import CC, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray, set_threads
-from jacobian.batch.complex import ComplexSums
-from jacobian.batch.real import RealSums
+from jacobian.batch.sums import FloatSums
 
 SOURCES = Path(__file__).parent / "c"
 REPEATS = 25
@@ -81,7 +80,7 @@ def _rows(few: DivisorArray, size: int, repeats: int) -> list[dict[str, object]]
     f = np.array([*curve.f, *[0.0] * 7][: 6 if curve.field == RR and len(curve.f) == 6 else 7])
     E, A = few[0], few[np.resize(np.arange(1, len(few)), size)]
     first, second = _columns(A), _columns(DivisorArray.stack([E]))
-    sums = RealSums(curve) if len(f) == 6 else ComplexSums(curve)
+    sums = FloatSums(curve)
     out, doubtful = sums.add(first, second)
     D = A[:SINGLE].to_list()
     single = _columns(DivisorArray.stack([a + E for a in D]))

@@ -36,7 +36,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
             image = A(point)
             row["Abel map, ms"] = _milliseconds(lambda A=A, point=point: A(point), repeats)
             row["inverse, ms"] = _milliseconds(lambda A=A, image=image: A.inverse(image), repeats)
-            row["log10 error"] = _error(C, roots, dps)
+            row["log10 error"] = _error(C, dps)
             rows.append(row)
     return rows
 
@@ -61,7 +61,7 @@ def _milliseconds(work: Any, repeats: int) -> float:
     return 1e3 * median(times)
 
 
-def _error(C: HyperellipticCurve, roots: list[str] | None, dps: int) -> float:
+def _error(C: HyperellipticCurve, dps: int) -> float:
     """log₁₀ of the distance of the columns from the lattice computed with twice the digits."""
     from mpmath import log10, mpf, nint
 

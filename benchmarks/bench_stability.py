@@ -17,8 +17,10 @@ from typing import Any
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 import jacobian.retraction_compiled  # noqa: F401
+from benchmarks.classical import classical
 from benchmarks.figures import command, save
 from integrable import ChaplyginBall, EulerTop, flow_compiled
 from jacobian import MP, genus2_real, retraction
@@ -114,24 +116,13 @@ def _retracted(f, point, step, count):  # type: ignore[no-untyped-def]
     return point
 
 
+register_jitable(classical)
+
+
 @njit(**JIT)
 def _classical(f, point, step, count):  # type: ignore[no-untyped-def]
-    """L ≡ (V' − V)/U mod U' by Cramer's rule, U'' from the leading coefficients of P² − f, V'' = −P mod U''."""
-    f4, f5 = f[4], f[5]
-    s0, s1, t0, t1 = step
     for _ in range(count):
-        u0, u1, v0, v1 = point
-        a0, a1 = u0 - s0, u1 - s1
-        b0, b1 = -s0 * a1, a0 - s1 * a1
-        r0, r1 = t0 - v0, t1 - v1
-        determinant = a0 * b1 - a1 * b0
-        l0, l1 = (r0 * b1 - r1 * b0) / determinant, (a0 * r1 - a1 * r0) / determinant
-        p0, p1, p2 = v0 + u0 * l0, v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
-        sum1, sum0 = u1 + s1, u0 + s0 + u1 * s1
-        c1 = (2 * l1 * p2 - f5) / (l1 * l1) - sum1
-        c0 = (p2 * p2 + 2 * l1 * p1 - f4) / (l1 * l1) - c1 * sum1 - sum0
-        high = p2 - c1 * l1
-        point = (c0, c1, c0 * high - p0, c0 * l1 + c1 * high - p1)
+        point = classical(f, point, step)
     return point
 
 

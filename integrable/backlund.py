@@ -8,12 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf, isfinite
-from operator import index
 from typing import TYPE_CHECKING, Any
 
 from integrable import coordinates
 from integrable.jets import apply
-from integrable.step import Step
+from integrable.step import Step, checked_multiple, checked_signs
 from integrable.widening import LARGEST, MOST_CONDITION, check_integrals, drift, in_wider_numbers
 from jacobian import poly
 from jacobian.errors import ArgumentError, NotASquare
@@ -49,9 +48,9 @@ class Translation(Step):
     ) -> None:
         self.system = system
         self.points = _abscissas(system, points)
-        self.sheets = _signs(sheets, len(self.points), "sheets")
-        self.signs = _signs(signs, 3, "signs")
-        self.multiple = _multiple(multiple)
+        self.sheets = checked_signs(sheets, len(self.points), "sheets")
+        self.signs = checked_signs(signs, 3, "signs")
+        self.multiple = checked_multiple(multiple)
         self._rounding: Any = None if system.field.exact else system.field.eps
         self._last: tuple[Any, ...] | None = None
         self._upright: tuple[System, Translation] | None = None
@@ -61,7 +60,7 @@ class Translation(Step):
         return f"<addition of {self.multiple}·({points}) on {self.system!r}>"
 
     def __mul__(self, m: int) -> Translation:
-        return Translation(self.system, self.points, self.sheets, self.signs, self.multiple * _multiple(m))
+        return Translation(self.system, self.points, self.sheets, self.signs, self.multiple * checked_multiple(m))
 
     __rmul__ = __mul__
 
@@ -328,22 +327,3 @@ def _own(K: Any, x: Any) -> Any:
 def _size_at(f: poly.Poly, x: Any) -> Any:
     """Σ |f_i||x|^i: what rounding in f(x) is relative to."""
     return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))
-
-
-def _signs(values: Sequence[int] | None, count: int, argument: str) -> tuple[int, ...]:
-    if values is None:
-        return (1,) * count
-    given = tuple(values)
-    if len(given) != count or any(x not in (1, -1) for x in given):
-        raise ArgumentError(f"{argument} = {values!r}: give {count} signs, each 1 or -1")
-    return given
-
-
-def _multiple(m: Any) -> int:
-    try:
-        value = index(m)
-    except TypeError:
-        raise ArgumentError(f"multiple = {m!r}: a multiple of a step is an int") from None
-    if value == 0:
-        raise ArgumentError("multiple = 0: the identity map needs no step")
-    return value

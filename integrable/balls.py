@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.flow_kernel import abel_sums, carried, conjugate_points
-from integrable.translations import Translations, power_series
+from integrable.translations import Translations, series_of
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.inexact import InexactField
 
@@ -78,7 +78,7 @@ class BallTranslations:
         self.f = problem.f
         self.axes = (*problem.axes[:3], one, one, one, one, problem.field.zero)
         size = len(plain.series)
-        self._series, self._roots = (power_series(one, problem.f, power, size) for power in (-1, 1))
+        self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
         # the distance to the nearest branch point, from below
         self._nearest = min(x.abs_lower() for x in problem.branch_points)
 

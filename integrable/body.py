@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotASquare
+from jacobian.fields.protocol import check_field
 
 Vector = tuple[Any, Any, Any]
 
@@ -40,7 +41,7 @@ class Body:
     @staticmethod
     def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
         """A Body of checked parameters; ArgumentError names the one that is wrong."""
-        moments = triple(field, inertia, "inertia")
+        moments = triple(check_field(field, "field"), inertia, "inertia")
         offset = field.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {d!r} is negative: d = m r² ≥ 0 (0 for the Euler top)")

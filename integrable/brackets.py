@@ -1,7 +1,7 @@
 """Poisson structures of the ball and the top, and how to test them.
 
-The signs are those of the motion: ẋ = g{x, H1/2} (formulas.md, section 0; Borisov and Mamaev 2001 and Tsiganov's
-chap-br have the opposite ones). On (γ, M), with cyclic (i, j, k),
+The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov's chap-br have the
+opposite ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
@@ -24,6 +24,7 @@ from integrable import coordinates
 from integrable.body import Body, Vector, cross
 from integrable.jets import JetField
 from integrable.state import State
+from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.systems.system import System
@@ -83,11 +84,11 @@ def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[
         jets = JetField(K, len(point))
         return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
     step = K.coerce(K.eps) ** K.div(K.one, K.coerce(7))
-    columns = [_difference(K, lambda x: function(K, x), tuple(point), k, step) for k in range(len(point))]
+    columns = [_difference(lambda x: function(K, x), tuple(point), k, step) for k in range(len(point))]
     return tuple(zip(*columns, strict=True))
 
 
-def _difference(K: Any, function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...], k: int, step: Any) -> Any:
+def _difference(function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...], k: int, step: Any) -> Any:
     total: list[Any] | None = None
     for count, weight in STENCIL:
         shift = count * step * max(1, abs(point[k]))
@@ -157,6 +158,10 @@ def image_brackets(system: System, step: Callable[..., State], state: State) -> 
     A Poisson map makes them equal. ``step(system, state)`` or a step with ``.over(system)``, as in
     :mod:`integrable.backlund`.
     """
+
+    state = system._checked(state)
+    if not (hasattr(step, "over") or callable(step)):
+        raise ArgumentError(f"step = {step!r}: give a Step or a function of (system, state)")
 
     def image(moved: Any, x: State) -> Sequence[Any]:
         y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)

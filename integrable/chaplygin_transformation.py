@@ -5,7 +5,7 @@
 
 The a_i = 1/(I_i + d), H1 and the time τ of the flow (dτ = g dt) are the same on both sides. Over the reals k is the
 root with −1 < kc ≤ 0, continuous from k = 0 at c = 0. At d = 0, γ̃ is the unit vector of γ − (c/H2)M and M̃ = M.
-(Chaplygin 1903; the constants are those of formulas.md, section 6.)
+(Chaplygin 1903; the constants are checked exactly in tests/integrable/test_identities_tilted.py.)
 """
 
 from __future__ import annotations

@@ -6,6 +6,7 @@ for 1/g.
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -109,8 +110,8 @@ class Clock:
         steps = [int(s) for s in np.searchsorted(self.high, np.array(high), side="right") - 1]
         rests = [(t - self.high[s]) + (r - self.low[s]) for t, r, s in zip(high, low, steps, strict=True)]
         nexts = [(t - self.high[s + 1]) + (r - self.low[s + 1]) for t, r, s in zip(high, low, steps, strict=True)]
-        points, offsets = np.empty((len(steps), 10)), np.empty(len(steps))
-        flow_kernel.states_at_times(
+        state_at_time = partial(
+            flow_kernel.state_at_time,
             setup.f,
             setup.axes,
             setup.start,
@@ -122,13 +123,9 @@ class Clock:
             setup.half_step,
             setup.passes,
             self._sign,
-            steps,
-            _plain(rests),
-            _plain(nexts),
-            points,
-            offsets,
         )
-        return points, offsets
+        found = [state_at_time(*place) for place in zip(steps, _plain(rests), _plain(nexts), strict=True)]
+        return np.array([point for point, _ in found], float), np.array([offset for _, offset in found], float)
 
     def time(self, step: int, offset: Any) -> Any:
         """The (scaled) time ``offset`` half steps beyond a basic step."""

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.state import State
+from integrable.state import State, constrained
 from jacobian import RR
 from jacobian.errors import ArgumentError
 
@@ -106,9 +106,4 @@ def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> 
         options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))
     changed = type(system)([given[f"I{i}"] for i in (1, 2, 3)], field=field, **options)
     gamma, M = [given[f"γ{i}"] for i in (1, 2, 3)], [given[f"M{i}"] for i in (1, 2, 3)]
-    length = field.sqrt(field.dot(gamma, gamma))
-    gamma = [x / length for x in gamma]
-    if state.tilted:
-        return changed, changed.state(gamma, M, tilted=True)
-    tilt = field.dot(gamma, M)
-    return changed, changed.state(gamma, [m - tilt * x for m, x in zip(M, gamma, strict=True)])
+    return changed, constrained(changed, gamma, M, tilted=state.tilted)

@@ -36,8 +36,6 @@ if TYPE_CHECKING:
 KERNELS = ("auto", "python", "compiled")
 # from this many times on, loading the compiled loops pays
 COMPILE_FROM = 500
-# the corners of the torus are trusted where a period leads back to this
-CLOSED = 1e-14
 # states whose integrals differ from those of the start by this part are refused; so many are looked at together
 DRIFT = 1e-9
 CHUNK = 8192
@@ -191,18 +189,15 @@ class Flow:
     @cached_property
     def _torus(self) -> TorusFlow | None:
         """None where the torus is not compact, or nearly so that its corners lose too many digits."""
-        from integrable.torus_flow import BeyondFloats, CompiledLoops, ReadableLoops, TorusFlow
+        from integrable.torus_flow import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
 
-        torus = None
         try:
             if self.kernel != "python":
-                with suppress(BeyondFloats):
-                    torus = TorusFlow(self.setup, CompiledLoops())
-            if torus is None or torus.closure > CLOSED:
-                torus = TorusFlow(self.setup, ReadableLoops(self.setup))
+                with suppress(NotClosed):
+                    return TorusFlow(self.setup, CompiledLoops())
+            return TorusFlow(self.setup, ReadableLoops(self.setup))
         except PrecisionLoss:
             return None
-        return torus if torus.closure <= CLOSED else None
 
     @cached_property
     def contact_on_torus(self) -> TorusIntegral | None:

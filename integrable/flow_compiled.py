@@ -43,8 +43,6 @@ for _inner in (
     flow_kernel.conjugate_points,
     flow_kernel.near_identity,
     flow_kernel.moving_point,
-    flow_kernel.reach,
-    flow_kernel.march,
 ):
     register_jitable(_inner)
 

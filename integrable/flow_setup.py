@@ -10,7 +10,7 @@ from integrable.body import Body, Vector
 from integrable.flow_kernel import near_identity, shift
 from integrable.legendre import legendre_rule
 from integrable.motion_problem import MotionProblem
-from integrable.translations import REACH, Translations, power_series
+from integrable.translations import REACH, Translations, series_of
 from jacobian import MP, RR
 from jacobian.bare_reals import BareReals
 from jacobian.errors import ArgumentError
@@ -56,13 +56,25 @@ class Setup:
         # steps of Newton from an estimate: floats start at leading order, multiprecision from floats
         self.passes = 6 if self.work is RR else max(1, ceil(log(digits / 14, 2)))
         self.reals = BareReals(self.wide.context.prec + GUARD_BITS)
-        self.translations = Translations(self.reals, self._f, self._axes, self._half_step)
         self.half_step, self.momentum = number(self._half_step), number(problem.momentum)
         self.counts = [1]
-        self._levels = [self.translations.near(2 * self._half_step)]
-        self._multiples = list(self._levels)
         self._bare_table: dict[int, list[tuple[Any, ...]]] = {1: [], -1: []}
         self._table: dict[int, list[tuple[Any, ...]]] = {1: [], -1: []}
+
+    @cached_property
+    def translations(self) -> Translations:
+        """T(eps) for eps of any size."""
+        return Translations(self.reals, self._f, self._axes, self._half_step)
+
+    @cached_property
+    def _levels(self) -> list[tuple[Any, ...]]:
+        """The translations by ``counts`` basic steps."""
+        return [self.translations.near(2 * self._half_step)]
+
+    @cached_property
+    def _multiples(self) -> list[tuple[Any, ...]]:
+        """The translations by 1, 2, … basic steps."""
+        return self._levels[:1]
 
     @cached_property
     def series(self) -> tuple[Any, ...]:
@@ -114,11 +126,15 @@ class Setup:
         """Steps of Newton from a float to the wide precision."""
         return max(1, ceil(log(self.wide.dps / 14, 2)))
 
+    @property
+    def wide_terms(self) -> int:
+        """How many terms of a series bring the wide precision within REACH."""
+        return self._size + ceil(1.3 * (self.wide.dps - self.digits))
+
     def wide_series(self, f: tuple[Any, ...], power: int) -> tuple[Any, ...]:
         """The series of (f/f0)^(power/2), to the wide precision within REACH."""
-        reals, size = self.reals, self._size + ceil(1.3 * (self.wide.dps - self.digits))
-        with reals:
-            return reals.elements(self.wide, power_series(reals.number(1), reals.row(f), power, size))
+        with self.reals:
+            return self.reals.elements(self.wide, series_of(self.reals.row(f), power, self.wide_terms))
 
     def combine(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
         """The sum of two translations, as a moving point with κ = 1."""

@@ -195,13 +195,17 @@ def _step(constants, transposed, high, low, y, rest, k, work):  # type: ignore[n
 
 
 @register_jitable(**INLINED)
-def _first_slopes(constants, y, k, work):  # type: ignore[no-untyped-def]
-    """The slopes at y, for every stage."""
+def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
+    """The ratios as :func:`_sums` takes them, room, the slopes at the start for every stage, room for two more sets of
+    slopes, and the compensated state.
+    """
+    work, k = np.empty((4, 6, STAGES)), np.empty((6, STAGES))
     points = work[2]
     for n in range(6):
         for i in range(STAGES):
-            points[n, i] = y[n]
+            points[n, i] = start[n]
     slopes(constants, points, k)
+    return np.ascontiguousarray(ratios.T), work, k, np.empty_like(k), np.empty_like(k), start.copy(), np.zeros(6)
 
 
 @njit(**COMPILED)
@@ -209,18 +213,10 @@ def _fixed(  # type: ignore[no-untyped-def]
     constants, nodes, weights, weights_low, ratios, last, inverse, start, times, sign, step, out
 ):
     """Whole steps, and one shorter step for each time; the number of right-hand sides, or FAILED."""
-    transposed = np.ascontiguousarray(ratios.T)
-    work, k, guess, part_k = (
-        np.empty((4, 6, STAGES)),
-        np.empty((6, STAGES)),
-        np.empty((6, STAGES)),
-        np.empty((6, STAGES)),
-    )
+    transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low, part_high, part_low = np.empty(STAGES), np.empty(STAGES), np.empty(STAGES), np.empty(STAGES)
-    y, rest = start.copy(), np.zeros(6)
     _weigh(weights, weights_low, sign * step, high, low)
     done, cost = 0.0, 0
-    _first_slopes(constants, y, k, work)
     for t in range(len(times)):
         count, remainder = whole_steps(times[t], step)
         while done < count:
@@ -269,16 +265,8 @@ def _adaptive(  # type: ignore[no-untyped-def]
     constants, nodes, weights, weights_low, ratios, last, inverse, start, times, sign, tolerance, out
 ):
     """As :func:`_fixed`, each step as long as :func:`_tail` allows."""
-    transposed = np.ascontiguousarray(ratios.T)
-    work, k, guess, part_k = (
-        np.empty((4, 6, STAGES)),
-        np.empty((6, STAGES)),
-        np.empty((6, STAGES)),
-        np.empty((6, STAGES)),
-    )
+    transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low = np.empty(STAGES), np.empty(STAGES)
-    y, rest = start.copy(), np.zeros(6)
-    _first_slopes(constants, y, k, work)
     speed = 0.0
     for base in (0, 3):
         size, rate = 0.0, 0.0

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.extrapolation import integrate
-from integrable.separated_flow import Motion, widened
+from integrable.separated_flow import Motion, numbers_of, widened
 from integrable.state import State
 from jacobian import RR
 from jacobian.errors import ArgumentError
@@ -49,7 +49,7 @@ class IntegratedMotion:
     def at(self, times: Any) -> Motion:
         """The states at physical times, in any order and of either sign."""
         K = self.system.field
-        given = [K.coerce(x, f"times[{i}]") for i, x in enumerate(times)]
+        given = numbers_of(K, times, "times")
         system, state = widened(self.system, self._state)
         wide, digits = system.field, FLOAT_DIGITS if K == RR else K.dps
         rows = integrate(

@@ -1,8 +1,7 @@
 """The isometries that make the d = 0 geodesic flows of the tilde, check and hat pairs one family.
 
 The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is M' = Bγ × B⁻¹(M × γ), a canonical map. With a' = 1/a (moments I'_i = a_i):
-B² = A^∨ takes the hat pair of A to e3 times the tilde pair of A⁻¹, B² = A the check pair to −e3 times it (formulas.md,
-section 8).
+B² = A^∨ takes the hat pair of A to e3 times the tilde pair of A⁻¹, B² = A the check pair to −e3 times it.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from integrable.body import Body, cross, square_root
 from integrable.extrapolation import extrapolated
 from integrable.jets import JetField, apply
 from integrable.state import State
-from integrable.step import Step
+from integrable.step import Step, checked_signs
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
 from jacobian.lift import Pair, SignedDivisor, SignedGroup
@@ -86,9 +86,7 @@ class Keyless(Move):
 
     def __init__(self, system: System, signs: Sequence[int] | None = None) -> None:
         self.system = system
-        self.signs = tuple(signs) if signs is not None else (1, 1, 1)
-        if len(self.signs) != 3 or any(x not in (1, -1) for x in self.signs):
-            raise ArgumentError(f"signs = {signs!r}: give 3 signs, each 1 or -1")
+        self.signs = checked_signs(signs, 3, "signs")
 
     def __repr__(self) -> str:
         return f"<keyless map on {self.system!r}>"
@@ -180,6 +178,8 @@ class Shift(Move):
     def __init__(self, system: System, F: Callable[[Any, Any], Any]) -> None:
         if system.field.exact:
             raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
+        if not callable(F):
+            raise ArgumentError(f"F = {F!r}: give a function of H1 and H2, such as lambda h1, h2: h1 / 2")
         self.system = system
         self.F = F
 

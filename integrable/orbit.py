@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from jacobian import RR
+from jacobian.errors import ArgumentError
 
 from .backlund import Translation
 from .scene_data import FLOAT_DIGITS, Scene
@@ -130,6 +131,10 @@ def orbit(step: Step, state: State, count: int) -> Orbit:
     Where the map loses digits (:meth:`Step.condition`) the orbit runs in wider numbers and its states are rounded to
     the field of the map one by one, so that rounding is not fed back into the map.
     """
+    if not isinstance(step, Step):
+        raise ArgumentError(f"step = {step!r}: give a Step, such as system.translation(points)")
+    if isinstance(count, bool) or not hasattr(count, "__index__") or count < 0:
+        raise ArgumentError(f"count = {count!r}: give an int ≥ 0, a number of steps")
     if step.condition(state) > MOST_CONDITION:
         return Orbit((state, *in_wider_numbers(step, state, count)), step.system.field)
     states = [state]

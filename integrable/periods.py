@@ -5,85 +5,27 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from integrable.flow_kernel import near_identity
+from integrable.torus_lattice import oval_ends
+from integrable.torus_survey import REACH, oval_periods
 from jacobian import poly
-from jacobian.errors import PrecisionLoss
 from jacobian.periods import Oval
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
 
-# conjugate points of a translation at this part of the distance from its centre to the next branch point
-REACH = 0.3
-
 
 def ovals(setup: Setup) -> list[Oval]:
-    """The ovals over [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] that u1 and u2 run through, ζ = h1/(h2·max a),
-    each with its periods 2∫dx/y and 2∫x dx/y.
+    """The ovals that u1 and u2 run through (:func:`integrable.torus_lattice.oval_ends`), each with its periods 2∫dx/y
+    and 2∫x dx/y.
 
     An oval may be a point, an isolated double point of the curve: its periods are then residues. At d = 0 the periods
-    of x dx/y differ by the residue at infinity. PrecisionLoss where the two ovals meet (the separatrix) or both are one
-    point: there the motion is not a line on a compact torus of dimension two.
+    of x dx/y differ by the residue at infinity.
     """
     K = setup.wide
-    low, middle, high = sorted(setup.wide_axes)
-    first, second = (low, min(setup.ratio, middle)), (max(setup.ratio, middle), high)
-    if second[0] - first[1] <= K.eps**0.75:
-        raise PrecisionLoss("the ovals of the curve have met: the torus of this motion is not compact")
-    third = (K.one, -setup.wide_d, K.zero)
-    return [
-        Oval(*oval, tuple(row))
-        for oval, row in zip((first, second), _oval_periods(K, first, second, third), strict=True)
-    ]
-
-
-def _oval_periods(K: Any, first: Any, second: Any, third: Any) -> tuple[Any, Any]:
-    """2∫dx/√|PQR| and 2∫x dx/√|PQR| from root to root of P and of Q, monic with the given roots; R = ``third``, whose
-    roots are beyond those.
-
-    The arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988): with U = Q'R − QR' and so on,
-    ∫dx/√|PQR| = 2√Δ∫dx/√|UVW| between roots of V and W, of W and U, which are closer. It converges quadratically,
-    however near branch points are.
-    """
-    sqrt, scale = K.sqrt, 2 * K.one
-    near = K.eps**0.5 / 16
-    while max(first[1] - first[0], second[1] - second[0]) > near:
-        p, q = ((pair[0] * pair[1], -pair[0] - pair[1], K.one) for pair in (first, second))
-        u, v, w = _bracket(q, third), _bracket(third, p), _bracket(p, q)
-        # Δ is the determinant of the coefficients; W and the roots of R complete it
-        determinant = third[0] * w[2] - third[1] * w[1] / 2 + third[2] * w[0]
-        gaps = [x - y for x in first for y in second]
-        spread = sqrt(gaps[0] * gaps[1] * gaps[2] * gaps[3])
-        (w1, w2), (u1, u2), (v1, v2) = _between(K, w, spread), _roots(K, u), _roots(K, v)
-        scale *= 2 * sqrt(abs(determinant) / abs(w[2] * (u[2] or u[1]) * (v[2] or v[1])))
-        first, second = (v1, w1), (w2, u1)
-        third = (K.one, K.zero, K.zero) if u2 is None else (u2 * v2, -u2 - v2, K.one)
-    result = []
-    for pair, other in ((first, second), (second, first)):
-        x = (pair[0] + pair[1]) / 2
-        rest = abs((x - other[0]) * (x - other[1]) * (third[0] + x * (third[1] + x * third[2])))
-        weight = scale * K.context.pi / sqrt(rest)
-        result.append((weight, weight * x))
-    return result[0], result[1]
-
-
-def _bracket(p: Any, q: Any) -> tuple[Any, Any, Any]:
-    """p'q − pq' of two quadratics, ascending."""
-    return p[1] * q[0] - p[0] * q[1], 2 * (p[2] * q[0] - p[0] * q[2]), p[2] * q[1] - p[1] * q[2]
-
-
-def _between(K: Any, w: Any, spread: Any) -> tuple[Any, Any]:
-    """The roots of w, ascending, from the root of its discriminant."""
-    middle = -w[1] / 2
-    far = middle + spread if middle >= 0 else middle - spread
-    roots = sorted((far / w[2], w[0] / far))
-    return roots[0], roots[1]
-
-
-def _roots(K: Any, p: Any) -> tuple[Any, Any]:
-    """The roots of p, ascending; the second None where p is of degree 1."""
-    if p[2] == 0:
-        return -p[0] / p[1], None
-    return _between(K, p, K.sqrt(p[1] * p[1] / 4 - p[0] * p[2]))
+    first, second = oval_ends(setup)
+    periods = [K.zero] * 4
+    oval_periods((*first, *second), setup.wide_d, K.one, +K.context.pi, K.eps**0.5 / 16, periods)
+    return [Oval(*first, (periods[0], periods[1])), Oval(*second, (periods[2], periods[3]))]
 
 
 def translation(setup: Setup, period: Any) -> tuple[Any, ...]:

@@ -13,7 +13,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from integrable.body import cross
-from integrable.separated_flow import Motion, laurent, motion_of, widened
+from integrable.separated_flow import Motion, laurent, motion_of, numbers_of, widened
 from integrable.state import State
 from jacobian import poly
 from jacobian.errors import NotRepresentable
@@ -60,7 +60,7 @@ class PoleFlow:
     def at(self, times: Any) -> Motion:
         """The states at times t, in any order, of any size and sign."""
         K = self.system.field
-        given = [self._outer.coerce(x, f"times[{i}]") for i, x in enumerate(times)]
+        given = numbers_of(self._outer, times, "times")
         rows = [self._state(*(curve.moved(K.coerce(t)) for curve in self._curves)) for t in given]
         return motion_of(self._outer, given, given, rows, 1)
 

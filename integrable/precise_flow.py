@@ -110,10 +110,10 @@ class Motion:
         if max(map(abs, times), default=0) < TORUS_FROM * setup.digits * setup.step_length:
             return None
         if self._torus is None:
-            from integrable.torus import TorusClock
+            from integrable.torus import MultiprecisionTorusClock
 
             try:
-                self._torus = TorusClock(setup)
+                self._torus = MultiprecisionTorusClock(setup)
             except PrecisionLoss:
                 self._torus = False
         return self._torus or None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable import flow_kernel
 from jacobian import RR
+from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
@@ -18,7 +20,10 @@ COMPILE_FROM = 100_000
 
 def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
     """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
-    compiled = kernel == "compiled" or (kernel == "auto" and max(counts) >= COMPILE_FROM)
+    counts = list(counts) if isinstance(counts, Iterable) else counts
+    if not isinstance(counts, list) or not all(hasattr(n, "__index__") and n >= 0 for n in counts):
+        raise ArgumentError(f"counts = {counts!r}: give ints ≥ 0")
+    compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
     march: Any = flow_kernel.march
     inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])
     if compiled and setup.work is RR:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -34,8 +35,12 @@ def run(
     ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
     tried before anything is computed. ``progress`` draws a bar on stderr.
     """
+    if not isinstance(scene, (Scene, str, os.PathLike)):
+        raise ArgumentError(f"scene = {scene!r}: give a Scene, the name of one or the path of a .toml file")
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
+    if out is not None and not isinstance(out, (str, os.PathLike)):
+        raise ArgumentError(f"out = {out!r}: give the path of a folder")
     digits = scene.digits if digits is None else digits
     if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
         raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed (15: floats)")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.resources
+import os
 import tomllib
 from decimal import Decimal
 from fractions import Fraction
@@ -41,6 +42,8 @@ def load_scene(name_or_path: str | Path) -> Scene:
 
     Raises ArgumentError, one line, naming file, table, key, value and what would be right.
     """
+    if not isinstance(name_or_path, (str, os.PathLike)):
+        raise ArgumentError(f"name_or_path = {name_or_path!r}: give the name of a scene or the path of a .toml file")
     source = str(name_or_path)
     if isinstance(name_or_path, str) and source in scene_names():
         text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8")

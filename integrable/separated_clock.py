@@ -1,7 +1,7 @@
 """Physical time along a tilde flow at d ≠ 0: t = ∫dτ/g by Gauss–Legendre quadrature on steps of equal length in τ.
 
 g depends on the abscissas ũ_k of the two curves alone: g⁻² = H2(1 − dũ1)(1 − dũ2)/(H2 − dH1), with H2 = (λ1 − λ2)/(ũ2 −
-ũ1) and H1 = λ1 + ũ1H2 (formulas.md, section 5). Each step keeps 1/g as a Legendre series, so that τ(t) is a Newton
+ũ1) and H1 = λ1 + ũ1H2. Each step keeps 1/g as a Legendre series, so that τ(t) is a Newton
 iteration on one of them.
 """
 

@@ -8,11 +8,12 @@ from the roots R_i = √|Z − e_i|, which the addition moves too:
     R_i(u + v) = (s_i(v)R_i'(u) + R_i(u)s_j(v)s_k(v))/(℘(v) − Z(u)),   s_i = √(℘ − e_i),   R_i' = ±R_jR_k.
 
 Any τ costs one addition on each curve, its translation a few terms of the Laurent series and log₂ τ doublings. (The
-separation: Tsiganov, formulas.md section 7; the addition: Weierstrass.)
+separation: Tsiganov; the addition: Weierstrass.)
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from math import ceil
@@ -78,8 +79,8 @@ class SeparatedFlow:
             raise NotRepresentable(f"λ = {self._lambdas}: K vanishes, and one of the two curves degenerates")
         product = body.contact[0] * body.contact[1] * body.contact[2]
         self.curves = [
-            Oval(K, [x * product / i for i in body.inertia], k, product * x, body, v, w)
-            for k, (x, v, w) in enumerate(zip(self._lambdas, u, du, strict=True))
+            Oval(K, [x * product / i for i in body.inertia], product * x, body, v, w)
+            for x, v, w in zip(self._lambdas, u, du, strict=True)
         ]
         self._signs = _signs(self, e, slope)
         found = self._state(*(curve.start for curve in self.curves))
@@ -87,7 +88,7 @@ class SeparatedFlow:
 
     def at_tau(self, tau: Any) -> Motion:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0), of any order, size and sign."""
-        given = [self._outer.coerce(x, f"tau[{i}]") for i, x in enumerate(tau)]
+        given = numbers_of(self._outer, tau, "tau")
         return self._motion(None if self.system.body.rolls else given, given)
 
     def at(self, times: Any) -> Motion:
@@ -96,7 +97,7 @@ class SeparatedFlow:
         At d = 0 they are those of the flow; at d ≠ 0 a clock steps there once (:mod:`integrable.separated_clock`), up
         to 200000 steps, and ArgumentError beyond.
         """
-        given = [self._outer.coerce(x, f"times[{i}]") for i, x in enumerate(times)]
+        given = numbers_of(self._outer, times, "times")
         if not self.system.body.rolls:
             return self._motion(given, given)
         return self._motion(given, [self._clock.tau(self.system.field.coerce(x)) for x in given])
@@ -182,7 +183,7 @@ class IsometricFlow:
     def at(self, times: Any) -> Motion:
         """The states at times t, in any order, of any size and sign."""
         K = self.system.field
-        given = [self._outer.coerce(x, f"times[{i}]") for i, x in enumerate(times)]
+        given = numbers_of(self._outer, times, "times")
         run = self._flow.at_tau([self._pace * K.coerce(x) for x in given])
         back = [1 / b for b in self._roots]
         rows = [lift(K, back, tuple(x), tuple(m)) for x, m in zip(run.gamma, run.M, strict=True)]
@@ -194,7 +195,7 @@ class IsometricFlow:
 class Oval:
     """The curve Z'² = 4Π(Z − e_i) of one separated variable, and the motion along its bounded oval."""
 
-    def __init__(self, K: Any, roots: Any, k: int, mu: Any, body: Any, u: Any, du: Any) -> None:
+    def __init__(self, K: Any, roots: Any, mu: Any, body: Any, u: Any, du: Any) -> None:
         self._field = K
         self.e = list(roots)
         self.mu = mu
@@ -265,6 +266,13 @@ def widened(system: Deformation, state: State) -> tuple[Any, State]:
     tilt = wide.dot(gamma, M)
     M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
     return system.over(wide), State(tuple(gamma), tuple(M))
+
+
+def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
+    """The values, or one, as elements of K; FieldError that names ``argument``."""
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+        values = [values]
+    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(values)]
 
 
 def motion_of(K: Any, times: Any, tau: list[Any], rows: list[Any], side: int) -> Motion:

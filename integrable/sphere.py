@@ -2,7 +2,7 @@
 
 H1 = (M, M) and H2 = −(M, AM) in the coordinates (u, p) of :mod:`integrable.separation` at d = 0; here φ(x) = 4Π(a_i −
 x), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so that V is minus that of :meth:`System.divisor`. (Tsiganov,
-"Integrable discretization …", section 4.1; formulas.md, section 8.)
+"Integrable discretization …", section 4.1.)
 """
 
 from __future__ import annotations

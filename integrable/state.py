@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,3 +22,20 @@ class State:
     M: Vector
     g: Any = None
     tilted: bool = False
+
+
+def constrained(system: Any, gamma: Iterable[Any], M: Iterable[Any], *, tilted: bool = False) -> State:
+    """The state of γ and M that meet |γ| = 1 and, unless ``tilted``, (γ, M) = 0 to rounding: made to meet them exactly.
+
+    ``gamma`` and ``M`` are numbers of the field of ``system``; γ is divided by its length, M loses its part along γ.
+    """
+    K = system.field
+    gamma, M = list(gamma), list(M)
+    length = K.sqrt(K.dot(gamma, gamma))
+    gamma = [x / length for x in gamma]
+    if not tilted:
+        tilt = K.dot(gamma, M)
+        M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
+    # deformations know no tilted states
+    state: State = system.state(gamma, M, **({"tilted": True} if tilted else {}))
+    return state

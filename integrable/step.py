@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import copy
+from collections.abc import Iterable
+from operator import index
 from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError
@@ -68,3 +70,22 @@ class Composition(Step):
     def __neg__(self) -> Composition:
         """The inverse, where both have one."""
         return Composition(-self.first, -self.second)  # type: ignore[operator]
+
+
+def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
+    """``count`` signs, all 1 for None, or an ArgumentError that names ``argument``."""
+    given = (1,) * count if values is None else tuple(values) if isinstance(values, Iterable) else ()
+    if len(given) != count or any(x not in (1, -1) for x in given):
+        raise ArgumentError(f"{argument} = {values!r}: give {count} signs, each 1 or -1")
+    return given
+
+
+def checked_multiple(m: Any) -> int:
+    """``m`` as an int that is not 0, or an ArgumentError."""
+    try:
+        value = index(m)
+    except TypeError:
+        raise ArgumentError(f"multiple = {m!r}: a multiple of a step is an int") from None
+    if value == 0:
+        raise ArgumentError("multiple = 0: the identity map needs no step")
+    return value

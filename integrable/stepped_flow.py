@@ -122,22 +122,15 @@ class SteppedFlow:
 
     def _points(self, sign: int, steps: list[int], offsets: list[Any]) -> np.ndarray:
         """The moving points ``offsets`` half steps beyond ``steps`` basic steps."""
-        setup, out = self.setup, np.empty((len(steps), 10))
-        flow_kernel.states_at_offsets(
-            setup.f,
-            setup.axes,
-            setup.start,
-            *setup.table(sign, max(steps)),
-            setup.series,
-            setup.roots,
-            setup.half_step,
-            setup.passes,
-            sign,
-            steps,
-            offsets,
-            out,
-        )
-        return out
+        setup, levels = self.setup, self.setup.table(sign, max(steps))
+        points = [flow_kernel.reach(setup.f, setup.axes, setup.start, *levels, step) for step in steps]
+        moved = [
+            flow_kernel.offset_point(
+                setup.f, setup.axes, point, setup.series, setup.roots, setup.half_step, setup.passes, sign * offset
+            )
+            for point, offset in zip(points, offsets, strict=True)
+        ]
+        return np.array(moved, float)
 
     def _steps(self, scaled: list[Any]) -> tuple[list[int], list[Any]]:
         """Whole steps and half-step offsets in [−1, 1] of |τ|, divided in the wide precision."""

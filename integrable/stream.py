@@ -27,7 +27,13 @@ def stream(flow: Flow, path: str | os.PathLike[str], start: Any, end: Any, count
     if isinstance(count, bool) or not isinstance(count, int) or count < 2:
         raise ArgumentError(f"count = {count!r}: give an int, 2 or more")
     first, last = (RR.coerce(x, name) for name, x in (("start", start), ("end", end)))
+    if not isinstance(path, (str, os.PathLike)):
+        raise ArgumentError(f"path = {path!r}: give the path of a .npy file")
     target = Path(path)
+    if not target.parent.is_dir():
+        raise ArgumentError(
+            f"path = {str(path)!r}: give a file in a folder that exists; {str(target.parent)!r} does not"
+        )
     handle, name = tempfile.mkstemp(dir=target.parent or ".", prefix=target.name, suffix=".part")
     try:
         with os.fdopen(handle, "wb") as file:

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from integrable.flow_setup import Setup
 
 
-class TorusClock:
+class MultiprecisionTorusClock:
     """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.flow_setup.Setup`.
 
     Raises PrecisionLoss where the torus is degenerate or nearly so: that is for the clock that counts steps.

@@ -10,15 +10,37 @@ from __future__ import annotations
 from numba import njit
 from numba.extending import overload, register_jitable
 
-from integrable import flow_compiled, torus_kernel
+from integrable import flow_compiled, torus_kernel, torus_survey
 from jacobian.double_double_compiled import JIT, numbers
+from jacobian.genus2_compiled import JIT as FLOAT_JIT
 
 # the double-double kernels that :mod:`integrable.flow_compiled` registers are what these loops call
 assert flow_compiled
 
 for _inner in (
+    torus_survey.bracket,
+    torus_survey.between,
+    torus_survey.oval_periods,
+    torus_survey.complete,
+    torus_survey.slowed,
+    torus_survey.mean_slowness,
+    torus_survey.reach_of,
+    torus_survey.split_by,
+    torus_survey.reduced,
+    torus_survey.cells,
+    torus_survey.best_chart,
+    torus_survey.about_centre,
+    torus_survey.power_series,
+    torus_kernel.direction,
+    torus_kernel.recentred,
+    torus_kernel.point_in,
+    torus_kernel.put,
+    torus_kernel.conditioning,
+    torus_kernel.opposite,
+    torus_kernel.find_turns,
+    torus_kernel.turn,
+    torus_kernel.step_over,
     torus_kernel.small_translation,
-    torus_kernel.walked,
     torus_kernel.whole_turns,
     torus_kernel.state_at,
     torus_kernel.turned,
@@ -36,9 +58,11 @@ def _overloaded(series, a, b, room):  # type: ignore[no-untyped-def]  # numba co
     return lambda series, a, b, room: _swing_and_rate(series, a, b, room)
 
 
-_direction = register_jitable(torus_kernel.direction)
-_translation_by = register_jitable(torus_kernel.translation_by)
-_fill = register_jitable(torus_kernel.fill)
+_survey = register_jitable(torus_survey.survey)
+_directions = register_jitable(torus_kernel.directions)
+_corners = register_jitable(torus_kernel.corners)
+_offsets = register_jitable(torus_kernel.offsets)
+_sampled = register_jitable(torus_kernel.sampled)
 _states_at_phases = register_jitable(torus_kernel.states_at_phases)
 _states_at_tau = register_jitable(torus_kernel.states_at_tau)
 _states_at_times = register_jitable(torus_kernel.states_at_times)
@@ -46,47 +70,86 @@ _times_at_tau = register_jitable(torus_kernel.times_at_tau)
 
 
 @njit(**JIT)
-def direction(series, roots, constants, axes, nodes, passes, slopes, table):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus_kernel.direction`, ``constants`` = (f0, reach)."""
-    pair = numbers(constants)
-    _direction(
-        numbers(series), numbers(roots), pair[0], numbers(axes), pair[1], nodes, passes, numbers(slopes), numbers(table)
+def survey(motion, near, points, out):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus_survey.survey`."""
+    return _survey(numbers(motion), near, points, numbers(out))
+
+
+@njit(**JIT)
+def directions(motion, chart, parts, nodes, passes, series, roots, room, tables, halves):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus_kernel.directions`."""
+    _directions(
+        numbers(motion),
+        chart,
+        numbers(parts),
+        nodes,
+        passes,
+        numbers(series),
+        numbers(roots),
+        numbers(room),
+        numbers(tables),
+        numbers(halves),
     )
 
 
 @njit(**JIT)
-def translation_by(f, axes, centres, tables, terms, parts, by, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus_kernel.translation_by`, ``by`` = (a, b)."""
-    pair = numbers(by)
-    _translation_by(
-        numbers(f),
-        numbers(axes),
+def corners(f, axes, unit_axes, start, cells, forward, most, halves, steps, states, ends, turns):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus_kernel.corners`."""
+    _corners(
+        _six(numbers(f)),
+        _eight(numbers(axes)),
+        _eight(numbers(unit_axes)),
+        numbers(start),
+        cells,
+        forward,
+        most,
+        numbers(halves),
+        numbers(steps),
+        numbers(states),
+        numbers(ends),
+        turns,
+    )
+
+
+@njit(**JIT)
+def offsets(f, unit_axes, centres, tables, terms, parts, cells, finer, steps, counts):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus_kernel.offsets`."""
+    _offsets(
+        _six(numbers(f)),
+        _eight(numbers(unit_axes)),
         centres,
         numbers(tables),
         terms,
         numbers(parts),
-        pair[0],
-        pair[1],
-        numbers(out),
+        cells,
+        finer,
+        numbers(steps),
+        counts,
     )
 
 
 @njit(**JIT)
-def fill(f, axes, start, down, across, sizes, every, states, rates, others, ends):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus_kernel.fill`."""
-    _fill(
-        numbers(f),
-        numbers(axes),
-        numbers(start),
-        numbers(down),
-        numbers(across),
-        sizes,
-        every,
+def sampled(f, axes, states, cells, finer, odd, steps, counts, every, rates, others):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus_kernel.sampled`."""
+    _sampled(
+        _six(numbers(f)),
+        _eight(numbers(axes)),
         numbers(states),
+        cells,
+        finer,
+        odd,
+        numbers(steps),
+        counts,
+        every,
         numbers(rates),
         numbers(others),
-        numbers(ends),
     )
+
+
+@njit(**FLOAT_JIT)
+def sampled_in_floats(f, axes, states, cells, finer, odd, steps, counts, every, rates, others):  # type: ignore[no-untyped-def]
+    """The same in floats."""
+    _sampled(_six(f), _eight(axes), states, cells, finer, odd, steps, counts, every, rates, others)
 
 
 @njit(**JIT)
@@ -121,12 +184,22 @@ def _two(row):  # type: ignore[no-untyped-def]
 
 
 @register_jitable
+def _six(f):  # type: ignore[no-untyped-def]
+    return f[0], f[1], f[2], f[3], f[4], f[5]
+
+
+@register_jitable
+def _eight(axes):  # type: ignore[no-untyped-def]
+    return axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], axes[6], axes[7]
+
+
+@register_jitable
 def _torus(rows, sizes):  # type: ignore[no-untyped-def]
     f, axes, matrix, states, tables, parts, centres, turns = rows
-    f, axes, matrix, parts = numbers(f), numbers(axes), numbers(matrix), numbers(parts)
+    matrix, parts = numbers(matrix), numbers(parts)
     return (
-        (f[0], f[1], f[2], f[3], f[4], f[5]),
-        (axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], axes[6], axes[7]),
+        _six(numbers(f)),
+        _eight(numbers(axes)),
         (matrix[0], matrix[1], matrix[2], matrix[3]),
         numbers(states),
         numbers(tables),

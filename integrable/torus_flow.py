@@ -10,20 +10,19 @@ gives the same functions as theta functions).
 from __future__ import annotations
 
 from functools import cached_property
-from math import cos, fsum, pi
+from math import cos, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable import torus_kernel
+from integrable import torus_kernel, torus_survey
 from integrable.dense_panels import NODES, Panels, States, panel_length
-from integrable.flow_setup import conditioning
-from integrable.torus_lattice import TorusLattice
+from integrable.torus_lattice import TorusLattice, best_origin, motion_row
 from integrable.torus_series import TorusSeries, needed_sizes
-from jacobian import poly
+from integrable.torus_survey import about_centre
 from jacobian.bare_reals import BareReals
-from jacobian.double_double import pack
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.double_double import EPS, pack
+from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
@@ -33,19 +32,26 @@ MOST_TURNS = 2.0**50
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this part of its mean are left out of the series that Newton starts with
 ROUGH = 1e-4
-# the mean of the samples may be off by this part of it: 1e12 units of time then show their last digits
-ALIAS = 1e-27
+# a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
+ROUND = 1e-18
+CLOSED = 1e-13
+# corners are walked over in steps of fewer cells than this
+MOST_AT_ONCE = 7
+# samples of 1/g are made in floats where this is what their rounding leaves in a coefficient of the series, told from
+# about so many corners
+SAMPLED = 1e-16
+CHECKED = 8
 # steps from a float to a double-double number
 NEWTON_PASSES = 2
 # ascending times from this many on, and so many to a node, are read off panels
 DENSE_FROM = 5000
 DENSE = 3
-# translations that are conditioned worse than this are made in two parts
-LEAST_CONDITION = 0.02
+# terms of a power series that bring 32 digits within reach
+SERIES = 85
 
 
-class BeyondFloats(PrecisionLoss):
-    """Numbers beyond the range of floats: series about a centre close to several branch points."""
+class NotClosed(PrecisionLoss):
+    """Walks of whole periods do not lead back: the loops lose too many digits on this motion."""
 
 
 class ReadableLoops:
@@ -59,6 +65,8 @@ class ReadableLoops:
         # balls would widen from addition to addition
         self._reals = setup.reals if setup.reals.kind != "python-flint" else BareReals(setup.reals.bits, "mpmath")
         self._passes = setup.wide_passes
+        self._series = setup.wide_terms
+        self.short = float(setup.wide.eps) ** 0.5 / 16
 
     def row(self, values: Any) -> Any:
         """Numbers of any kind as working ones."""
@@ -68,9 +76,9 @@ class ReadableLoops:
         """Room for so many."""
         return [self._reals.number(0)] * count
 
-    def joined(self, parts: Any) -> Any:
-        """Rows of working numbers one after the other."""
-        return [x for part in parts for x in part]
+    def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
+        """Working numbers as those of a wide field."""
+        return self._reals.elements(field, values)
 
     def floats(self, values: Any) -> np.ndarray:
         """Working numbers rounded to floats, shape (N,)."""
@@ -81,29 +89,37 @@ class ReadableLoops:
         with self._reals:
             return np.array([float(x - y) for x, y in zip(first, second, strict=True)])
 
-    def mean(self, values: Any) -> Any:
-        """(high, low) of the mean of 2^k working numbers."""
+    def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
+        """:func:`integrable.torus_survey.survey`."""
         with self._reals:
-            mean = sum(values) / len(values)
-            return float(mean), float(mean - float(mean))
+            return torus_survey.survey(motion, short, points, out)
 
-    def direction(self, series: Any, roots: Any, f0: Any, reach: Any, axes: Any, nodes: Any, table: Any) -> None:
-        """:func:`integrable.torus_kernel.direction`."""
-        series, roots, axes, (f0, reach) = map(self.row, (series, roots, axes, (f0, reach)))
+    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+        """:func:`integrable.torus_kernel.directions`."""
+        series, roots, room = map(self.room, (self._series, self._series, 9 + len(nodes)))
         with self._reals:
-            torus_kernel.direction(series, roots, f0, axes, reach, nodes, self._passes, self.room(len(nodes)), table)
-
-    def translation_by(self, f: Any, axes: Any, centres: Any, tables: Any, parts: Any, by: Any, out: Any) -> None:
-        """:func:`integrable.torus_kernel.translation_by`."""
-        with self._reals:
-            torus_kernel.translation_by(f, axes, centres, tables, self.terms, parts, by[0], by[1], out)
+            torus_kernel.directions(motion, chart, parts, nodes, self._passes, series, roots, room, tables, halves)
 
     panel_values = staticmethod(torus_kernel.panel_values)
 
-    def fill(self, *args: Any) -> None:
-        """:func:`integrable.torus_kernel.fill`."""
+    def corners(self, *args: Any) -> None:
+        """:func:`integrable.torus_kernel.corners`."""
         with self._reals:
-            torus_kernel.fill(*args)
+            torus_kernel.corners(*args)
+
+    def offsets(self, *args: Any) -> None:
+        """:func:`integrable.torus_kernel.offsets`."""
+        with self._reals:
+            torus_kernel.offsets(*args)
+
+    def sampled(
+        self, f: Any, axes: Any, states: Any, cells: Any, finer: Any, odd: Any, steps: Any, counts: Any
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """:func:`integrable.torus_kernel.sampled`: both rows of samples as floats."""
+        rates, others = (self.room(cells[0] * cells[1] * len(counts)) for _ in range(2))
+        with self._reals:
+            torus_kernel.sampled(f, axes, states, cells, finer, odd, steps, counts, 1, rates, others)
+        return self.floats(rates), self.floats(others)
 
     def states_at_phases(self, rows: Any, sizes: Any, phases: Any, out: Any) -> None:
         """:func:`integrable.torus_kernel.states_at_phases`."""
@@ -135,12 +151,14 @@ class CompiledLoops:
 
     terms = 18
     noise = 1e-15
+    short = EPS**0.5 / 16
 
     def __init__(self) -> None:
         from integrable import torus_compiled
 
         self._loops = torus_compiled
-        self.fill: Any = torus_compiled.fill
+        self.corners: Any = torus_compiled.corners
+        self.offsets: Any = torus_compiled.offsets
         self.states_at_phases: Any = torus_compiled.states_at_phases
         self.states_at_tau: Any = torus_compiled.states_at_tau
         self.states_at_times: Any = torus_compiled.states_at_times
@@ -153,8 +171,8 @@ class CompiledLoops:
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))
 
-    def joined(self, parts: Any) -> Any:
-        return np.concatenate(parts)
+    def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
+        return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
 
     def floats(self, values: Any) -> np.ndarray:
         return np.ascontiguousarray(values[:, 0])
@@ -163,26 +181,29 @@ class CompiledLoops:
         # exact where they are close
         return (first[:, 0] - second[:, 0]) + (first[:, 1] - second[:, 1])
 
-    def mean(self, values: Any) -> Any:
-        parts = values.ravel().tolist()
-        high = fsum(parts)
-        return high / len(values), fsum([-high, *parts]) / len(values)
+    def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
+        return self._loops.survey(motion, short, np.array(points), out)
 
-    def direction(self, series: Any, roots: Any, f0: Any, reach: Any, axes: Any, nodes: Any, table: Any) -> None:
-        try:
-            rows = [self.row(values) for values in (series, roots, (f0, reach), axes)]
-        except ArgumentError as error:
-            raise BeyondFloats(f"the translations of this motion are beyond the range of floats: {error}") from error
-        self._loops.direction(
-            *rows,
-            np.array(nodes),
-            NEWTON_PASSES,
-            self.room(len(nodes)),
-            table,
-        )
+    def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
+        rooms = map(self.room, (SERIES, SERIES, 9 + len(nodes)))
+        self._loops.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, *rooms, tables, halves)
 
-    def translation_by(self, f: Any, axes: Any, centres: Any, tables: Any, parts: Any, by: Any, out: Any) -> None:
-        self._loops.translation_by(f, axes, centres, tables, self.terms, parts, self.row(by), out)
+    def sampled(
+        self, f: Any, axes: Any, states: Any, cells: Any, finer: Any, odd: Any, steps: Any, counts: Any
+    ) -> tuple[np.ndarray, np.ndarray]:
+        size = cells[0] * cells[1] * len(counts)
+        rates, others = np.empty(size), np.empty(size)
+        rounded = [self.floats(x) for x in (f, axes, states, steps)]
+        self._loops.sampled_in_floats(*rounded[:3], cells, finer, odd, rounded[3], counts, 1, rates, others)
+        exact, exact_others = self.room(size), self.room(size)
+        given = f, axes, states, cells, finer, odd, steps, counts
+        self._loops.sampled(*given, max(1, cells[0] * cells[1] // CHECKED - 1), exact, exact_others)
+        checked = exact[:, 0] != 0
+        error = rates[checked] - exact[checked, 0]
+        if error @ error / len(error) <= size * (SAMPLED * rates.mean()) ** 2:
+            return rates, others
+        self._loops.sampled(*given, 1, exact, exact_others)
+        return self.floats(exact), self.floats(exact_others)
 
 
 def _listed(clock: Any) -> Any:
@@ -196,26 +217,33 @@ def _listed(clock: Any) -> Any:
 class TorusFlow:
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.flow_setup.Setup`.
 
-    Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g.
+    Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g, NotClosed where the
+    loops lose too many digits.
     """
 
     def __init__(self, setup: Setup, loops: Any) -> None:
         self._setup = setup
         self._loops = loops
-        self.lattice = lattice = TorusLattice(setup)
         row = loops.row
-        self._f, self._axes = row(setup.wide_f), row(setup.wide_all_axes)
-        self._unit_axes = row((*setup.wide_axes, 1, 1, 1, 1, 0))
-        self._parts = row(
-            part / reach for parts, reach in zip(lattice.parts, lattice.chart.reaches, strict=True) for part in parts
-        )
-        self._tables = self._translations()
-        self.sizes = lattice.cells
+        # the motion in an abscissa with an origin of its own
+        self.origin = origin = best_origin(setup)
+        motion = motion_row(setup, origin)
+        self._motion = row(motion)
+        self.lattice = TorusLattice(setup, loops, self._motion)
+        curve = [setup.wide.zero] * 9
+        about_centre(motion, setup.wide.zero, setup.wide.one, curve)
+        u0, u1, v0, v1, *pairs = setup.wide_start
+        moved = (u0 + (u1 + origin) * origin, u1 + 2 * origin, v0 + v1 * origin, v1)
+        axes = curve[6:]
+        self._f, self._start = row(curve[:6]), row((*moved, *pairs))
+        self._axes, self._unit_axes = row((*axes, *setup.wide_all_axes[3:])), row((*axes, 1, 1, 1, 1, 0))
+        self._tables, self._halves = self._translations()
+        self.sizes = self.lattice.cells
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        samples = self._fill()
-        if samples is not None:
-            self.clock = TorusClock(self, samples)
+        self._corners()
+        if setup.wide_d != 0:
+            self.clock = TorusClock(self, self._rates())
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
@@ -287,7 +315,7 @@ class TorusFlow:
     @cached_property
     def frequencies(self) -> tuple[Any, Any]:
         """Turns of either phase in a unit of τ, wide."""
-        nu1, nu2 = self.lattice.frequencies
+        nu1, nu2 = self._loops.wide(self.lattice.frequencies, self._setup.wide)
         return nu1 * self._setup.clock, nu2 * self._setup.clock
 
     def _check(self, times: np.ndarray, rates: Any) -> None:
@@ -310,90 +338,100 @@ class TorusFlow:
         setup, loops = self._setup, self._loops
         a, b, c, d = (1, 0, 0, 1) if setup.tilt is None else setup.tilt.inverse_matrix()
         matrix = loops.row((a, b * setup.wide_momentum, c, d * setup.wide_momentum))
-        turns = tuple(float(x) for row in self.turns for x in row)
-        rows = (self._f, self._axes, matrix, self._states, self._tables, self._parts, self.lattice.chart.centres, turns)
+        turns = tuple(self.turns.ravel().tolist())
+        parts, centres = self.lattice.parts, self.lattice.chart.centres
+        rows = (self._f, self._axes, matrix, self._states, self._tables, parts, centres, turns)
         return rows, (*self.sizes, self._loops.terms)
 
-    def _translations(self) -> Any:
-        """The tables of both directions, one after the other."""
-        setup, loops, K = self._setup, self._loops, self._setup.wide
+    def _translations(self) -> tuple[Any, Any]:
+        """The tables of both directions, one after the other, and the translations by half a cell."""
+        loops = self._loops
         # Chebyshev nodes in z = (s/reach)²: whatever floats they are
         nodes = [(1 + cos(pi * (k + 0.5) / loops.terms)) / 2 for k in range(loops.terms)]
-        tables = []
-        for centre, reach in zip(self.lattice.chart.centres, self.lattice.chart.reaches, strict=True):
-            x0 = K.coerce(centre)
-            f = poly.shift(K, setup.wide_f, x0)
-            table = loops.room(4 * loops.terms)
-            axes = [a - x0 for a in setup.wide_all_axes[:3]]
-            series = [setup.wide_series(f, power) for power in (-1, 1)]
-            loops.direction(*series, f[0], reach, axes, nodes, table)
-            tables.append(table)
-        return loops.joined(tables)
+        tables, halves = loops.room(8 * loops.terms), loops.room(40)
+        chart = self.lattice.chart
+        given = (chart.centres, chart.reaches, chart.cells)
+        loops.directions(self._motion, given, self.lattice.parts, nodes, tables, halves)
+        return tables, halves
 
-    def _steps(self, direction: int, count: int) -> Any:
-        """Translations that make 1/count of a period, count at least the number of cells."""
-        loops = self._loops
-        # half a cell is within reach
-        halves = 2 if count < 2 * self.sizes[direction] else 1
-        by = [0.0, 0.0]
-        by[direction] = 1 / (count * halves)
-        found = loops.room(30)
-        loops.translation_by(self._f, self._unit_axes, self.lattice.chart.centres, self._tables, self._parts, by, found)
-        # the sum of both parts where it is not much worse conditioned than they are
-        whole = conditioning(loops.floats(found[20:])) > LEAST_CONDITION
-        step = found[20:] if whole else found[:20]
-        return step if halves == 1 else loops.joined([step, step])
+    def _corners(self) -> None:
+        """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
+        columns = self.sizes[1]
+        self._walk(columns, MOST_AT_ONCE)
+        if not self.closure <= ROUND:
+            # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
+            # them: both ways to where the motion comes nearest to it
+            rows = self._loops.floats(self._states).reshape(*self.sizes, 10)
+            with np.errstate(divide="ignore"):
+                nearness = np.log(np.abs(rows[0, :, 0]))
+            width = columns // 8
+            around = [np.roll(nearness, n) for n in range(-width, width + 1)]
+            self._walk(max(1, int(np.argmin(np.maximum.reduce(around)))), 1)
+        if not self.closure <= CLOSED:
+            raise NotClosed(f"a period of this motion leads back to {self.closure:.1e} only; use more digits")
 
-    def _fill(self) -> np.ndarray | None:
-        """Make the corners of the cells; the samples of 1/g on a grid that resolves it, None where g = 1."""
-        loops = self._loops
-        if self._setup.wide_d == 0:
-            self._walk(self.sizes, False)
-            return None
-        sizes = (max(16, 2 * self.sizes[0]), max(16, 2 * self.sizes[1]))
+    def _walk(self, forward: int, most: int) -> None:
+        loops, cells = self._loops, self.sizes
+        ends, turns = loops.room(40), np.zeros(6)
+        self._states = loops.room(10 * cells[0] * cells[1])
+        loops.corners(
+            self._f, self._axes, self._unit_axes, self._start, cells, forward, most, self._halves, loops.room(20),
+            self._states, ends, turns,
+        )  # fmt: skip
+        gaps = [loops.differences(ends[n : n + 4], ends[n + 20 : n + 24]) for n in (0, 10)]
+        self.closure = float(np.abs(gaps).max() / np.abs(loops.floats(self._start)[:4]).max())
+        self.turns = turns.reshape(2, 3)
+
+    def _rates(self) -> np.ndarray:
+        """1/g on a grid of its periods that resolves it."""
+        sizes = (max(16, self.sizes[0]), max(16, self.sizes[1]))
         while sizes[0] * sizes[1] <= MOST_SAMPLES:
-            samples = self._walk(sizes, True)
-            wanted = needed_sizes(samples, loops.noise, ALIAS)
+            samples = self._sampled(sizes)
+            wanted = needed_sizes(samples, self._loops.noise)
             if wanted == samples.shape:
                 return samples
             sizes = (sizes[0] * wanted[0] // samples.shape[0], sizes[1] * wanted[1] // samples.shape[1])
         raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
-    def _walk(self, sizes: tuple[int, ...], rates: bool) -> Any:
-        loops, cells = self._loops, self.sizes
-        every = tuple(n // m for n, m in zip(sizes, cells, strict=True))
-        size = sizes[0] * sizes[1] if rates else 0
-        self._states, first, other, ends = map(loops.room, (10 * cells[0] * cells[1], size, size, 20))
-        start = loops.row(self._setup.wide_start)
-        steps = [self._steps(k, n) for k, n in enumerate(sizes)]
-        loops.fill(self._f, self._axes, start, *steps, sizes, every, self._states, first, other, ends)
-        begin, over = loops.floats(start), loops.floats(ends).reshape(2, 10)
-        gaps = np.array([loops.differences(ends[10 * k : 10 * k + 10], start)[:4] for k in range(2)])
-        self.closure = float(np.abs(gaps).max() / np.abs(begin[:4]).max())
-        # σ_i and ν_i are not zero together
-        self.turns = [[1 if x > 0 else -1 for x in row[4:7] * begin[4:7] + row[7:] * begin[7:]] for row in over]
-        if not rates:
-            return None
-        mean = self._wide_sum(loops.mean(first))
-        table = loops.floats(first).reshape(sizes)
-        odd = [np.prod(row) < 0 for row in self.turns]
-        self.doubled = (1, 1)
-        if self._setup.tilt is not None and any(odd):
-            # an odd number of turned γ_i is noticed by 1/g, whose period is then twice that of the divisor
-            beside = loops.floats(other).reshape(sizes)
-            mean = (mean + self._wide_sum(loops.mean(other))) / 2
-            self.doubled = (2 if odd[0] else 1, 2 if odd[1] else 1)
-            blocks = [
-                [beside if (i * odd[0] + j * odd[1]) % 2 else table for j in range(self.doubled[1])]
-                for i in range(self.doubled[0])
-            ]
-            table = np.block(blocks)
-        self.mean = mean
-        return table
+    @property
+    def _small_steps(self) -> tuple[Any, ...]:
+        """What translations inside a cell are made from."""
+        return self.lattice.chart.centres, self._tables, self._loops.terms, self.lattice.parts
 
-    def _wide_sum(self, parts: tuple[float, float]) -> Any:
-        high, low = map(self._setup.wide.coerce, parts)
-        return high + low
+    def _sampled(self, sizes: tuple[int, int]) -> np.ndarray:
+        """1/g on a grid of its periods that has ``sizes`` points to those of the divisor."""
+        loops, cells = self._loops, self.sizes
+        finer = sizes[0] // cells[0], sizes[1] // cells[1]
+        steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
+        loops.offsets(self._f, self._unit_axes, *self._small_steps, cells, finer, steps, counts)
+        odd = tuple(bool(np.prod(row) < 0) for row in self.turns)
+        table, beside = (
+            rates.reshape(sizes)
+            for rates in loops.sampled(self._f, self._axes, self._states, cells, finer, odd, steps, counts)
+        )
+        self.doubled = (1, 1)
+        if self._setup.tilt is None:
+            return table
+        # an odd number of turned γ_i is noticed by 1/g, whose period is then twice that of the divisor
+        self.doubled = (2 if odd[0] else 1, 2 if odd[1] else 1)
+        blocks = [
+            [beside if (i * odd[0] + j * odd[1]) % 2 else table for j in range(self.doubled[1])]
+            for i in range(self.doubled[0])
+        ]
+        return np.block(blocks)
+
+    @cached_property
+    def mean(self) -> Any:
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, whatever the samples are.
+
+        That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
+        """
+        setup, K = self._setup, self._setup.wide
+        d, (u0, u1), sigma = setup.wide_d, setup.wide_start[:2], setup.wide_start[4:7]
+        slowness = self._loops.wide(self.lattice.slowness, K)[0]
+        # g² is a multiple of (1 − du₁)(1 − du₂)
+        scale = K.sqrt((1 + d * (u1 + d * u0)) / K.dot(sigma, sigma))
+        return setup.wide_all_axes[6] * scale * slowness
 
 
 class TorusClock:

@@ -34,7 +34,7 @@ class TorusIntegral:
             phases = [n * np.arange(size) / size for n, size in zip(doubled, sizes, strict=True)]
             grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
             samples = function(flow.at_phases(grid)).reshape(*sizes, -1)
-            wanted = [needed_sizes(part, NOISE, NOISE) for part in np.moveaxis(samples, -1, 0) if part.any()]
+            wanted = [needed_sizes(part, NOISE) for part in np.moveaxis(samples, -1, 0) if part.any()]
             larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
             if larger == sizes:
                 break

@@ -13,49 +13,116 @@ double-doubles when compiled (:mod:`integrable.torus_compiled`). An argument ``t
 
 from __future__ import annotations
 
-from math import cos, floor, pi, sin
+from math import cos, floor, log2, pi, sin
 from typing import Any
 
 from integrable.flow_kernel import carried, moving_point, near_identity, rate_at, shift
+from integrable.torus_survey import about_centre, power_series
 from jacobian.genus2_real import root
 
 Real = Any
 Row = Any
 
+# a part of a reach this small is none
+IDENTITY = 1e-30
+# translations that are conditioned worse than this are made in two parts
+LEAST_CONDITION = 0.02
+
+
+def directions(
+    motion: Row,
+    chart: Any,
+    parts: Row,
+    nodes: Row,
+    passes: int,
+    series: Row,
+    roots: Row,
+    room: Row,
+    tables: Row,
+    halves: Row,
+) -> None:
+    """:func:`direction` about either centre, one after the other into ``tables``, and into ``halves`` the translations
+    by half a cell in either direction, both parts of the first, then of the second.
+
+    ``motion`` is as for :func:`integrable.torus_survey.survey`; ``chart`` is (centres, reaches, cells); ``series`` and
+    ``roots`` are room for power series, ``room`` for nine numbers and one for each node.
+    """
+    centres, reaches, cells = chart
+    for k in range(2):
+        centre = centres[k]
+        # about the distance to the nearest branch point: no power of it leaves the range of floats, no product rounds
+        unit = 2.0 ** floor(log2(float(motion[0]) - centre))
+        about_centre(motion, centre, unit, room)
+        power_series(room, -1, series)
+        power_series(room, 1, roots)
+        f0, axes, reach = room[0], (room[6], room[7], room[8]), reaches[k] / unit + 0 * room[0]
+        for n in range(2):
+            x = parts[2 * k + n] * (0.5 / cells[n])
+            step = near_identity(series, roots, f0, axes, reach * x, passes)
+            put(recentred(step, centre, unit), halves, 20 * n + 10 * k)
+        direction(series, roots, f0, axes, reach, unit, nodes, passes, room, 4 * len(nodes) * k, tables)
+
+
+def recentred(step: Row, centre: float, unit: float) -> Row:
+    """A translation in x from one in (x − centre)/unit."""
+    u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
+    return (
+        u0 - u1 * centre + (0 * u0 + centre) * centre,
+        u1 - 2 * centre,
+        v0 - v1 * centre,
+        v1,
+        step[4] * unit,
+        step[5] * unit,
+        step[6] * unit,
+        step[7] / unit,
+        step[8] / unit,
+        step[9] / unit,
+    )
+
 
 def direction(
-    series: Row, roots: Row, f0: Real, axes: Row, reach: Real, nodes: Row, passes: int, slopes: Row, table: Row
+    series: Row,
+    roots: Row,
+    f0: Real,
+    axes: Row,
+    reach: Real,
+    unit: float,
+    nodes: Row,
+    passes: int,
+    room: Row,
+    begin: int,
+    table: Row,
 ) -> None:
-    """Polynomials of T(s) in one direction, |s| ≤ reach, into ``table``: with x = s/reach and z = x², its points are
-    c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v one after
-    the other, ascending.
+    """Polynomials of T(s) in one direction, |s| ≤ reach, into ``table`` from ``begin`` on: with x = s/reach and z = x²,
+    its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v
+    one after the other, ascending.
 
-    ``axes`` and the series (:func:`integrable.flow_kernel.near_identity`) are taken about the centre c; ``nodes`` are
-    values of z, ``slopes`` is room for as many numbers.
+    ``reach``, ``axes`` and the series (:func:`integrable.flow_kernel.near_identity`) are taken about the centre c in
+    units of ``unit``; ``nodes`` are values of z, ``room`` is for nine numbers more than there are nodes.
     """
     size = len(nodes)
     for n in range(size):
         x = root(nodes[n] + 0 * reach)
         step = near_identity(series, roots, f0, axes, reach * x, passes)
         m = -step[1] / 2
-        table[n] = m / nodes[n]
-        table[size + n] = (m * m - step[0]) / nodes[n]
-        table[2 * size + n] = step[3] * x
-        table[3 * size + n] = step[2] / x
+        table[begin + n] = m * unit / nodes[n]
+        table[begin + size + n] = (m * m - step[0]) * (unit * unit) / nodes[n]
+        table[begin + 2 * size + n] = step[3] / unit * x
+        table[begin + 3 * size + n] = step[2] / x
     for part in range(4):
-        first = part * size
+        first = begin + part * size
         # divided differences, and Newton's form as powers of z
         for k in range(1, size):
             for n in range(size - 1, k - 1, -1):
                 table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
         for n in range(size):
-            slopes[n] = 0 * reach
+            room[9 + n] = 0 * reach
         for k in range(size - 1, -1, -1):
             for n in range(size - 1, 0, -1):
-                slopes[n] = slopes[n - 1] - nodes[k] * slopes[n]
-            slopes[0] = table[first + k] - nodes[k] * slopes[0]
+                room[9 + n] = room[8 + n] - nodes[k] * room[9 + n]
+            room[9] = table[first + k] - nodes[k] * room[9]
         for n in range(size):
-            table[first + n] = slopes[n]
+            table[first + n] = room[9 + n]
 
 
 def small_translation(axes: Row, centre: float, table: Row, first: int, size: int, x: Real) -> Row:
@@ -88,84 +155,232 @@ def small_translation(axes: Row, centre: float, table: Row, first: int, size: in
     )
 
 
-def translation_by(
-    f: Row, axes: Row, centres: Any, tables: Row, terms: int, parts: Row, a: Real, b: Real, out: Row
-) -> None:
-    """The translation by (a, b) periods, at most half a cell, as moving points with κ = 1: its two parts, then their
-    sum, which may lie far out.
-
-    ``axes`` are those of κ = 1.
-    """
-    x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
-    first = small_translation(axes, centres[0], tables, 0, terms, x)
-    second = small_translation(axes, centres[1], tables, 4 * terms, terms, y)
-    both = carried(f, axes, first, second)
-    for c in range(10):
-        out[c], out[10 + c], out[20 + c] = first[c], second[c], both[c]
-
-
-def walked(f: Row, axes: Row, point: Row, steps: Row) -> Row:
-    """The moving point after the translations of ``steps``, ten numbers each."""
-    for n in range(0, len(steps), 10):
-        step = (
-            steps[n],
-            steps[n + 1],
-            steps[n + 2],
-            steps[n + 3],
-            steps[n + 4],
-            steps[n + 5],
-            steps[n + 6],
-            steps[n + 7],
-            steps[n + 8],
-            steps[n + 9],
-        )
-        point = shift(f, axes, point, step)
-    return point
-
-
-def fill(
+def corners(
     f: Row,
     axes: Row,
+    unit_axes: Row,
     start: Row,
-    down: Row,
-    across: Row,
-    sizes: Any,
-    every: Any,
+    cells: Any,
+    forward: int,
+    most: int,
+    halves: Row,
+    steps: Row,
     states: Row,
-    rates: Row,
-    others: Row,
     ends: Row,
+    turns: Row,
 ) -> None:
-    """Walk over a grid of ``sizes`` moving points, ``down`` and ``across`` its translations: every point of a grid
-    that is ``every`` times coarser into ``states``, the ends of the first column and row, one period away, into
-    ``ends``.
+    """The moving points at the corners of the cells into ``states``, and the signs that σ1, σ2, σ3 change by in either
+    period into ``turns``.
 
-    1/g at all points into ``rates`` and for a tilted body, with an odd number of γ_i turned, into ``others``; neither
-    where ``rates`` is empty.
+    The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
+    such steps that may lead down by one cell as well; where ``forward`` is less than the number of columns, so many
+    columns forward and the others backward, which takes ``most`` = 1. Into ``ends`` where the first column and row end,
+    then what these points would be but for signs. ``unit_axes`` are the axes of translations, κ = 1; ``halves`` are
+    those of :func:`directions`, ``steps`` is room for twenty numbers.
     """
-    rows, columns = sizes
-    count = 0
+    rows, columns = cells
+    down, _ = step_over(f, unit_axes, halves, 0, min(rows, most), steps)
+    across, lower = step_over(f, unit_axes, halves, 1, min(columns, most), steps)
+    step0, step1 = point_in(steps, 0), point_in(steps, 10)
+    back1 = opposite(step1)
     left = moving_point(start)
     for i in range(rows):
         point = left
-        for j in range(columns):
-            if i % every[0] == 0 and j % every[1] == 0:
-                for c in range(10):
-                    states[count + c] = point[c]
-                count += 10
-            if len(rates) > 0:
-                rate = rate_at(axes, point)
-                rates[i * columns + j] = rate
-                if axes[7] != 0:
-                    square = point[4] * point[4] + point[5] * point[5] + point[6] * point[6]
-                    others[i * columns + j] = 2 * axes[6] / root(square) - rate
-            point = walked(f, axes, point, across)
+        for j in range(forward):
+            put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
+            point = shift(f, axes, point, step1)
         if i == 0:
-            for c in range(10):
-                ends[10 + c] = point[c]
-        left = walked(f, axes, left, down)
+            put(point, ends, 10)
+        point = left
+        for j in range(-1, forward - columns - 1, -1):
+            point = shift(f, axes, point, back1)
+            put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
+        left = shift(f, axes, left, step0)
+    put(left, ends, 0)
+    put(moving_point(start), ends, 20)
+    find_turns(ends, 0, turns)
+    for i in range(rows):
+        for j in range(forward - columns, forward):
+            if (down * i + lower * j) // rows % 2 != 0:
+                turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 0)
+    put(point_in(states, 10 * (lower * forward % rows * columns + across * forward % columns)), ends, 30)
+    if lower * forward // rows % 2 != 0:
+        turn(ends, 10, turns, 0)
+    find_turns(ends, 1, turns)
+    for i in range(rows):
+        for j in range(forward - columns, forward):
+            if across * j // columns % 2 != 0:
+                turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 3)
+
+
+def find_turns(ends: Row, direction: int, turns: Row) -> None:
+    """The signs by which the pairs at 10·direction in ``ends`` differ from those twenty places on."""
+    for c in range(4, 7):
+        n = 10 * direction + c
+        # σ_i and ν_i are not zero together
+        same = ends[n] * ends[20 + n] + ends[n + 3] * ends[23 + n]
+        turns[3 * direction + c - 4] = 1.0 if same > 0 else -1.0
+
+
+def turn(points: Row, place: int, turns: Row, first: int) -> None:
+    """The pairs of the moving point at ``place`` with the signs turns[first … first + 2]."""
+    for c in range(3):
+        points[place + 4 + c] = turns[first + c] * points[place + 4 + c]
+        points[place + 7 + c] = turns[first + c] * points[place + 7 + c]
+
+
+def opposite(step: Row) -> Row:
+    """The inverse of a translation."""
+    return step[0], step[1], -step[2], -step[3], step[4], step[5], step[6], -step[7], -step[8], -step[9]
+
+
+def point_in(row: Row, place: int) -> Row:
+    """The moving point at row[place … place + 9]."""
+    return (
+        row[place],
+        row[place + 1],
+        row[place + 2],
+        row[place + 3],
+        row[place + 4],
+        row[place + 5],
+        row[place + 6],
+        row[place + 7],
+        row[place + 8],
+        row[place + 9],
+    )
+
+
+def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Row) -> tuple[int, int]:
+    """A translation over an odd number of cells in a direction into ten places of ``out``, and (that number, 1 or 0 for
+    one cell more in the first direction, where the second is asked for): of the odd numbers up to ``most`` the one that
+    is best conditioned. ``axes`` are those of κ = 1.
+    """
+    first, second = point_in(halves, 20 * direction), point_in(halves, 20 * direction + 10)
+    down1, down2 = point_in(halves, 0), point_in(halves, 10)
+    down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
+    # multiples of either part, and one sum of both: sums lie anywhere, and at d = 0 those by one of the periods, the
+    # residue of x dx/y, at infinity
+    first, second = carried(f, axes, first, first), carried(f, axes, second, second)
+    double1, double2 = carried(f, axes, first, first), carried(f, axes, second, second)
+    trust, later = min(conditioning(first), conditioning(second)), min(conditioning(double1), conditioning(double2))
+    best, chosen, lower = -1.0, 1, 0
+    for count in range(1, most + 1, 2):
+        total = carried(f, axes, first, second)
+        found = min(trust, conditioning(total))
+        if found > best:
+            best, chosen, lower = found, count, 0
+            put(total, out, 10 * direction)
+        if direction == 1:
+            more1, more2 = carried(f, axes, first, down1), carried(f, axes, second, down2)
+            total = carried(f, axes, more1, more2)
+            found = min(trust, conditioning(more1), conditioning(more2), conditioning(total))
+            if found > best:
+                best, chosen, lower = found, count, 1
+                put(total, out, 10)
+        first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
+        trust = min(trust, later, conditioning(first), conditioning(second))
+    return chosen, lower
+
+
+def offsets(
+    f: Row,
+    axes: Row,
+    centres: Any,
+    tables: Row,
+    terms: int,
+    parts: Row,
+    cells: Any,
+    finer: Any,
+    steps: Row,
+    counts: Row,
+) -> None:
+    """The translations from a corner to the finer[0] × finer[1] points around it, row by row: two in ``steps`` for
+    each, of which ``counts`` says how many to take, 1 where their sum is well conditioned and none for the corner
+    itself.
+    """
+    above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
+    zero, n = 0 * parts[0], 0
+    for i in range(-above, finer[0] - above):
+        for j in range(-left, finer[1] - left):
+            a, b = zero + i / (finer[0] * cells[0]), zero + j / (finer[1] * cells[1])
+            x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
+            place = 20 * n
+            counts[n] = 0
+            if abs(x) > IDENTITY:
+                put(small_translation(axes, centres[0], tables, 0, terms, x), steps, place)
+                counts[n] += 1
+            if abs(y) > IDENTITY:
+                put(small_translation(axes, centres[1], tables, 4 * terms, terms, y), steps, place + 10 * counts[n])
+                counts[n] += 1
+            if counts[n] == 2:
+                both = carried(f, axes, point_in(steps, place), point_in(steps, place + 10))
+                if conditioning(both) > LEAST_CONDITION:
+                    put(both, steps, place)
+                    counts[n] = 1
+            n += 1
+
+
+def conditioning(step: Row) -> float:
+    """How well a translation adds, larger is better: its points away from the branch points, and not far out."""
+    near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
+    far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))
+    return near / (1 + far)
+
+
+def put(point: Row, out: Row, place: int) -> None:
+    """A moving point into out[place … place + 9]."""
     for c in range(10):
-        ends[c] = left[c]
+        out[place + c] = point[c]
+
+
+def sampled(
+    f: Row,
+    axes: Row,
+    states: Row,
+    cells: Any,
+    finer: Any,
+    odd: Any,
+    steps: Row,
+    counts: Row,
+    every: int,
+    rates: Row,
+    others: Row,
+) -> None:
+    """1/g on a grid that has finer[0] × finer[1] points to a cell, from the corners in ``states`` by the translations
+    of :func:`offsets`, into ``rates``; for a tilted body, with an odd number of γ_i turned, into ``others``. Around one
+    of ``every`` so many corners.
+
+    ``odd``: whether a period turns an odd number of γ_i.
+    """
+    rows, columns = cells
+    above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
+    height, width = rows * finer[0], columns * finer[1]
+    for i in range(rows):
+        for j in range(columns):
+            if (i * columns + j) % every != 0:
+                continue
+            corner = point_in(states, (i * columns + j) * 10)
+            n = 0
+            for a in range(-above, finer[0] - above):
+                row, over = i * finer[0] + a, False
+                if row < 0:
+                    row, over = row + height, odd[0]
+                for b in range(-left, finer[1] - left):
+                    column, flipped = j * finer[1] + b, over
+                    if column < 0:
+                        column, flipped = column + width, over != odd[1]
+                    point = corner
+                    for k in range(counts[n]):
+                        point = carried(f, axes, point, point_in(steps, 20 * n + 10 * k))
+                    n += 1
+                    rate = rate_at(axes, point)
+                    if axes[7] != 0:
+                        square = point[4] * point[4] + point[5] * point[5] + point[6] * point[6]
+                        other = 2 * axes[6] / root(square) - rate
+                        if flipped:
+                            rate, other = other, rate
+                        others[row * width + column] = other
+                    rates[row * width + column] = rate
 
 
 def whole_turns(x: Real) -> tuple[Real, int]:
@@ -191,24 +406,12 @@ def state_at(torus: Any, first: Real, second: Real, turn1: int, turn2: int, out:
         i, turn1 = 0, turn1 + 1
     if j == columns:
         j, turn2 = 0, turn2 + 1
-    n = (i * columns + j) * 10
-    point = (
-        states[n],
-        states[n + 1],
-        states[n + 2],
-        states[n + 3],
-        states[n + 4],
-        states[n + 5],
-        states[n + 6],
-        states[n + 7],
-        states[n + 8],
-        states[n + 9],
-    )
+    point = point_in(states, (i * columns + j) * 10)
     x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
     # the translation has a pole at 0, where it is the identity
-    if abs(x) > 1e-30:
+    if abs(x) > IDENTITY:
         point = carried(f, axes, point, small_translation(axes, centres[0], tables, 0, terms, x))
-    if abs(y) > 1e-30:
+    if abs(y) > IDENTITY:
         point = carried(f, axes, point, small_translation(axes, centres[1], tables, 4 * terms, terms, y))
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     if turn1 % 2 != 0:

@@ -7,25 +7,18 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 
 from __future__ import annotations
 
-from functools import cached_property
-from math import inf, prod, sqrt
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from integrable.periods import REACH, ovals
+from integrable import torus_survey
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
 
-MOST_CELLS = 1 << 16
-# so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a
-CENTRES = 12
-FARTHEST = 2.0
-
 
 class Chart(NamedTuple):
     """A way to cut the torus: two centres, the largest s for either, integer rows of a basis, cells in either
-    direction.
+    direction, powers of 2.
     """
 
     centres: tuple[float, float]
@@ -34,96 +27,88 @@ class Chart(NamedTuple):
     cells: tuple[int, int]
 
 
+class WideNumbers:
+    """The numbers of a set-up's wide precision, for :class:`TorusLattice`."""
+
+    survey: Any = staticmethod(torus_survey.survey)
+
+    def __init__(self, setup: Setup) -> None:
+        self._field = setup.wide
+        # ovals of this length end the arithmetic-geometric mean
+        self.short = float(setup.wide.eps) ** 0.5 / 16
+
+    def row(self, values: Any) -> Any:
+        """Numbers of any kind as working ones."""
+        return [self._field.coerce(x) for x in values]
+
+    def room(self, count: int) -> Any:
+        """Room for so many."""
+        return [self._field.zero] * count
+
+
 class TorusLattice:
     """The periods, frequencies and cells of a motion's torus, in the units of a flow's set-up.
 
-    PrecisionLoss where the torus is not compact, or needs more than MOST_CELLS cells.
+    ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), ``parts`` s₁ of Λ₁ and Λ₂ and s₂ of both
+    over their reaches, ``slowness`` the mean of 1/√((1 − du₁)(1 − du₂)): rows of numbers of ``loops``, wide ones if it
+    is None; so are those of ``motion``, a :func:`motion_row`. PrecisionLoss where the torus is not compact, or needs
+    too many cells.
     """
 
-    def __init__(self, setup: Setup) -> None:
-        self._setup = setup
-        given = [oval.periods for oval in ovals(setup)]
-        self.chart = _best_chart(setup, [[float(x) for x in row] for row in given])
-        self.periods = [tuple(m * x + n * y for x, y in zip(*given, strict=True)) for m, n in self.chart.basis]
+    def __init__(self, setup: Setup, loops: Any = None, motion: Any = None) -> None:
+        loops = loops or WideNumbers(setup)
+        found, points = loops.room(11), [0.0] * len(setup.wide_branch_points)
+        c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(
+            loops.row(motion_row(setup)) if motion is None else motion, loops.short, points, found
+        )
+        if not 0 < rows * columns <= torus_survey.MOST_CELLS:
+            raise PrecisionLoss(
+                f"more than {torus_survey.MOST_CELLS} cells are needed on the torus of this motion, which is nearly "
+                "not compact"
+            )
+        self.chart = Chart((c1, c2), (reach1, reach2), ((m1, n1), (m2, n2)), (rows, columns))
+        self.periods, self.frequencies, self.parts = (found[:2], found[2:4]), found[4:6], found[6:10]
+        self.slowness = found[10:]
 
     @property
     def cells(self) -> tuple[int, int]:
-        """The number of cells in either direction, powers of 2."""
+        """The number of cells in either direction."""
         return self.chart.cells
 
-    @cached_property
-    def frequencies(self) -> tuple[Any, Any]:
-        """ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), wide."""
-        (p, q), (r, s) = self.periods
-        determinant = p * s - q * r
-        return s / determinant, -q / determinant
 
-    @cached_property
-    def parts(self) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
-        """((s₁ of Λ₁, s₁ of Λ₂), (s₂ of Λ₁, s₂ of Λ₂)): what the translation by Λ_k takes in either direction, wide."""
-        c1, c2 = map(self._setup.wide.coerce, self.chart.centres)
-        rows = [_parts(c1, c2, *period) for period in self.periods]
-        return (rows[0][0], rows[1][0]), (rows[0][1], rows[1][1])
+def motion_row(setup: Setup, origin: Any = 0) -> tuple[Any, ...]:
+    """What :mod:`integrable.torus_survey` takes, wide: the ends of both ovals, α1, α2, α3, ζ, d, π, 1 − d·origin and
+    the origin, which is taken off all abscissae.
+
+    PrecisionLoss where the torus is not compact.
+    """
+    first, second = oval_ends(setup)
+    abscissae = (x - origin for x in (*first, *second, *setup.wide_axes, setup.ratio))
+    return (*abscissae, setup.wide_d, +setup.wide.context.pi, 1 - setup.wide_d * origin, origin)
 
 
-def _parts(c1: Any, c2: Any, a: Any, b: Any) -> tuple[Any, Any]:
-    """(s₁, s₂) with (a, b) = s₁(1, c₁) + s₂(1, c₂)."""
-    second = (b - c1 * a) / (c2 - c1)
-    return a - second, second
+def best_origin(setup: Setup) -> Any:
+    """0 or the axis whose abscissa, taken as the origin, leaves branch points that are close together the most digits
+    of their distance.
+    """
+    points = setup.wide_branch_points
+    gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
+
+    def digits(origin: Any) -> float:
+        far = [abs(float(x - origin)) for x in points]
+        return min(gap / max(far[i], far[j]) for i, j, gap in gaps if gap)
+
+    return max((setup.wide.zero, *setup.wide_axes), key=digits)
 
 
-def _best_chart(setup: Setup, periods: list[list[float]]) -> Chart:
-    least = float(min(setup.wide_branch_points))
-    nearest = min(least, float(max(setup.wide_axes) - min(setup.wide_axes))) / 4
-    ratio = (FARTHEST / nearest) ** (1 / (CENTRES - 1))
-    centres = [least - nearest * ratio**k for k in range(CENTRES)]
-    # from the roots, near which the coefficients of f cancel
-    lead = abs(float(setup.wide_f[5] or setup.wide_f[4]))
-    reaches = {
-        c: 2 * REACH * (least - c) / sqrt(lead * prod(float(e - c) for e in setup.wide_branch_points)) for c in centres
-    }
-    best, fewest = None, inf
-    for i, c1 in enumerate(centres):
-        for c2 in centres[:i]:
-            scaled = [
-                tuple(s / reaches[c] for s, c in zip(_parts(c1, c2, *row), (c1, c2), strict=True)) for row in periods
-            ]
-            basis = _reduced(scaled)
-            cells = _cells([tuple(m * x + n * y for x, y in zip(*scaled, strict=True)) for m, n in basis])
-            if cells[0] * cells[1] < fewest:
-                fewest, best = cells[0] * cells[1], Chart((c1, c2), (reaches[c1], reaches[c2]), basis, cells)
-    if best is None or fewest > MOST_CELLS:
-        raise PrecisionLoss(f"{fewest} cells are needed on the torus of this motion, which is nearly not compact")
-    return best
+def oval_ends(setup: Setup) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+    """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] that u1 and u2 run through, ζ = h1/(h2·max a).
 
-
-def _reduced(rows: list[Any]) -> tuple[tuple[int, int], tuple[int, int]]:
-    """Integer rows of a basis of two short vectors (Lagrange 1773)."""
-    first, second = (1, 0), (0, 1)
-    for _ in range(200):
-        v, w = ([m * x + n * y for x, y in zip(*rows, strict=True)] for m, n in (first, second))
-        if v[0] * v[0] + v[1] * v[1] > w[0] * w[0] + w[1] * w[1]:
-            first, second, v, w = second, first, w, v
-        turns = round((v[0] * w[0] + v[1] * w[1]) / (v[0] * v[0] + v[1] * v[1]))
-        if turns == 0:
-            break
-        second = (second[0] - turns * first[0], second[1] - turns * first[1])
+    PrecisionLoss where they meet (the separatrix) or both are one point: there the motion is not a line on a compact
+    torus of dimension two.
+    """
+    low, middle, high = sorted(setup.wide_axes)
+    first, second = (low, min(setup.ratio, middle)), (max(setup.ratio, middle), high)
+    if second[0] - first[1] <= setup.wide.eps**0.75:
+        raise PrecisionLoss("the ovals of the curve have met: the torus of this motion is not compact")
     return first, second
-
-
-def _cells(rows: list[Any]) -> tuple[int, int]:
-    """The fewest cells, powers of 2 in either direction, whose corners are within reach of their centres."""
-    best, fewest = (1 << 30, 1 << 30), 1 << 60
-    sizes = [[abs(x) / 2 for x in row] for row in rows]
-    first = 2
-    while first <= MOST_CELLS:
-        # what is left of the reach in either direction
-        left = [1 - x / first for x in sizes[0]]
-        if min(left) > 0:
-            second = 2
-            while second <= MOST_CELLS and any(x / second > room for x, room in zip(sizes[1], left, strict=True)):
-                second *= 2
-            if first * second < fewest:
-                best, fewest = (first, second), first * second
-        first *= 2
-    return best

@@ -94,37 +94,29 @@ class TorusSeries:
         return swing
 
 
-def needed_sizes(samples: np.ndarray, noise: float, alias: float) -> tuple[int, int]:
-    """Powers of 2: the shape of the samples where it holds their Fourier series, else larger ones.
-
-    It holds it where the last modes are below ``noise`` (relative) and where the geometric decay before that leads
-    below ``alias`` at twice as many: the first modes that the mean of the samples mistakes for itself.
+def needed_sizes(samples: np.ndarray, noise: float) -> tuple[int, int]:
+    """Powers of 2: the shape of the samples where it holds their Fourier series, its last modes below ``noise``
+    (relative), else a larger one where their decay leads.
     """
     grid = np.abs(np.fft.fft2(samples))
     grid /= grid.max()
-    rows, columns = (_needed(np.maximum.reduce(grid, axis=axis), noise, alias) for axis in (1, 0))
+    rows, columns = (_needed(np.maximum.reduce(grid, axis=axis), noise) for axis in (1, 0))
     return rows, columns
 
 
-def _needed(modes: np.ndarray, noise: float, alias: float) -> int:
+def _needed(modes: np.ndarray, noise: float) -> int:
     size = len(modes)
     half = size // 2
     # envelope[k]: the largest of the modes from ±k on
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     envelope = np.maximum.accumulate(folded[::-1])[::-1]
-    tail = float(envelope[half - max(1, size // 16)])
+    if envelope[half - max(1, size // 16)] < noise:
+        return size
     known = int(np.flatnonzero(envelope > 32 * noise)[-1])
     if known < 2:
-        return size
+        return 2 * size
     decay = log2(float(envelope[known // 2]) / float(envelope[known])) / (known - known // 2)
-    at_size = log2(float(envelope[known])) - decay * (size - known)
-    if tail < noise and at_size < log2(alias):
-        return size
     if decay <= 0:
         return 4 * size
-    # where the same decay leads below both
-    wanted = (
-        known
-        + max(2 * (log2(noise / 8) - log2(float(envelope[known]))), log2(alias) - log2(float(envelope[known]))) / -decay
-    )
-    return int(min(max(2 * size, 2 ** ceil(log2(max(wanted, 1)))), 8 * size))
+    wanted = known + 2 * (log2(float(envelope[known])) - log2(noise / 8)) / decay
+    return int(min(max(2 * size, 2 ** ceil(log2(wanted))), 8 * size))

@@ -11,6 +11,7 @@ from typing import Any
 
 from integrable.flow_kernel import centre, conjugate_points, shift
 from integrable.legendre import doubling_precisions
+from integrable.torus_survey import power_series
 from jacobian.bare_reals import BareReals
 
 # conjugate points of T(half step) at this part of the distance from x = 0 to the next branch point: the series converge
@@ -34,7 +35,7 @@ class Translations:
         self._halvings = isqrt(reals.bits // 25)
         size = int(reals.bits / (TERM_BITS + self._halvings)) + 6
         with reals:
-            self.series, self.roots = (power_series(reals.number(1), self.f, power, size) for power in (-1, 1))
+            self.series, self.roots = (series_of(self.f, power, size) for power in (-1, 1))
         self._floats = tuple(map(float, self.series))
 
     def near(self, eps: Any) -> tuple[Any, ...]:
@@ -86,13 +87,8 @@ class Translations:
         return min(len(self.series), int(bits / term_bits) + 6)
 
 
-def power_series(one: Any, f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
-    """Coefficients of (f/f0)^(power/2) about 0, by the recurrence of its logarithmic derivative."""
-    ratios = [c / f[0] for c in f]
-    series = [one]
-    for k in range(1, size):
-        total = 0 * one
-        for j in range(1, min(k, len(f) - 1) + 1):
-            total += ((power + 2) * j - 2 * k) * ratios[j] * series[k - j]
-        series.append(total / (2 * k))
-    return tuple(series)
+def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:
+    """The first coefficients of (f/f0)^(power/2) about 0."""
+    out = [f[0]] * size
+    power_series(f, power, out)
+    return tuple(out)

@@ -3,7 +3,7 @@
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
 = λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are
 ordered by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. Roots that are needed: those of the
-quadratic of ũ, and back from the points the signs of w_i and of g. (Tsiganov's separation; formulas.md, section 7.)
+quadratic of ũ, and back from the points the signs of w_i and of g. (Tsiganov's separation.)
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from integrable.body import cross, square_root
 from integrable.isometry import lift, roots
 from integrable.jets import Jet
 from integrable.state import State
-from integrable.step import Step
+from integrable.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
 from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
 from jacobian.fields.quadratic import quadratic_roots
@@ -64,6 +64,8 @@ def from_divisors(system: Deformation, points: TwoPoints, like: State) -> State:
     """The state of two points, with the signs of ``like`` (over an exact field: the field's roots, or those of
     ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
     """
+    if not isinstance(points, TwoPoints):
+        raise ArgumentError(f"D = {points!r}: give TwoPoints, as the system's divisor(state)")
     K, body = system.field, system.body
     model = _image(system, like)
     u, y, lambdas = [], [], []
@@ -210,15 +212,8 @@ class CurveTranslation(Step):
             raise ArgumentError(f"points = {points!r}: give two abscissas, one for each curve, None for no addition")
         K = system.field
         self.points = [None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given)]
-        self.sheets = (1, 1) if sheets is None else tuple(sheets)
-        if len(self.sheets) != 2 or any(s not in (1, -1) for s in self.sheets):
-            raise ArgumentError(f"sheets = {sheets!r}: give 2 signs, each 1 or -1")
-        try:
-            self.multiple = index(multiple)
-        except TypeError:
-            raise ArgumentError(f"multiple = {multiple!r}: a multiple of a step is an int") from None
-        if self.multiple == 0:
-            raise ArgumentError("multiple = 0: the identity map needs no step")
+        self.sheets = checked_signs(sheets, 2, "sheets")
+        self.multiple = checked_multiple(multiple)
 
     def __repr__(self) -> str:
         return f"<addition of {self.multiple}·{tuple(self.points)} on the curves of {self.system!r}>"

@@ -12,7 +12,7 @@ it polishes at the field's own precision. A class of weight g has one divisor, s
 from __future__ import annotations
 
 import cmath
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from functools import cached_property
 from random import Random
 from typing import Any
@@ -171,9 +171,9 @@ class AbelMap:
         The identity for z in the lattice (to half the digits), otherwise a class of weight g: PrecisionLoss where the
         class has less weight or nearly coinciding points.
         """
-        if len(z) != self.curve.genus:
-            raise ArgumentError(f"z has {len(z)} entries: g = {self.curve.genus} are needed")
-        target = [self._cover.numbers.convert(self.field.coerce(x, "z")) for x in z]
+        if isinstance(z, str) or not isinstance(z, Iterable) or len(z := list(z)) != self.curve.genus:
+            raise ArgumentError(f"z = {z!r}: {self.curve.genus} numbers are needed")
+        target = [self._cover.numbers.convert(self.field.coerce(x, f"z[{i}]")) for i, x in enumerate(z)]
         distances = [abs(c - nearest(c)) for c in self.periods.coordinates(target)]
         J = self.curve.jacobian()
         if max(distances) < self._cover.numbers.ten(-self._cover.numbers.digits // 2):

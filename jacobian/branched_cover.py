@@ -8,13 +8,14 @@ crossing is read off the directions in which the cycles pass.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from math import comb
 from typing import Any, NamedTuple
 
 from jacobian.complex_roots import check_separated, conjugated, simple_roots
-from jacobian.curve import HyperellipticCurve
+from jacobian.curve import HyperellipticCurve, check_curve
 from jacobian.errors import ArgumentError
+from jacobian.fields import CC
 from jacobian.quadrature import Vector, ellipse, working_numbers
 
 
@@ -31,7 +32,7 @@ class BranchedCover:
     """Y² = lead·Π(x − e): working numbers and branch points of a curve; ``roots`` may bring the e, in any order."""
 
     def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
-        self.curve = curve
+        self.curve = check_curve(curve)
         self.genus = curve.genus
         self.numbers = numbers = working_numbers(curve.field)
         self.real = not (getattr(curve.field, "complex", False) or isinstance(curve.field.zero, complex))
@@ -48,9 +49,9 @@ class BranchedCover:
 
     def _check(self, roots: Sequence[Any]) -> Vector:
         numbers, degree = self.numbers, len(self.coefficients) - 1
-        found = [numbers.convert(self._coerced(e)) for e in roots]
-        if len(found) != degree:
-            raise ArgumentError(f"roots: {len(found)} of them, but f + h²/4 has degree {degree}")
+        if isinstance(roots, str) or not isinstance(roots, Iterable) or len(roots := list(roots)) != degree:
+            raise ArgumentError(f"roots = {roots!r}: {degree} numbers are needed, the roots of f + h²/4")
+        found = [numbers.convert(self._coerced(e, f"roots[{i}]")) for i, e in enumerate(roots)]
         product: Vector = [self.lead]
         for e in found:
             product = [b - e * a for a, b in zip([*product, 0], [0, *product], strict=True)]
@@ -60,10 +61,12 @@ class BranchedCover:
                 raise ArgumentError(f"roots = {list(roots)}: they give another coefficient of x^{i} than the curve has")
         return found
 
-    def _coerced(self, e: Any) -> Any:
-        if self.numbers.machine or hasattr(e, "_mpf_") or hasattr(e, "_mpc_") or isinstance(e, complex):
+    def _coerced(self, e: Any, argument: str) -> Any:
+        if self.numbers.machine:
+            return CC.coerce(e, argument)
+        if hasattr(e, "_mpf_") or hasattr(e, "_mpc_") or isinstance(e, complex):
             return e
-        return self.curve.field.coerce(e, "roots")
+        return self.curve.field.coerce(e, argument)
 
     def tree(self) -> list[tuple[int, int]]:
         """2g edges of the Euclidean minimal spanning tree of the branch points, from the first one on (Prim 1957)."""

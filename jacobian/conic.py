@@ -23,7 +23,7 @@ from typing import Any
 
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve
-from jacobian.divisor import Divisor
+from jacobian.divisor import Divisor, check_divisor
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable
 from jacobian.fibre import FibreGroup, Unit
 from jacobian.points import INFINITY_MINUS, AffinePoint
@@ -171,7 +171,7 @@ def representative(D: Divisor, point: Any) -> Representative:
     It is Q with the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable where that
     divisor has weight below g or contains the opposite of Q; almost every other point will do.
     """
-    J = D.jacobian
+    J = check_divisor(D, "D").jacobian
     C, K = J.curve, J.field
     point = C.check_point(point)
     if not K.exact or not isinstance(point, AffinePoint):

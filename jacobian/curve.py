@@ -13,6 +13,7 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.errors import ArgumentError, FieldError, NotASquare, NotOnCurve, NotRepresentable, SingularCurve
+from jacobian.fields.protocol import check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
 from jacobian.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
@@ -35,9 +36,7 @@ class HyperellipticCurve:
     """
 
     def __init__(self, K: Any, f: Any, h: Any = (), infinity_plus: Any = None) -> None:
-        if not hasattr(K, "coerce") or not hasattr(K, "characteristic"):
-            raise ArgumentError(f"K = {K!r} is not a field: give GF(p), GF(p, k), QQ, RR, CC or MP(dps)")
-        self.field = K
+        self.field = check_field(K, "K")
         self.f: poly.Poly = poly.trim(K, poly.coerce(K, f, "f"))
         self.h: poly.Poly = poly.trim(K, poly.coerce(K, h, "h"))
         degree = max(len(self.f) - 1, 2 * len(self.h) - 2)
@@ -303,6 +302,13 @@ class HyperellipticCurve:
 def _from_value(K: Any, f: Any, h: Any, plus: Any) -> HyperellipticCurve:
     chosen = None if plus is None else K.from_key(plus)
     return HyperellipticCurve(K, [K.from_key(c) for c in f], [K.from_key(c) for c in h], chosen)
+
+
+def check_curve(curve: Any) -> HyperellipticCurve:
+    """``curve``, or an ArgumentError."""
+    if not isinstance(curve, HyperellipticCurve):
+        raise ArgumentError(f"curve = {curve!r}: a HyperellipticCurve is needed")
+    return curve
 
 
 def coefficient(K: Any, a: poly.Poly, i: int) -> Any:

@@ -42,7 +42,7 @@ def discrete_log(
         raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")
     if interval is not None:
         return _in_interval(base, target, *_check_interval(interval), rng)
-    multiple = base.jacobian.order() if order is None else abs(check_scalar(order))
+    multiple = base.jacobian.order() if order is None else abs(check_scalar(order, "order"))
     if multiple == 0 or multiple * base:
         raise ArgumentError(f"order = {order}: a non-zero multiple of the order of base = {base} is needed")
     return pohlig_hellman(base, target, factorization(multiple, primes), rng)

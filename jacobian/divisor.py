@@ -140,11 +140,18 @@ def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
     return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
 
 
-def check_scalar(scalar: Any) -> int:
-    """``scalar`` as an int (numpy integers too), or an ArgumentError."""
+def check_divisor(D: Any, argument: str) -> Divisor:
+    """``D``, or an ArgumentError that names ``argument``."""
+    if not isinstance(D, Divisor):
+        raise ArgumentError(f"{argument} = {D!r}: a Divisor is needed")
+    return D
+
+
+def check_scalar(scalar: Any, argument: str = "scalar") -> int:
+    """``scalar`` as an int (numpy integers too), or an ArgumentError that names ``argument``."""
     try:
         if isinstance(scalar, bool):
             raise TypeError
         return index(scalar)
     except TypeError:
-        raise ArgumentError(f"scalar = {scalar!r}: a divisor is multiplied by an int") from None
+        raise ArgumentError(f"{argument} = {scalar!r}: an int is needed") from None

@@ -77,8 +77,10 @@ class Embedding:
 @lru_cache(maxsize=64)
 def embedding(K: Any, L: Any) -> Embedding:
     """The embedding of K into L, or a FieldError when L is not a finite field that contains K."""
-    if getattr(K, "order", None) is None or getattr(L, "order", None) is None:
-        raise FieldError(f"extension = {getattr(L, 'name', L)}: points are conjugate over finite fields, not {K.name}")
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: points are conjugate over finite fields")
+    if getattr(L, "order", None) is None:
+        raise FieldError(f"extension = {getattr(L, 'name', L)}: a finite field that contains {K.name} is needed")
     if L.characteristic != K.characteristic or L.degree % K.degree:
         raise FieldError(f"extension = {L.name} does not contain {K.name}")
     return Embedding(K, L)

@@ -99,7 +99,7 @@ class FibreGroup:
 
     def power(self, c: Unit, m: int) -> Unit:
         """c^m for any int m."""
-        m = check_scalar(m)
+        m = check_scalar(m, "m")
         if m < 0:
             c, m = self.inverse(c), -m
         result = self.identity

@@ -7,6 +7,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
+from jacobian.divisor import check_divisor
+from jacobian.errors import CurveMismatch
+
 if TYPE_CHECKING:
     from jacobian.divisor import Divisor
     from jacobian.scalar import FixedBase
@@ -18,13 +21,20 @@ class FiniteGroup:
 
     curve: Any
 
+    def _own(self, D: Any, argument: str) -> Divisor:
+        """``D``; ArgumentError for what is no Divisor, CurveMismatch for one of another group."""
+        own = check_divisor(D, argument)
+        if own.jacobian != self:
+            raise CurveMismatch(f"{argument} = {D!r} does not lie in the {self!r}")
+        return own
+
     # --- scalars
 
     def fixed_base(self, D: Divisor, window: int = 5) -> FixedBase:
         """A table of multiples of D: ``table(m)`` and ``m * table`` are m·D, several times as fast as ``m * D``."""
         from jacobian.scalar import FixedBase
 
-        return FixedBase(D, window)
+        return FixedBase(self._own(D, "D"), window)
 
     def combination(self, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
         """Σ m_i·D_i, faster than term by term: Straus's method for few terms, Pippenger's for many."""
@@ -36,7 +46,7 @@ class FiniteGroup:
         """The image of D under (x, y) → (x^(p^power), y^(p^power)); CurveMismatch when the curve is not fixed by it."""
         from jacobian.scalar import frobenius
 
-        return frobenius(D, power)
+        return frobenius(self._own(D, "D"), power)
 
     # --- order and structure
 
@@ -58,7 +68,7 @@ class FiniteGroup:
         """The order of D, from a multiple of it (default #J) and its primes (:func:`jacobian.orders.order_of`)."""
         from jacobian.orders import order_of
 
-        return order_of(D, multiple, primes)
+        return order_of(self._own(D, "D"), multiple, primes)
 
     def structure(self, primes: Iterable[int] | None = None) -> Structure:
         """The invariant factors d_1 | d_2 | … of the group and independent generators of these orders.
@@ -83,7 +93,7 @@ class FiniteGroup:
         """Whether D = m·E for a class E."""
         from jacobian.structure import is_divisible
 
-        return is_divisible(D, m)
+        return is_divisible(self._own(D, "D"), m)
 
     # --- logarithms and pairings
 
@@ -95,16 +105,16 @@ class FiniteGroup:
         """
         from jacobian.discrete_log import discrete_log
 
-        return discrete_log(base, target, **options)
+        return discrete_log(self._own(base, "base"), self._own(target, "target"), **options)
 
     def weil_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
         """e_m(D, E), an m-th root of unity in the field, for m·D = m·E = 0 (:func:`jacobian.pairing.weil_pairing`)."""
         from jacobian.pairing import weil_pairing
 
-        return weil_pairing(D, E, m)
+        return weil_pairing(self._own(D, "D"), self._own(E, "E"), m)
 
     def tate_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
         """The reduced Tate pairing, for m·D = 0 and m | q − 1 (:func:`jacobian.pairing.tate_pairing`)."""
         from jacobian.pairing import tate_pairing
 
-        return tate_pairing(D, E, m)
+        return tate_pairing(self._own(D, "D"), self._own(E, "E"), m)

@@ -11,7 +11,7 @@ from collections.abc import Iterable
 from typing import Any
 
 from jacobian import cantor, poly
-from jacobian.curve import HyperellipticCurve
+from jacobian.curve import HyperellipticCurve, check_curve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.group import Jacobian
@@ -29,7 +29,7 @@ class GeneralizedJacobian(Jacobian):
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
-        if curve.h or len(curve.f) != 5:
+        if check_curve(curve).h or len(curve.f) != 5:
             raise ArgumentError(f"curve = {curve!r}: the modulus ∞₊ + ∞₋ is implemented for h = 0 and deg f = 4")
         super().__init__(curve)
         self.weight_of_zero = None

@@ -7,7 +7,7 @@ from operator import index
 from typing import Any
 
 from jacobian import cantor, poly
-from jacobian.curve import HyperellipticCurve
+from jacobian.curve import HyperellipticCurve, check_curve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable
 from jacobian.finite_group import FiniteGroup
@@ -25,7 +25,7 @@ class Jacobian(FiniteGroup):
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
-        self.curve = curve
+        self.curve = check_curve(curve)
         self.field = curve.field
         self.weight_of_zero = cantor.weight_of_zero(curve)
         model = curve.arithmetic_model

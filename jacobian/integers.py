@@ -24,6 +24,9 @@ def factorization(n: int, primes: Iterable[int] | None = None) -> dict[int, int]
         raise ArgumentError(f"n = {n}: a positive integer is factored")
     found: dict[int, int] = {}
     if primes is not None:
+        primes = list(primes) if isinstance(primes, Iterable) else primes
+        if not isinstance(primes, list) or not all(hasattr(p, "__index__") for p in primes):
+            raise ArgumentError(f"primes = {primes!r}: the prime factors of {n} are needed, all of them")
         rest = _divide_out(n, sorted(set(primes)), found)
         if rest != 1 or not all(map(is_prime, found)):
             raise ArgumentError(f"primes = {sorted(set(primes))}: the prime factors of {n} are needed, all of them")

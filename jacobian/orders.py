@@ -34,7 +34,7 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
         if J.field.order is None:
             return _rational_order(D)
         multiple = J.order()
-    multiple = abs(check_scalar(multiple))
+    multiple = abs(check_scalar(multiple, "multiple"))
     if multiple == 0 or multiple * D:
         raise ArgumentError(f"multiple = {multiple}: a non-zero multiple of the order of D = {D} is needed")
     return reduce_order(D, factorization(multiple, primes))

@@ -76,7 +76,7 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
 
 
 def _check(D: Divisor, E: Divisor, m: Any) -> int:
-    m = check_scalar(m)
+    m = check_scalar(m, "m")
     if E.jacobian != D.jacobian:
         raise CurveMismatch(f"D and E lie on two curves: {D.jacobian.curve!r} and {E.jacobian.curve!r}")
     K = D.jacobian.field

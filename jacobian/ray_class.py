@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from typing import Any
 
 from jacobian import cantor, poly
-from jacobian.curve import HyperellipticCurve, coefficient
+from jacobian.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.divisor import Divisor, check_scalar
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable
 from jacobian.fibre import FibreGroup, Function, Unit, conjugate
@@ -38,7 +38,7 @@ class RayClassGroup:
     """
 
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
-        if not curve.field.exact:
+        if not check_curve(curve).field.exact:
             raise FieldError(f"field = {curve.field.name}: ray classes are computed over exact fields")
         self.curve = curve
         self.field = curve.field

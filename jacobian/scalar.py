@@ -46,7 +46,7 @@ class FixedBase:
 
     def __call__(self, m: int) -> Divisor:
         """m·D."""
-        m = check_scalar(m)
+        m = check_scalar(m, "m")
         rest, i, half = abs(m), 0, 1 << (self.window - 1)
         total = self.divisor.jacobian.zero()
         while rest:
@@ -75,7 +75,10 @@ def combination(J: Jacobian, scalars: Iterable[int], divisors: Iterable[Divisor]
     Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
     interleaved windows beat Shamir's joint table from about 40 bits on, so there is no third method.
     """
-    ms, Ds = [check_scalar(m) for m in scalars], list(divisors)
+    for name, values, needed in (("scalars", scalars, "ints"), ("divisors", divisors, "Divisors")):
+        if not isinstance(values, Iterable):
+            raise ArgumentError(f"{name} = {values!r}: a sequence of {needed} is needed")
+    ms, Ds = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(scalars)], list(divisors)
     if len(ms) != len(Ds):
         raise ArgumentError(f"scalars, divisors: {len(ms)} scalars beside {len(Ds)} divisors; as many are needed")
     for i, D in enumerate(Ds):
@@ -171,7 +174,7 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
     The curve must be defined over the subfield that x → x^(p^power) fixes, or the image would lie on another curve:
     CurveMismatch. FieldError over infinite fields, ArgumentError for a negative power.
     """
-    J, power = D.jacobian, check_scalar(power)
+    J, power = D.jacobian, check_scalar(power, "power")
     K, C = J.field, J.curve
     if K.order is None:
         raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")

@@ -252,7 +252,7 @@ def exponent(J: Jacobian, primes: Iterable[int] | None = None) -> int:
 
 
 def _check_positive(m: Any) -> int:
-    m = check_scalar(m)
+    m = check_scalar(m, "m")
     if m < 1:
         raise ArgumentError(f"m = {m}: a positive integer is needed")
     return m

@@ -20,9 +20,13 @@ Descent = Callable[[poly.Poly], poly.Poly]
 
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
     """Each point as often as its multiplicity, an int ≥ 0, says."""
+    if not isinstance(points, Iterable):
+        raise ArgumentError(f"points = {points!r}: a sequence of pairs (x, y) and points at infinity is needed")
     points = list(points)
     if multiplicities is None:
         return points
+    if not isinstance(multiplicities, Iterable):
+        raise ArgumentError(f"multiplicities = {multiplicities!r}: a sequence of ints is needed, one for each point")
     numbers = list(multiplicities)
     if len(numbers) != len(points):
         raise ArgumentError(f"multiplicities = {numbers}: {len(points)} of them are needed, one for each point")

@@ -12,7 +12,7 @@ class Check(IsometricDeformation):
 
     ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
     Isometric to the tilde pair of A⁻¹ (:func:`integrable.isometry.lift`). (Tsiganov, the check Hamiltonian as corrected
-    in formulas.md, sections 7 and 9.) The kinetic energy is indefinite: a pole may attract, and γ_i reach 0 in finite
+    in docs/errata.md, item 22.) The kinetic energy is indefinite: a pole may attract, and γ_i reach 0 in finite
     time.
     """
 

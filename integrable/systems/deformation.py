@@ -4,7 +4,7 @@ A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, 
 second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, the orientation and
 time of the ball's own (:mod:`integrable.brackets`). Formulas are written with operators and run on floats, mpf, and
 over exact fields on :class:`integrable.jets.Jet`. (Tsiganov, "Integrable discretization and deformation of the
-nonholonomic Chaplygin ball"; formulas.md, section 7.)
+nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from integrable.body import Body
 from integrable.jets import JetField
 from integrable.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
+from integrable.systems.system import check_state
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable
 
@@ -186,11 +187,11 @@ class Deformation:
 
     def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M), that of the ball."""
-        return self.rigid.poisson(state)
+        return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State) -> DeformedIntegrals:
         """C1, C2, H and K; NotRepresentable where the potential is infinite (γ_i = 0 with a pole there)."""
-        K = self.field
+        K, state = self.field, self._checked(state)
         wrap = self._constants(0)
         with _Infinite():
             energy, second = self.pair(
@@ -202,6 +203,7 @@ class Deformation:
 
     def vector_field(self, state: State) -> State:
         """(γ̇, Ṁ), as a State of derivatives."""
+        state = self._checked(state)
         wrap = self._constants(0)
         q = self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M))
         omega, momentum = self.motion(q)
@@ -228,6 +230,7 @@ class Deformation:
         of motion integrated (:class:`integrable.integrated.IntegratedMotion`); ``.method`` says which. RR and
         MP(digits) only.
         """
+        state = self._checked(state)
         if self.separates or self.repels:
             try:
                 return self.flow(state)
@@ -289,7 +292,7 @@ class Deformation:
             )
 
     def _checked(self, state: Any) -> State:
-        return self.rigid._checked(state)
+        return check_state(self, state)
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K) of operator numbers."""
@@ -405,7 +408,7 @@ class IsometricDeformation(Deformation):
             return super().flow(state)
         from integrable.separated_flow import IsometricFlow
 
-        return IsometricFlow(self, state)
+        return IsometricFlow(self, self._checked(state))
 
     def curves_of(self) -> Any:
         return self.isometry()[2]

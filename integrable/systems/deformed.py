@@ -15,7 +15,7 @@ class Tilde(Deformation):
 
     H = m1 − s·m2 + 2dGξ² and K = Gξ²(H2 − dH1), d ≥ 0. ``potential`` = (a, b, b_1, b_2, b_3) adds, at d = 0,
     as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i², and at d ≠ 0 aG + b(G³ − TG²) + Σb_i(a_j + a_k − 2κ)/(Gγ_i²), T =
-    Σ1/(1 − da_i). (Tsiganov, tH1 and tK1, with the corrections of formulas.md, sections 7 and 9.)
+    Σ1/(1 − da_i). (Tsiganov, tH1 and tK1, with the corrections of docs/errata.md, items 17 to 21.)
     """
 
     def __init__(
@@ -47,7 +47,7 @@ class Tilde(Deformation):
             return super().flow(state)
         from integrable.separated_flow import SeparatedFlow
 
-        return SeparatedFlow(self, state)
+        return SeparatedFlow(self, self._checked(state))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""

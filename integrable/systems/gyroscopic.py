@@ -12,8 +12,7 @@ from jacobian import RR
 class Gyroscopic(Deformation):
     """H = m1 − s·m2 + cη + c²s/4, K = (m2 + c²/4)(−ξ² + cη^∨ + c²σ/4) + m1(cη + c²(2s − tr A)/4), with a_i = 1/I_i.
 
-    η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ); ``c`` is any constant, and c = 0 is the tilde pair with K = −K̃. (formulas.md,
-    section 7.)
+    η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ); ``c`` is any constant, and c = 0 is the tilde pair with K = −K̃.
     """
 
     def __init__(self, inertia: Sequence[Any], c: Any, *, field: Any = RR) -> None:

@@ -10,7 +10,7 @@ from integrable.systems.deformation import IsometricDeformation, Potential, Scal
 class Hat(IsometricDeformation):
     """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
 
-    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K is minus that of formulas.md, section 8, so that it extends to the
+    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K is minus e3·ν1ν2, so that it extends to the
     ``potential`` = (a, b, β_1, β_2, β_3), which adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
     S = e2/e3 − τ/σ. Isometric to the tilde pair of A⁻¹ (:func:`integrable.isometry.lift`).
     """

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.body import Body, Integrals, Vector, cross, triple
@@ -54,6 +54,8 @@ class System:
         is none). Raises ArgumentError that names the argument, its value and what would be right.
         """
         K = self.field
+        if tilted not in (True, False):
+            raise ArgumentError(f"tilted = {tilted!r}: give True or False")
         gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
         integrals = self.body.integrals(gamma, M)
         tolerance = 0 if K.exact else K.eps**0.6
@@ -65,7 +67,7 @@ class System:
             raise ArgumentError(
                 f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
             )
-        return State(gamma, M, self._root(gamma, g), tilted=tilted)
+        return State(gamma, M, self._root(gamma, g), tilted=bool(tilted))
 
     def _root(self, gamma: Vector, g: Any) -> Any:
         """The root of g² that a state over this field carries: None over the reals and at d = 0."""
@@ -87,10 +89,12 @@ class System:
 
     def integrals(self, state: State) -> Integrals:
         """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
+        state = self._checked(state)
         return self.body.integrals(state.gamma, state.M)
 
     def omega(self, state: State) -> Vector:
         """The angular velocity ω in the body frame."""
+        state = self._checked(state)
         return self.body.omega(state.gamma, state.M)
 
     def vector_field(self, state: State) -> State:
@@ -105,6 +109,7 @@ class System:
         """
         from integrable.brackets import ball_matrix
 
+        state = self._checked(state)
         return ball_matrix(self.body, state.gamma, state.M, state.g)
 
     def upright(self, state: State) -> tuple[System, State, ChaplyginTransformation]:
@@ -165,8 +170,9 @@ class System:
         are taken.
         """
         from integrable import coordinates
+        from jacobian.divisor import check_divisor
 
-        like = self._checked(like)
+        D, like = check_divisor(D, "D"), self._checked(like)
         if like.tilted:
             system, plain, change = self.upright(like)
             return change.invert(system.from_divisor(D, plain))
@@ -190,7 +196,7 @@ class System:
         from integrable import separation
 
         K = self.field
-        (u1, u2), (p1, p2) = ([K.coerce(x, name) for x in v] for name, v in (("u", u), ("p", p)))
+        (u1, u2), (p1, p2) = _pair(K, u, "u"), _pair(K, p, "p")
         return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
 
     def lifts(self, state: State) -> tuple[State, ...]:
@@ -257,9 +263,7 @@ class System:
         return self.flow(state)
 
     def _checked(self, state: Any) -> State:
-        if not isinstance(state, State):
-            raise ArgumentError(f"state = {state!r}: give a State, made by {type(self).__name__}.state(gamma, M)")
-        return state
+        return check_state(self, state)
 
     def __repr__(self) -> str:
         K = self.field
@@ -273,6 +277,19 @@ class System:
 
     def __hash__(self) -> int:
         return hash((type(self), tuple(map(self.field.key, (*self.inertia, self.d)))))
+
+
+def check_state(system: Any, state: Any) -> State:
+    """``state``, or an ArgumentError that says what makes one."""
+    if not isinstance(state, State):
+        raise ArgumentError(f"state = {state!r}: give a State, made by {type(system).__name__}.state(gamma, M)")
+    return state
+
+
+def _pair(K: Any, values: Any, argument: str) -> list[Any]:
+    if isinstance(values, str) or not isinstance(values, Iterable) or len(given := list(values)) != 2:
+        raise ArgumentError(f"{argument} = {values!r}: give two numbers")
+    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]
 
 
 def _distance(K: Any, x: Any, y: Any) -> Any:

@@ -13,6 +13,13 @@ from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
 
 
+def check_group(J: Any) -> Jacobian:
+    """``J``, or an ArgumentError."""
+    if not isinstance(J, Jacobian):
+        raise ArgumentError(f"J = {J!r}: a Jacobian is needed, such as C.jacobian()")
+    return J
+
+
 def check_count(count: Any) -> int:
     """``count`` as an int ≥ 0, or an ArgumentError."""
     try:

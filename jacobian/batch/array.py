@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.batch.arguments import check_count, degrees, elements, weights
+from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
 from jacobian.divisor import Divisor, check_scalar
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve
 from jacobian.fields import CC, RR
@@ -81,6 +81,8 @@ class DivisorArray:
     @classmethod
     def stack(cls, parts: Iterable[Divisor | DivisorArray], J: Jacobian | None = None) -> DivisorArray:
         """The rows of Divisors and DivisorArrays one after the other. ``J`` is needed only where there are none."""
+        if not isinstance(parts, Iterable):
+            raise ArgumentError(f"parts = {parts!r}: a sequence is needed, [D] for one Divisor")
         parts = list(parts)
         for i, part in enumerate(parts):
             if not isinstance(part, Divisor | DivisorArray):
@@ -89,7 +91,7 @@ class DivisorArray:
             _check_same(J, part.jacobian)
         if J is None:
             raise ArgumentError("parts = []: an array of no rows needs its Jacobian, stack([], J)")
-        run = engine(J)
+        run = engine(check_group(J))
         if all(isinstance(part, Divisor) for part in parts):
             return cls(J, run.from_divisors(parts))
         arrays = [run.from_divisors([part]) if isinstance(part, Divisor) else part._rows for part in parts]
@@ -98,7 +100,7 @@ class DivisorArray:
     @classmethod
     def zeros(cls, J: Jacobian, count: int) -> DivisorArray:
         """``count`` times the identity."""
-        return cls(J, engine(J).zero(check_count(count)))
+        return cls(J, engine(check_group(J)).zero(check_count(count)))
 
     @classmethod
     def from_arrays(cls, J: Jacobian, u: Any, v: Any, n: Any = None, *, check: bool = True) -> DivisorArray:
@@ -109,8 +111,7 @@ class DivisorArray:
         elements of another field; NotOnCurve with the first row that is not on the curve, which ``check=False`` leaves
         out.
         """
-        g = J.curve.genus
-        run = engine(J)
+        run, g = engine(check_group(J)), J.curve.genus
         u, v = elements(J, u, "u", g + 1, run.compiled), elements(J, v, "v", g, run.compiled)
         if len(u) != len(v):
             raise ArgumentError(f"u, v: {len(u)} rows beside {len(v)}; as many are needed")
@@ -188,6 +189,9 @@ class DivisorArray:
                 raise ArgumentError(
                     f"index = {key!r}: a slice, a mask of {len(self)} or a flat array of ints is needed"
                 )
+            beyond = np.flatnonzero((key < -len(self)) | (key >= len(self)))
+            if key.dtype.kind != "b" and len(beyond):
+                raise IndexError(f"index[{beyond[0]}] = {key[beyond[0]]}: the array has {len(self)} rows")
         return self._like(self._engine.take(self._rows, key))
 
     def __repr__(self) -> str:

@@ -13,9 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.batch.complex import ComplexSums
-from jacobian.batch.real import RealSums
-from jacobian.batch.real import is_served as is_real_quintic
+from jacobian.batch.sums import FloatSums
 from jacobian.divisor import Divisor
 from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
@@ -60,7 +58,7 @@ class FloatRows:
 
     def __init__(self, J: Jacobian) -> None:
         self.jacobian = J
-        self.sums = RealSums(J.curve) if is_real_quintic(J.curve) else ComplexSums(J.curve)
+        self.sums = FloatSums(J.curve)
         self._h = [*J.curve.h, 0.0, 0.0, 0.0, 0.0][:4]
         self._weighted = J.curve.model == "split"
         self._zero = NONE + (J.weight_of_zero or 0)

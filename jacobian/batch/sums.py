@@ -1,4 +1,5 @@
-"""What compiled sums of floats and of complex numbers share: units, threads, the borders of the loops.
+"""Compiled sums of many divisors of genus 2 over the floats and the complex numbers: units, threads, the borders of the
+loops of :mod:`jacobian.batch.float_kernels`.
 
 A row of the group is a column here, as in :mod:`jacobian.batch.genus2_kernels`: ``x[i, j]`` is the i-th coordinate
 (u₀, u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost,
@@ -8,52 +9,42 @@ are reported, not returned: they are for :mod:`jacobian.interpolate`. Importing 
 from __future__ import annotations
 
 from math import log2
-from typing import Any, ClassVar
 
 import numpy as np
-from numba.extending import register_jitable
 
 from jacobian import poly
+from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
 from jacobian.batch.threads import in_ranges
 from jacobian.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
+from jacobian.fields import CC, RR
 
-# the largest remainder f − V² mod U of a sum, beside the size of its terms
-NOISE = 2.0**-36
-# divisors opposite to this part of their size: next to nothing is known of their sum
-OPPOSITE = 2.0**-30
-# the same remainder of what is given
-GIVEN_NOISE = 2.0**-32
-
-BLOCK = 256
-"""Columns that go through the loops together."""
 RANGE = 1 << 14
 """Columns that one thread takes at a time."""
 
-Columns = np.ndarray
 
+class FloatSums:
+    """Addition on y² + h(x)y = f(x) of genus 2 over RR or CC, on columns (u₀, u₁, v₀, v₁) of shape (4, N).
 
-class Sums:
-    """Addition on y² + h(x)y = f(x) on columns (u₀, u₁, v₀, v₁) of shape (4, N), by the loops of a subclass.
-
-    A subclass names the length of f + h²/4 and of h/2 that its loops take, and the loops. ``dtype`` is that of columns.
+    ``dtype`` is that of the columns. ArgumentError for any other curve, and for ramified equations of degree 6.
     """
 
-    lengths: ClassVar[tuple[int, int]]
-    add_columns: ClassVar[Any]
-    find_off_curve: ClassVar[Any]
-
     def __init__(self, curve: HyperellipticCurve) -> None:
+        if curve.genus != 2 or curve.field not in (RR, CC) or curve.arithmetic_model is not curve:
+            raise ArgumentError(
+                f"curve = {curve!r}: compiled sums need genus 2 over RR or CC, and a ramified model of deg f = 5"
+            )
         K = curve.field
+        real_quintic = K == RR and curve.model == "ramified"
         half = tuple(c / 2 for c in curve.h)
         f = poly.add(K, curve.f, poly.mul(K, half, half)) if half else curve.f
         self.dtype = np.dtype(type(K.one))
-        self._half = tuple([*half, *[K.zero] * 4][: self.lengths[1]])
+        self._half = tuple([*half, *[K.zero] * 4][: 3 if real_quintic else 4])
         # units of x and y, powers of 2, in which the mean root of f (as a product) and its coefficients are about 1
         lowest, top = next(k for k, c in enumerate(f) if c), len(f) - 1
         x = _power_of_two(abs(f[lowest] / f[-1]) ** (1 / (top - lowest))) if lowest < top else 1.0
         y = _power_of_two(max(abs(c) * x**k for k, c in enumerate(f)) ** 0.5)
-        self._f = tuple([*(c * x**k / y**2 for k, c in enumerate(f)), *[K.zero] * 7][: self.lengths[0]])
+        self._f = tuple([*(c * x**k / y**2 for k, c in enumerate(f)), *[K.zero] * 7][: 6 if real_quintic else 7])
         self._units = (x * x, x, y, y / x)
         self._inverses = tuple(1 / unit for unit in self._units)
 
@@ -70,7 +61,7 @@ class Sums:
 
         def work(begin: int, end: int) -> None:
             constants = self._f, self._half, self._units, self._inverses
-            self.add_columns(*constants, first, second, out, doubtful, begin, end)
+            add_columns(*constants, first, second, out, doubtful, begin, end)
 
         in_ranges(first.shape[1], RANGE, work)
         return out, doubtful
@@ -79,15 +70,9 @@ class Sums:
         """The first of the columns, all of weight 2, that is not on the curve to 2^-32 of the size of the terms, or
         −1.
         """
-        return int(self.find_off_curve(self._f, self._half, self._inverses, divisors))
+        return int(first_off_curve(self._f, self._half, self._inverses, divisors))
 
 
 def _power_of_two(x: float) -> float:
     """The power of 2 nearest to x; 1 for 0."""
     return float(2.0 ** round(log2(x or 1.0)))
-
-
-@register_jitable(forceinline=True)
-def row(block: Any, first: Any, i: Any) -> Any:
-    """The divisor in rows ``first`` to ``first`` + 3 of a block, column i."""
-    return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]

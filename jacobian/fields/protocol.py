@@ -9,7 +9,16 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
+from jacobian.errors import ArgumentError
+
 Element = TypeVar("Element")
+
+
+def check_field(K: Any, argument: str) -> Any:
+    """``K``, or an ArgumentError that names ``argument``."""
+    if not hasattr(K, "coerce") or not hasattr(K, "characteristic"):
+        raise ArgumentError(f"{argument} = {K!r} is not a field: give GF(p), GF(p, k), QQ, RR, CC or MP(dps)")
+    return K
 
 
 @runtime_checkable

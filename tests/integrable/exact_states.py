@@ -5,10 +5,29 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from integrable.state import State
-from jacobian import NotASquare
+import pytest
 
-EXACT = {"p": 2**61 - 1, "small": (3, 7), "prime": 10007}
+from integrable import ChaplyginBall, EulerTop
+from integrable.state import State
+from jacobian import GF, NotASquare
+
+FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(10007)": lambda: GF(10007), "GF(7^3)": lambda: GF(7, 3)}
+SYSTEMS = {
+    "ball": lambda K: ChaplyginBall((1, 2, 4), 1, field=K),
+    "top": lambda K: EulerTop((1, 2, 4), field=K),
+}
+
+
+def systems():
+    """The mark of a test that takes ``system``, a function that makes one: every body over every field."""
+    return pytest.mark.parametrize(
+        "system",
+        [
+            pytest.param(lambda f=f, s=s: s(f()), id=f"{name} over {field}")
+            for field, f in FIELDS.items()
+            for name, s in SYSTEMS.items()
+        ],
+    )
 
 
 def unit_vector(K: Any, rng: Any) -> tuple[Any, Any, Any]:

@@ -13,27 +13,11 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.state import State
 from jacobian import GF, MP, NotASquare, NotRepresentable, SingularCurve
 from jacobian.errors import ArgumentError
-from tests.integrable.exact_states import random_state, unit_vector, until_defined
+from tests.integrable.exact_states import random_state, systems, unit_vector, until_defined
 
-FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(10007)": lambda: GF(10007), "GF(7^3)": lambda: GF(7, 3)}
-SYSTEMS = {
-    "ball": lambda K: ChaplyginBall((1, 2, 4), 1, field=K),
-    "top": lambda K: EulerTop((1, 2, 4), field=K),
-}
 RR_BALL = ChaplyginBall((1, 2, 3), 0.7)
 RR_TOP = EulerTop((1, 2, 3))
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
-
-
-def systems():
-    return pytest.mark.parametrize(
-        "system",
-        [
-            pytest.param(lambda f=f, s=s: s(f()), id=f"{name} over {field}")
-            for field, f in FIELDS.items()
-            for name, s in SYSTEMS.items()
-        ],
-    )
 
 
 @systems()
@@ -166,7 +150,7 @@ def test_one_point_and_infinity_over_a_finite_field() -> None:
 
 
 def test_the_two_torsion_map_is_the_closed_form() -> None:
-    """γ̃ = σ e/(g̃ r), e = w/|M|, M̃ = |M| γ̃ × (σ g r γ) (formulas.md, section 5; Tsiganov, Proposition 2)."""
+    """γ̃ = σ e/(g̃ r), e = w/|M|, M̃ = |M| γ̃ × (σ g r γ) (Tsiganov, Proposition 2)."""
     state = RR_BALL.state(*START)
     image = RR_BALL.torsion()(state)
     g = RR_BALL.body.conformal(state.gamma) ** -0.5
@@ -251,7 +235,7 @@ def test_a_real_orbit_turns_through_every_sign_of_gamma() -> None:
 
 @pytest.mark.parametrize("system", [RR_BALL, RR_TOP], ids=["ball", "top"])
 def test_the_conjugate_pair_is_the_flow_to_second_order(system) -> None:
-    """{±iη} is the H1 flow with δ = η/√(a1a2a3h1) + O(η³) (formulas.md, section 3): slope 3 in η."""
+    """{±iη} is the H1 flow with δ = η/√(a1a2a3h1) + O(η³): slope 3 in η."""
     state = system.state(*START)
     flow = system.flow(state, kernel="python")
     h1 = system.integrals(state).H1

@@ -316,7 +316,7 @@ def test_item_12_the_curve(K) -> None:
 
 @over_fields()
 def test_items_13_and_14_what_a_step_preserves(K) -> None:
-    """Proposition 1 needs D' of section 4: x' = h1 + h2² is not canonical; and quad-2 is kept in τ, not in t."""
+    """Proposition 1 needs a canonical D': x' = h1 + h2² is not; and quad-2 is kept in τ, not in t."""
     K = K()
     rng = Random(13)
 

@@ -4,14 +4,17 @@ Both get the same inputs, those that two floats hold; what a body does to errors
 again from inputs changed by 1e-31 of their size.
 """
 
-from functools import cache
+from functools import cache, reduce
 from random import Random
 
 import numpy as np
 import pytest
+from numba import njit
 
-from integrable import ChaplyginBall, EulerTop, flow_double_double, flow_kernel
+import integrable.flow_compiled  # noqa: F401  # makes the functions of flow_kernel known to numba
+from integrable import ChaplyginBall, EulerTop, flow_kernel
 from jacobian import MP, double_double
+from jacobian.double_double_compiled import JIT, number, numbers
 
 K = MP(60)
 GAMMA, MOMENTUM = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
@@ -29,6 +32,32 @@ CASES = {
     "separatrix 1e-8": ((1, 2, 3), 0.7, (0.6, 1e-8, 0.8), (1e-8, 1, 1e-8)),
     "γ2 = 0": ((1, 2, 3), 0.7, (0.6, 0, 0.8), (0.8, 0.5, -0.6)),
 }
+
+
+@njit(**JIT)
+def near_identity(series, roots, f0, axes, eps, passes, out):
+    """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2)."""
+    powers, powers2, lines, offsets, tos = numbers(series), numbers(roots), numbers(axes), numbers(eps), numbers(out)
+    scale = number(f0[0], f0[1])
+    for i in range(len(offsets)):
+        store(tos[i], flow_kernel.near_identity(powers, powers2, scale, lines, offsets[i], passes))
+
+
+@njit(**JIT)
+def shifted(f, axes, start, steps, out):
+    """The moving point after the translations ``steps`` (N, 10, 2), into ``out`` of shape (10, 2)."""
+    curve, lines, rows = numbers(f), numbers(axes), numbers(steps)
+    point = flow_kernel.moving_point(numbers(start))
+    for i in range(len(rows)):
+        point = flow_kernel.shift(curve, lines, point, rows[i])
+    store(numbers(out), point)
+
+
+@njit(**JIT)
+def store(row, point):
+    """The ten numbers of a moving point into a row."""
+    for c in range(10):
+        row[c] = point[c]
 
 
 @cache
@@ -73,20 +102,20 @@ def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_reach(name):
+def test_additions(name):
+    """Translations by about 2^k basic steps, the largest first."""
     setup = setup_of(name)
-    steps = (3, 250)
-    counts, table = setup.table(1, max(steps))
-    counts, table = counts[:9], table[:9]
-    inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, table)]
-    out = np.empty((len(steps), 10, 2))
-    flow_double_double.reach(*inputs[:3], np.array(counts), inputs[3], np.array(steps), out)
-    for row, count in zip(out, steps, strict=True):
+    _, table = setup.table(1, 250)
+    for levels in (slice(1, None, -1), slice(None, None, -2)):
+        steps = table[levels]
+        inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, steps)]
+        out = np.empty((10, 2))
+        shifted(*inputs, out)
 
-        def loop(f, axes, start, levels, count=count):
-            return flow_kernel.reach(f, axes, start, counts, levels, count)
+        def loop(f, axes, start, steps):
+            return reduce(lambda point, step: flow_kernel.shift(f, axes, point, step), steps, start)
 
-        error = assert_as_exact_as_possible(exact(row), loop, inputs, f"{name} {count}")
+        error = assert_as_exact_as_possible(exact(out), loop, inputs, f"{name} {levels}")
         if name in ("easy", "Euler top", "γ2 = 0"):
             assert error < 1e-28
 
@@ -98,20 +127,8 @@ def test_near_identity(name):
     offsets = [K.coerce(x) * setup.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
     inputs = [double_double.pack(x) for x in (setup.series, setup.roots, setup.f[0], setup.axes)]
     out = np.empty((len(offsets), 10, 2))
-    flow_double_double.near_identity(*inputs, double_double.pack(offsets), 2, out)
+    near_identity(*inputs, double_double.pack(offsets), 2, out)
     for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
         true = flow_kernel.near_identity(*map(exact, inputs), eps, 6)
         for x, y in zip(exact(row), true, strict=True):
             assert abs(x - y) < 1e-27 * abs(y)
-
-
-def test_march():
-    setup = setup_of("easy")
-    inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])]
-    out = np.empty((10, 2))
-    flow_double_double.march(*inputs, 60, out)
-
-    def loop(f, axes, start, step):
-        return flow_kernel.march(f, axes, start, step, 60)
-
-    assert_as_exact_as_possible(exact(out), loop, inputs, "march", factor=3000)

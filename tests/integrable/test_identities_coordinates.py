@@ -1,4 +1,4 @@
-"""Sections 1 and 2 of the sheet: (γ, M) ↔ (Γ, n) ↔ (U, V) ↔ (u, p) ↔ q, exactly over finite fields."""
+"""(γ, M) ↔ (Γ, n) ↔ (U, V) ↔ (u, p) ↔ q, exactly over finite fields."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def separated_case(K, seed, kind="ball"):
 
 
 def mumford(system, state):
-    """(U, V, point) with operators, U and V by the formulas of section 2."""
+    """(U, V, point) with operators, U and V as sums over the axes."""
     x = phase(system, state)
     lean = 2 * x.g * x.d * dot(x.A_gamma, x.w)
     u, v = [0, 0, 0], [0, 0, 0]
@@ -54,13 +54,13 @@ def mumford(system, state):
     return u, [b + lean * a for a, b in zip(u, v, strict=True)], x
 
 
-# --- section 1
+# --- the coordinates (u, p) and q
 
 
 @over_fields()
 @KINDS
 def test_the_three_coordinate_systems_lead_back(K, kind) -> None:
-    """Section 1: (γ, M) → (u, p) → (q, p_q) and back, for each of the eight lifts."""
+    """(γ, M) → (u, p) → (q, p_q) and back, for each of the eight lifts."""
     system, state, point = separated_case(K(), 1, kind)
     for lift in system.lifts(state):
         assert system.separated(lift) == point
@@ -75,7 +75,7 @@ def test_the_three_coordinate_systems_lead_back(K, kind) -> None:
 
 @over_fields()
 def test_chaplygins_q(K) -> None:
-    """Section 1: q are the roots of Σγ_i²/(x − e_i), e_i = d/I_i; u = q/(d(q + 1)); (q, p_q) is canonical."""
+    """q are the roots of Σγ_i²/(x − e_i), e_i = d/I_i; u = q/(d(q + 1)); (q, p_q) is canonical."""
     K = K()
     system, state, point = separated_case(K, 2)
     x = phase(system, state)
@@ -95,7 +95,7 @@ def _flat(point):
 @over_fields()
 @KINDS
 def test_u_and_the_formulas_for_gamma_and_M(K, kind) -> None:
-    """Section 1: u are the roots of Σγ_i²(1 − da_i)/(x − a_i); g², γ_i² and M_i in terms of (u, p)."""
+    """u are the roots of Σγ_i²(1 − da_i)/(x − a_i); g², γ_i² and M_i in terms of (u, p)."""
     system, state, point = separated_case(K(), 3, kind)
     x = phase(system, state)
     (u1, u2), (p1, p2) = wrapped(system, point.u), wrapped(system, point.p)
@@ -112,7 +112,7 @@ def test_u_and_the_formulas_for_gamma_and_M(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_u_and_p_are_canonical(K, kind) -> None:
-    """Section 1: {u_i, p_j} = δ_ij, {u1, u2} = {p1, p2} = 0."""
+    """{u_i, p_j} = δ_ij, {u1, u2} = {p1, p2} = 0."""
     K = K()
     system, state, _ = separated_case(K, 4, kind)
     rows = differential(system, lambda s, y: _flat(s.separated(y)), state)
@@ -122,7 +122,7 @@ def test_u_and_p_are_canonical(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_curve(K, kind) -> None:
-    """Section 1: y_k = φ(u_k)p_k on y² = 4(1 − dx)Π(a_i − x)(x h2 − h1): degree 5, leading 4dh2; d = 0: 4 and −4h2."""
+    """y_k = φ(u_k)p_k on y² = 4(1 − dx)Π(a_i − x)(x h2 − h1): degree 5, leading 4dh2; d = 0: 4 and −4h2."""
     system, state, point = separated_case(K(), 5, kind)
     x = phase(system, state)
     h1, h2 = x.H
@@ -140,7 +140,7 @@ def test_the_curve(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_momenta_as_functions_of_the_integrals(K, kind) -> None:
-    """Section 1: ∂p/∂h1 = 1/(2y), ∂p/∂h2 = −u/(2y) at fixed u."""
+    """∂p/∂h1 = 1/(2y), ∂p/∂h2 = −u/(2y) at fixed u."""
     K = K()
     system, state, point = separated_case(K, 6, kind)
     h = system.integrals(state)[2:]
@@ -163,7 +163,7 @@ def _over(system, N):
 @over_fields()
 @KINDS
 def test_quadratures(K, kind) -> None:
-    """Section 1: du1/dτ = −u2y1/(u1 − u2), du2/dτ = −u1y2/(u2 − u1); Σdu/y = dτ, Σu du/y = 0."""
+    """du1/dτ = −u2y1/(u1 − u2), du2/dτ = −u1y2/(u2 − u1); Σdu/y = dτ, Σu du/y = 0."""
     K = K()
     system, state, point = separated_case(K, 7, kind)
     x = phase(system, state)
@@ -181,7 +181,7 @@ def test_quadratures(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_flow_of_H2_moves_U_by_V(K, kind) -> None:
-    """Section 1: dU/ds = V for the flow of H2/2."""
+    """dU/ds = V for the flow of H2/2."""
     K = K()
     system, state = attempt(lambda: random_case(K, Random(8), kind))
     _, v = coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state))
@@ -196,7 +196,7 @@ def _mumford(system, state):
 
 @over_fields()
 def test_the_q_form_of_the_quadratures(K) -> None:
-    """Section 1: q̇_k² = 4q_l²Π(e_i − q_k)(h2q_k − dh1(1 + q_k))/(d²(1 + q_l)(q_k − q_l)²), in the time t."""
+    """q̇_k² = 4q_l²Π(e_i − q_k)(h2q_k − dh1(1 + q_k))/(d²(1 + q_l)(q_k − q_l)²), in the time t."""
     K = K()
     system, state, point = separated_case(K, 9)
     x = phase(system, state)
@@ -212,7 +212,7 @@ def test_the_q_form_of_the_quadratures(K) -> None:
 
 
 def test_ovals() -> None:
-    """Section 1: a real u1 lies in [a1, min(ζ, a2)], u2 in [max(ζ, a2), a3], and f > 0 beyond 1/d."""
+    """A real u1 lies in [a1, min(ζ, a2)], u2 in [max(ζ, a2), a3], and f > 0 beyond 1/d."""
     ball, rng = ChaplyginBall((3, 2, 1), 0.7), Random(10)
     a1, a2, a3 = ball.a
     for _ in range(50):
@@ -229,13 +229,13 @@ def test_ovals() -> None:
         assert poly.evaluate(RR, ball.body.polynomial(h1, h2), 1 / 0.7 + rng.random()) > 0
 
 
-# --- section 2
+# --- the pair (U, V)
 
 
 @over_fields()
 @KINDS
 def test_mumford_coordinates(K, kind) -> None:
-    """Section 2: U monic with roots u_k, V of degree 1 with V(u_k) = y_k, U | f − V²."""
+    """U monic with roots u_k, V of degree 1 with V(u_k) = y_k, U | f − V²."""
     system, state, point = separated_case(K(), 11, kind)
     u, v, x = mumford(system, state)
     assert (u[2], v[2]) == (1, 0)
@@ -258,7 +258,7 @@ def _product(x, root):
 @over_fields()
 @KINDS
 def test_the_adapter_inverted(K, kind) -> None:
-    """Section 2: g², γ_i² and M_i from (U, V)."""
+    """g², γ_i² and M_i from (U, V)."""
     system, state = attempt(lambda: random_case(K(), Random(12), kind))
     u, v, x = mumford(system, state)
     if kind == "ball":
@@ -272,7 +272,7 @@ def test_the_adapter_inverted(K, kind) -> None:
 
 @over_fields()
 def test_eight_lifts(K) -> None:
-    """Section 2: (s_iγ_i, s_js_kM_i) have one (U, V), and (−γ, M) is among them."""
+    """(s_iγ_i, s_js_kM_i) have one (U, V), and (−γ, M) is among them."""
     system, state = attempt(lambda: random_case(K(), Random(13)))
     lifts = system.lifts(state)
     assert len({_mumford(system, lift) for lift in lifts}) == 1
@@ -282,7 +282,7 @@ def test_eight_lifts(K) -> None:
 @over_fields()
 @KINDS
 def test_regular_coordinates(K, kind) -> None:
-    """Section 2: Γ_i = g r_i γ_i, n_i = 2r_iw_i + λΓ_i: |Γ| = 1, (Γ, n) = 0, U and V as sums, and the way back."""
+    """Γ_i = g r_i γ_i, n_i = 2r_iw_i + λΓ_i: |Γ| = 1, (Γ, n) = 0, U and V as sums, and the way back."""
     K = K()
     rng = Random(14)
     system = random_system(K, rng, kind, squares=True)

@@ -1,4 +1,4 @@
-"""The identities of sections 7 and 8 that the deformations are made of, residual 0 over finite fields."""
+"""The identities that the deformations are made of, residual 0 over finite fields."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def scalars(system, seed):
 @pytest.mark.parametrize("name", ["tilde", "tilde, d"])
 @pytest.mark.parametrize("seed", range(3))
 def test_the_shorthand_of_section_7(name, field, seed) -> None:
-    """Section 7: ξ² + η² = m2·t², s·m1 − ξ² = (w, A^∨w), τm2 − m1 = (w, Aw), s − κ = dGt², u1 + u2 and u1u2 by κ, σ."""
+    """ξ² + η² = m2·t², s·m1 − ξ² = (w, A^∨w), τm2 − m1 = (w, Aw), s − κ = dGt², u1 + u2 and u1u2 by κ, σ."""
     system = SYSTEMS[name](FIELDS[field]())
     state, q = scalars(system, seed)
     w = [q.gamma[i - 2] * q.M[i - 1] - q.gamma[i - 1] * q.M[i - 2] for i in range(3)]

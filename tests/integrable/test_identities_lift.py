@@ -1,4 +1,4 @@
-"""Sections 3 to 5 of the sheet, the signs: the lift of the sum at every branch point, its matrix, which D' have it."""
+"""The signs: the lift of the sum at every branch point, its matrix, which D' have it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ KINDS = pytest.mark.parametrize("kind", ["ball", "top"])
 
 
 class SignLaw:
-    """Tuples (U, V; s_e), s_e² = U(e) at e = a_i and, at d ≠ 0, 1/d, added as section 3 has it printed."""
+    """Tuples (U, V; s_e), s_e² = U(e) at e = a_i and, at d ≠ 0, 1/d, added by the printed law of the signs."""
 
     def __init__(self, K, rng, kind) -> None:
         system, state = random_case(K, rng, kind)
@@ -96,7 +96,7 @@ def law_case(K, seed, kind, count):
 @over_fields()
 @KINDS
 def test_the_lift_law_is_a_commutative_group_law(K, kind) -> None:
-    """Section 3: s_e'' = P(e)/(b3s_es'_e), s_e''² = U''(e), at all of a_i and 1/d: associative, commutative, inverse
+    """s_e'' = P(e)/(b3s_es'_e), s_e''² = U''(e), at all of a_i and 1/d: associative, commutative, inverse
     (−D, s), doubling; on divisors the sum of the group, at d = 0 that of the generalized Jacobian.
 
     s ↦ −s makes the law with "−" of it; which of the two is the continuous one: test_the_continuous_choice_of_signs.
@@ -124,7 +124,7 @@ def test_the_lift_law_is_a_commutative_group_law(K, kind) -> None:
 
 @over_fields()
 def test_the_fifth_root_adds_like_the_others(K) -> None:
-    """Section 3: s_ζ = Res(U, V)/(4dh2s_1s_2s_3s_{1/d}), squared U(ζ), and s_ζ'' = P(ζ)/(b3s_ζs_ζ') with the same P."""
+    """s_ζ = Res(U, V)/(4dh2s_1s_2s_3s_{1/d}), squared U(ζ), and s_ζ'' = P(ζ)/(b3s_ζs_ζ') with the same P."""
     make = law_case(K(), 22, "ball", 2)
 
     def attempted():
@@ -141,7 +141,7 @@ def test_the_fifth_root_adds_like_the_others(K) -> None:
 @over_fields()
 @KINDS
 def test_the_matrix_of_every_axis(K, kind) -> None:
-    """Section 3: Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, β̃ from (Γ̃, ñ) = 0: a matrix of
+    """Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i = −b3s'_iΓ_i + (b3a_i + β̃)Γ̃_i, β̃ from (Γ̃, ñ) = 0: a matrix of
     determinant 1 on every axis, |Γ̃| = 1, and the image of the step up to the sign of each axis.
     """
     K = K()
@@ -179,7 +179,7 @@ def test_the_matrix_of_every_axis(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_images_are_divisor_sums(K, kind) -> None:
-    """Section 3: the lift is Poisson (test_canonical_steps), preserves all integrals, and equals the divisor sum."""
+    """The lift is Poisson (test_canonical_steps), preserves all integrals, and equals the divisor sum."""
     K = K()
     rng = Random(24)
 
@@ -196,7 +196,7 @@ def test_images_are_divisor_sums(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_conjugate_pair(K, kind) -> None:
-    """Sections 3 and 4: D' = {x' = ±iη, conjugate y'}, U' = x² + η²: canonical, H1 and H2 kept."""
+    """D' = {x' = ±iη, conjugate y'}, U' = x² + η²: canonical, H1 and H2 kept."""
     K = K()
     rng = Random(25)
     assert not K.is_square(K.neg(K.one))
@@ -233,7 +233,7 @@ def test_the_conjugate_pair(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_which_images_are_over_the_field(K, kind) -> None:
-    """Section 4: (γ̃, M̃) is over the field iff U'(e) is a square at every a_i and, where g̃ is asked for, at 1/d; always
+    """(γ̃, M̃) is over the field iff U'(e) is a square at every a_i and, where g̃ is asked for, at 1/d; always
     for D' = [2]E.
     """
     K = K()
@@ -273,7 +273,7 @@ def _is_over_the_field(step, state):
 
 @pytest.mark.parametrize("kind", ["ball", "top"])
 def test_which_images_are_real(kind) -> None:
-    """Section 4: U'(a_i) > 0: both x' beyond 1/d, both on one oval, or a conjugate pair; no other pair of points."""
+    """U'(a_i) > 0: both x' beyond 1/d, both on one oval, or a conjugate pair; no other pair of points."""
     system = ChaplyginBall((3, 2, 1), 0.7) if kind == "ball" else EulerTop((3, 2, 1))
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     h1, h2 = system.integrals(state)[2:]
@@ -290,12 +290,12 @@ def test_which_images_are_real(kind) -> None:
         assert (_is_over_the_field(system.translation(places[name][:1]), state) is True) == (name == "beyond")
 
 
-# --- section 5
+# --- the 2-torsion map
 
 
 @over_fields()
 def test_the_keyless_map_written_out(K) -> None:
-    """Section 5: e = w/|M|, γ̃_i = σ_ie_i/(g̃r_i), M̃ = |M| γ̃ × (σ_ig r_iγ_i), Γ̃ = σe; B² = (−γ, M), B⁴ = id, on
+    """e = w/|M|, γ̃_i = σ_ie_i/(g̃r_i), M̃ = |M| γ̃ × (σ_ig r_iγ_i), Γ̃ = σe; B² = (−γ, M), B⁴ = id, on
     divisors an involution.
     """
     K = K()

@@ -1,4 +1,4 @@
-"""Sections 3 and 4 of the sheet: addition, its lift to (Γ, n), which D' are canonical; exactly."""
+"""Addition, its lift to (Γ, n), which D' are canonical; exactly."""
 
 from __future__ import annotations
 
@@ -41,13 +41,13 @@ def two_points(system, rng):
     return system.translation([system.field.random(rng), system.field.random(rng)])
 
 
-# --- section 3
+# --- the sum
 
 
 @over_fields()
 @KINDS
 def test_the_cubic_and_the_lift_of_the_sum(K, kind) -> None:
-    """Section 3: P² − f = (b3² − a6)UU'U'', y'' = −P(x''), Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i, s_i''."""
+    """P² − f = (b3² − a6)UU'U'', y'' = −P(x''), Γ̃_i = (n_i + L(a_i)Γ_i)/(b3s'_i), ñ_i, s_i''."""
     K = K()
     rng = Random(1)
 
@@ -96,7 +96,7 @@ def test_the_cubic_and_the_lift_of_the_sum(K, kind) -> None:
 
 @over_fields()
 def test_the_root_at_zeta_is_dependent(K) -> None:
-    """Section 3: s_ζ = Res(U, V)/(4dh2 s_1s_2s_3s_{1/d}), squared: U(ζ) ΠU(a_i) U(1/d) = (Res/(4dh2))²."""
+    """s_ζ = Res(U, V)/(4dh2 s_1s_2s_3s_{1/d}), squared: U(ζ) ΠU(a_i) U(1/d) = (Res/(4dh2))²."""
     system, state = attempt(lambda: random_case(K(), Random(2)))
     x = phase(system, state)
     h1, h2 = x.H
@@ -110,7 +110,7 @@ def test_the_root_at_zeta_is_dependent(K) -> None:
 
 @over_fields()
 def test_one_point_in_closed_form(K) -> None:
-    """Section 3: c = (Y' − V(x'))/U(x'), Γ̃_i = (n_i + cΓ_i)/(2√(dh2) s'_i), Σ(n_i + cΓ_i)²/(x' − a_i) = 4dh2."""
+    """c = (Y' − V(x'))/U(x'), Γ̃_i = (n_i + cΓ_i)/(2√(dh2) s'_i), Σ(n_i + cΓ_i)²/(x' − a_i) = 4dh2."""
     K = K()
     rng = Random(3)
 
@@ -136,7 +136,7 @@ def test_one_point_in_closed_form(K) -> None:
         assert (nu2 - c * sigma2) * sigma2 == -sigma * m
 
 
-# --- section 4
+# --- what a step preserves
 
 
 CANONICAL = {
@@ -168,7 +168,7 @@ NOT_CANONICAL = {
     [(kind, name) for kind in ("ball", "top") for name in CANONICAL] + [("ball", name) for name in ONLY_BALL],
 )
 def test_canonical_steps(K, kind, name) -> None:
-    """Section 4: these D' preserve H1, H2 and every bracket of (γ, M): residual 0 through the divisor sum."""
+    """These D' preserve H1, H2 and every bracket of (γ, M): residual 0 through the divisor sum."""
     make = {**CANONICAL, **ONLY_BALL}[name]
     system, state, step, brackets, target = step_case(K(), 5, kind, make, squares=name == "(1/d, 0)")
     assert brackets == target
@@ -179,7 +179,7 @@ def test_canonical_steps(K, kind, name) -> None:
 @KINDS
 @pytest.mark.parametrize("name", NOT_CANONICAL)
 def test_steps_that_are_not_canonical(K, kind, name) -> None:
-    """Section 4, the negative control: a generic x'(h1, h2) preserves H1 and H2 but no bracket."""
+    """The negative control: a generic x'(h1, h2) preserves H1 and H2 but no bracket."""
     system, state, step, brackets, target = step_case(K(), 6, kind, NOT_CANONICAL[name])
     assert brackets != target
     assert system.integrals(step(state)) == system.integrals(state)
@@ -188,7 +188,7 @@ def test_steps_that_are_not_canonical(K, kind, name) -> None:
 @over_fields()
 @KINDS
 def test_the_defect_of_the_two_form(K, kind) -> None:
-    """Section 4: Σdũ∧dp̃ − Σdu∧dp = Σdx'∧dp', p' = y'/φ(x'), pulled back by (h1, h2), for any D'."""
+    """Σdũ∧dp̃ − Σdu∧dp = Σdx'∧dp', p' = y'/φ(x'), pulled back by (h1, h2), for any D'."""
     K = K()
     rng = Random(7)
     abscissa = lambda h1, h2: h1 + h2 * h2  # noqa: E731
@@ -243,7 +243,7 @@ def _moving_point(system, abscissa, x):
 @KINDS
 @pytest.mark.parametrize("factor", [2, 3, 4, -1])
 def test_multiples_of_the_own_divisor_on_u_and_p(K, kind, factor) -> None:
-    """Section 4: [ℓ]D gives {ũ, p̃} = ℓδ."""
+    """[ℓ]D gives {ũ, p̃} = ℓδ."""
     K = K()
     rng = Random(8)
 
@@ -275,7 +275,7 @@ def _multiple(factor, D):
 @KINDS
 @pytest.mark.parametrize("factor", [2, 3, -2])
 def test_multiples_of_the_own_divisor_on_states(K, kind, factor) -> None:
-    """Section 4: [ℓ]D on (γ, M) multiplies the bracket by ℓ; an even ℓ needs −1 to be a square."""
+    """[ℓ]D on (γ, M) multiplies the bracket by ℓ; an even ℓ needs −1 to be a square."""
     K = K()
     system, state, step, brackets, target = step_case(K, 9, kind, lambda s, rng: s.multiplication(factor), squares=True)
     assert brackets == scaled(K, factor, target)
@@ -300,7 +300,7 @@ def test_an_even_multiple_of_the_own_divisor_has_no_real_state() -> None:
 @over_fields()
 @KINDS
 def test_steps_commute_with_the_flow_in_tau_and_not_with_that_in_t(K, kind) -> None:
-    """Section 4: B∘(τ-flow) = (τ-flow)∘B: dB maps the field of dτ = g dt to itself; for t only at d = 0."""
+    """B∘(τ-flow) = (τ-flow)∘B: dB maps the field of dτ = g dt to itself; for t only at d = 0."""
     K = K()
     rng = Random(10)
 

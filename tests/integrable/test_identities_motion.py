@@ -1,4 +1,4 @@
-"""Section 0 of the sheet: the motion, its integrals, bracket and measure, exactly over finite fields."""
+"""The motion, its integrals, bracket and measure, exactly over finite fields."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def tilted_state(K, seed, kind):
 @over_fields()
 @KINDS
 def test_constants(K, kind) -> None:
-    """Section 0: 1 − da_i = I_i/(I_i + d), g⁻² = 1 − d(γ, Aγ) = Σ(1 − da_i)γ_i², n = (γ, ω) = g²(γ, AM)."""
+    """1 − da_i = I_i/(I_i + d), g⁻² = 1 − d(γ, Aγ) = Σ(1 − da_i)γ_i², n = (γ, ω) = g²(γ, AM)."""
     system, _, x = tilted_state(K(), 1, kind)
     N = x.g.field
     for moment, a in zip(system.inertia, x.a, strict=True):
@@ -63,7 +63,7 @@ def test_constants(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_integrals_are_conserved(K, kind) -> None:
-    """Section 0: C1, C2, H1, H2 along γ̇ = γ×ω, Ṁ = M×ω, for every (γ, M)."""
+    """C1, C2, H1, H2 along γ̇ = γ×ω, Ṁ = M×ω, for every (γ, M)."""
     K = K()
     system, state, _ = tilted_state(K, 2, kind)
     rate = system.vector_field(state)
@@ -76,7 +76,7 @@ def test_integrals_are_conserved(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_motion_is_conformally_hamiltonian(K, kind) -> None:
-    """Section 0: ḟ = g{f, H1/2}, for every (γ, M)."""
+    """ḟ = g{f, H1/2}, for every (γ, M)."""
     system, state, _ = tilted_state(K(), 3, kind)
     rate = system.vector_field(state)
     assert conformal_field(system, state) == (*rate.gamma, *rate.M)
@@ -85,7 +85,7 @@ def test_the_motion_is_conformally_hamiltonian(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_casimirs_and_involution(K, kind) -> None:
-    """Section 0: C1 and C2 are Casimirs, {H1, H2} = 0 for every (γ, M)."""
+    """C1 and C2 are Casimirs, {H1, H2} = 0 for every (γ, M)."""
     K = K()
     system, state, _ = tilted_state(K, 4, kind)
     matrix = system.poisson(state)
@@ -98,7 +98,7 @@ def test_casimirs_and_involution(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_jacobi_identity(K, kind) -> None:
-    """Section 0: the structure is Poisson on every leaf, and antisymmetric."""
+    """The structure is Poisson on every leaf, and antisymmetric."""
     K = K()
     system, state, _ = tilted_state(K, 5, kind)
 
@@ -129,7 +129,7 @@ def test_a_wrong_structure_fails_the_jacobi_identity(K) -> None:
 @over_fields()
 @KINDS
 def test_invariant_measure(K, kind) -> None:
-    """Section 0: g dγ dM is invariant; without g it is not (d ≠ 0)."""
+    """g dγ dM is invariant; without g it is not (d ≠ 0)."""
     K = K()
     system, state, _ = tilted_state(K, 6, kind)
     assert measure_divergence(system.body, state.gamma, state.M) == K.zero
@@ -142,7 +142,7 @@ def test_invariant_measure(K, kind) -> None:
 
 @over_fields()
 def test_the_top_has_the_bracket_of_e3_reversed(K) -> None:
-    """Section 0, d = 0: {M_i, M_j} = −ε_ijk M_k, {M_i, γ_j} = −ε_ijk γ_k."""
+    """d = 0: {M_i, M_j} = −ε_ijk M_k, {M_i, γ_j} = −ε_ijk γ_k."""
     K = K()
     system, state, _ = tilted_state(K, 7, "top")
     matrix = system.poisson(state)
@@ -155,7 +155,7 @@ def test_the_top_has_the_bracket_of_e3_reversed(K) -> None:
 
 @over_fields()
 def test_decomposition_of_H1(K) -> None:
-    """Section 0: H1 = (A'M, M) + d g² c (γ, A''M), and at c = 0 (γ, AM)² = (BM, M)."""
+    """H1 = (A'M, M) + d g² c (γ, A''M), and at c = 0 (γ, AM)² = (BM, M)."""
     K = K()
     _, _, x = tilted_state(K, 8, "ball")
     diagonal = [a + x.d * x.G * b for a, b in zip(x.a, x.B, strict=True)]

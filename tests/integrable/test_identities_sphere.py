@@ -1,4 +1,4 @@
-"""Section 8 of the sheet: the free motion on the sphere, conics through plane points, the hat variables; exactly."""
+"""The free motion on the sphere, conics through plane points, the hat variables; exactly."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def slopes(K, function, x):
 
 @over_fields()
 def test_integrals_of_the_sphere(K) -> None:
-    """Section 8: H1 = (M, M), H2 = −(M, AM) in (u, p) at d = 0, and y = φp on y² = φ(x)(H1x + H2)."""
+    """H1 = (M, M), H2 = −(M, AM) in (u, p) at d = 0, and y = φp on y² = φ(x)(H1x + H2)."""
     K = K()
     rng = Random(1)
 
@@ -87,7 +87,7 @@ def test_integrals_of_the_sphere(K) -> None:
 
 @over_fields()
 def test_the_flow_on_the_sphere_and_the_bracket_W(K) -> None:
-    """Section 8: canonical: Σdu/y = 0, Σu du/y = 2dt; W: Σdu/y = 2dτ, X^W_H1 = X_H2 + (u1 + u2)X_H1, not g·X_H1."""
+    """Canonical: Σdu/y = 0, Σu du/y = 2dt; W: Σdu/y = 2dτ, X^W_H1 = X_H2 + (u1 + u2)X_H1, not g·X_H1."""
     K = K()
     a, x, _, _ = map_case(K, 2, lambda N, a, y: y)
     N = JetField(K, 0)
@@ -113,7 +113,7 @@ def test_the_flow_on_the_sphere_and_the_bracket_W(K) -> None:
 @over_fields()
 @pytest.mark.parametrize("name", ["(0, 0)", "(x0, 0)", "(x0, y0)", "(x0, F(f/φ))", "∞"])
 def test_conic_steps_preserve_their_brackets(K, name) -> None:
-    """Section 8: {u_i, p_j} = (u_i − x0)δ_ij for y0 = 0, constant, or F(f(x0)/φ(x0)); x0 = ∞: the canonical bracket."""
+    """{u_i, p_j} = (u_i − x0)δ_ij for y0 = 0, constant, or F(f(x0)/φ(x0)); x0 = ∞: the canonical bracket."""
     K = K()
     x0 = {"(0, 0)": K.zero, "∞": None}.get(name, K.one)
     constant = K.zero if name in ("(0, 0)", "(x0, 0)") else poly.integer(K, 2)
@@ -141,7 +141,7 @@ def test_conic_steps_preserve_their_brackets(K, name) -> None:
 @over_fields()
 @pytest.mark.parametrize("infinite", [False, True], ids=["(x0, y0)", "∞"])
 def test_the_parabola_written_out(K, infinite) -> None:
-    """Section 8: P = V + cU, c = (y0 − V(x0))/U(x0) or a constant, Ũ = (P² − f)/(lead·U), p̃ = −P(ũ)/φ(ũ)."""
+    """P = V + cU, c = (y0 − V(x0))/U(x0) or a constant, Ũ = (P² − f)/(lead·U), p̃ = −P(ũ)/φ(ũ)."""
     K = K()
     rng = Random(21)
 
@@ -170,7 +170,7 @@ def test_the_parabola_written_out(K, infinite) -> None:
 
 @over_fields()
 def test_the_walk_along_the_pencil_is_multiplicative(K) -> None:
-    """Section 8: the steps through (x0, y0) are the fibre G_m of modulus (x0, s) + (x0, −s), s² = f(x0): with t = (y0 −
+    """The steps through (x0, y0) are the fibre G_m of modulus (x0, s) + (x0, −s), s² = f(x0): with t = (y0 −
     s)/(y0 + s) they compose by multiplication, so y0 after y0' is (y0y0' + s²)/(y0 + y0'), and y0 = 0, t = −1, is of
     order two.
     """
@@ -197,7 +197,7 @@ def test_the_walk_along_the_pencil_is_multiplicative(K) -> None:
 
 @over_fields()
 def test_a_conic_step_leaves_the_class_of_the_divisor(K) -> None:
-    """Section 8: the class in Pic X does not move."""
+    """The class in Pic X does not move."""
     K = K()
     rng = Random(13)
 
@@ -221,7 +221,7 @@ def _same(x, y):
 
 @over_fields()
 def test_a_conic_through_a_point_that_moves_with_another_integral_is_not_canonical(K) -> None:
-    """Section 8, the negative control: y0 = h1 at x0 = 1, where only functions of h1 + h2 are allowed."""
+    """The negative control: y0 = h1 at x0 = 1, where only functions of h1 + h2 are allowed."""
     K = K()
     one = K.one
     _, x, image, rows = map_case(
@@ -237,7 +237,7 @@ def test_a_conic_through_a_point_that_moves_with_another_integral_is_not_canonic
     [(3, name) for name in ("(x0, 0)", "(x0, y0)", "(x0, F(f/φ))", "∞", "not canonical")] + [(4, "(x0, y0)")],
 )
 def test_conic_steps_of_more_points(K, size, name) -> None:
-    """Section 8: N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: the h_j are kept, and the bracket,
+    """N = 3, 4 points on y² = φ(x)(x^(N−1)h_1 + … + h_N), deg φ = N + 1: the h_j are kept, and the bracket,
     but for y0 = h_N at x0 ≠ 0.
     """
     from jacobian.factor import roots
@@ -348,7 +348,7 @@ def test_a_real_conic_step_turns_gamma_about_M() -> None:
 
 @over_fields()
 def test_rho(K) -> None:
-    """Section 8: ρ takes the canonical bracket to W, and has an inverse where u_k ≠ 0."""
+    """ρ takes the canonical bracket to W, and has an inverse where u_k ≠ 0."""
     K = K()
     _, x, image, rows = map_case(K, 7, lambda N, a, y: flat(sphere.rho(N, pair(y))))
     assert pushed(K, rows, canonical_matrix(K)) == weighted_matrix(K, image[:2])
@@ -359,7 +359,7 @@ def test_rho(K) -> None:
 
 @over_fields()
 def test_the_hat_variables(K) -> None:
-    """Section 8: {û_i, p̂_j} = δ_ij, p̂ = −ℓ(û)/φ(û)."""
+    """{û_i, p̂_j} = δ_ij, p̂ = −ℓ(û)/φ(û)."""
     K = K()
     a, x, image, rows = map_case(K, 8, lambda N, a, y: flat(sphere.hat(N, a, pair(y))))
     assert pushed(K, rows, canonical_matrix(K)) == canonical_matrix(K)
@@ -386,7 +386,7 @@ def through_line(N, a, x, q):
 @over_fields()
 @pytest.mark.parametrize("seed", [9, 10])
 def test_every_quadratic_q_gives_a_canonical_map(K, seed) -> None:
-    """Section 8: z²q(x) = φ(x)(xh1 + h2), z = ℓ(x), is canonical for every quadratic q; q = x² is the hat map."""
+    """z²q(x) = φ(x)(xh1 + h2), z = ℓ(x), is canonical for every quadratic q; q = x² is the hat map."""
     K = K()
     rng = Random(seed)
 
@@ -404,7 +404,7 @@ def test_every_quadratic_q_gives_a_canonical_map(K, seed) -> None:
 @over_fields()
 @pytest.mark.parametrize("kind", ["ball", "top"])
 def test_q_of_degree_one_is_the_keyless_map(K, kind) -> None:
-    """Section 8: q = 1 − dx is Chaplygin's 2-torsion map, q = 1 its d = 0 limit."""
+    """q = 1 − dx is Chaplygin's 2-torsion map, q = 1 its d = 0 limit."""
     K = K()
     rng = Random(14)
 
@@ -421,7 +421,7 @@ def test_q_of_degree_one_is_the_keyless_map(K, kind) -> None:
 
 @over_fields()
 def test_the_metric_of_the_hat_flow(K) -> None:
-    """Section 8: Ĥ = ν1 + ν2 = Σĝ_kk p_k², and the product ν1ν2 in (u, p)."""
+    """Ĥ = ν1 + ν2 = Σĝ_kk p_k², and the product ν1ν2 in (u, p)."""
     K = K()
     rng = Random(11)
 
@@ -444,7 +444,7 @@ def test_the_metric_of_the_hat_flow(K) -> None:
 
 @over_fields()
 def test_the_hat_pair_on_the_phase_space(K) -> None:
-    """Section 8: Ĥ = αm1 − (σ + ατ)m2 = −α(w, Aw) − σm2, K̂ = e3ν1ν2 = −(σξ + τζ)²(w, Aw)."""
+    """Ĥ = αm1 − (σ + ατ)m2 = −α(w, Aw) − σm2, K̂ = e3ν1ν2 = −(σξ + τζ)²(w, Aw)."""
     K = K()
     rng = Random(12)
 

@@ -1,4 +1,4 @@
-"""Section 6 of the sheet: Chaplygin's transformation at (γ, M) = c, written out, exactly over finite fields."""
+"""Chaplygin's transformation at (γ, M) = c, written out, exactly over finite fields."""
 
 from __future__ import annotations
 

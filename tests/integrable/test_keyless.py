@@ -1,4 +1,4 @@
-"""Section 5 of the sheet: the 2-torsion map in closed form and as a divisor, exactly."""
+"""The 2-torsion map in closed form and as a divisor, exactly."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from tests.integrable.exact_points import (
 
 @over_fields()
 def test_the_keyless_map(K) -> None:
-    """Section 5: closed form, Poisson, D + (1/d, 0), P = V − λU and Ũ = (f − P²)/(4dh2U(x − 1/d)), B² = (−γ, M)."""
+    """Closed form, Poisson, D + (1/d, 0), P = V − λU and Ũ = (f − P²)/(4dh2U(x − 1/d)), B² = (−γ, M)."""
     K = K()
     system, state, step, brackets, target = step_case(K, 11, "ball", lambda s, _: s.keyless(), squares=True)
     image = step(state)
@@ -54,7 +54,7 @@ def test_the_keyless_map(K) -> None:
 
 @over_fields()
 def test_the_keyless_map_is_the_printed_one(K) -> None:
-    """Section 5: the squares γ̃_i² and the M̃_i of chap-keyless, for some choice of the σ."""
+    """The squares γ̃_i² and the M̃_i of chap-keyless, for some choice of the σ."""
     K = K()
     system, state, _, _, _ = step_case(K, 12, "ball", lambda s, _: s.keyless(), squares=True)
     x = phase(system, state)
@@ -78,7 +78,7 @@ def _printed_momentum(x, y, i, j, k):
 
 @over_fields()
 def test_the_keyless_map_of_the_top(K) -> None:
-    """Section 5, d = 0: γ̃ = γ × M/|M|, M̃ = M; Poisson."""
+    """d = 0: γ̃ = γ × M/|M|, M̃ = M; Poisson."""
     K = K()
     system, state, step, brackets, target = step_case(K, 13, "top", lambda s, _: s.keyless())
     assert brackets == target
@@ -89,7 +89,7 @@ def test_the_keyless_map_of_the_top(K) -> None:
 
 
 def test_the_keyless_map_is_real_for_every_body() -> None:
-    """Section 5: real images, from thin to heavy bodies and for equal moments."""
+    """Real images, from thin to heavy bodies and for equal moments."""
     for moments, d in (((1, 2, 3), 0.7), ((1, 1, 2), 0.3), ((2, 2, 2), 5), ((1, 2, 3), 1e-6), ((1, 2, 3), 1e4)):
         ball = ChaplyginBall(moments, d)
         state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))

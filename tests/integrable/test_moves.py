@@ -20,7 +20,7 @@ from tests.integrable.exact_states import random_state
 
 
 def test_time_shifts() -> None:
-    """Section 4: shifts of any F(h1, h2) are the flow for F = H1/2, commute, and are undone by −F."""
+    """Shifts of any F(h1, h2) are the flow for F = H1/2, commute, and are undone by −F."""
     for system in (
         ChaplyginBall((1, 2, 3), "0.7", field=MP(20)),
         EulerTop((1, 2, 3), field=MP(20)),
@@ -39,7 +39,7 @@ def test_time_shifts() -> None:
     "system", [ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), EulerTop((1, 2, 3), field=MP(20))], ids=["ball", "top"]
 )
 def test_time_shifts_preserve_brackets(system) -> None:
-    """Section 4, by difference quotients; exactly: test_the_rates_of_the_pairs_are_hamiltonian."""
+    """By difference quotients; exactly: test_the_rates_of_the_pairs_are_hamiltonian."""
     state = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     brackets, target = image_brackets(system, system.shift(lambda h1, h2: h1 * h2 / 8), state)
     assert max(_distance(x, y) for x, y in zip(brackets, target, strict=True)) < 1e-13
@@ -108,7 +108,7 @@ def test_moves_of_tilted_states() -> None:
 
 @pytest.mark.parametrize("system", [ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))], ids=["ball", "top"])
 def test_the_continuous_choice_of_signs(system) -> None:
-    """Section 3: the small step at x0 ± iη with s'_i → a_i − x0 is the flow with (Σdu/y : Σu du/y) = (1 : x0)."""
+    """The small step at x0 ± iη with s'_i → a_i − x0 is the flow with (Σdu/y : Σu du/y) = (1 : x0)."""
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     h1, h2 = system.integrals(state)[2:]
     # between the ovals, where f < 0

@@ -15,27 +15,11 @@ from integrable.brackets import image_brackets
 from integrable.reference import taylor
 from jacobian import GF, MP, QQ, NotASquare, NotRepresentable, SingularCurve
 from jacobian.errors import ArgumentError
-from tests.integrable.exact_states import unit_vector, until_defined
+from tests.integrable.exact_states import SYSTEMS, systems, unit_vector, until_defined
 
 SCENE = json.loads((Path(__file__).parents[1] / "data" / "trajectories.json").read_text())["scenes"]["S6"]
-FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(7^3)": lambda: GF(7, 3), "GF(10007)": lambda: GF(10007)}
-SYSTEMS = {
-    "ball": lambda K: ChaplyginBall((1, 2, 4), 1, field=K),
-    "top": lambda K: EulerTop((1, 2, 4), field=K),
-}
 BALL = ChaplyginBall((1, 2, 3), 0.7)
 GAMMA, M = (0.48, 0.6, 0.64), (1.104, 2.18, -0.528)
-
-
-def systems():
-    return pytest.mark.parametrize(
-        "system",
-        [
-            pytest.param(lambda f=f, s=s: s(f()), id=f"{name} over {field}")
-            for field, f in FIELDS.items()
-            for name, s in SYSTEMS.items()
-        ],
-    )
 
 
 def tilted_state(system, rng):
@@ -71,7 +55,7 @@ def test_the_transformation_is_linear_invertible_and_upright(system) -> None:
 
 @systems()
 def test_every_relation_of_the_transformation(system) -> None:
-    """ω̃ ∥ ω with dt̃/dt = s(1 − dkn), dτ̃ = dτ, H̃1 = H1, H̃2 = dH1 − c/k, d̃ = d(1 + kc), Ĩ_i = I_i − dkc (section 6)."""
+    """ω̃ ∥ ω with dt̃/dt = s(1 − dkn), dτ̃ = dτ, H̃1 = H1, H̃2 = dH1 − c/k, d̃ = d(1 + kc), Ĩ_i = I_i − dkc."""
     system, rng = system(), Random(2)
     K, d = system.field, system.d
     for _ in range(10):

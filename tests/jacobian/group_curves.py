@@ -1,13 +1,49 @@
-"""Curves for the tests of orders, structure, logarithms and pairings."""
+"""Small fields and random curves for the tests of kernels, orders, structure, logarithms and pairings."""
 
 from random import Random
 
-from jacobian import ArgumentError, HyperellipticCurve, poly
+import pytest
+
+from jacobian import GF, ArgumentError, HyperellipticCurve, poly
+
+SMALL = {
+    "GF(2)": GF(2),
+    "GF(3)": GF(3),
+    "GF(4)": GF(2, 2, (1, 1, 1)),
+    "GF(5)": GF(5),
+    "GF(7)": GF(7),
+    "GF(8)": GF(2, 3, (1, 1, 0, 1)),
+    "GF(9)": GF(3, 2, (2, 2, 1)),
+}
+
+
+def small_fields(*without):
+    """:data:`SMALL` without the fields of these names."""
+    return {name: K for name, K in SMALL.items() if name not in without}
+
+
+def genus_two_rows(fields):
+    """(name, model, with_h) for every field, with and without h where the characteristic is odd."""
+    return [
+        pytest.param(name, model, with_h, id=f"{name}-{model}-{'h' if with_h else '0'}")
+        for name, K in fields.items()
+        for model in ("ramified", "split", "inert")
+        for with_h in ((True,) if K.characteristic == 2 else (False, True))
+    ]
+
+
+def triple(D):
+    """What :mod:`jacobian.cantor` computes with."""
+    return D.u, D.v, D.n
 
 
 def random_curve(K, genus, seed, *, model=None, with_h=False):
     """The first smooth curve of this genus (and model) from a seeded generator."""
-    rng = Random(f"{K.name} {genus} {model} {with_h} {seed}")
+    return next_curve(K, genus, Random(f"{K.name} {genus} {model} {with_h} {seed}"), model=model, with_h=with_h)
+
+
+def next_curve(K, genus, rng, *, model=None, with_h=False):
+    """The next smooth curve of this genus (and model) from a generator."""
     with_h = with_h or K.characteristic == 2
     for _ in range(5000):
         size = 2 * genus + 2 if model == "ramified" else 2 * genus + 3

@@ -285,7 +285,7 @@ def test_bad_input():
     C = _curve(RR, "five real roots")
     with pytest.raises(FieldError, match="RR, CC or MP"):
         periods(HyperellipticCurve(GF(7), [1, 0, 0, 1]))
-    with pytest.raises(ArgumentError, match="4 of them"):
+    with pytest.raises(ArgumentError, match=r"roots = \[0, 1, 2, 3\]: 5 numbers"):
         periods(C, [0, 1, 2, 3])
     with pytest.raises(ArgumentError, match="another coefficient"):
         periods(C, [0, 1, 2, 3, 5])
@@ -299,9 +299,9 @@ def test_bad_input():
     with pytest.raises((Infeasible, PrecisionLoss)):
         periods(HyperellipticCurve(RR, poly.from_roots(RR, close)), close)
     A = AbelMap(C)
-    with pytest.raises(ArgumentError, match="3 entries"):
+    with pytest.raises(ArgumentError, match=r"z = \[1, 2, 3\]: 2 numbers"):
         A.inverse([1, 2, 3])
-    with pytest.raises(FieldError, match="z = "):
+    with pytest.raises(FieldError, match=r"z\[0\] = "):
         A.inverse(["a", 1])
     with pytest.raises(CurveMismatch, match="not a divisor class"):
         A(_curve(RR, "a rolling ball").jacobian().zero())

@@ -13,17 +13,10 @@ from jacobian.batch import DivisorArray, array, compiled_rows, set_threads, thre
 from jacobian.batch.multiples import signed_windows
 from jacobian.batch.threads import in_ranges
 from jacobian.word_arithmetic import Lazy32, Lazy64, Wide32, Wide64, word_context
-from tests.jacobian.group_curves import random_curve
+from tests.jacobian.group_curves import genus_two_rows, random_curve, small_fields, triple
 from tests.jacobian.jacobian_rows import ROWS
 
-SMALL = {
-    "GF(3)": GF(3),
-    "GF(4)": GF(2, 2, (1, 1, 1)),
-    "GF(5)": GF(5),
-    "GF(7)": GF(7),
-    "GF(8)": GF(2, 3, (1, 1, 0, 1)),
-    "GF(9)": GF(3, 2, (2, 2, 1)),
-}
+SMALL = small_fields("GF(2)")
 CONTEXTS = {"Lazy32": Lazy32, "Wide32": Wide32, "Lazy64": Lazy64, "Wide64": Wide64}
 PRIMES = {"Lazy32": 2**29 - 3, "Wide32": 2**31 - 1, "Double": 2**49 - 81, "Lazy64": 2**61 - 1, "Wide64": 2**63 - 25}
 MODELS = ("ramified", "split", "inert")
@@ -35,10 +28,6 @@ def context(request, monkeypatch):
     kind = CONTEXTS[request.param]
     monkeypatch.setattr(compiled_rows, "word_context", lambda p: kind(*word_context(p, kind.bits)))
     return kind
-
-
-def triple(D):
-    return D.u, D.v, D.n
 
 
 def sums(J, A, B):
@@ -66,15 +55,7 @@ def assert_every_pair(K, genus, model, with_h):
     assert_equal_to_cantor(J, classes[:: max(1, len(classes) // 250)])
 
 
-SMALL_ROWS = [
-    pytest.param(name, model, with_h, id=f"{name}-{model}-{'h' if with_h else '0'}")
-    for name, K in SMALL.items()
-    for model in MODELS
-    for with_h in ((True,) if K.characteristic == 2 else (False, True))
-]
-
-
-@pytest.mark.parametrize(("name", "model", "with_h"), SMALL_ROWS)
+@pytest.mark.parametrize(("name", "model", "with_h"), genus_two_rows(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
     assert_every_pair(SMALL[name], 2, model, with_h)
 

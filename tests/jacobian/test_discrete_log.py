@@ -115,7 +115,7 @@ def test_errors_of_logarithms():
     J = random_curve(GF(10007), 2, "errors").jacobian()
     base = J.random(Random(14))
     other = random_curve(GF(10007), 2, "other").jacobian().random(Random(1))
-    with pytest.raises(CurveMismatch, match="two curves"):
+    with pytest.raises(CurveMismatch, match=r"target = .* does not lie in"):
         J.log(base, other)
     with pytest.raises(ArgumentError, match=r"interval = \(3, 1\) is empty"):
         J.log(base, base, interval=(3, 1))

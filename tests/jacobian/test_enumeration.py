@@ -10,15 +10,9 @@ import pytest
 from jacobian import GF, ArgumentError, HyperellipticCurve, NotRepresentable, poly
 from jacobian.counting import count_points
 from jacobian.factor import factor
+from tests.jacobian.group_curves import small_fields
 
-SMALL = {
-    "GF(2)": GF(2),
-    "GF(3)": GF(3),
-    "GF(4)": GF(2, 2, (1, 1, 1)),
-    "GF(5)": GF(5),
-    "GF(7)": GF(7),
-    "GF(9)": GF(3, 2, (2, 2, 1)),
-}
+SMALL = small_fields("GF(8)")
 CASES = [
     (name, genus, model)
     for name, K in SMALL.items()

@@ -6,23 +6,15 @@ from random import Random
 
 import pytest
 
-from jacobian import GF, QQ, ArgumentError, HyperellipticCurve, cantor, poly
+from jacobian import GF, QQ, HyperellipticCurve, cantor
 from jacobian.fields.prime import PrimeField
 from jacobian.genus2 import ExplicitFormulas
 from jacobian.genus2_prime import GmpFormulas, PrimeFormulas
 from jacobian.kernels import Counted, kernel, python_kernel
+from tests.jacobian.group_curves import SMALL, genus_two_rows, next_curve, triple
 from tests.jacobian.jacobian_rows import ROWS
 
 MODELS = ("ramified", "split", "inert")
-SMALL = {
-    "GF(2)": GF(2),
-    "GF(3)": GF(3),
-    "GF(4)": GF(2, 2, (1, 1, 1)),
-    "GF(5)": GF(5),
-    "GF(7)": GF(7),
-    "GF(8)": GF(2, 3, (1, 1, 0, 1)),
-    "GF(9)": GF(3, 2, (2, 2, 1)),
-}
 PRIME = GF(2**61 - 1)
 
 
@@ -55,13 +47,8 @@ class CountingField:
 def random_curve(K, model, with_h, rng):
     """A curve of genus 2 with any leading coefficient of f and, with ``with_h``, any h ≠ 0 of full length or less."""
     while True:
-        size = 6 if model == "ramified" else 7
-        f, h = poly.random(K, size, rng), poly.random(K, 3 if size == 6 else 4, rng) if with_h else ()
-        try:
-            C = HyperellipticCurve(K, f, h)
-        except ArgumentError:
-            continue
-        if C.genus == 2 and C.model == model and bool(C.h) == with_h:
+        C = next_curve(K, 2, rng, model=model, with_h=with_h)
+        if bool(C.h) == with_h:
             return C.arithmetic_model
 
 
@@ -71,10 +58,6 @@ def kernels(C):
     if isinstance(C.field, PrimeField):
         found += [PrimeFormulas(C), *([GmpFormulas(C)] if find_spec("gmpy2") else [])]
     return found
-
-
-def triple(D):
-    return D.u, D.v, D.n
 
 
 def assert_equal_to_cantor(C, triples):
@@ -87,15 +70,7 @@ def assert_equal_to_cantor(C, triples):
         assert all(formulas.sum_of(a, b) == total for formulas in every), (a, b)
 
 
-SMALL_ROWS = [
-    pytest.param(name, model, with_h, id=f"{name}-{model}-{'h' if with_h else '0'}")
-    for name, K in SMALL.items()
-    for model in MODELS
-    for with_h in ((True,) if K.characteristic == 2 else (False, True))
-]
-
-
-@pytest.mark.parametrize(("name", "model", "with_h"), SMALL_ROWS)
+@pytest.mark.parametrize(("name", "model", "with_h"), genus_two_rows(SMALL))
 def test_every_pair_of_a_small_group(name, model, with_h):
     rng = Random(f"{name} {model} {with_h}")
     K = SMALL[name]

@@ -5,30 +5,14 @@ from random import Random
 
 import pytest
 
-from jacobian import GF, QQ, ArgumentError, HyperellipticCurve, cantor, nucomp, poly
+from jacobian import GF, QQ, cantor, nucomp
 from jacobian.factor import roots
 from jacobian.kernels import NUCOMP_GENUS, python_kernel
+from tests.jacobian.group_curves import next_curve, triple
 from tests.jacobian.jacobian_rows import FIELDS, ROWS, moved
 
 GENERA = (5, 6, 7, 8, 10, 13, 20, 30)
 MODELS = ("ramified", "split", "inert")
-
-
-def curve(K, genus, model, with_h, rng):
-    size = 2 * genus + (2 if model == "ramified" else 3)
-    while True:
-        f = poly.random(K, size, rng)
-        h = poly.random(K, genus + (1 if model == "ramified" else 2), rng) if with_h else ()
-        try:
-            C = HyperellipticCurve(K, f, h)
-        except ArgumentError:
-            continue
-        if C.genus == genus and C.model == model:
-            return C
-
-
-def triple(D):
-    return D.u, D.v, D.n
 
 
 def classes(C, rng):
@@ -74,7 +58,7 @@ def test_large_genus(field, genus, model, with_h):
     if model == "inert" and genus % 2:
         genus += 1
     rng = Random(f"{field} {genus} {model} {with_h}")
-    C = curve(FIELDS[field], genus, model, with_h, rng)
+    C = next_curve(FIELDS[field], genus, rng, model=model, with_h=with_h)
     triples = classes(C, rng)
     assert_equal(C, triples[:5] if genus > 10 else triples)
 
@@ -84,7 +68,7 @@ def test_large_genus(field, genus, model, with_h):
 @pytest.mark.parametrize("field", ["GF(2^8)", "GF(3^5)"])
 def test_extension_fields(field, genus, model):
     rng = Random(f"{field} {genus} {model}")
-    triples = classes(C := curve(FIELDS[field], genus, model, True, rng), rng)
+    triples = classes(C := next_curve(FIELDS[field], genus, rng, model=model, with_h=True), rng)
     assert_equal(C, triples[:5])
 
 
@@ -96,7 +80,7 @@ def test_every_genus_up_to_thirty(field, model):
         if model == "inert" and genus % 2:
             continue
         rng = Random(f"every {field} {genus} {model}")
-        C = curve(FIELDS[field], genus, model, True, rng)
+        C = next_curve(FIELDS[field], genus, rng, model=model, with_h=True)
         assert_equal(C, classes(C, rng)[:4])
 
 
@@ -112,7 +96,7 @@ def test_small_genus_too(row):
 @pytest.mark.parametrize(("p", "genus"), [(5, 1), (5, 2), (3, 3)])
 def test_every_pair_of_a_small_group(p, genus, model):
     genus += genus % 2 if model == "inert" else 0
-    C = curve(GF(p) if genus < 4 else GF(2), genus, model, True, Random(f"{p} {genus} {model}"))
+    C = next_curve(GF(p) if genus < 4 else GF(2), genus, Random(f"{p} {genus} {model}"), model=model, with_h=True)
     assert_equal(C, [triple(D) for D in C.jacobian().points()])
 
 
@@ -120,7 +104,7 @@ def test_the_group_takes_nucomp_from_the_measured_genus():
     rng = Random(1)
     for model, first in NUCOMP_GENUS.items():
         for genus in (first - 2, first):
-            C = curve(GF(101), genus, model, False, rng) if model != "inert" or genus % 2 == 0 else None
+            C = next_curve(GF(101), genus, rng, model=model) if model != "inert" or genus % 2 == 0 else None
             if C is not None:
                 add, double, _ = python_kernel(C)
                 expected = nucomp if genus >= first else cantor
@@ -129,7 +113,7 @@ def test_the_group_takes_nucomp_from_the_measured_genus():
 
 def test_moved_models_of_large_genus():
     rng = Random(2)
-    C = moved(curve(GF(101), 9, "ramified", True, rng), 17)
+    C = moved(next_curve(GF(101), 9, rng, model="ramified", with_h=True), 17)
     J = C.jacobian()
     A, B = (J.from_points([C.random_point(rng) for _ in range(9)]) for _ in range(2))
     through_cantor = J._out(cantor.sum_of(J._model, J._in(A), J._in(B)))

@@ -100,7 +100,7 @@ def test_errors_of_orders():
         D.order(multiple=0)
     with pytest.raises(ArgumentError, match=r"primes = \[2\]: the prime factors of"):
         D.order(primes=[2])
-    with pytest.raises(ArgumentError, match=r"scalar = 2\.5"):
+    with pytest.raises(ArgumentError, match=r"multiple = 2\.5"):
         D.order(multiple=2.5)
     with pytest.raises(Infeasible, match="prime q up to"):
         random_curve(GF(2**61 - 1), 2, 0).jacobian().zero().order()

@@ -196,7 +196,7 @@ def test_errors_of_pairings():
         J.tate_pairing(D, E, 0)
     with pytest.raises(ArgumentError, match=r"m = 7 does not divide q − 1 = 360"):
         J.tate_pairing(D, E, 7)
-    with pytest.raises(CurveMismatch, match="two curves"):
+    with pytest.raises(CurveMismatch, match=r"E = .* does not lie in"):
         J.weil_pairing(D, HyperellipticCurve(GF(29, 2), FIVE).jacobian().zero(), 5)
     rational = HyperellipticCurve(QQ, FIVE).jacobian().zero()
     with pytest.raises(FieldError, match="finite fields"):

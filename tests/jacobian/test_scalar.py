@@ -113,11 +113,11 @@ def test_errors_of_combinations():
         J.combination([1, 2], [D])
     with pytest.raises(CurveMismatch, match=r"divisors\[1\]"):
         J.combination([1, 2], [D, E])
-    with pytest.raises(ArgumentError, match=r"scalar = 1\.5"):
+    with pytest.raises(ArgumentError, match=r"scalars\[0\] = 1\.5"):
         J.combination([1.5], [D])
     with pytest.raises(ArgumentError, match=r"window = 1"):
         J.fixed_base(D, 1)
-    with pytest.raises(ArgumentError, match=r"scalar = '3'"):
+    with pytest.raises(ArgumentError, match=r"m = '3'"):
         J.fixed_base(D)("3")
 
 

@@ -145,7 +145,7 @@ def test_errors_of_structures():
         J.torsion(0)
     with pytest.raises(ArgumentError, match=r"m = -2"):
         J.is_divisible(J.zero(), -2)
-    with pytest.raises(ArgumentError, match=r"scalar = 1\.5"):
+    with pytest.raises(ArgumentError, match=r"m = 1\.5"):
         J.torsion(1.5)
     with pytest.raises(ArgumentError, match="the prime factors of"):
         J.structure(primes=[2, 3])

@@ -10,17 +10,10 @@ from hypothesis import strategies as st
 from jacobian import GF, QQ, HyperellipticCurve, cantor, flint_cantor
 from jacobian.ladder import multiple, signed_digits
 from jacobian.word_kernel import LineKernel, WordKernel, _signed_windows, word_kernel
-from tests.jacobian.group_curves import random_curve
+from tests.jacobian.group_curves import random_curve, small_fields, triple
 from tests.jacobian.jacobian_rows import ROWS
 
-SMALL = {
-    "GF(3)": GF(3),
-    "GF(4)": GF(2, 2, (1, 1, 1)),
-    "GF(5)": GF(5),
-    "GF(7)": GF(7),
-    "GF(8)": GF(2, 3, (1, 1, 0, 1)),
-    "GF(9)": GF(3, 2, (2, 2, 1)),
-}
+SMALL = small_fields("GF(2)")
 SMALL_ROWS = [
     pytest.param(name, genus, model, with_h, id=f"{name}-g{genus}-{model}-{'h' if with_h else '0'}")
     for name, K in SMALL.items()
@@ -32,10 +25,6 @@ SMALL_ROWS = [
 ]
 # primes of every length that a word has room for, the largest below 2^63 among them
 PRIMES = (3, 5, 65537, 2**31 - 1, 2**31 + 11, 2**61 - 1, 2**62 + 135, 2**63 - 25)
-
-
-def triple(D):
-    return D.u, D.v, D.n
 
 
 def plain_multiple(C, m, a):

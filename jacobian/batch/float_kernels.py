@@ -1,29 +1,37 @@
-"""Sums of many divisors of genus 2 over complex numbers, and over the floats for deg f = 6: the stable composition of
-:mod:`jacobian.genus2_complex`, row by row.
+"""Compiled loops over divisors of weight 2 in floats and complex numbers: the stable composition of
+:mod:`jacobian.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.genus2_complex`.
 
-Sizes of complex numbers are |re| + |im| here, which needs no root. The columns are those of :mod:`jacobian.batch.sums`.
-Importing this module imports numba.
+The columns are those of :mod:`jacobian.batch.sums`. ``f`` has six coefficients and ``half`` = h/2 three where deg f = 5
+over the floats, else seven and four: numba knows these lengths while it compiles, and leaves the other branch out.
+Sizes are |re| + |im|, which needs no root. Importing this module imports numba.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numba import njit
 from numba.extending import register_jitable
 
-from jacobian import genus2_complex
-from jacobian.batch.sums import BLOCK, GIVEN_NOISE, NOISE, OPPOSITE, Columns, Sums, row
-from jacobian.errors import ArgumentError
-from jacobian.fields import CC, RR
+from jacobian import genus2_complex, genus2_real
 from jacobian.genus2_compiled import JIT
 
-if TYPE_CHECKING:
-    from jacobian.curve import HyperellipticCurve
-
-# a sum whose p² − q²f has a leading coefficient below this has a point that is far out or at infinity
+# the largest remainder f − V² mod U of a sum, beside the size of its terms
+NOISE = 2.0**-36
+# the same remainder of what is given
+GIVEN_NOISE = 2.0**-32
+# divisors opposite to this part of their size: next to nothing is known of their sum
+OPPOSITE = 2.0**-30
+# a sum with a slope below this part of the chord's size has a point that is far out or at infinity; so has one whose
+# p² − q²f has a leading coefficient below the other
+FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
+
+BLOCK = 256
+"""Columns that go through the loops together."""
+
+Columns = np.ndarray
 
 
 def extent(z: Any) -> Any:
@@ -33,6 +41,8 @@ def extent(z: Any) -> Any:
 
 def shift(half: Any, u0: Any, u1: Any) -> Any:
     """h/2 modulo x² + u1·x + u0."""
+    if len(half) == 3:
+        return half[0] - half[2] * u0, half[1] - half[2] * u1
     high = half[2] - u1 * half[3]
     return half[0] - u0 * high, half[1] - u1 * high - u0 * half[3]
 
@@ -50,8 +60,10 @@ def on_curve(f: Any, divisor: Any, noise: Any) -> Any:
     s0, s1, t0, t1 = extent(u0), extent(u1), extent(v0), extent(v1)
     r0, r1, r2, r3, r4, r5 = f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]
     a0, a1, a2 = extent(f[0]) + t0 * t0, extent(f[1]) + 2 * t0 * t1, extent(f[2]) + t1 * t1
-    a3, a4, a5, a6 = extent(f[3]), extent(f[4]), extent(f[5]), extent(f[6])
-    r5, r4, a5, a4 = r5 - u1 * f[6], r4 - u0 * f[6], a5 + s1 * a6, a4 + s0 * a6
+    a3, a4, a5 = extent(f[3]), extent(f[4]), extent(f[5])
+    if len(f) == 7:
+        size = extent(f[6])
+        r5, r4, a5, a4 = r5 - u1 * f[6], r4 - u0 * f[6], a5 + s1 * size, a4 + s0 * size
     r4, r3, a4, a3 = r4 - u1 * r5, r3 - u0 * r5, a4 + s1 * a5, a3 + s0 * a5
     r3, r2, a3, a2 = r3 - u1 * r4, r2 - u0 * r4, a3 + s1 * a4, a2 + s0 * a4
     r2, r1, a2, a1 = r2 - u1 * r3, r1 - u0 * r3, a2 + s1 * a3, a1 + s0 * a3
@@ -67,6 +79,27 @@ def apart(first: Any, second: Any) -> Any:
     return distance > OPPOSITE * (1 + extent(u0) + extent(u1) + extent(v0) + extent(v1))
 
 
+def added(f: Any, first: Any, second: Any) -> Any:
+    """The sum, and what of it vanishes where the degree drops."""
+    if len(f) == 6:
+        total, transfer = genus2_real.add(f, first, second)
+        return total, transfer[1]
+    return genus2_complex.add(f, first, second)
+
+
+def steep(f: Any, size: Any) -> Any:
+    """Whether the degree of a sum has not dropped, from the second value of :func:`added`."""
+    if len(f) == 6:
+        return extent(size) > FLATTEST_CHORD
+    return extent(size) > FLATTEST
+
+
+def row(block: Any, first: Any, i: Any) -> Any:
+    """The divisor in rows ``first`` to ``first`` + 3 of a block, column i."""
+    return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]
+
+
+# those of genus2_real are registered by genus2_compiled
 _KERNEL: tuple[Any, ...] = (
     genus2_complex.square,
     genus2_complex.phase,
@@ -80,12 +113,14 @@ _KERNEL: tuple[Any, ...] = (
 )
 for _function in _KERNEL:
     register_jitable(_function)
-for _function in (extent, shift, scaled, on_curve, apart):
+# inlined before the loops are compiled: LLVM makes no vector instructions of a loop with a call in it, and the sum, of
+# some hundred operations, is too large for it to inline by itself
+for _function in (extent, shift, scaled, on_curve, apart, added, steep, row):
     register_jitable(forceinline=True)(_function)
 
 
 @njit(**JIT)
-def _add_columns(
+def add_columns(
     f: Any,
     half: Any,
     units: Any,
@@ -97,8 +132,8 @@ def _add_columns(
     begin: int,
     end: int,
 ) -> None:
-    """In blocks, as in :mod:`jacobian.batch.real`."""
-    # the summands, the sum and its leading coefficient
+    """In blocks: what is the same for all rows goes through loops that LLVM makes vector instructions of."""
+    # the summands, the sum and what of it vanishes where the degree drops: rows of one array, which do not overlap
     block = np.empty((13, BLOCK), out.dtype)
     each = second.shape[1] > 1
     if not each:
@@ -112,10 +147,10 @@ def _add_columns(
             for i in range(count):
                 block[4, i], block[5, i], block[6, i], block[7, i] = scaled(half, inverses, second, start + i)
         for i in range(count):
-            total, block[12, i] = genus2_complex.add(f, row(block, 0, i), row(block, 4, i))
+            total, block[12, i] = added(f, row(block, 0, i), row(block, 4, i))
             block[8, i], block[9, i], block[10, i], block[11, i] = total
         for i in range(count):
-            useful = on_curve(f, row(block, 8, i), NOISE) & (extent(block[12, i]) > FLATTEST)
+            useful = on_curve(f, row(block, 8, i), NOISE) & steep(f, block[12, i])
             doubtful[start + i] = not (useful & apart(row(block, 0, i), row(block, 4, i)))
         for i in range(count):
             u0, u1 = block[8, i] * units[0], block[9, i] * units[1]
@@ -125,31 +160,9 @@ def _add_columns(
 
 
 @njit(**JIT)
-def _first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
+def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
+    """The first divisor that is not on the curve to GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
         if not on_curve(f, scaled(half, inverses, divisors, i), GIVEN_NOISE):
             return i
     return -1
-
-
-class ComplexSums(Sums):
-    """Addition in genus 2 over CC, and over RR for deg (f + h²/4) = 6; ArgumentError for any other curve."""
-
-    lengths = (7, 4)
-    add_columns = staticmethod(_add_columns)
-    find_off_curve = staticmethod(_first_off_curve)
-
-    def __init__(self, curve: HyperellipticCurve) -> None:
-        if not is_served(curve):
-            raise ArgumentError(
-                f"curve = {curve!r}: compiled sums of complex numbers need genus 2 over CC, or degree 6 over RR, and a "
-                "ramified model of deg f = 5"
-            )
-        super().__init__(curve)
-
-
-def is_served(curve: HyperellipticCurve) -> bool:
-    """Whether :class:`ComplexSums` takes a curve."""
-    if curve.genus != 2 or curve.field not in (RR, CC) or curve.arithmetic_model is not curve:
-        return False
-    return curve.field == CC or curve.model != "ramified"

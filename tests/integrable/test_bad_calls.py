@@ -1,0 +1,92 @@
+"""Wrong arguments of the public calls: the error names the argument, its value and what would be right."""
+
+import pytest
+
+from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, run
+from integrable.brackets import image_brackets
+from integrable.orbit import orbit
+from jacobian import GF, ArgumentError, FieldError
+from tests.messages import assert_says
+
+BALL = ChaplyginBall((1, 2, 3), 0.7)
+START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+STATE = BALL.state(*START)
+FLOW = BALL.flow(STATE)
+TILDE = Tilde((1, 2, 4))
+NAN = float("nan")
+CASES = {
+    "a field that is none": (lambda: ChaplyginBall((1, 2, 3), 1, field=3), ArgumentError, "field = 3 ", "give GF(p)"),
+    "the name of a field": (lambda: EulerTop((1, 2, 3), field="RR"), ArgumentError, "field = 'RR' ", "give GF(p)"),
+    "a deformation over no field": (lambda: Tilde((1, 2, 4), field=7), ArgumentError, "field = 7 ", "give GF(p)"),
+    "d of another field": (lambda: ChaplyginBall((1, 2, 3), 0.7, field=GF(7)), FieldError, "d = 0.7 ", "give an int"),
+    "NaN as a moment": (lambda: EulerTop((1, 2, NAN)), FieldError, "inertia[2] = nan ", "finite"),
+    "integrals of no state": (lambda: BALL.integrals(3), ArgumentError, "state = 3: ", "ChaplyginBall.state"),
+    "ω of no state": (lambda: BALL.omega(START), ArgumentError, "state = (", "ChaplyginBall.state"),
+    "motion of no state": (lambda: BALL.vector_field(None), ArgumentError, "state = None: ", "ChaplyginBall.state"),
+    "brackets of no state": (lambda: BALL.poisson("x"), ArgumentError, "state = 'x': ", "ChaplyginBall.state"),
+    "the body of no state": (lambda: BALL.upright(1), ArgumentError, "state = 1: ", "ChaplyginBall.state"),
+    "a deformation's integrals": (lambda: TILDE.integrals(3), ArgumentError, "state = 3: ", "Tilde.state"),
+    "a deformation's motion": (lambda: TILDE.vector_field(3), ArgumentError, "state = 3: ", "Tilde.state"),
+    "a deformation's flow": (lambda: TILDE.flow(3), ArgumentError, "state = 3: ", "Tilde.state"),
+    "a motion through no state": (
+        lambda: Gyroscopic((1, 2, 4), 1).motion_through(3),
+        ArgumentError,
+        "state = 3: ",
+        "Gyroscopic.state",
+    ),
+    "a deformation's step": (lambda: TILDE.translation((30, -30))(3), ArgumentError, "state = 3: ", "Tilde.state"),
+    "tilted as a number": (lambda: BALL.state(*START, tilted=3), ArgumentError, "tilted = 3: ", "True or False"),
+    "no divisor": (lambda: BALL.from_divisor(3, like=STATE), ArgumentError, "D = 3: ", "a Divisor"),
+    "one coordinate": (lambda: BALL.from_separated((1,), (1, 2)), ArgumentError, "u = (1,): ", "two numbers"),
+    "no coordinates": (lambda: BALL.from_separated((1, 2), None), ArgumentError, "p = None: ", "two numbers"),
+    "coordinates in letters": (lambda: BALL.from_separated((1, 2), "ab"), ArgumentError, "p = 'ab': ", "two numbers"),
+    "no Hamiltonian": (lambda: BALL.shift(3), ArgumentError, "F = 3: ", "function of H1 and H2"),
+    "a time in letters": (lambda: FLOW.at(["1"]), FieldError, "times[0] = '1' ", "a real number"),
+    "NaN as a time": (lambda: FLOW.at([0, NAN]), FieldError, "times[1] = nan ", "finite"),
+    "times that are none": (lambda: TILDE.flow(STATE).at(None), FieldError, "times[0] = None ", "a real number"),
+    "τ that is none": (lambda: TILDE.flow(STATE).at_tau(None), FieldError, "tau[0] = None ", "a real number"),
+    "times of no motion": (
+        lambda: Tilde((1, 2, 4), potential=(1, 0, 0, 0, 0)).motion_through(STATE).at(None),
+        FieldError,
+        "times[0] = None ",
+        "a real number",
+    ),
+    "no two points": (lambda: TILDE.from_divisor(3, like=STATE), ArgumentError, "D = 3: ", "TwoPoints"),
+    "signs that are none": (lambda: BALL.keyless(signs=3), ArgumentError, "signs = 3: ", "3 signs"),
+    "sheets that are none": (lambda: BALL.translation([1.8, 2.5], sheets=3), ArgumentError, "sheets = 3: ", "2 signs"),
+    "sheets of two curves": (lambda: TILDE.translation((1, 2), sheets=3), ArgumentError, "sheets = 3: ", "2 signs"),
+    "counts that are none": (lambda: FLOW.residual_growth(5), ArgumentError, "counts = 5: ", "ints ≥ 0"),
+    "counts below zero": (lambda: FLOW.residual_growth([1, -3]), ArgumentError, "counts = [1, -3]: ", "ints ≥ 0"),
+    "an orbit's count": (lambda: orbit(BALL.keyless(), STATE, -1), ArgumentError, "count = -1: ", "an int ≥ 0"),
+    "a count in letters": (
+        lambda: orbit(BALL.keyless(), STATE, "x"),
+        ArgumentError,
+        "count = 'x': ",
+        "an int",
+    ),
+    "an orbit of no step": (lambda: orbit(3, STATE, 1), ArgumentError, "step = 3: ", "a Step"),
+    "brackets at no state": (
+        lambda: image_brackets(BALL, BALL.keyless(), 3),
+        ArgumentError,
+        "state = 3: ",
+        "ChaplyginBall.state",
+    ),
+    "brackets of no step": (lambda: image_brackets(BALL, 3, STATE), ArgumentError, "step = 3: ", "a function"),
+    "a folder for results": (lambda: run("chaplygin", out=3), ArgumentError, "out = 3: ", "a folder"),
+    "a path that is none": (lambda: FLOW.stream(3, 0, 1, 5), ArgumentError, "path = 3: ", "a .npy file"),
+    "a folder that is none": (
+        lambda: FLOW.stream("/no such folder/run.npy", 0, 1, 5),
+        ArgumentError,
+        "path = '/no such folder/run.npy': ",
+        "a folder that exists",
+    ),
+    "no name of a scene": (lambda: load_scene(3), ArgumentError, "name_or_path = 3: ", "the path of a .toml file"),
+    "no scene": (lambda: run(None), ArgumentError, "scene = None: ", "the path of a .toml file"),
+    "digits in letters": (lambda: load_scene("chaplygin").start("x"), ArgumentError, "digits = 'x': ", "an int ≥ 1"),
+    "digits below one": (lambda: load_scene("chaplygin").start(-1), ArgumentError, "digits = -1: ", "an int ≥ 1"),
+}
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_message_says_what_and_why(case):
+    assert_says(*CASES[case])
