@@ -27,6 +27,7 @@ Run = Callable[[Iterable[Any]], Solution]
 Prepare = Callable[[Any, Any, Any], Run]
 
 TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 3e-14)
+DOUBLE_DIGITS = 15
 STEPS = (0.5, 0.25, 0.12, 0.06, 0.03, 0.015)
 """In units of the time scale of :meth:`Method.ladder`."""
 
@@ -54,6 +55,12 @@ class Method:
     compiled: bool = False
     order: int | None = None
     """Of convergence, for a fixed step."""
+    guard: int = 0
+    """Digits that its numbers hold beyond doubles, where the setting is no number of digits."""
+
+    def digits(self, setting: float) -> int:
+        """Digits of the numbers that a run at that setting starts from, 15 for doubles."""
+        return (int(setting) if self.parameter == "digits" else DOUBLE_DIGITS) + self.guard
 
     @property
     def installed(self) -> bool:
@@ -228,7 +235,7 @@ _TABLE = (
     ),
     Method(
         "heyoka, long double", "Biscani & Izzo (2021)", "tolerance", (1e-15, 1e-17, 1e-19, 1e-21),
-        _heyoka(extended=True), only="body", module="heyoka", extra="peers",
+        _heyoka(extended=True), only="body", module="heyoka", extra="peers", guard=10,
     ),
     Method(
         "closed elliptic form", "Jacobi (1850); floats by SciPy, above 15 digits mpmath", "digits", (15, 30, 50),

@@ -38,6 +38,7 @@ for _inner in (
     flow_kernel.settled,
     flow_kernel.shift,
     flow_kernel.rate_at,
+    flow_kernel.clock_rate,
     flow_kernel.abel_sums,
     flow_kernel.centre,
     flow_kernel.conjugate_points,

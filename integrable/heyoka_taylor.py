@@ -21,21 +21,23 @@ def heyoka_run(
 ) -> Callable[[Iterable[Any]], Solution]:
     """times ↦ Solution by an integrator built here; ``extended``: in long double. ``evaluations`` counts steps.
 
-    Extended results come as float64 too, γ and M rounded at the end. The run raises RuntimeError where heyoka stops.
+    Extended results come as float64 too, γ and M rounded at the end; inputs of more than 15 digits are taken to all
+    that a long double holds. The run raises RuntimeError where heyoka stops.
     """
     import heyoka
 
-    number: Any = np.longdouble if extended else float
+    number: Any = _long_double if extended else float
     moments, d = [number(x) for x in system.inertia], number(system.d)
-    start = np.array([number(x) for x in (*state.gamma, *state.M)], dtype=number)
+    kind: Any = np.longdouble if extended else float
+    start = np.array([number(x) for x in (*state.gamma, *state.M)], dtype=kind)
     variables = heyoka.make_vars("x1", "x2", "x3", "m1", "m2", "m3")
     rates = body_equations(moments, d)(variables)
     integrator = heyoka.taylor_adaptive(
-        list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=number, time=number(0)
+        list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=kind, time=number(0)
     )
 
     def run(times: Iterable[Any]) -> Solution:
-        wanted = np.array([number(t) for t in times], dtype=number)
+        wanted = np.array([number(t) for t in times], dtype=kind)
         rows = np.empty((len(wanted), 6))
         steps = 0
         for sign in (1, -1):
@@ -55,3 +57,9 @@ def heyoka_run(
         return Solution(rows[:, :3], rows[:, 3:], steps)
 
     return run
+
+
+def _long_double(x: Any) -> Any:
+    """A float or a number of more digits as a long double."""
+    high = float(x)
+    return np.longdouble(high) + np.longdouble(float(x - high))

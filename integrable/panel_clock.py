@@ -27,6 +27,8 @@ NEAR_CELLS = 27
 # a rule of floats that shows how fast Legendre coefficients fall, for a cell and for a long panel
 SCOUTS = (24, 80)
 SCOUT_BITS = 240
+# a part of 1/g that varies less than this is measured in as many bits
+FLAT = 1e-6
 SAMPLES = range(0, 512, 61)
 # decimal digits a coefficient, below which long panels are not used
 SLOWEST_LONG = 0.12
@@ -213,18 +215,27 @@ class PanelClock:
         return self._scouts[length]
 
     def _scouted(self, length: int, count: int) -> float:
+        sizes = self._coefficient_sizes(length, count, float)
+        if max(sizes[1:]) < FLAT:
+            # what floats would not tell from rounding
+            sizes = self._coefficient_sizes(length, count, self._setup.reals.plain)
+            sizes = [size / max(sizes[1:]) for size in sizes] if any(sizes[1:]) else sizes
+        last = max((k for k in range(1, count) if sizes[k] > 1e-12), default=1)
+        return -log10(max(sizes[last], 1e-12)) / last
+
+    def _coefficient_sizes(self, length: int, count: int, number: Any) -> list[float]:
+        """The largest Legendre coefficients of 1/g over some panels, relative to the first, computed in ``number``."""
         setup, reals = self._setup, BareReals(SCOUT_BITS)
         translations = Translations(reals, setup._f, setup._axes, setup._half_step)
         x, rows = legendre_transform(reals, count)
-        nodes = [tuple(map(float, step)) for step in self._translations(translations, x, length)]
-        matrix = [[float(c) for c in row] for row in rows]
-        f, axes = (tuple(map(float, row)) for row in setup.bare_problem)
+        nodes = [tuple(map(number, step)) for step in self._translations(translations, x, length)]
+        matrix = [[number(c) for c in row] for row in rows]
+        f, axes = (tuple(map(number, row)) for row in setup.bare_problem)
         sizes = [0.0] * count
         for cell in SAMPLES:
             with setup.reals.at(SCOUT_BITS):
-                point = tuple(map(float, setup.bare_point(self._sign, cell)))
-            values = [flow_kernel.clock_rate(f, axes, point, step) for step in nodes]
-            series = [abs(sum(c * v for c, v in zip(row, values, strict=True))) for row in matrix]
+                point = tuple(map(number, setup.bare_point(self._sign, cell)))
+                values = [flow_kernel.clock_rate(f, axes, point, step) for step in nodes]
+                series = [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
             sizes = [max(a, b / series[0]) for a, b in zip(sizes, series, strict=True)]
-        last = max((k for k in range(1, count) if sizes[k] > 1e-12), default=1)
-        return -log10(max(sizes[last], 1e-12)) / last
+        return sizes

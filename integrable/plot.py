@@ -147,11 +147,11 @@ def _series(axes: Any, rows: list[Row], colour: str, marker: str, side: int) -> 
         axes.annotate(row.setting, (row.total if side > 0 else left, row.error_gamma), **place, **text)
 
 
-def decades(axes: Any) -> None:
-    """Ticks at decades, thinned to what fits, and a faint grid at them."""
-    for axis, (low, high) in ((axes.xaxis, axes.get_xlim()), (axes.yaxis, axes.get_ylim())):
+def decades(axes: Any, most: int = 8) -> None:
+    """Ticks at decades, thinned to what fits, at ``most`` so many upwards, and a faint grid at them."""
+    for axis, (low, high), fit in ((axes.xaxis, axes.get_xlim(), 8), (axes.yaxis, axes.get_ylim(), most)):
         decades = np.log10(high / low)
-        stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= 8)
+        stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= fit)
         axis.set_major_locator(LogLocator(base=10.0**stride, numticks=20))
         axis.set_minor_locator(LogLocator(base=10.0, subs=(1.0,) if stride > 1 else range(2, 10), numticks=200))
         within = np.floor(np.log10(high)) < np.ceil(np.log10(low))

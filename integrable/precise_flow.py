@@ -8,6 +8,7 @@ were missing.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from math import ceil, log, log10
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.genus2_real import root
 
 if TYPE_CHECKING:
-    from integrable.body import Body
+    from integrable.body import Body, Vector
     from integrable.state import State
 
 # digits by which the second computation of the farthest state is wider, beside those that it may lose
@@ -36,10 +37,14 @@ TORUS_FROM = 100
 
 
 class Motion:
-    """The flow at one internal precision, in bare reals; times and τ are in the units of the setup."""
+    """The flow at one internal precision, in bare reals; times and τ are in the units of the setup.
 
-    def __init__(self, setup: Setup) -> None:
+    ``problem`` is what :class:`~integrable.flow_setup.Setup` makes one of more digits from.
+    """
+
+    def __init__(self, setup: Setup, problem: tuple[Body, Vector, Vector, bool]) -> None:
         self.setup = setup
+        self._problem = problem
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
 
@@ -64,10 +69,11 @@ class Motion:
         setup = self.setup
         if setup.wide_d == 0:
             return times
-        torus = self._far(times)
+        # at the first rate: a heavy ball's τ runs a thousand times faster than t
+        rate = abs(flow_kernel.rate_at(setup.wide_all_axes, setup.wide_start))
+        torus = self._far([t / rate for t in times])
         if torus:
-            found: list[Any] = torus.tau(times)
-            return found
+            return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
         result = []
         for t in times:
             if t == 0:
@@ -87,7 +93,7 @@ class Motion:
             return tau
         torus = self._far([tau])
         if torus:
-            return torus.time(tau)
+            return setup.wide.coerce(torus.time(torus.wide.coerce(tau)))
         sign = -1 if tau < 0 else 1
         with setup.reals:
             place = self._place(abs(setup.reals.number(tau)))
@@ -104,18 +110,20 @@ class Motion:
             self._clocks[sign] = PanelClock(self.setup, sign)
         return self._clocks[sign]
 
-    def _far(self, times: list[Any]) -> Any:
+    def _far(self, tau: list[Any]) -> Any:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
-        if max(map(abs, times), default=0) < TORUS_FROM * setup.digits * setup.step_length:
+        if max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
             return None
         if self._torus is None:
             from integrable.torus import MultiprecisionTorusClock
 
-            try:
-                self._torus = MultiprecisionTorusClock(setup)
-            except PrecisionLoss:
-                self._torus = False
+            self._torus = False
+            # branch points that are close together cost digits, which look like modes of 1/g
+            for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * (setup.digits - GUARD_DIGITS))):
+                with suppress(PrecisionLoss):
+                    self._torus = MultiprecisionTorusClock(make(), setup.digits)
+                    break
         return self._torus or None
 
 
@@ -125,7 +133,7 @@ class PreciseFlow:
     def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None) -> None:
         self._problem = body, state.gamma, state.M, state.tilted
         self.digits = digits
-        self._motion = Motion(setup or Setup(*self._problem, digits=digits))
+        self._motion = Motion(setup or Setup(*self._problem, digits=digits), self._problem)
         self._witness: Setup | None = None
         self._witnessed = 0.0
 
@@ -185,7 +193,8 @@ class PreciseFlow:
                 f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it "
                 "starts; times nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
-        self._motion, self._witness, self._witnessed = Motion(Setup(*self._problem, digits=digits)), None, 0.0
+        self._motion = Motion(Setup(*self._problem, digits=digits), self._problem)
+        self._witness, self._witnessed = None, 0.0
 
     def _missing(self, tau: list[Any], points: list[Any]) -> int:
         """How many of the digits asked for the points lack, 0 or less for none."""
@@ -200,7 +209,7 @@ class PreciseFlow:
         wider = motion.setup.digits - GUARD_DIGITS + WIDER + self._lost(tau)
         if self._witness is None or self._witness.digits - GUARD_DIGITS < wider:
             self._witness = Setup(*self._problem, digits=wider)
-        again = Motion(self._witness).point(tau[far])
+        again = Motion(self._witness, self._problem).point(tau[far])
         with self._witness.reals:
             number = self._witness.reals.number
             mine = [number(motion.setup.reals.element(motion.setup.wide, x)) for x in points[far]]

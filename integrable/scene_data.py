@@ -181,6 +181,8 @@ class Scene:
         return finite_field(self.finite_field) if self.finite_field else _field(digits)
 
     def _numbers(self, digits: int) -> Callable[[Fraction], Any]:
+        if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
+            raise ArgumentError(f"digits = {digits!r}: give an int ≥ 1, a number of decimal digits (15: floats)")
         return _elements(self._field(digits)) if self.finite_field else _numbers(digits)
 
     def describe(self) -> dict[str, Any]:

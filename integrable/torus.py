@@ -21,14 +21,17 @@ if TYPE_CHECKING:
 
 
 class MultiprecisionTorusClock:
-    """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.flow_setup.Setup`.
+    """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.flow_setup.Setup`, to ``digits``: by default those
+    of the set-up.
 
     Raises PrecisionLoss where the torus is degenerate or nearly so: that is for the clock that counts steps.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, digits: int | None = None) -> None:
         self._setup = setup
-        self._grid = TorusGrid(setup)
+        self.wide = setup.wide
+        self._eps = setup.work.coerce(10) ** -(digits or setup.digits)
+        self._grid = TorusGrid(setup, digits)
         (p, q), (r, s) = (
             tuple(c * len(turns) for c in period)
             for period, turns in zip(self._grid.periods, self._grid.turns, strict=True)
@@ -67,7 +70,7 @@ class MultiprecisionTorusClock:
     def _newton(self, angles: list[Any], shifts: list[Any], number: Any, series: Any) -> list[Any]:
         mean, nu1, nu2 = number(self.mean), *map(number, self.frequencies)
         origin = number(self._origin)
-        eps = RR.eps if number is float else self._setup.work.eps
+        eps = RR.eps if number is float else self._eps
         # with more digits the slope still is a float's, and a step leaves that part of itself
         gain = 1 if number is float else 1e-13
         for _ in range(100):
@@ -88,7 +91,7 @@ class MultiprecisionTorusClock:
         setup = self._setup
         two_pi = 2 * setup.wide.context.pi
         rows, columns = len(grid), len(grid[0])
-        noise = setup.work.eps * abs(grid[0][0]) / 4
+        noise = self._eps * abs(grid[0][0])
         lines = []
         for k in range(rows // 2):
             kept = [m for m in range(1 - columns // 2, columns // 2) if abs(grid[k][m]) > noise]

@@ -12,7 +12,6 @@ from numba.extending import overload, register_jitable
 
 from integrable import flow_compiled, torus_kernel, torus_survey
 from jacobian.double_double_compiled import JIT, numbers
-from jacobian.genus2_compiled import JIT as FLOAT_JIT
 
 # the double-double kernels that :mod:`integrable.flow_compiled` registers are what these loops call
 assert flow_compiled
@@ -129,7 +128,7 @@ def offsets(f, unit_axes, centres, tables, terms, parts, cells, finer, steps, co
 
 
 @njit(**JIT)
-def sampled(f, axes, states, cells, finer, odd, steps, counts, every, rates, others):  # type: ignore[no-untyped-def]
+def sampled(f, axes, states, cells, finer, odd, steps, counts, rates, others):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus_kernel.sampled`."""
     _sampled(
         _six(numbers(f)),
@@ -140,16 +139,9 @@ def sampled(f, axes, states, cells, finer, odd, steps, counts, every, rates, oth
         odd,
         numbers(steps),
         counts,
-        every,
         numbers(rates),
         numbers(others),
     )
-
-
-@njit(**FLOAT_JIT)
-def sampled_in_floats(f, axes, states, cells, finer, odd, steps, counts, every, rates, others):  # type: ignore[no-untyped-def]
-    """The same in floats."""
-    _sampled(_six(f), _eight(axes), states, cells, finer, odd, steps, counts, every, rates, others)
 
 
 @njit(**JIT)

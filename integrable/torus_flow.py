@@ -33,16 +33,12 @@ MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this part of its mean are left out of the series that Newton starts with
 ROUGH = 1e-4
 # a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
-ROUND = 1e-18
+ROUND = 1e-17
 CLOSED = 1e-13
 # corners are walked over in steps of fewer cells than this
 MOST_AT_ONCE = 7
-# samples of 1/g are made in floats where this is what their rounding leaves in a coefficient of the series, told from
-# about so many corners
-SAMPLED = 1e-16
-CHECKED = 8
 # steps from a float to a double-double number
-NEWTON_PASSES = 2
+NEWTON_PASSES = 1
 # ascending times from this many on, and so many to a node, are read off panels
 DENSE_FROM = 5000
 DENSE = 3
@@ -112,14 +108,10 @@ class ReadableLoops:
         with self._reals:
             torus_kernel.offsets(*args)
 
-    def sampled(
-        self, f: Any, axes: Any, states: Any, cells: Any, finer: Any, odd: Any, steps: Any, counts: Any
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """:func:`integrable.torus_kernel.sampled`: both rows of samples as floats."""
-        rates, others = (self.room(cells[0] * cells[1] * len(counts)) for _ in range(2))
+    def sampled(self, *args: Any) -> None:
+        """:func:`integrable.torus_kernel.sampled`."""
         with self._reals:
-            torus_kernel.sampled(f, axes, states, cells, finer, odd, steps, counts, 1, rates, others)
-        return self.floats(rates), self.floats(others)
+            torus_kernel.sampled(*args)
 
     def states_at_phases(self, rows: Any, sizes: Any, phases: Any, out: Any) -> None:
         """:func:`integrable.torus_kernel.states_at_phases`."""
@@ -159,6 +151,7 @@ class CompiledLoops:
         self._loops = torus_compiled
         self.corners: Any = torus_compiled.corners
         self.offsets: Any = torus_compiled.offsets
+        self.sampled: Any = torus_compiled.sampled
         self.states_at_phases: Any = torus_compiled.states_at_phases
         self.states_at_tau: Any = torus_compiled.states_at_tau
         self.states_at_times: Any = torus_compiled.states_at_times
@@ -187,23 +180,6 @@ class CompiledLoops:
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
         rooms = map(self.room, (SERIES, SERIES, 9 + len(nodes)))
         self._loops.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, *rooms, tables, halves)
-
-    def sampled(
-        self, f: Any, axes: Any, states: Any, cells: Any, finer: Any, odd: Any, steps: Any, counts: Any
-    ) -> tuple[np.ndarray, np.ndarray]:
-        size = cells[0] * cells[1] * len(counts)
-        rates, others = np.empty(size), np.empty(size)
-        rounded = [self.floats(x) for x in (f, axes, states, steps)]
-        self._loops.sampled_in_floats(*rounded[:3], cells, finer, odd, rounded[3], counts, 1, rates, others)
-        exact, exact_others = self.room(size), self.room(size)
-        given = f, axes, states, cells, finer, odd, steps, counts
-        self._loops.sampled(*given, max(1, cells[0] * cells[1] // CHECKED - 1), exact, exact_others)
-        checked = exact[:, 0] != 0
-        error = rates[checked] - exact[checked, 0]
-        if error @ error / len(error) <= size * (SAMPLED * rates.mean()) ** 2:
-            return rates, others
-        self._loops.sampled(*given, 1, exact, exact_others)
-        return self.floats(exact), self.floats(exact_others)
 
 
 def _listed(clock: Any) -> Any:
@@ -405,13 +381,13 @@ class TorusFlow:
         steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
         loops.offsets(self._f, self._unit_axes, *self._small_steps, cells, finer, steps, counts)
         odd = tuple(bool(np.prod(row) < 0) for row in self.turns)
-        table, beside = (
-            rates.reshape(sizes)
-            for rates in loops.sampled(self._f, self._axes, self._states, cells, finer, odd, steps, counts)
-        )
+        first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
+        loops.sampled(self._f, self._axes, self._states, cells, finer, odd, steps, counts, first, other)
+        table: np.ndarray = loops.floats(first).reshape(sizes)
         self.doubled = (1, 1)
         if self._setup.tilt is None:
             return table
+        beside = loops.floats(other).reshape(sizes)
         # an odd number of turned γ_i is noticed by 1/g, whose period is then twice that of the divisor
         self.doubled = (2 if odd[0] else 1, 2 if odd[1] else 1)
         blocks = [

@@ -28,11 +28,13 @@ OFFSET = (109, 191)
 class TorusGrid:
     """The torus D(0) + θ₁Λ₁ + θ₂Λ₂ of a motion, Λ_k the real periods over its two ovals.
 
-    PrecisionLoss where an oval has shrunk to a point.
+    1/g is to be resolved to ``digits``, by default those of the set-up. PrecisionLoss where an oval has shrunk to a
+    point.
     """
 
-    def __init__(self, setup: Setup) -> None:
+    def __init__(self, setup: Setup, digits: int | None = None) -> None:
         self._setup = setup
+        self._digits = digits or setup.digits
         # the reduced basis needs fewest samples; the halves of its periods may lie far out (d → 0)
         for periods in (TorusLattice(setup).periods, [oval.periods for oval in ovals(setup)]):
             self.periods = periods
@@ -52,11 +54,11 @@ class TorusGrid:
         """
         setup = self._setup
         sizes = [FIRST_SIZE, FIRST_SIZE]
-        while sizes[0] * sizes[1] <= max(8192, 16 * setup.digits**2) and max(sizes) < 2**FINEST:
+        while sizes[0] * sizes[1] <= max(8192, 16 * self._digits**2) and max(sizes) < 2**FINEST:
             samples = self.samples(sizes[0], sizes[1])
             grid = fourier(setup, samples)
             tails = [float(tail / abs(grid[0][0])) for tail in _tails(grid)]
-            noise = 32 * float(setup.work.eps)
+            noise = 32 * 10.0**-self._digits
             if max(tails) < noise:
                 return grid, self.mean(samples)
             sizes = [n if tail < noise else _next_size(n, tail, noise) for n, tail in zip(sizes, tails, strict=True)]

@@ -16,7 +16,7 @@ from __future__ import annotations
 from math import cos, floor, log2, pi, sin
 from typing import Any
 
-from integrable.flow_kernel import carried, moving_point, near_identity, rate_at, shift
+from integrable.flow_kernel import carried, clock_rate, moving_point, near_identity, rate_at, shift
 from integrable.torus_survey import about_centre, power_series
 from jacobian.genus2_real import root
 
@@ -342,13 +342,11 @@ def sampled(
     odd: Any,
     steps: Row,
     counts: Row,
-    every: int,
     rates: Row,
     others: Row,
 ) -> None:
     """1/g on a grid that has finer[0] × finer[1] points to a cell, from the corners in ``states`` by the translations
-    of :func:`offsets`, into ``rates``; for a tilted body, with an odd number of γ_i turned, into ``others``. Around one
-    of ``every`` so many corners.
+    of :func:`offsets`, into ``rates``; for a tilted body, with an odd number of γ_i turned, into ``others``.
 
     ``odd``: whether a period turns an odd number of γ_i.
     """
@@ -357,8 +355,6 @@ def sampled(
     height, width = rows * finer[0], columns * finer[1]
     for i in range(rows):
         for j in range(columns):
-            if (i * columns + j) % every != 0:
-                continue
             corner = point_in(states, (i * columns + j) * 10)
             n = 0
             for a in range(-above, finer[0] - above):
@@ -369,11 +365,17 @@ def sampled(
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != odd[1]
-                    point = corner
-                    for k in range(counts[n]):
+                    point, last = corner, counts[n] - 1
+                    for k in range(last):
                         point = carried(f, axes, point, point_in(steps, 20 * n + 10 * k))
+                    if last >= 0 and axes[7] == 0:
+                        rate = clock_rate(f, axes, point, point_in(steps, 20 * n + 10 * last))
+                    elif last >= 0:
+                        point = carried(f, axes, point, point_in(steps, 20 * n + 10 * last))
+                        rate = rate_at(axes, point)
+                    else:
+                        rate = rate_at(axes, point)
                     n += 1
-                    rate = rate_at(axes, point)
                     if axes[7] != 0:
                         square = point[4] * point[4] + point[5] * point[5] + point[6] * point[6]
                         other = 2 * axes[6] / root(square) - rate

@@ -27,7 +27,9 @@ def split(x: Any) -> tuple[float, float]:
     """
     if isinstance(x, Integral):
         x = Fraction(int(x))
-    if not isinstance(x, (float, np.floating, Fraction)) and not hasattr(x, "_mpf_"):
+    if hasattr(x, "_mpf_"):
+        return _split_mpf(x)
+    if not isinstance(x, (float, np.floating, Fraction)):
         raise ArgumentError(f"x = {x!r}: an int, float, Fraction or mpf is needed")
     try:
         high = float(x)
@@ -35,7 +37,22 @@ def split(x: Any) -> tuple[float, float]:
         raise ArgumentError(f"x = {x!r}: too large for floats") from error
     if not isfinite(high):
         raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
-    low = float(x - (Fraction(high) if isinstance(x, Fraction) else high))
+    low = float(x - Fraction(high)) if isinstance(x, Fraction) else 0.0
+    total = high + low
+    return total, low - (total - high)
+
+
+def _split_mpf(x: Any) -> tuple[float, float]:
+    from mpmath.libmp import from_float, mpf_sub, to_float
+
+    try:
+        high = to_float(x._mpf_, strict=True)
+    except OverflowError as error:
+        raise ArgumentError(f"x = {x!r}: too large for floats") from error
+    if not isfinite(high):
+        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    # without a precision the difference is exact
+    low = to_float(mpf_sub(x._mpf_, from_float(high)))
     total = high + low
     return total, low - (total - high)
 

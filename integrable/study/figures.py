@@ -16,7 +16,7 @@ from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
 __all__ = ["as_bytes", "error_against_run_time", "floors"]
 
 # Okabe & Ito (2008): told apart with any colour vision; each method also has a marker of its own
-_BLUE, _YELLOW = "#0072B2", "#F0E442"
+_BLUE, _YELLOW, _PINK = "#0072B2", "#F0E442", "#CC79A7"
 _LOOKS: dict[str, tuple[str, str]] = {
     FLOW: (_BLUE, "o"),
     INTEGRATED: (_BLUE, "o"),
@@ -26,9 +26,9 @@ _LOOKS: dict[str, tuple[str, str]] = {
     "SciPy Radau": ("#E69F00", "<"),
     "implicit midpoint": ("#999999", "x"),
     "Gauss-Legendre 6": ("#999999", "+"),
-    "Moser-Veselov": ("#CC79A7", "1"),
-    "Moser-Veselov, order 4": ("#CC79A7", "2"),
-    "Hirota-Kimura": ("#CC79A7", "3"),
+    "Moser-Veselov": (_PINK, "o"),
+    "Moser-Veselov, order 4": (_PINK, "s"),
+    "Hirota-Kimura": (_PINK, "D"),
     "Gauss-Legendre 16": ("#009E73", "D"),
     "Gauss-Legendre 16, adaptive": ("#009E73", "d"),
     "Taylor, compiled": ("#000000", "^"),
@@ -40,7 +40,7 @@ _LOOKS: dict[str, tuple[str, str]] = {
 }
 DEEP = 1e-17
 """Errors below this are those of more than double precision."""
-_OTHER = ("#CC79A7", "p")
+_OTHER = (_PINK, "p")
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:
@@ -75,13 +75,15 @@ def error_against_run_time(found: SceneFindings) -> Any:
         if found.floor is not None:
             top.axhline(found.floor["floor_gamma"], color=GREY, linewidth=1.2, linestyle=(0, (5, 3)), zorder=1)
         _at_least_two_decades(bottom)
-        for axes in every:
-            decades(axes)
         if deep:
             top.spines["bottom"].set_linestyle((0, (1, 3)))
             bottom.set_ylabel("more digits")
             errors = [c["result"]["error_gamma"] for c in deep]
             bottom.set_ylim(min(errors) / 1e3, max(errors) * 1e3)
+            decades(bottom, most=5)
+        decades(top)
+        _named(top, [c for c in found.flow if c in rows and c not in deep])
+        _named(bottom, [c for c in found.flow if c in deep])
         bottom.set_xlabel("run time with set-up, seconds")
         top.set_ylabel("largest error of γ over the run")
         handles = [_handle(method) for method in methods]
@@ -106,17 +108,27 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
     own = method in (FLOW, INTEGRATED)
     points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in rows]
     axes.plot(*zip(*points, strict=True), **_look(method), markersize=7.5 if own else 5.5, zorder=4 if own else 3)
-    for point, content in zip(points, rows if own else [], strict=False):
-        setting = content["row"]["setting"]
-        place = {"xytext": (-6, -5), "ha": "right", "va": "top"} if setting == "compiled" else {"xytext": (6, 4)}
-        back = {"facecolor": "white", "linewidth": 0, "pad": 0.6, "alpha": 0.75}
-        text = {"textcoords": "offset points", "fontsize": 8, "color": _BLUE, "bbox": back, "zorder": 5}
-        axes.annotate(setting, point, **text, **place)
+
+
+def _named(axes: Any, rows: list[dict[str, Any]]) -> None:
+    """The settings of the flow's rows beside their points: below, the fastest to its left; above at the right edge."""
+    low, high = axes.get_xlim()
+    for k, content in enumerate(sorted(rows, key=lambda content: float(content["result"]["total"]))):
+        point = content["result"]["total"], content["result"]["error_gamma"]
+        first, at_edge = k == 0 and len(rows) > 1, point[0] > (low * high**4) ** 0.2
+        x, y, side, height = (-5, -4, "right", "top") if first else (5, -4, "left", "top")
+        if at_edge and not first:
+            x, y, side, height = 0, 5, "center", "bottom"
+        place: dict[str, Any] = {"xytext": (x, y), "textcoords": "offset points", "ha": side, "va": height}
+        back = {"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.6}
+        axes.annotate(content["row"]["setting"], point, **place, fontsize=8, color=_BLUE, bbox=back, zorder=2.5)
 
 
 def _look(method: str) -> dict[str, Any]:
     colour, marker = _LOOKS.get(method, _OTHER)
-    edge = {"markeredgecolor": INK, "markeredgewidth": 0.6} if colour == _YELLOW else {}
+    edge: dict[str, Any] = {"markeredgecolor": INK, "markeredgewidth": 0.6} if colour == _YELLOW else {}
+    if colour == _PINK:  # the discretizations are open
+        edge = {"markerfacecolor": "white"}
     return {"color": colour, "marker": marker, "linewidth": 0 if method in (FLOW, INTEGRATED) else 1.0, **edge}
 
 
@@ -143,9 +155,14 @@ def floors(findings: Sequence[SceneFindings]) -> Any:
             for part, colour, marker, shift in (("gamma", _BLUE, "o", 0.14), ("M", "#D55E00", "s", -0.14)):
                 factor = best[f"error_{part}"] / floor[f"floor_{part}"]
                 axes.plot(factor, shift - k, color=colour, marker=marker, markersize=5, linestyle="none", zorder=3)
-        axes.axvline(SCENE_FLOOR_FACTOR, color=INK, linewidth=1.2, linestyle=(0, (5, 3)), zorder=2)
-        axes.axvline(1, color=GREY, linewidth=1, zorder=1)
-        axes.set(xscale="log", xlabel="error of the flow in floats / floor;  left is better, dashed: 10")
+        for x, colour, dashes, label, side in (
+            (SCENE_FLOOR_FACTOR, INK, (0, (5, 3)), f"{SCENE_FLOOR_FACTOR:g} floors", "left"),
+            (1, GREY, "-", "floor", "right"),
+        ):
+            axes.axvline(x, color=colour, linewidth=1.2, linestyle=dashes, zorder=2)
+            place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": side, "va": "bottom"}
+            axes.text(x, 1.01, label, fontsize=8.5, color=colour, **place)
+        axes.set(xscale="log", xlabel="largest error of the flow in floats / floor;  left is better")
         axes.set_yticks(range(0, -len(shown), -1), [f.scene.name for f, _, _ in shown], fontsize=8.5)
         axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
         axes.set_axisbelow(True)

@@ -21,6 +21,8 @@ WRONG, WRONG_FLOORS = 1e-6, 1000.0
 """An error in floats above both, the second in floors, ought to have been an exception."""
 OFF_LEVEL = 0.1
 """Drift of an integral over the error, from which on the error is said to be one of the level set."""
+LOST = 10.0
+"""What truth and independent integrator may differ by, in units of the last digit, beyond what the motion amplifies."""
 PLATEAU = 30.0
 """Errors within this factor of a method's least error are rounding, and take no part in its slope."""
 COARSE = 0.1
@@ -35,8 +37,15 @@ class Behind:
     row: dict[str, Any]
     flow_error: float | None
     """The least error of the flow in that time; None where none of its rows is so fast."""
-    fastest: float | None
-    """The least run time of the flow."""
+    first: dict[str, Any] | None
+    """The fastest row of the flow, None where it has none."""
+    overtaken: float | None
+    """The least run time in which the flow is at least as accurate; None where no row of it is."""
+
+    @property
+    def cheaper(self) -> bool:
+        """Whether it is behind because it is done before the flow is, and not because it is more accurate."""
+        return self.flow_error is None and self.first is not None
 
 
 @dataclass
@@ -119,19 +128,36 @@ class SceneFindings:
         if check is None:
             return True
         growth = 1.0 if self.floor is None else max(1.0, self.floor["conditioning_gamma"], self.floor["conditioning_M"])
-        return max(check["error_gamma"], check["error_M"]) > 10.0 ** (5 - check["digits"]) * growth
+        return max(check["error_gamma"], check["error_M"]) > LOST * 10.0 ** -check["digits"] * growth
+
+    @property
+    def as_accurate(self) -> dict[str, Any] | None:
+        """The fastest comparator that has at most the error of :attr:`best`; None where none has."""
+        if self.best is None:
+            return None
+        rows = [c for c in self.comparators if c["result"]["error_gamma"] <= self.best["error_gamma"]]
+        return min(rows, key=lambda content: float(content["result"]["total"]), default=None)
+
+    @property
+    def before(self) -> dict[str, Any] | None:
+        """The most accurate comparator that is done before :attr:`best`; None where none is."""
+        if self.best is None:
+            return None
+        rows = [c for c in self.comparators if c["result"]["total"] < self.best["total"]]
+        return min(rows, key=lambda content: float(content["result"]["error_gamma"]), default=None)
 
     def behind(self) -> list[Behind]:
         """The comparators' rows that the flow does not beat."""
         flow = [content["result"] for content in self.flow]
+        first = min(flow, key=lambda row: float(row["total"]), default=None)
         found = []
         for content in self.comparators:
             row = content["result"]
             errors = [r["error_gamma"] for r in flow if r["total"] <= row["total"]]
             least = min(errors, default=None)
             if least is None or least > row["error_gamma"]:
-                fastest = min((r["total"] for r in flow), default=None)
-                found.append(Behind(self.scene.name, content, least, fastest))
+                better = [r["total"] for r in flow if r["error_gamma"] <= row["error_gamma"]]
+                found.append(Behind(self.scene.name, content, least, first, min(better, default=None)))
         return found
 
     def slopes(self) -> list[tuple[str, float, int | None]]:

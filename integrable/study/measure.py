@@ -17,22 +17,28 @@ from integrable.study.plan import LIMITS, Row
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
-__all__ = ["TooLong", "measured"]
+__all__ = ["TooLong", "Unjudged", "measured"]
 
 PATIENCE = 3.0  # seconds of repeats after which a median of fewer runs is taken
 FLOOR_TIMES = 20
 """About how many of the scene's times the conditioning is the largest of."""
-PILOT = 32.0
-"""Time scales of the longest trial of an integrator, from which the time of a whole run is told in advance."""
-PILOTS = 6
+PILOT = 2.0**-7
+"""Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
 ENOUGH = 0.1
-"""Trials begin at 4⁻⁶ of the longest, and end with one that takes so many seconds."""
+"""Each trial goes four times as far, until one takes so many seconds, or is the whole run."""
+
+TRIAL = 0.5
+"""Seconds of successive steps from which the time of all of them is told."""
 
 Data = dict[str, Any]
 
 
 class TooLong(RuntimeError):
-    """A run that would take longer than the study allows."""
+    """A run that would take longer than the study allows: a greater cost of the method need not be tried."""
+
+
+class Unjudged(RuntimeError):
+    """There is nothing to hold a run against."""
 
 
 def measured(row: Row, truth: Data | None) -> Data:
@@ -114,7 +120,7 @@ def _backlund(row: Row, kept: Data | None) -> Data:
     """
     truth = _truth_of(row, kept)
     if truth.tau is None:
-        raise TooLong("not run: the truth is that of an integrator, which knows no τ")
+        raise Unjudged("not run: the truth is that of an integrator, which knows no τ")
     targets = [float(t) for t in truth.tau]
     count = int(row.value or 0)
 
@@ -124,7 +130,7 @@ def _backlund(row: Row, kept: Data | None) -> Data:
         a1, a2, a3 = system.a
         scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
         ready = perf_counter()
-        now, rows = 0.0, []
+        now, rows, done = 0.0, [], 0
         for target in targets:
             steps = max(1, round(count * (target - now) / targets[-1])) if target > now else 0
             if steps:
@@ -132,6 +138,11 @@ def _backlund(row: Row, kept: Data | None) -> Data:
                 step = system.translation(points=[complex(0, eta), complex(0, -eta)])
                 for _ in range(steps):
                     state = step(state)
+                    done += 1
+                    if done == 1:
+                        first = perf_counter()  # from here on nothing is imported
+                    elif (spent := perf_counter() - first) > TRIAL:
+                        _affordable(spent * count / (done - 1), row)
             now = target
             rows.append(state)
         return (ready - begun, perf_counter() - ready), rows
@@ -142,17 +153,13 @@ def _backlund(row: Row, kept: Data | None) -> Data:
 
 def _comparator(row: Row, kept: Data | None) -> Data:
     method, scene, truth = METHODS[row.method], row.scene, _truth_of(row, kept)
-    digits = FLOAT_DIGITS
-    if method.parameter == "digits" and (row.value or 0) > FLOAT_DIGITS:
-        digits = int(row.value or 0)
-    times = scene.times.at(digits)
-    told = _pilot(row, times)
-    allowed = LIMITS[row.mode].run
-    if told > allowed:
-        raise TooLong(f"not run: a whole run would take about {told:.2g} s, more than the {allowed:g} s of this study")
+    value = row.value or 0.0
+    times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
+    begin = method.digits(value)
+    _affordable(_pilot(row, times), row)
 
     def once() -> tuple[tuple[float, float], Any]:
-        system, state = scene.start(digits)
+        system, state = scene.start(begin)
         begun = perf_counter()
         run = method.prepare(system, state, row.value)
         ready = perf_counter()
@@ -163,11 +170,17 @@ def _comparator(row: Row, kept: Data | None) -> Data:
     return result | {"evaluations": solution.evaluations} | truth.judge(solution.gamma, solution.M)
 
 
+def _affordable(told: float, row: Row) -> None:
+    """TooLong where a whole run would take more seconds than the study allows."""
+    allowed = LIMITS[row.mode].run
+    if told > allowed:
+        raise TooLong(f"not run: a whole run would take about {told:.2g} s, more than the {allowed:g} s of this study")
+
+
 def _pilot(row: Row, times: list[Any]) -> float:
     """Seconds that a whole run would take, from short ones, each to four times the time of the one before."""
     system, state = row.scene.start(FLOAT_DIGITS)
     last = float(max(times))
-    longest = min(PILOT * time_scale(system, state), last)
     run = METHODS[row.method].prepare(system, state, row.value)
 
     def seconds_to(time: float) -> float:
@@ -175,20 +188,21 @@ def _pilot(row: Row, times: list[Any]) -> float:
         run([time])
         return perf_counter() - begun
 
-    time = longest / 4.0**PILOTS
+    time = min(PILOT * time_scale(system, state), last)
     run([time])  # imports, and compiles or loads what an earlier run has compiled
     before = seconds = seconds_to(time)
-    while time < longest and seconds < ENOUGH + before:
-        time, before = 4 * time, seconds
+    while time < last and seconds < ENOUGH + before:
+        done, before = time, seconds
+        time = min(4 * time, last)
         seconds = seconds_to(time)
         if seconds >= ENOUGH + before:  # a real cost, or a hiccup of the machine?
             seconds = min(seconds, seconds_to(time))
-    return seconds + max(0.0, seconds - before) / (0.75 * time) * (last - time)
+    return seconds + max(0.0, seconds - before) / (time - done) * (last - time) if time < last else seconds
 
 
 def _truth_of(row: Row, kept: Data | None) -> Truth:
     if kept is None:
-        raise TooLong("not run: there is no truth to hold it against")
+        raise Unjudged("not run: there is no truth to hold it against")
     return Truth(row.scene, kept)
 
 

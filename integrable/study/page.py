@@ -64,7 +64,7 @@ def answer(study: Study) -> str:
     behind = [_behind_cells(study, *entry) for entry in study.behind_by_method]
     lines = ["Rows where the divisor flow is not ahead:" if behind else "The divisor flow is ahead of every row."]
     if behind:
-        lines += ["", *aligned([_BEHIND, *behind], left=2)]
+        lines += ["", *aligned([row[:-1] for row in (_BEHIND, *behind)], left=2)]  # the page has room for the last
     lines += ["", *aligned([_SCENES, *(_scene_cells(f) for f in study.findings if f.scene.steps is None)], left=2)]
     orbits = [f for f in study.findings if f.orbit is not None]
     if orbits:
@@ -81,11 +81,18 @@ def page(study: Study) -> str:
         f"Written by `{study.command}`. Every row is one scene × method × setting, measured in a process of its own; "
         "run times are medians and include set-up, not the compilation that the first use of a machine does once. "
         "Errors are the largest over components and times, of M relative to |M|, against the divisor flow at 40 digits "
-        "or more, which is held against an integrator that shares no code with it. The floor is eps·conditioning: what "
-        "rounding the inputs to doubles does to the state by itself (`integrable.conditioning`).\n",
+        "or more, which is held against an integrator that shares no code with it.\n\n"
+        "The inputs of a scene are doubles: its moments, d, γ, M and times are rounded to doubles before anything is "
+        "computed, and every method starts from these. For doubles |γ| = 1 and, in scenes that are not tilted, "
+        "(γ, M) = 0 hold to rounding; the truth and all that computes in more than doubles therefore start from γ/|γ| "
+        "and from M without its part along γ, formed in their own precision. So does the flow in floats, whose set-up "
+        "has 45 digits. What computes in doubles starts from the doubles as they are. The floor is eps·conditioning: "
+        "what a change of every input in its last digit does to the state (`integrable.conditioning`). An error below "
+        "the floor is that of a method whose inputs are taken as exact.\n",
         _machine(study),
         _claims(study),
         _not_ahead(study),
+        _long_section(study),
         _floor_section(study),
         _startup(study),
         _leaves_out(study),
@@ -125,7 +132,9 @@ def _claims(study: Study) -> str:
     compared = sum(len(f.comparators) for f in motions if f.long)
     rows.append((
         "The flow is ahead of every comparator in error at equal run time on scenes with T ≥ 1000.",
-        f"{compared - len(behind)} of {compared} rows on {len(far)} scenes",
+        f"{compared - len(behind)} of {compared} rows on {len(far)} scenes; of the others "
+        f"{sum(b.cheaper for b in behind)} are done before the flow is, "
+        f"{sum(not b.cheaper for b in behind)} are more accurate",
         _verdict(not behind),
     ))  # fmt: skip
     truths = [f for f in motions if f.truth is not None]
@@ -165,34 +174,114 @@ def _verdict(holds: bool) -> str:
     return "holds" if holds else "does not hold"
 
 
-_BEHIND = ("scene", "method", "rows", "best of them", "run time", "error γ", "flow in that time", "floor")
+_BEHIND = (
+    "scene",
+    "method",
+    "rows",
+    "best of them",
+    "run time",
+    "error γ",
+    "flow in that time",
+    "floor",
+    "overtaken after",
+    "how far off",
+)
 
 
 def _behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
-    row, floor = behind.row["result"], study.of(behind.scene).floor
+    row, found = behind.row["result"], study.of(behind.scene)
+    floor, name = found.floor, behind.scene if found.moved_by_divisors else f"{behind.scene}, integrated: no divisors"
     least = f"{figure(behind.flow_error)}" if behind.flow_error is not None else _none_yet(behind)
-    named = (behind.scene, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
+    named = (name, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
     return (
         *named,
         duration(row["total"]),
         figure(row["error_gamma"]),
         least,
         figure(floor["floor_gamma"] if floor else None),
+        "never" if behind.overtaken is None else duration(behind.overtaken),
+        _how_far(behind),
     )
 
 
 def _none_yet(behind: Behind) -> str:
-    return "no flow" if behind.fastest is None else f"none, takes {duration(behind.fastest)}"
+    return "no flow" if behind.first is None else f"none, takes {duration(behind.first['total'])}"
+
+
+def _how_far(behind: Behind) -> str:
+    """What a row that the flow does not beat has before it, in errors and in run times."""
+    row = behind.row["result"]
+    if behind.cheaper and behind.first is not None:
+        error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
+        return f"cheaper: {error:.2g} × the flow's error in {time:.2g} of its time"
+    if behind.overtaken is None:
+        return "more accurate than any row of the flow"
+    return f"more accurate: the flow needs {behind.overtaken / row['total']:.2g} × its time"
 
 
 def _not_ahead(study: Study) -> str:
     head = (
         "## Rows where the divisor flow is not ahead\n\nFor each scene and method, how many of its rows no row of the "
         "flow beats in error in the same run time or less, and the most accurate of them; scenes with T ≥ 1000 first, "
-        "then rows that are more accurate, then rows that are done before the flow is.\n\n"
+        "then rows that are more accurate, then rows that are cheaper: done before the flow is. Overtaken after: the "
+        "run time in which the flow is at least as accurate.\n\n"
     )
     behind = [_behind_cells(study, *entry) for entry in study.behind_by_method]
     return head + (_markdown([_BEHIND, *behind]) if behind else "None.\n")
+
+
+_LONG = (
+    "scene",
+    "flow",
+    "run time",
+    "error γ",
+    "fastest as accurate",
+    "run time",
+    "× the flow's",
+    "most accurate before the flow",
+    "error γ",
+    "all overtaken after",
+)
+
+
+def _long_cells(found: SceneFindings) -> tuple[str, ...]:
+    best = found.best
+    if best is None:
+        return (found.scene.name, "failed", *["–"] * 8)
+    reached, before, behind = found.as_accurate, found.before, found.behind()
+    never = any(b.overtaken is None for b in behind)
+    last = max((b.overtaken or 0.0 for b in behind), default=best["total"])
+    return (
+        found.scene.name,
+        _way(found),
+        duration(best["total"]),
+        figure(best["error_gamma"]),
+        "none" if reached is None else ", ".join(_words(reached)),
+        "–" if reached is None else duration(reached["result"]["total"]),
+        "–" if reached is None else f"{reached['result']['total'] / best['total']:.2g}",
+        "none" if before is None else ", ".join(_words(before)),
+        "–" if before is None else figure(before["result"]["error_gamma"]),
+        "never" if never else duration(last),
+    )
+
+
+def _way(found: SceneFindings) -> str:
+    """The setting of the flow's fastest row in floats, and whether it adds no divisors."""
+    setting: str = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
+    return setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated: no divisors"
+
+
+def _long_section(study: Study) -> str:
+    far = [f for f in study.findings if f.scene.steps is None and f.long]
+    if not far:
+        return ""
+    return (
+        "## The scenes with T ≥ 1000\n\n"
+        "T is the last time, in the scene's unit or in time scales of its motion. Shown are the fastest row of the "
+        "flow in floats, the fastest row of any comparator that has at most this error, the most accurate row that is "
+        "done before, and the run time after which no row is left that the flow does not beat.\n\n"
+        + _markdown([_LONG, *map(_long_cells, far)])
+    )
 
 
 _SCENES = (
@@ -212,7 +301,6 @@ _SCENES = (
 
 def _scene_cells(found: SceneFindings) -> tuple[str, ...]:
     best, floor, truth = found.best or {}, found.floor or {}, found.truth
-    setting = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
     over = "–" if found.over_floor is None else f"{found.over_floor:.2g}"
     checked: tuple[str, ...] = ("failed", "–", "–")
     if truth is not None and truth["check"] is None:
@@ -223,7 +311,7 @@ def _scene_cells(found: SceneFindings) -> tuple[str, ...]:
         checked = (f"{truth['digits']} digits", f"{check['time']:.3g}", differs)
     return (
         found.scene.name,
-        setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated",
+        _way(found),
         figure(best.get("error_gamma")),
         figure(floor.get("floor_gamma"), 1),
         figure(best.get("error_M")),

@@ -11,8 +11,9 @@ from typing import Any
 
 from integrable.comparators import METHODS
 from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp
-from integrable.study.truth import is_divisor_flow
+from integrable.study.truth import DIGITS, is_divisor_flow
 
 __all__ = ["BACKLUND", "FLOW", "INTEGRATED", "LIMITS", "Limits", "Row", "compile_rows", "rows_of"]
 
@@ -34,7 +35,7 @@ class Limits:
     """Seconds for the Taylor series that the truth is held against."""
 
 
-LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(10, 90, 240, 5, 8.0)}
+LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(6, 90, 240, 5, 8.0)}
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,8 @@ class Row:
 
 
 def rows_of(scene: Scene, source: str, mode: str) -> list[Row]:
-    """The rows of a scene, each after what it needs."""
+    """The rows of a scene in doubles (:mod:`.doubles`), each after what it needs."""
+    scene = in_doubles(scene)
 
     def row(kind: str, method: str, setting: str, value: float | None = None, *needed: str) -> Row:
         return Row(scene, source, kind, method, setting, value, mode, *needed)
@@ -89,10 +91,11 @@ def rows_of(scene: Scene, source: str, mode: str) -> list[Row]:
     truth = row("truth", "truth", "twice the digits")
     rows = [truth, row("floor", "conditioning", "floor")]
     name = FLOW if is_divisor_flow(scene.start(FLOAT_DIGITS)[0]) else INTEGRATED
-    rows += [row("flow", name, cost, None, truth.key) for cost in _costs(scene, mode)]
+    costs = ["floats", "compiled", "30 digits"] if scene.rolls_or_spins else ["floats", "30 digits"]
+    rows += [row("flow", name, cost, None, truth.key) for cost in costs]
     rows.append(row("first use", name, "first use"))
     if scene.rolls_or_spins:
-        counts = (100, 1000) if mode == "quick" else (100, 1000, 10_000)
+        counts = (30, 100) if mode == "quick" else (100, 1000, 3000)
         rows += [row("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
         if not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):  # of three moments, not of two
             rows.append(row("additions", BACKLUND, "near D and near −D"))
@@ -114,19 +117,19 @@ def compile_rows(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Row]:
     return list(rows.values())
 
 
-def _costs(scene: Scene, mode: str) -> list[str]:
-    compiled = ["compiled"] if scene.rolls_or_spins else []
-    return ["floats", *compiled] if mode == "quick" else ["floats", *compiled, "30 digits"]
-
-
 def _comparators(scene: Scene, row: Any, mode: str, truth: str) -> list[Row]:
-    """A chain for each method, cheapest setting first: what has run out of time is not tried at a greater cost."""
+    """A chain for each method, cheapest setting first: what has run out of time is not tried at a greater cost.
+
+    Settings of as many digits as the truth has are left out: errors would be those of the truth.
+    """
     rows = []
     system, state = scene.start(FLOAT_DIGITS)
     for method in METHODS.values():
         if not method.takes(system):
             continue
         cheaper, chosen = None, list(zip(method.settings, method.ladder(system, state), strict=True))
+        if method.parameter == "digits":
+            chosen = [pair for pair in chosen if pair[0] < DIGITS[0]]
         for setting, value in chosen[1::3] if mode == "quick" else chosen:
             name = (
                 f"{method.parameter} {value:.3g}" if method.parameter == "step" else f"{method.parameter} {setting:g}"

@@ -10,6 +10,7 @@ import os
 import signal
 import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
@@ -142,11 +143,20 @@ class _Worker:
     def stop(self) -> None:
         """End the process."""
         if self._process is not None:
-            self._process.kill()
-            self._process.join()
+            _end(self._process)
             assert self.connection is not None, "a started worker has a connection"
             self.connection.close()
             self._process, self.connection = None, None
+
+
+def _end(process: Any) -> None:
+    """Kill a worker and the processes that it has started: they would go on computing beside the next rows."""
+    with suppress(ProcessLookupError, PermissionError):
+        # its group, once it has made one
+        if os.getpgid(process.pid) == process.pid:
+            os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.join()
 
 
 def _failure(row: Row, error: str, *, stopped: bool = False) -> dict[str, Any]:
@@ -171,10 +181,11 @@ def _head(row: Row) -> dict[str, Any]:
 
 def _work(connection: Connection) -> None:
     """The loop of a worker process: it ends with the connection, that is, with the process that started it."""
+    os.setpgid(0, 0)
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt ends the parent, which ends its workers
     for name in _THREADS:
         os.environ.setdefault(name, "1")
-    from integrable.study.measure import TooLong, measured
+    from integrable.study.measure import TooLong, Unjudged, measured
 
     while True:
         try:
@@ -183,12 +194,14 @@ def _work(connection: Connection) -> None:
             return
         begun = time.perf_counter()
         if stopped:
-            content = _failure(row, "not run: the cheaper setting was stopped", stopped=True)
+            content = _failure(row, "not run: a cheaper setting takes too long", stopped=True)
         else:
             try:
                 result = measured(row, truth)
                 content = {**_head(row), "status": "done", "error": "", "stopped": False, "result": result}
             except TooLong as error:
+                content = _failure(row, str(error), stopped=True)
+            except Unjudged as error:
                 content = _failure(row, str(error))
             except Exception as error:  # whatever a method does is a finding about it
                 content = _failure(row, f"{type(error).__name__}: {' '.join(str(error).split())}")

@@ -31,6 +31,30 @@ def largest(K, run, other) -> float:
     return max(abs(K.coerce(x) - K.coerce(y)) for x, y in pairs)
 
 
+@pytest.mark.parametrize("d", ["1e-8", "1e-12", "1e-20"])
+def test_a_clock_that_hardly_varies_keeps_its_digits(d) -> None:
+    """1/g = 1 + O(d): what floats take for rounding still is a function of many nodes."""
+    runs = []
+    for digits in (30, 45):
+        system, state = ball(digits, d=d)
+        runs.append(system.flow(state).at([1, 100]))
+    assert largest(MP(45), *runs) < 1e-28
+
+
+def test_a_heavy_ball_is_told_the_time_by_its_torus() -> None:
+    """d·max a → 1: branch points within 10⁻³ of each other cost digits, and τ runs a thousand times faster than t."""
+    system, state = ball(20, d=1000)
+    times = [1e5, 3e6]
+    flow = system.flow(state)
+    run = flow.at(times)
+    assert flow._precise._flow._motion._torus
+    floats = ChaplyginBall((1, 2, 3), 1000)
+    rounded = floats.state(*([float(x) for x in v] for v in START))
+    other = floats.flow(rounded).at(times)
+    # the rounded inputs are others
+    assert np.abs(run.gamma.astype(float) - other.gamma).max() < 1e-7
+
+
 @pytest.mark.parametrize("tilt", [0, 1.5], ids=["upright", "tilted"])
 def test_two_hundred_digits_agree_with_two_hundred_and_twenty(tilt) -> None:
     runs = []
@@ -96,8 +120,8 @@ def test_times_and_places_are_inverse_to_each_other() -> None:
 
 def test_the_torus_takes_over_far_away_and_agrees() -> None:
     system, state = ball(20)
-    setup = Setup(system.body, state.gamma, state.M)
-    motion, stepping = Motion(setup), Motion(setup)
+    problem = system.body, state.gamma, state.M, False
+    motion, stepping = (Motion(Setup(*problem), problem) for _ in range(2))
     stepping._torus = False
     far = [motion.scaled(5000)]
     assert motion._far(far)
@@ -140,9 +164,10 @@ def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
     """The same rotation at 100 digits beside 250: no more is lost, and not much less."""
     system = ChaplyginBall((1, 2, 3), 0.7)
     state = system.state((0, 0, 1), (0, 1, 0))
-    setup, wider = (Setup(system.body, state.gamma, state.M, digits=digits) for digits in (100, 250))
-    tau = Motion(setup).scaled(1.5 * t)
-    point, truth = Motion(setup).point(tau), Motion(wider).point(tau)
+    problem = system.body, state.gamma, state.M, False
+    setup, wider = (Setup(*problem, digits=digits) for digits in (100, 250))
+    tau = Motion(setup, problem).scaled(1.5 * t)
+    point, truth = Motion(setup, problem).point(tau), Motion(wider, problem).point(tau)
     with wider.reals:
         number = wider.reals.number
         error = max(abs(number(setup.reals.element(setup.wide, x)) - y) for x, y in zip(point, truth, strict=True))

@@ -6,11 +6,14 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
+from integrable.flow_setup import Setup
 from integrable.periods import directed, ovals, translation
 from integrable.precise_flow import PreciseFlow
 from integrable.torus import MultiprecisionTorusClock
-from integrable.torus_flow import TorusFlow
+from integrable.torus_flow import ReadableLoops, TorusFlow
+from integrable.torus_grid import TorusGrid
 from integrable.torus_lattice import TorusLattice
+from integrable.torus_survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss
 from jacobian.periods import real_periods
@@ -111,6 +114,53 @@ def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball)
     for parts in (lattice.parts[:2], lattice.parts[2:]):
         corner = sum(abs(float(part)) / (2 * n) for part, n in zip(parts, lattice.cells, strict=True))
         assert corner <= 1 + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("ball", "start", "tilted"),
+    [
+        (BALL, START, False),
+        (THIN, START, False),
+        (ChaplyginBall((1, 1.01, 2), 0.7), START, False),
+        (BALL, (START[0], (1.104, 2.18, -0.528)), True),
+    ],
+    ids=["ball", "thin", "moments nearly equal", "tilted"],
+)
+def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> None:
+    """A determinant of complete elliptic integrals against the mean over grids, which nears it geometrically."""
+    state = ball.state(*start, tilted=tilted)
+    setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
+    grid = TorusGrid(setup)
+    found = TorusFlow(setup, ReadableLoops(setup)).mean
+    coarse, fine = (abs(float(grid.mean(grid.samples(*sizes)) / found - 1)) for sizes in ((16, 32), (64, 128)))
+    assert fine < max(coarse**2, 1e-30)
+    assert fine < 1e-15
+
+
+def test_the_general_complete_elliptic_integral() -> None:
+    """Against mpmath: cel(k, p, 1, 1) = Π(1 − p | 1 − k²), cel(k, 1, 1, k²) = E, cel(k, 1, 1, 1) = K."""
+    K = MP(60)
+    for k, p in (("0.3", "0.2"), ("0.9", "4"), ("1e-8", "1e-6"), ("5", "0.01")):
+        k, p = K.coerce(k), K.coerce(p)
+        pi, near = +K.context.pi, 1e-15
+        first = complete(k, p, K.one, K.one, pi, near)
+        assert abs(first / K.context.ellippi(1 - p, 1 - k * k) - 1) < 1e-24
+        assert abs(complete(k, K.one, K.one, k * k, pi, near) / K.context.ellipe(1 - k * k) - 1) < 1e-24
+        assert abs(complete(k, K.one, K.one, K.one, pi, near) / K.context.ellipk(1 - k * k) - 1) < 1e-24
+
+
+def test_ovals_that_nearly_meet_keep_the_digits_of_their_periods() -> None:
+    """Two ovals that are 2^-80 apart, at two precisions."""
+    K, L = MP(40), MP(80)
+    for exponent in (10, 40, 80):
+        rows = []
+        for field in (K, L):
+            out = [field.zero] * 4
+            middle = field.coerce("0.5")
+            ends = (field.coerce("0.3"), middle, middle + middle**exponent, field.one)
+            oval_periods(ends, field.coerce("0.9"), field.one, +field.context.pi, field.eps**0.5 / 16, out)
+            rows.append(out)
+        assert max(abs(float(K.coerce(x) / y - 1)) for y, x in zip(*rows, strict=True)) < 1e-29
 
 
 def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> None:

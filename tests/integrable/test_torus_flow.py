@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from integrable import ChaplyginBall, EulerTop, torus_kernel
+from integrable import ChaplyginBall, EulerTop, load_scene, torus_kernel
 from integrable.periods import directed
 from integrable.precise_flow import PreciseFlow
 from integrable.reference import taylor
@@ -122,6 +122,21 @@ def test_many_times_keep_the_integrals() -> None:
         run = system.flow(state, kernel="compiled").at(times)
         for found, expected in zip(run.integrals[2:], system.integrals(state)[2:], strict=True):
             assert np.abs(found / expected - 1).max() < max(10 * tolerance, 1e-14)
+
+
+@pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14"])
+def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
+    """One walk around the long period multiplies its errors by what the motion leaves the unstable rotation with."""
+    scene = load_scene(name)
+    system, state = scene.start(15)
+    flow = system.flow(state, kernel="compiled")
+    times = np.array([50.0, 1000.0])
+    run = flow.at(times)
+    assert flow._torus is not None
+    precise = PreciseFlow(system.body, state, 20)
+    truth = precise.vectors(precise.at(times.tolist())[1])
+    for gamma, (true, _) in zip(run.gamma.tolist(), truth, strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(gamma, true, strict=True)) < 2e-13
 
 
 def test_the_corners_of_the_cells_close() -> None:

@@ -1,0 +1,59 @@
+"""The inputs of a study: a scene whose numbers are doubles, so that every method is asked for one and the same motion.
+
+A scene of decimal fractions is another problem to a method that holds them to 40 digits than to one that rounds them,
+and the difference would be taken for an error of the second. Here all numbers are rounded to doubles first. Doubles
+meet |γ| = 1 and (γ, M) = 0 to rounding only; in more digits the two are restored, the way the flow restores them when
+it is given doubles. What computes in doubles is given the doubles themselves.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
+from typing import Any
+
+from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.state import constrained
+
+__all__ = ["SceneInDoubles", "in_doubles"]
+
+
+@dataclass(frozen=True)
+class SceneInDoubles(Scene):
+    """A scene of which every number is a double, as an exact fraction; made by :func:`in_doubles`."""
+
+    def start(self, digits: int) -> tuple[Any, Any]:
+        """The system and its state at time 0: the doubles, above 15 digits with |γ| = 1 and (γ, M) = 0 restored."""
+        if digits <= FLOAT_DIGITS:
+            return super().start(digits)
+        system, number = self.body(digits), self._numbers(digits)
+        gamma, M = (tuple(map(number, vector)) for vector in (self.gamma, self.M))
+        with self._placed("[start]"):
+            return system, constrained(system, gamma, M, tilted=self.tilted)
+
+
+def in_doubles(scene: Scene) -> Scene:
+    """The scene with body, start, times and the arguments of its maps rounded to doubles.
+
+    An orbit over a finite field is exact and stays as it is.
+    """
+    if scene.finite_field or isinstance(scene, SceneInDoubles):
+        return scene
+    rounded: dict[str, Any] = {
+        name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential")
+    }
+    if scene.mass is not None:
+        # d = m r² as the ball in doubles has it
+        rounded |= {"d": Fraction(scene.body(FLOAT_DIGITS).d), "mass": None, "radius": None}
+    rounded["times"] = replace(scene.times, given=_rounded(scene.times.given))
+    if scene.steps is not None:
+        maps = (replace(one, arguments=_rounded(one.arguments)) for one in scene.steps.maps)
+        rounded["steps"] = replace(scene.steps, maps=tuple(maps))
+    return SceneInDoubles(**{one.name: getattr(scene, one.name) for one in fields(scene)} | rounded)
+
+
+def _rounded(value: Any) -> Any:
+    """Fractions as those of the nearest doubles, also inside of tuples; anything else as it is."""
+    if isinstance(value, Fraction):
+        return Fraction(float(value))
+    return tuple(map(_rounded, value)) if isinstance(value, tuple) else value
