@@ -44,6 +44,8 @@ for _inner in (
     torus_kernel.state_at,
     torus_kernel.turned,
     torus_kernel.delay,
+    torus_kernel.loud_swing,
+    torus_kernel.on_circle,
 ):
     register_jitable(_inner)
 
@@ -157,10 +159,11 @@ def states_at_tau(rows, sizes, frequencies, tau, out):  # type: ignore[no-untype
 
 
 @njit(**JIT)
-def states_at_times(rows, sizes, pace, clock, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
+def states_at_times(rows, sizes, pace, clock, modes, loud, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus_kernel.states_at_times`."""
     p = numbers(pace)
-    _states_at_times(_torus(rows, sizes), (p[0], p[1], p[2], p[3], p[4]), clock, times, tau, delays, out, room)
+    mean = p[0], p[1], p[2], p[3], p[4]
+    _states_at_times(_torus(rows, sizes), mean, clock, modes, numbers(loud), times, tau, delays, out, room)
 
 
 @njit(**JIT)

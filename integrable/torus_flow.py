@@ -18,7 +18,7 @@ import numpy as np
 from integrable import torus_kernel, torus_survey
 from integrable.dense_panels import NODES, Panels, States, panel_length
 from integrable.torus_lattice import TorusLattice, best_origin, motion_row
-from integrable.torus_series import TorusSeries, needed_sizes
+from integrable.torus_series import TorusSeries, long_double, needed_sizes, spectrum
 from integrable.torus_survey import about_centre
 from jacobian.bare_reals import BareReals
 from jacobian.double_double import EPS, pack
@@ -32,6 +32,16 @@ MOST_TURNS = 2.0**50
 MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this part of its mean are left out of the series that Newton starts with
 ROUGH = 1e-4
+# modes by which τ swings this much, in units in which the body turns by some part of a radian, are summed in
+# double-double numbers: so many at most
+LOUD = 0.05
+MOST_LOUD = 8
+# a direction of the torus is resolved to this part of its frequency, but not beyond what the long doubles of this
+# machine hold
+SLOW = 1e-13
+EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
+# slow modes swing τ by less than this, in the same units, or are kept however small they are in 1/g
+LEAST_SWING = 1e-17
 # a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
 ROUND = 1e-17
 CLOSED = 1e-13
@@ -80,6 +90,13 @@ class ReadableLoops:
         """Working numbers rounded to floats, shape (N,)."""
         return np.array([float(x) for x in values])
 
+    def long_doubles(self, values: Any) -> np.ndarray:
+        """Working numbers as long doubles, where the machine has them, shape (N,)."""
+        high = self.floats(values)
+        with self._reals:
+            low = [float(x - y) for x, y in zip(values, self.row(high.tolist()), strict=True)]
+        return high.astype(np.longdouble) + low
+
     def differences(self, first: Any, second: Any) -> np.ndarray:
         """Differences of working numbers, as floats."""
         with self._reals:
@@ -124,13 +141,25 @@ class ReadableLoops:
             torus_kernel.states_at_tau((*rows, sizes), frequencies, tau.tolist(), out)
 
     def states_at_times(
-        self, rows: Any, sizes: Any, pace: Any, clock: Any, times: Any, tau: Any, delays: Any, out: Any, room: Any
+        self,
+        rows: Any,
+        sizes: Any,
+        pace: Any,
+        clock: Any,
+        modes: Any,
+        loud: Any,
+        times: Any,
+        tau: Any,
+        delays: Any,
+        out: Any,
+        room: Any,
     ) -> None:
         """:func:`integrable.torus_kernel.states_at_times`."""
         with self._reals:
             torus_kernel.states_at_times(
-                (*rows, sizes), pace, _listed(clock), times.tolist(), tau, delays, out, room.tolist()
-            )
+                (*rows, sizes), pace, _listed(clock), modes.tolist(), loud, times.tolist(), tau, delays, out,
+                room.tolist(),
+            )  # fmt: skip
 
     def times_at_tau(self, frequencies: Any, clock: Any, mean: Any, tau: Any, times: Any, room: Any) -> None:
         """:func:`integrable.torus_kernel.times_at_tau`."""
@@ -165,10 +194,16 @@ class CompiledLoops:
         return np.zeros((count, 2))
 
     def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
+        if not np.isfinite(values).all():
+            raise NotClosed("periods beyond the range of floats; use more digits")
         return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
 
     def floats(self, values: Any) -> np.ndarray:
         return np.ascontiguousarray(values[:, 0])
+
+    def long_doubles(self, values: Any) -> np.ndarray:
+        long: np.ndarray = values[:, 0].astype(np.longdouble) + values[:, 1]
+        return long
 
     def differences(self, first: Any, second: Any) -> np.ndarray:
         # exact where they are close
@@ -359,14 +394,17 @@ class TorusFlow:
         self.turns = turns.reshape(2, 3)
 
     def _rates(self) -> np.ndarray:
-        """1/g on a grid of its periods that resolves it."""
+        """The spectrum of 1/g, on a grid of its periods that resolves it."""
         sizes = (max(16, self.sizes[0]), max(16, self.sizes[1]))
+        # in slow directions to more digits: they will be divided by its frequency
+        slow = [SLOW * abs(float(nu / self._setup.clock)) for nu in self.frequencies]
+        noise = tuple(min(self._loops.noise, max(EXTENDED, x)) for x in slow)
         while sizes[0] * sizes[1] <= MOST_SAMPLES:
-            samples = self._sampled(sizes)
-            wanted = needed_sizes(samples, self._loops.noise)
-            if wanted == samples.shape:
-                return samples
-            sizes = (sizes[0] * wanted[0] // samples.shape[0], sizes[1] * wanted[1] // samples.shape[1])
+            grid = spectrum(self._sampled(sizes))
+            wanted = needed_sizes(grid, (noise[0], noise[1]))
+            if wanted == grid.shape:
+                return grid
+            sizes = (sizes[0] * wanted[0] // grid.shape[0], sizes[1] * wanted[1] // grid.shape[1])
         raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
     @property
@@ -383,11 +421,11 @@ class TorusFlow:
         odd = tuple(bool(np.prod(row) < 0) for row in self.turns)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
         loops.sampled(self._f, self._axes, self._states, cells, finer, odd, steps, counts, first, other)
-        table: np.ndarray = loops.floats(first).reshape(sizes)
+        table: np.ndarray = loops.long_doubles(first).reshape(sizes)
         self.doubled = (1, 1)
         if self._setup.tilt is None:
             return table
-        beside = loops.floats(other).reshape(sizes)
+        beside = loops.long_doubles(other).reshape(sizes)
         # an odd number of turned γ_i is noticed by 1/g, whose period is then twice that of the divisor
         self.doubled = (2 if odd[0] else 1, 2 if odd[1] else 1)
         blocks = [
@@ -413,17 +451,24 @@ class TorusFlow:
 class TorusClock:
     """t(τ) and τ(t) of a TorusFlow, in the user's units."""
 
-    def __init__(self, flow: TorusFlow, samples: np.ndarray) -> None:
+    def __init__(self, flow: TorusFlow, rates: np.ndarray) -> None:
         self._flow = flow
         self.mean = flow.mean
         nu = flow.frequencies
-        rates = tuple(x / n for x, n in zip(nu, flow.doubled, strict=True))
-        series = TorusSeries(samples, (rates[0], rates[1]), float(self.mean), max(flow.closure, flow._loops.noise / 16))
+        first, second = (x / n for x, n in zip(nu, flow.doubled, strict=True))
+        noise, least = max(flow.closure, flow._loops.noise / 64), LEAST_SWING / float(flow._setup.clock)
+        series = TorusSeries(rates, (first, second), long_double(self.mean), noise, least)
         # the kernels count phases in periods of 1/g
-        self._clock = (flow.doubled, series.packed(ROUGH), series.packed())
+        row, wide = flow._loops.row, flow._setup.wide
+        self._modes, coefficients = series.loudest(LOUD / float(flow._setup.clock), MOST_LOUD)
+        origin = -sum(coefficients[::2])
+        numbers = [wide.coerce(float(x)) + wide.coerce(float(x - float(x))) for x in (origin, *coefficients)]
+        self._loud = row((numbers[0], 2 * wide.context.pi, *numbers[1:]))
+        packed = series.packed()
+        quiet = series.packed(without=self._modes) if len(self._modes) else packed
+        self._clock = (flow.doubled, series.packed(ROUGH), packed, quiet)
         count = max(part[5][1] for part in self._clock[1:])
         self._room = 2 * count
-        row = flow._loops.row
         self._mean_row = row((self.mean,))
         self.pace = tuple(x / self.mean for x in nu)
         self._pace_row = row((*self.pace, *nu, 1 / self.mean))
@@ -434,8 +479,9 @@ class TorusClock:
         flow._check(times, self.pace)
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         flow._loops.states_at_times(
-            *flow._torus, self._pace_row, self._clock, times, tau, delays, out, np.empty(self._room)
-        )
+            *flow._torus, self._pace_row, self._clock, self._modes, self._loud, times, tau, delays, out,
+            np.empty(self._room),
+        )  # fmt: skip
         return out.reshape(-1, 6), tau, delays
 
     def times(self, tau: np.ndarray) -> np.ndarray:

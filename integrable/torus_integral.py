@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from integrable.torus_series import TorusSeries, needed_sizes
+from integrable.torus_series import TorusSeries, needed_sizes, spectrum
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -34,7 +34,8 @@ class TorusIntegral:
             phases = [n * np.arange(size) / size for n, size in zip(doubled, sizes, strict=True)]
             grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
             samples = function(flow.at_phases(grid)).reshape(*sizes, -1)
-            wanted = [needed_sizes(part, NOISE) for part in np.moveaxis(samples, -1, 0) if part.any()]
+            grids = [spectrum(part) for part in np.moveaxis(samples, -1, 0)]
+            wanted = [needed_sizes(grid, (NOISE, NOISE)) for grid in grids if grid.any()]
             larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
             if larger == sizes:
                 break
@@ -42,8 +43,8 @@ class TorusIntegral:
         else:
             raise PrecisionLoss(f"a grid of {sizes[0]} × {sizes[1]} is needed for an integral on the torus")
         self._series = [
-            TorusSeries(part, (self._frequencies[0], self._frequencies[1]), noise=max(NOISE, flow.closure))
-            for part in np.moveaxis(samples, -1, 0)
+            TorusSeries(grid, (self._frequencies[0], self._frequencies[1]), noise=max(NOISE, flow.closure))
+            for grid in grids
         ]
 
     def __call__(self, tau: np.ndarray) -> np.ndarray:

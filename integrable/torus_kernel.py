@@ -459,31 +459,39 @@ def states_at_tau(torus: Any, frequencies: Any, tau: Row, out: Row) -> None:
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
 
 
-def states_at_times(torus: Any, pace: Any, clock: Any, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
+def states_at_times(
+    torus: Any, pace: Any, clock: Any, modes: Row, loud: Row, times: Row, tau: Row, delays: Row, out: Row, room: Row
+) -> None:
     """γ and M at physical times, six floats each, the times of the flow into ``tau``, and how far they are from their
     mean into ``delays``.
 
     ``pace`` is (turns of either phase in a unit of t, frequencies, dτ/dt), all means; ``clock`` (periods of 1/g in
-    turns, rough series, series) as :class:`integrable.torus_flow.TorusClock` makes them. τ = t·dτ/dt + x with a
-    bounded x from :func:`delay`. ``room`` is for powers.
+    turns, rough series, series, series without its largest modes), ``modes`` and ``loud`` the latter
+    (:func:`loud_swing`), as :class:`integrable.torus_flow.TorusClock` makes them. τ = t·dτ/dt + x with a bounded x from
+    :func:`delay`, whose rounding is then taken off. ``room`` is for powers.
     """
     pace1, pace2, nu1, nu2, mean = pace
-    (double1, double2), rough, series = clock
+    (double1, double2), rough, series, quiet = clock
     for i in range(len(times)):
         first, turn1 = whole_turns(pace1 * times[i])
         second, turn2 = whole_turns(pace2 * times[i])
         a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-        x = delay(rough, series, a, b, room)
+        start, rate = delay(rough, series, a, b, room)
+        x = 0 * nu1 + start
+        if len(modes) > 0:
+            p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
+            rest, _ = swing_and_rate(quiet, float(p), float(q), room)
+            x -= (loud_swing(modes, loud, p, q) + x + rest) / rate
         first, more1 = whole_turns(first + nu1 * x)
         second, more2 = whole_turns(second + nu2 * x)
         tau[i] = float(mean * times[i] + x)
-        delays[i] = x
+        delays[i] = float(x)
         state_at(torus, first, second, turn1 + more1, turn2 + more2, out, 6 * i)
 
 
 def times_at_tau(frequencies: Any, clock: Any, mean: Real, tau: Row, times: Row, room: Row) -> None:
     """Physical times at the times ``tau`` of the flow, ``mean`` = dt/dτ."""
-    (double1, double2), _, series = clock
+    (double1, double2), _, series, _ = clock
     for i in range(len(tau)):
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])
@@ -492,8 +500,35 @@ def times_at_tau(frequencies: Any, clock: Any, mean: Real, tau: Row, times: Row,
         times[i] = float(mean * tau[i] + float(mean) * swing)
 
 
-def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> float:
-    """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x): how far τ is from its mean at a physical time.
+def loud_swing(modes: Row, loud: Row, a: Real, b: Real) -> Real:
+    """The part of S in a few modes, pairs of integers (k, m) in ``modes``: ``loud`` holds a constant, 2π and the real
+    and imaginary parts of the coefficients.
+    """
+    total = loud[0]
+    for n in range(len(modes) // 2):
+        c, s = on_circle(modes[2 * n] * a + modes[2 * n + 1] * b, loud[1])
+        total += loud[2 + 2 * n] * c - loud[3 + 2 * n] * s
+    return total
+
+
+def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
+    """(cos 2πx, sin 2πx) to 20 decimals."""
+    quarters = floor(4 * float(x) + 0.5)
+    y = (x - quarters / 4) * two_pi
+    square = y * y
+    c, s = 1 + 0 * y, 1 + 0 * y
+    for n in range(20, 0, -2):
+        c = 1 - square * c / (n * (n - 1))
+        s = 1 - square * s / (n * (n + 1))
+    s *= y
+    if quarters % 2 != 0:
+        c, s = -s, c
+    return (-c, -s) if quarters % 4 > 1 else (c, s)
+
+
+def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> tuple[float, float]:
+    """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
+    of x + S there.
 
     x + S grows with x: Newton's steps on the few largest modes, held inside the interval that signs leave; then on all.
     """
@@ -518,7 +553,7 @@ def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> float:
         x -= step
         if abs(step) <= 1e-9 * bound:
             break
-    return x
+    return x, rate
 
 
 def swing_and_rate(series: Any, a: float, b: float, room: Row) -> tuple[float, float]:

@@ -6,44 +6,56 @@ series of F divided by the rates of its phases.
 
 from __future__ import annotations
 
-from math import ceil, log2, pi
+from math import ceil, inf, log2, pi
 from typing import Any
 
 import numpy as np
 
 from jacobian.errors import PrecisionLoss
 
+# 2π as the sum of two floats
+TWO_PI = np.longdouble(2 * pi) + 2.4492935982947064e-16
+
 
 class TorusSeries:
-    """S for the samples of F, shape (rows, columns), at the phases (i/rows, j/columns); ``frequencies`` are turns in a
-    unit of τ, wide numbers. S = 0 at the phases (0, 0).
+    """S for F of a given :func:`spectrum`; ``frequencies`` are turns in a unit of τ, wide numbers. S = 0 at the phases
+    (0, 0).
 
-    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are rounding.
-    PrecisionLoss where a mode of F is in resonance: k·ν = 0.
+    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out, but
+    for those of modes of S above ``least``. A spectrum in long doubles has coefficients that are right to the last
+    digit: that of a slow mode is divided by its rate. PrecisionLoss where a mode of F is in resonance: k·ν = 0.
     """
 
     def __init__(
-        self, samples: np.ndarray, frequencies: tuple[Any, Any], scale: float = 1.0, noise: float = 2.0**-54
+        self,
+        grid: np.ndarray,
+        frequencies: tuple[Any, Any],
+        scale: Any = 1.0,
+        noise: float = 2.0**-54,
+        least: float = inf,
     ) -> None:
-        self.mean = float(np.mean(samples)) / scale
+        grid = grid / scale
+        self.mean = float(grid[0, 0].real)
         self.frequencies = frequencies
-        grid = np.fft.fft2(samples) / (samples.size * scale)
         rows, columns = grid.shape
         # the modes k ≥ 0 (the others are conjugate), m from −columns/2 to columns/2
         half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
         half[1:] *= 2
-        self._slope = half
         self._first = -(columns // 2)
-        floor = noise * float(np.abs(grid).max())
-        kept = np.abs(half) > floor
+        largest = float(np.abs(grid).max())
+        kept = np.abs(half) > 8 * float(np.finfo(grid.dtype).eps) * largest
         kept[0, columns // 2] = False
         # the conjugate half of the row k = 0 is counted with its other half
         kept[0, : columns // 2] = False
         half[0, columns // 2 + 1 :] *= 2
+        self._slope = half.astype(complex)
         self._kept = kept
         turns = self._turns(kept)
-        self._swing = np.zeros_like(half)
+        self._swing = np.zeros_like(self._slope)
         self._swing[kept] = half[kept] / (2j * pi * turns[kept])
+        kept &= (np.abs(half) > noise * largest) | (np.abs(self._swing) > least)
+        self._swing[~kept] = 0
+        self._fine = half
         self._origin = float(self._swing[kept].real.sum())
         self._bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
 
@@ -62,9 +74,32 @@ class TorusSeries:
                 )
         return turns
 
-    def packed(self, part: float = 0.0) -> tuple[Any, ...]:
-        """What :func:`integrable.torus_kernel.swing_and_rate` takes; only modes of F beyond ``part`` of its mean."""
+    def loudest(self, least: float, most: int) -> tuple[np.ndarray, list[Any]]:
+        """The modes of S from ``least`` on, the ``most`` largest of them: integers k, m one after the other, and the
+        real and imaginary parts of their coefficients likewise, in long doubles.
+        """
+        sizes = np.abs(self._swing)
+        chosen = [int(n) for n in np.argsort(sizes, axis=None)[::-1][:most] if sizes.flat[n] >= least]
+        modes, coefficients = [], []
+        nu1, nu2 = self.frequencies
+        for n in chosen:
+            k, m = n // sizes.shape[1], n % sizes.shape[1] + self._first
+            turns = k * nu1 + m * nu2
+            # over 2πi
+            value = self._fine.flat[n] / (TWO_PI * long_double(turns))
+            modes += [k, m]
+            coefficients += [value.imag, -value.real]
+        return np.array(modes, dtype=np.int64), coefficients
+
+    def packed(self, part: float = 0.0, without: Any = ()) -> tuple[Any, ...]:
+        """What :func:`integrable.torus_kernel.swing_and_rate` takes; only modes of F beyond ``part`` of its mean, or
+        without some modes as :meth:`loudest` gives them and without their part of the value at the start.
+        """
         kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
+        left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first
+        kept[left_out] = False
+        # a difference of sums would have the rounding of the largest modes
+        origin = float(self._swing[kept].real.sum()) if len(without) else self._origin
         modes = np.flatnonzero(kept.any(axis=0))
         least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
         lines, swings, slopes, place = [], [], [], 0
@@ -82,7 +117,7 @@ class TorusSeries:
             *(np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag)),
             (least + self._first, count),
             (*nu, self._bound),
-            (-self._origin, self.mean),
+            (-origin, self.mean),
         )
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -94,13 +129,24 @@ class TorusSeries:
         return swing
 
 
-def needed_sizes(samples: np.ndarray, noise: float) -> tuple[int, int]:
-    """Powers of 2: the shape of the samples where it holds their Fourier series, its last modes below ``noise``
+def long_double(x: Any) -> Any:
+    """A wide number as a long double, where the machine has them."""
+    return np.longdouble(float(x)) + float(x - float(x))
+
+
+def spectrum(samples: np.ndarray) -> np.ndarray:
+    """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
+    grid: np.ndarray = np.fft.fft2(samples) / samples.size
+    return grid
+
+
+def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
+    """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
     (relative), else a larger one where their decay leads.
     """
-    grid = np.abs(np.fft.fft2(samples))
+    grid = np.abs(grid).astype(float)
     grid /= grid.max()
-    rows, columns = (_needed(np.maximum.reduce(grid, axis=axis), noise) for axis in (1, 0))
+    rows, columns = (_needed(np.maximum.reduce(grid, axis=1 - k), noise[k]) for k in range(2))
     return rows, columns
 
 

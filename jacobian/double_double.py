@@ -25,10 +25,10 @@ def split(x: Any) -> tuple[float, float]:
     The sum is x exactly where its binary digits fit. ArgumentError where x is not a finite number in the range of
     floats.
     """
-    if isinstance(x, Integral):
-        x = Fraction(int(x))
     if hasattr(x, "_mpf_"):
         return _split_mpf(x)
+    if isinstance(x, Integral):
+        x = Fraction(int(x))
     if not isinstance(x, (float, np.floating, Fraction)):
         raise ArgumentError(f"x = {x!r}: an int, float, Fraction or mpf is needed")
     try:

@@ -8,7 +8,7 @@ from integrable import ChaplyginBall, EulerTop, contact
 from integrable.dense_panels import Panels
 from integrable.panel_calculus import integrals
 from jacobian import MP
-from jacobian.errors import NotRepresentable
+from jacobian.errors import NotRepresentable, PrecisionLoss
 
 GAMMA, M, LEANING = (0.6, 0.0, 0.8), (0.8, 1.0, -0.6), (0.9, 1.0, 0.3)
 BALL = ChaplyginBall(inertia=(1, 2, 3), mass=2.0, radius=0.5)
@@ -105,3 +105,11 @@ def test_at_any_distance(flow):
     panels = Panels(velocity, start, end, 2.0)
     along = BALL.radius * integrals(panels, np.array([end]))[0, 0]
     assert abs(run.contact[1, 0] - run.contact[0, 0] - along) < 1e-5
+
+
+def test_a_contact_point_that_would_take_hours_is_refused_by_name() -> None:
+    """A heavy ball: its velocity is a small difference of large terms, and has no Fourier series in floats."""
+    system = ChaplyginBall((1, 2, 3), 1e6)
+    run = system.flow(system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).at([0.0, 1e12])
+    with pytest.raises(PrecisionLoss, match=r"contact at time 1e\+12: .* integrated up to time"):
+        _ = run.contact
