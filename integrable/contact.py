@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
 # turns of the body from which on the torus costs less than integrating along the way
 FAR = 50
-# so many panels along the way take some seconds
-MOST_PANELS = 5000
+# so many panels along the way take some seconds: without a torus, and on one where the velocity has no Fourier series,
+# which panels resolve badly too
+MOST_PANELS = 5000, 200
 # what states near the start, made in floats, are good for
 TOLERANCE = 1e-13
 # nodes of an interval, for each digit, beyond which the velocity counts as not smooth
@@ -92,10 +93,11 @@ def _integrals(run: Trajectory) -> np.ndarray:
     far = np.abs(times).max(initial=0) > FAR * length
     if far and flow.contact_on_torus:
         return flow.contact_on_torus(run.tau)
-    if np.abs(times).max(initial=0) > MOST_PANELS * length:
+    reach = MOST_PANELS[flow._torus is not None] * length
+    if np.abs(times).max(initial=0) > reach:
         raise PrecisionLoss(
             f"contact at time {np.abs(times).max():.3g}: the velocity has no Fourier series in floats on the torus of "
-            f"this motion, and is integrated up to time {MOST_PANELS * length:.3g} only"
+            f"this motion, and is integrated up to time {reach:.3g} only"
         )
     found = np.zeros((len(times), 2))
     for sign in (1, -1):
