@@ -16,7 +16,6 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
 import jacobian.retraction_compiled  # noqa: F401
@@ -24,6 +23,7 @@ from benchmarks.classical import classical
 from benchmarks.figures import command, save
 from integrable import ChaplyginBall, EulerTop, flow_compiled
 from jacobian import MP, genus2_real, retraction
+from jacobian.compiler import njit
 from jacobian.double_double import pack, unpack
 from jacobian.double_double_compiled import JIT as DOUBLE_JIT
 from jacobian.double_double_compiled import numbers

@@ -13,7 +13,7 @@ from jacobian.errors import ArgumentError
 __all__ = ["COMPILED", "INLINED", "ball_constants", "slopes", "split", "two_product", "two_sum", "whole_steps"]
 
 # a division by zero gives inf, which the callers see; no contraction here: two_sum and two_product are exact as written
-COMPILED = {"cache": True, "nogil": True, "error_model": "numpy"}
+COMPILED = {"nogil": True, "error_model": "numpy"}
 INLINED = {"error_model": "numpy"}
 
 

@@ -19,6 +19,7 @@ import numpy as np
 from integrable.flow_setup import Setup
 from integrable.trajectory import Trajectory
 from jacobian import RR
+from jacobian.compiler import interpreted
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 if TYPE_CHECKING:
@@ -47,8 +48,8 @@ class Flow:
     """The motion through one state. Get one from ``system.flow(state)``.
 
     ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
-    the amount of work. Set-up is done when it is needed, once; :meth:`at` and :meth:`at_tau` may be called any number
-    of times.
+    the amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done when it is needed, once;
+    :meth:`at` and :meth:`at_tau` may be called any number of times.
     """
 
     def __init__(self, system: System, state: State, kernel: str = "auto") -> None:
@@ -192,7 +193,7 @@ class Flow:
         from integrable.torus_flow import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
 
         try:
-            if self.kernel != "python":
+            if self.kernel != "python" and not interpreted():
                 with suppress(NotClosed):
                     return TorusFlow(self.setup, CompiledLoops())
             return TorusFlow(self.setup, ReadableLoops(self.setup))

@@ -7,12 +7,12 @@ for it.
 
 from __future__ import annotations
 
-from numba import njit
 from numba.extending import overload, register_jitable
 
 import jacobian.retraction_compiled  # noqa: F401  (makes the retraction known to numba)
 from integrable import flow_kernel
 from jacobian import double_double_compiled as double_double
+from jacobian.compiler import njit
 from jacobian.genus2_compiled import JIT
 
 

@@ -15,7 +15,6 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
 from integrable.collocation import gauss_rule
@@ -29,6 +28,7 @@ from integrable.compiled_equations import (
     whole_steps,
 )
 from integrable.reference import Solution
+from jacobian.compiler import njit
 from jacobian.errors import PrecisionLoss
 
 __all__ = ["gauss16"]

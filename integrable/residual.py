@@ -9,6 +9,7 @@ import numpy as np
 
 from integrable import flow_kernel
 from jacobian import RR
+from jacobian.compiler import interpreted
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, A
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
     march: Any = flow_kernel.march
     inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])
-    if compiled and setup.work is RR:
+    if compiled and setup.work is RR and not interpreted():
         from integrable import flow_compiled
 
         march, inputs = flow_compiled.march, map(np.array, inputs)

@@ -11,11 +11,11 @@ from math import ceil, log
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
 from integrable.compiled_equations import COMPILED, INLINED, ball_constants, two_sum
 from integrable.reference import Solution
+from jacobian.compiler import njit
 from jacobian.errors import ArgumentError
 
 __all__ = ["compiled_taylor"]

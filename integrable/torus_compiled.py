@@ -7,10 +7,10 @@ on disk beside the source.
 
 from __future__ import annotations
 
-from numba import njit
 from numba.extending import overload, register_jitable
 
 from integrable import flow_compiled, torus_kernel, torus_survey
+from jacobian.compiler import njit
 from jacobian.double_double_compiled import JIT, numbers
 
 # the double-double kernels that :mod:`integrable.flow_compiled` registers are what these loops call
@@ -49,7 +49,7 @@ for _inner in (
 ):
     register_jitable(_inner)
 
-_FLOATS = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": True}
+_FLOATS = {"nogil": True, "error_model": "numpy", "fastmath": True}
 _swing_and_rate = njit(**_FLOATS)(torus_kernel.swing_and_rate)
 panel_values = njit(**{**_FLOATS, "fastmath": {"contract"}})(torus_kernel.panel_values)
 

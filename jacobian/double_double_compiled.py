@@ -33,7 +33,7 @@ from numba.extending import (
     register_model,
 )
 
-JIT = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": False}
+JIT = {"nogil": True, "error_model": "numpy", "fastmath": False}
 """Options of ``numba.njit`` for functions on double-double numbers."""
 
 Pair = tuple[Any, Any]  # the LLVM values of hi and lo

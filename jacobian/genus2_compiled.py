@@ -15,7 +15,7 @@ from jacobian.double_double import EPS
 from jacobian.double_double_compiled import DoubleDouble, square_root
 
 # nothing here may divide by zero and go on: a zero divisor gives inf or nan, which callers test for once, at the end
-JIT = {"cache": True, "nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
+JIT = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 
 @overload(genus2_real.root)

@@ -13,6 +13,7 @@ from functools import cache
 from typing import Any
 
 from jacobian import poly
+from jacobian.compiler import interpreted
 from jacobian.curve import HyperellipticCurve
 
 COMPILED_FROM = 20_000
@@ -86,7 +87,7 @@ def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]
-    if K.order == p and COMPILED_FROM < p < _INT64_SAFE:
+    if K.order == p and COMPILED_FROM < p < _INT64_SAFE and not interpreted():
         import numpy as np
 
         last = _compiled_recurrence()(np.array(ratios, dtype=np.int64), p, start, g)

@@ -21,6 +21,7 @@ from functools import partial
 from typing import NamedTuple
 
 from jacobian import cantor, flint_cantor, ladder, nucomp
+from jacobian.compiler import interpreted
 from jacobian.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
@@ -94,8 +95,8 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, an arithmetic model, or None where there is none for its field."""
-    if not is_word_sized(C):
+    """The compiled kernel for C, an arithmetic model, or None where there is none for its field, or no compiling."""
+    if not is_word_sized(C) or interpreted():
         return None
     from jacobian.word_kernel import word_kernel
 
@@ -141,6 +142,8 @@ class Counted:
         if Counted.spent < READY:
             return
         try:
+            if interpreted():
+                raise RuntimeError("NUMBA_DISABLE_JIT is set")
             from jacobian.word_kernel import is_cached
 
             chosen = compiled_kernel(self._curve) if Counted.spent >= COLD or is_cached() else None

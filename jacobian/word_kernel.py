@@ -15,10 +15,11 @@ from time import perf_counter
 from typing import Any
 
 import numpy as np
-from numba import njit, typeof, types
+from numba import typeof, types
 from numba.extending import register_jitable
 
 from jacobian.cantor import Triple
+from jacobian.compiler import njit
 from jacobian.curve import HyperellipticCurve, coefficient
 from jacobian.fields.table import TableField
 from jacobian.genus2_words import Quintic, Sextic, chord
@@ -29,7 +30,7 @@ from jacobian.word_cantor import add_classes, double_class, equation, negate_cla
 
 log = logging.getLogger("jacobian")
 
-JIT: dict[str, Any] = {"cache": True, "error_model": "numpy"}
+JIT: dict[str, Any] = {"error_model": "numpy"}
 compiled = register_jitable(error_model="numpy")
 
 # compiled code is typed by its arguments: the functions below have no annotations of their own
@@ -335,4 +336,5 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel:
 
 def is_cached() -> bool:
     """Whether numba's cache seems to have the kernels: nothing is compiled to find that out."""
-    return any(Path(packed.stats.cache_path).glob(f"*.{packed.__name__}-*.nbi"))
+    folder = packed.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{packed.__name__}-*.nbi"))

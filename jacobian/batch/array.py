@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
+from jacobian.compiler import interpreted
 from jacobian.divisor import Divisor, check_scalar
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve
 from jacobian.fields import CC, RR
@@ -26,7 +27,8 @@ def engine(J: Jacobian) -> Any:
     if found is None:
         K = J.field
         J.zero()  # raises where classes have no Mumford form
-        if isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63):
+        words = isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63)
+        if words and not interpreted():
             from jacobian.batch.compiled_rows import CompiledRows
 
             found = CompiledRows(J)
@@ -37,7 +39,7 @@ def engine(J: Jacobian) -> Any:
         else:
             from jacobian.batch.object_rows import ObjectRows
 
-            found = ObjectRows(J)
+            found = ObjectRows(J, np.int64 if words else object)
         J.__dict__["_rows"] = found
     return found
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
 from jacobian import genus2_complex, genus2_real
+from jacobian.compiler import njit
 from jacobian.genus2_compiled import JIT
 
 # the largest remainder f − V² mod U of a sum, beside the size of its terms

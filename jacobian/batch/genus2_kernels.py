@@ -13,15 +13,15 @@ overlap. Importing this module imports numba.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
+from jacobian.compiler import njit
 from jacobian.genus2_words import chord
 from jacobian.genus2_words_compiled import cubic, product, sum_u, sum_v, tangent
 from jacobian.word_arithmetic import canonical, inverse, mul, number
 from jacobian.word_compiled import INLINED
 
-JIT = {"cache": True, "nogil": True, "error_model": "numpy"}
+JIT = {"nogil": True, "error_model": "numpy"}
 BLOCK = 256
 LANES = 32
 # where the rows of the scratch array begin: two divisors, the quotient with the product (later the cubic), the chains

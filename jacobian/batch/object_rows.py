@@ -1,4 +1,6 @@
-"""Batches over the fields that have no compiled kernel: rows are Divisors, and the Jacobian adds them one by one."""
+"""Batches where there is no compiled kernel for the field, or nothing is compiled: rows are Divisors, and the Jacobian
+adds them one by one.
+"""
 
 from __future__ import annotations
 
@@ -25,8 +27,8 @@ class ObjectRows:
 
     compiled = False
 
-    def __init__(self, J: Jacobian) -> None:
-        self.jacobian = J
+    def __init__(self, J: Jacobian, dtype: type = object) -> None:
+        self.jacobian, self._dtype = J, dtype
 
     def take(self, x: Rows, index: Any) -> Rows:
         """The rows of an index: a slice, a mask or an array of ints."""
@@ -59,11 +61,11 @@ class ObjectRows:
         return _filled(rows)
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """(u, v): field elements as objects, (N, g + 1) and (N, g)."""
+        """(u, v): field elements, (N, g + 1) and (N, g)."""
         g = self.jacobian.curve.genus
         arrays = (
-            np.full((len(x), g + 1), self.jacobian.field.zero, object),
-            np.full((len(x), g), self.jacobian.field.zero, object),
+            np.full((len(x), g + 1), self.jacobian.field.zero, self._dtype),
+            np.full((len(x), g), self.jacobian.field.zero, self._dtype),
         )
         for i, D in enumerate(x):
             for array, a in zip(arrays, (D.u, D.v), strict=True):

@@ -8,11 +8,11 @@ module imports numba.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numba.extending import register_jitable
 
 from jacobian import table_compiled, word_compiled  # noqa: F401  # the compiled operations of words and tables
 from jacobian.batch.genus2_kernels import JIT
+from jacobian.compiler import njit
 from jacobian.word_arithmetic import add, canonical, decode, encode, mul, neg, number, sub
 from jacobian.word_cantor import add_classes, double_class, negate_class, scratch, width
 

@@ -8,6 +8,7 @@ are reported, not returned: they are for :mod:`jacobian.interpolate`. Importing 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import log2
 
 import numpy as np
@@ -15,6 +16,7 @@ import numpy as np
 from jacobian import poly
 from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
 from jacobian.batch.threads import in_ranges
+from jacobian.compiler import interpreted
 from jacobian.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
 from jacobian.fields import CC, RR
@@ -63,7 +65,7 @@ class FloatSums:
             constants = self._f, self._half, self._units, self._inverses
             add_columns(*constants, first, second, out, doubtful, begin, end)
 
-        in_ranges(first.shape[1], RANGE, work)
+        in_ranges(first.shape[1], RANGE, _one_by_one(work, doubtful) if interpreted() else work)
         return out, doubtful
 
     def first_off_curve(self, divisors: Columns) -> int:
@@ -71,6 +73,20 @@ class FloatSums:
         −1.
         """
         return int(first_off_curve(self._f, self._half, self._inverses, divisors))
+
+
+def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:
+    """The same for a loop that Python runs, where a division by zero is an error: of its column alone."""
+
+    def each(begin: int, end: int) -> None:
+        with np.errstate(all="ignore"):
+            for j in range(begin, end):
+                try:
+                    work(j, j + 1)
+                except (ArithmeticError, ValueError):
+                    doubtful[j] = True
+
+    return each
 
 
 def _power_of_two(x: float) -> float:

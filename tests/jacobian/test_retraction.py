@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numba import njit
 
 import jacobian.retraction_compiled  # noqa: F401  (makes the functions known to numba)
 from jacobian import MP, QQ, genus2_real, poly, retraction
+from jacobian.compiler import njit
 from jacobian.double_double import pack, unpack
 from jacobian.double_double_compiled import JIT as DOUBLE_JIT
 from jacobian.double_double_compiled import numbers

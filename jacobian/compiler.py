@@ -1,0 +1,52 @@
+"""numba's ``njit`` as this package uses it: compiled code is kept on disk where there is a place to keep it.
+
+numba keeps it in the folder that NUMBA_CACHE_DIR names, in ``__pycache__`` beside the source, or in the user's cache
+folder. Where it can write to none of them (a read-only installation and no home) every process compiles anew, and says
+so once. Importing this module does not import numba.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+__all__ = ["NoCacheWarning", "interpreted", "njit"]
+
+
+class NoCacheWarning(UserWarning):
+    """Compiled code cannot be kept on disk."""
+
+
+def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    """A decorator: ``numba.njit`` with the cache on disk, without it where numba finds no place for one."""
+    import numba
+
+    def decorate(function: Callable[..., Any]) -> Any:
+        try:
+            return numba.njit(cache=True, **options)(function)
+        except RuntimeError as error:
+            if "cannot cache" not in str(error):
+                raise
+        _say_once()
+        return numba.njit(**options)(function)
+
+    return decorate
+
+
+@cache
+def _say_once() -> None:
+    warnings.warn(
+        "no folder to keep compiled code in: every process compiles anew, which takes a minute; set NUMBA_CACHE_DIR to "
+        "a folder that can be written to",
+        NoCacheWarning,
+        stacklevel=4,
+    )
+
+
+def interpreted() -> bool:
+    """Whether numba is told not to compile (NUMBA_DISABLE_JIT=1): the readable loops are used then."""
+    from numba import config
+
+    return bool(config.DISABLE_JIT)
