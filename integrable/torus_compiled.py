@@ -36,7 +36,6 @@ for _inner in (
     torus_kernel.put,
     torus_kernel.conditioning,
     torus_kernel.opposite,
-    torus_kernel.find_turns,
     torus_kernel.turn,
     torus_kernel.step_over,
     torus_kernel.small_translation,
@@ -94,7 +93,7 @@ def directions(motion, chart, parts, nodes, passes, series, roots, room, tables,
 
 
 @njit(**JIT)
-def corners(f, axes, unit_axes, start, cells, forward, most, halves, steps, states, ends, turns):  # type: ignore[no-untyped-def]
+def corners(f, axes, unit_axes, start, cells, forward, most, halves, steps, states, ends, known, turns):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus_kernel.corners`."""
     _corners(
         _six(numbers(f)),
@@ -108,6 +107,7 @@ def corners(f, axes, unit_axes, start, cells, forward, most, halves, steps, stat
         numbers(steps),
         numbers(states),
         numbers(ends),
+        numbers(known),
         turns,
     )
 

@@ -20,6 +20,7 @@ from integrable.dense_panels import NODES, Panels, States, panel_length
 from integrable.torus_lattice import TorusLattice, best_origin, motion_row
 from integrable.torus_series import TorusSeries, long_double, needed_sizes, spectrum
 from integrable.torus_survey import about_centre
+from integrable.torus_witness import confirmed
 from jacobian.bare_reals import BareReals
 from jacobian.double_double import EPS, pack
 from jacobian.errors import PrecisionLoss
@@ -45,6 +46,8 @@ LEAST_SWING = 1e-17
 # a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
 ROUND = 1e-17
 CLOSED = 1e-13
+# a moving point's divisor, σ and ν
+PARTS = (slice(4), slice(4, 7), slice(7, 10))
 # corners are walked over in steps of fewer cells than this
 MOST_AT_ONCE = 7
 # steps from a float to a double-double number
@@ -229,7 +232,7 @@ class TorusFlow:
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.flow_setup.Setup`.
 
     Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g, NotClosed where the
-    loops lose too many digits.
+    loops lose too many digits or a sign (:mod:`integrable.torus_witness`).
     """
 
     def __init__(self, setup: Setup, loops: Any) -> None:
@@ -249,10 +252,12 @@ class TorusFlow:
         self._f, self._start = row(curve[:6]), row((*moved, *pairs))
         self._axes, self._unit_axes = row((*axes, *setup.wide_all_axes[3:])), row((*axes, 1, 1, 1, 1, 0))
         self._tables, self._halves = self._translations()
-        self.sizes = self.lattice.cells
+        self.sizes, self.turns = self.lattice.cells, self.lattice.turns
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
         self._corners()
+        if not confirmed(self):
+            raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         if setup.wide_d != 0:
             self.clock = TorusClock(self, self._rates())
 
@@ -383,15 +388,16 @@ class TorusFlow:
 
     def _walk(self, forward: int, most: int) -> None:
         loops, cells = self._loops, self.sizes
-        ends, turns = loops.room(40), np.zeros(6)
+        ends, known = loops.room(10 * (cells[0] + 1)), loops.room(10 * (cells[0] + 1))
         self._states = loops.room(10 * cells[0] * cells[1])
         loops.corners(
-            self._f, self._axes, self._unit_axes, self._start, cells, forward, most, self._halves, loops.room(20),
-            self._states, ends, turns,
+            self._f, self._axes, self._unit_axes, self._start, cells, forward, most, self._halves, loops.room(40),
+            self._states, ends, known, self.turns.ravel(),
         )  # fmt: skip
-        gaps = [loops.differences(ends[n : n + 4], ends[n + 20 : n + 24]) for n in (0, 10)]
-        self.closure = float(np.abs(gaps).max() / np.abs(loops.floats(self._start)[:4]).max())
-        self.turns = turns.reshape(2, 3)
+        gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10)
+        sizes = np.abs(loops.floats(self._start))
+        # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
+        self.closure = max(float(gaps[:, part].max() / sizes[part].max()) for part in PARTS)
 
     def _rates(self) -> np.ndarray:
         """The spectrum of 1/g, on a grid of its periods that resolves it."""

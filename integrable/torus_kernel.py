@@ -167,59 +167,54 @@ def corners(
     steps: Row,
     states: Row,
     ends: Row,
+    known: Row,
     turns: Row,
 ) -> None:
-    """The moving points at the corners of the cells into ``states``, and the signs that σ1, σ2, σ3 change by in either
-    period into ``turns``.
+    """The moving points at the corners of the cells into ``states``.
 
     The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
     such steps that may lead down by one cell as well; where ``forward`` is less than the number of columns, so many
-    columns forward and the others backward, which takes ``most`` = 1. Into ``ends`` where the first column and row end,
-    then what these points would be but for signs. ``unit_axes`` are the axes of translations, κ = 1; ``halves`` are
-    those of :func:`directions`, ``steps`` is room for twenty numbers.
+    columns forward and the others backward, which takes ``most`` = 1. Into ``ends`` where every walk ends and into
+    ``known`` where it should, signs included: that of the first direction, then those of the second from all rows.
+    ``turns`` are the signs of the periods, ``unit_axes`` the axes of translations, κ = 1; ``halves`` are those of
+    :func:`directions`, ``steps`` is room for forty numbers.
     """
     rows, columns = cells
-    down, _ = step_over(f, unit_axes, halves, 0, min(rows, most), steps)
-    across, lower = step_over(f, unit_axes, halves, 1, min(columns, most), steps)
-    step0, step1 = point_in(steps, 0), point_in(steps, 10)
-    back1 = opposite(step1)
+    down, _, parts0 = step_over(f, unit_axes, halves, 0, min(rows, most), steps)
+    across, lower, parts1 = step_over(f, unit_axes, halves, 1, min(columns, most), steps)
     left = moving_point(start)
     for i in range(rows):
         point = left
         for j in range(forward):
             put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
-            point = shift(f, axes, point, step1)
-        if i == 0:
-            put(point, ends, 10)
+            for k in range(parts1):
+                point = shift(f, axes, point, point_in(steps, 20 + 10 * k))
+        put(point, ends, 10 * (i + 1))
         point = left
         for j in range(-1, forward - columns - 1, -1):
-            point = shift(f, axes, point, back1)
+            for k in range(parts1):
+                point = shift(f, axes, point, opposite(point_in(steps, 20 + 10 * k)))
             put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
-        left = shift(f, axes, left, step0)
+        for k in range(parts0):
+            left = shift(f, axes, left, point_in(steps, 10 * k))
     put(left, ends, 0)
-    put(moving_point(start), ends, 20)
-    find_turns(ends, 0, turns)
+    put(moving_point(start), known, 0)
+    turn(known, 0, turns, 0)
     for i in range(rows):
         for j in range(forward - columns, forward):
             if (down * i + lower * j) // rows % 2 != 0:
                 turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 0)
-    put(point_in(states, 10 * (lower * forward % rows * columns + across * forward % columns)), ends, 30)
-    if lower * forward // rows % 2 != 0:
-        turn(ends, 10, turns, 0)
-    find_turns(ends, 1, turns)
+    for i in range(rows):
+        # a whole period away, times an odd number of cells: the walk that began, or went back, there
+        place, below = 10 * (i + 1), down * i + lower * forward
+        if below // rows % 2 != 0:
+            turn(ends, place, turns, 0)
+        put(point_in(states, 10 * (below % rows * columns + across * forward % columns)), known, place)
+        turn(known, place, turns, 3)
     for i in range(rows):
         for j in range(forward - columns, forward):
             if across * j // columns % 2 != 0:
                 turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 3)
-
-
-def find_turns(ends: Row, direction: int, turns: Row) -> None:
-    """The signs by which the pairs at 10·direction in ``ends`` differ from those twenty places on."""
-    for c in range(4, 7):
-        n = 10 * direction + c
-        # σ_i and ν_i are not zero together
-        same = ends[n] * ends[20 + n] + ends[n + 3] * ends[23 + n]
-        turns[3 * direction + c - 4] = 1.0 if same > 0 else -1.0
 
 
 def turn(points: Row, place: int, turns: Row, first: int) -> None:
@@ -250,10 +245,13 @@ def point_in(row: Row, place: int) -> Row:
     )
 
 
-def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Row) -> tuple[int, int]:
-    """A translation over an odd number of cells in a direction into ten places of ``out``, and (that number, 1 or 0 for
-    one cell more in the first direction, where the second is asked for): of the odd numbers up to ``most`` the one that
-    is best conditioned. ``axes`` are those of κ = 1.
+def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Row) -> tuple[int, int, int]:
+    """The step over an odd number of cells in a direction into out[20·direction …], and (that number, 1 or 0 for one
+    cell more in the first direction, where the second is asked for, number of translations): of the odd numbers up to
+    ``most`` the one that is best conditioned. ``axes`` are those of κ = 1.
+
+    One translation, or both parts of one cell where every sum is badly conditioned: a direction in which an oval runs
+    through no more than a point, that of a body with two equal moments, has both points of its translations there.
     """
     first, second = point_in(halves, 20 * direction), point_in(halves, 20 * direction + 10)
     down1, down2 = point_in(halves, 0), point_in(halves, 10)
@@ -261,25 +259,27 @@ def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Ro
     # multiples of either part, and one sum of both: sums lie anywhere, and at d = 0 those by one of the periods, the
     # residue of x dx/y, at infinity
     first, second = carried(f, axes, first, first), carried(f, axes, second, second)
+    put(first, out, 20 * direction)
+    put(second, out, 20 * direction + 10)
     double1, double2 = carried(f, axes, first, first), carried(f, axes, second, second)
     trust, later = min(conditioning(first), conditioning(second)), min(conditioning(double1), conditioning(double2))
-    best, chosen, lower = -1.0, 1, 0
+    best, chosen, lower, parts = LEAST_CONDITION * trust, 1, 0, 2
     for count in range(1, most + 1, 2):
         total = carried(f, axes, first, second)
         found = min(trust, conditioning(total))
         if found > best:
-            best, chosen, lower = found, count, 0
-            put(total, out, 10 * direction)
+            best, chosen, lower, parts = found, count, 0, 1
+            put(total, out, 20 * direction)
         if direction == 1:
             more1, more2 = carried(f, axes, first, down1), carried(f, axes, second, down2)
             total = carried(f, axes, more1, more2)
             found = min(trust, conditioning(more1), conditioning(more2), conditioning(total))
             if found > best:
-                best, chosen, lower = found, count, 1
-                put(total, out, 10)
+                best, chosen, lower, parts = found, count, 1, 1
+                put(total, out, 20)
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
         trust = min(trust, later, conditioning(first), conditioning(second))
-    return chosen, lower
+    return chosen, lower, parts
 
 
 def offsets(

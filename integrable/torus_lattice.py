@@ -9,6 +9,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from integrable import torus_survey
 from jacobian.errors import PrecisionLoss
 
@@ -51,8 +53,8 @@ class TorusLattice:
 
     ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), ``parts`` s₁ of Λ₁ and Λ₂ and s₂ of both
     over their reaches, ``slowness`` the mean of 1/√((1 − du₁)(1 − du₂)): rows of numbers of ``loops``, wide ones if it
-    is None; so are those of ``motion``, a :func:`motion_row`. PrecisionLoss where the torus is not compact, or needs
-    too many cells.
+    is None; so are those of ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss
+    where the torus is not compact, or needs too many cells.
     """
 
     def __init__(self, setup: Setup, loops: Any = None, motion: Any = None) -> None:
@@ -69,11 +71,28 @@ class TorusLattice:
         self.chart = Chart((c1, c2), (reach1, reach2), ((m1, n1), (m2, n2)), (rows, columns))
         self.periods, self.frequencies, self.parts = (found[:2], found[2:4]), found[4:6], found[6:10]
         self.slowness = found[10:]
+        self.turns = signs_of_periods(setup, self.chart.basis)
 
     @property
     def cells(self) -> tuple[int, int]:
         """The number of cells in either direction."""
         return self.chart.cells
+
+
+def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
+    """The signs that γ1, γ2, γ3 change by in either period of a basis, shape (2, 3).
+
+    γ_i vanishes where u₁ or u₂ passes α_i, which is once in a round of the oval that ends there, and its sign changes:
+    that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
+    """
+    order = np.argsort([float(x) for x in setup.wide_axes], kind="stable")
+    middle = sorted(setup.wide_axes)[1]
+    rounds = np.zeros((3, 2), dtype=int)
+    rounds[order] = (1, 0), (0, 1) if setup.ratio < middle else (1, 0), (0, 1)
+    # the parity of long integers is found before they become those of numpy
+    parities = np.array([[n % 2 for n in row] for row in basis])
+    signs: np.ndarray = 1.0 - 2.0 * (parities @ rounds.T % 2)
+    return signs
 
 
 def motion_row(setup: Setup, origin: Any = 0) -> tuple[Any, ...]:
