@@ -23,6 +23,7 @@ from pathlib import Path
 from typing import Any
 
 from integrable.tables import aligned
+from jacobian.terminal import write_anything
 
 
 def names() -> list[str]:
@@ -45,6 +46,7 @@ def table(rows: list[dict[str, Any]]) -> str:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the chosen benchmarks; 0 if all went through, 1 if one failed, 2 for a wrong argument."""
+    write_anything()
     parser = argparse.ArgumentParser(
         prog="python -m benchmarks", description="Run the benchmarks and print their tables."
     )

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import os
 import sys
+import warnings
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from jacobian.errors import JacobianError
+from jacobian.terminal import write_anything
 
 from .scene_file import load_scene, scene_names
 
@@ -104,10 +107,11 @@ def _list_scenes() -> None:
 
 
 def _run(arguments: argparse.Namespace) -> None:
+    from .output import portable
     from .scene import run
 
     scene = load_scene(arguments.scene)
-    out = Path(arguments.out) if arguments.out is not None else Path("runs") / scene.name
+    out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name)
     trajectory = run(
         scene,
         digits=arguments.digits,
@@ -148,7 +152,21 @@ def _report(arguments: argparse.Namespace) -> None:
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
+    write_anything()
     arguments = _parser().parse_args(argv)
+    with warnings.catch_warnings():
+        warnings.showwarning = _silent if getattr(arguments, "quiet", False) else _one_line
+        return _obey(arguments)
+
+
+def _one_line(message: Warning | str, *_: Any, **__: Any) -> None:
+    print(f"integrable: warning: {message}", file=sys.stderr)
+
+
+def _silent(*_: Any, **__: Any) -> None: ...
+
+
+def _obey(arguments: argparse.Namespace) -> int:
     try:
         if arguments.command == "scenes":
             _list_scenes()
@@ -156,18 +174,15 @@ def main(argv: Sequence[str] | None = None) -> int:
             _report(arguments)
         else:
             _run(arguments)
+        sys.stdout.flush()
     except JacobianError as error:
         message = " ".join(str(error).split())
         print(f"integrable: error: {message}", file=sys.stderr)
         return 2
-    except ModuleNotFoundError as error:
-        if error.name not in ("scipy", "matplotlib", "tqdm"):
-            raise
-        print(
-            f"integrable: error: {error.name} is not installed; pip install 'jacobian-integrable[app]' brings it",
-            file=sys.stderr,
-        )
-        return 2
+    except BrokenPipeError:
+        # who read the output has gone; Python would try to write the rest at its end, and complain
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return 141
     except KeyboardInterrupt:
         print("integrable: interrupted", file=sys.stderr)
         return 130

@@ -12,11 +12,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from importlib.util import find_spec
 from typing import Any
 
 from integrable.collocation import collocation
 from integrable.discrete_tops import hirota_kimura, moser_veselov
+from integrable.extras import command, installed
 from integrable.reference import Solution, equations, is_body, odefun, scipy_solution, taylor
 from integrable.stepping import Advance, follow
 from jacobian.errors import ArgumentError
@@ -65,7 +65,7 @@ class Method:
     @property
     def installed(self) -> bool:
         """Whether what it needs is installed."""
-        return not self.module or find_spec(self.module) is not None
+        return not self.module or installed(self.module)
 
     def refusal(self, system: Any) -> str | None:
         """Why the method does not take a system, or None."""
@@ -74,7 +74,7 @@ class Method:
         if self.only == "top" and system.d:
             return f"d = {system.d}: {self.name} is for the Euler top, d = 0"
         if not self.installed:
-            return f"{self.name} needs {self.module}: pip install 'jacobian-integrable[{self.extra}]'"
+            return f"{self.name} needs {self.module}: {command(self.extra)}"
         return None
 
     def takes(self, system: Any) -> bool:

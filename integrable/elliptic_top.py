@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 
+from integrable.extras import needed
 from integrable.reference import Solution
 from jacobian.errors import ArgumentError
 
@@ -160,6 +161,7 @@ class EllipticTop:
 
     def _floats(self, places: list[tuple[Any, int]], angles: Vector) -> np.ndarray:
         """The rows of reduced places and angles in floats, by SciPy."""
+        needed("scipy", "the closed form in floats")
         from scipy.special import ellipj, elliprf, elliprj
 
         v, flip = np.array([float(x) for x, _ in places]), np.array([float(s) for _, s in places])

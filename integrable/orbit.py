@@ -10,6 +10,7 @@ from __future__ import annotations
 import statistics
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -98,7 +99,8 @@ class OrbitReport:
 def pieces_of_orbit(scene: Scene, digits: int) -> int:
     """How many times :func:`measure_orbit` calls ``tick``."""
     assert scene.steps is not None
-    return 1 if scene.finite_field else 1 + len({*scene.steps.digits, digits})
+    costs = 1 if scene.finite_field else len({*scene.steps.digits, digits})
+    return scene.steps.repeat * costs + (not scene.finite_field)
 
 
 def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orbit:
@@ -114,8 +116,8 @@ def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orb
     truth = orbit(step, state, steps.count)
     rows, kept = [], None
     for cost in sorted({*steps.digits, digits}):
-        tick("floats" if cost <= FLOAT_DIGITS else f"{cost} digits")
-        found, durations = _timed(scene, cost)
+        label = "floats" if cost <= FLOAT_DIGITS else f"{cost} digits"
+        found, durations = _timed(scene, cost, partial(tick, label))
         rows.append(_judged(scene, cost, found, durations, truth))
         kept = found if cost == digits else kept
     assert kept is not None
@@ -143,11 +145,12 @@ def orbit(step: Step, state: State, count: int) -> Orbit:
     return Orbit(tuple(states), step.system.field)
 
 
-def _timed(scene: Scene, digits: int) -> tuple[Orbit, list[float]]:
-    """An orbit and its run times, each with a new system and map."""
+def _timed(scene: Scene, digits: int, begin: Callable[[], None]) -> tuple[Orbit, list[float]]:
+    """An orbit and its run times, each with a new system and map; ``begin`` is called before each."""
     assert scene.steps is not None
     durations: list[float] = []
     for _ in range(scene.steps.repeat):
+        begin()
         system, state = scene.start(digits)
         step = scene.step(system, digits)
         begun = perf_counter()
@@ -158,10 +161,9 @@ def _timed(scene: Scene, digits: int) -> tuple[Orbit, list[float]]:
 
 def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
     """The orbit over the scene's finite field: the drift of an integral counts the states at which it is another."""
-    tick(f"exact orbit over {scene.finite_field}")
     steps = scene.steps
     assert steps is not None
-    found, durations = _timed(scene, FLOAT_DIGITS)
+    found, durations = _timed(scene, FLOAT_DIGITS, lambda: tick(f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)
     before = system.integrals(state)
     after = [system.integrals(x) for x in found.states]

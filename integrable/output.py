@@ -14,7 +14,7 @@ from jacobian.errors import ArgumentError
 
 from .scene_data import Scene
 
-__all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "result", "versions"]
+__all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "portable", "result", "versions"]
 
 SCHEMA = 1
 """Version of the layout of ``result.json``; raised when a reader of the old layout would misread the new one."""
@@ -57,7 +57,8 @@ class OutputFolder:
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a text file, UTF-8, in one move."""
-        return self.write_bytes(name, text.encode())
+        # a file's name that is not in the terminal's encoding holds its bytes as surrogates
+        return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
 
     def write_bytes(self, name: str, content: bytes) -> Path:
         """Write a file under a temporary name in the same folder, then rename it to ``name``."""
@@ -74,6 +75,15 @@ class OutputFolder:
         except OSError as error:
             raise _unwritable(self.path / name, error) from error
         return self.path / name
+
+
+def portable(name: str) -> str:
+    """A name of a file or folder that every system takes: itself, where it is one (Windows is the strictest)."""
+    safe = "".join("_" if c in '<>:"/\\|?*' or ord(c) < 32 else c for c in name).rstrip(". ")
+    return f"_{safe}" if safe.partition(".")[0].strip().lower() in _RESERVED else safe
+
+
+_RESERVED = {"", "con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(10))}
 
 
 def _unwritable(path: Path, error: OSError) -> ArgumentError:

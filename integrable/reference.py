@@ -17,6 +17,7 @@ from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
+from integrable.extras import needed
 from jacobian.errors import ArgumentError
 
 __all__ = [
@@ -125,6 +126,7 @@ def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: s
 
     ``atol`` may be six numbers, one for each component.
     """
+    needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp
 
     wanted = np.asarray([float(time) for time in times])

@@ -20,6 +20,7 @@ from typing import Any
 
 from jacobian.errors import PrecisionLoss
 
+from .extras import installed
 from .scene_data import FLOAT_DIGITS, Scene
 from .state import State
 from .tables import DOP853, report_table
@@ -105,7 +106,8 @@ def pieces_of_work(scene: Scene, digits: int) -> int:
     assert comparison is not None, "the scene has no [report]"
     costs = {*comparison.digits, digits}
     compiled = sum(cost <= FLOAT_DIGITS for cost in costs) if scene.rolls_or_spins else 0
-    return 1 + len(costs) + compiled + len(comparison.tolerances) + 2 + bool(comparison.steps)
+    runs = comparison.repeat * (len(costs) + compiled + len(comparison.tolerances))
+    return 1 + runs + 2 + bool(comparison.steps)
 
 
 def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Report, Any]:
@@ -122,16 +124,15 @@ def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Rep
     rows: list[Row] = []
     kept = None
     for cost in costs:
-        tick("floats" if cost <= FLOAT_DIGITS else f"{cost} digits")
-        found, trajectory = _flow_rows(scene, cost, "python", comparison.repeat, truth)
+        runs = _Runs("floats" if cost <= FLOAT_DIGITS else f"{cost} digits", comparison.repeat, tick)
+        found, trajectory = _flow_rows(scene, cost, "python", truth, runs)
         rows += found
         kept = trajectory if cost == digits else kept
         if cost <= FLOAT_DIGITS and scene.rolls_or_spins:
-            tick("compiled floats")
-            rows += _flow_rows(scene, cost, "compiled", comparison.repeat, truth)[0]
+            rows += _flow_rows(scene, cost, "compiled", truth, _Runs("compiled floats", comparison.repeat, tick))[0]
     for tolerance in map(float, comparison.tolerances):
-        tick(f"DOP853 at {tolerance:.0e}")
-        rows.append(_dop853_row(scene, tolerance, comparison.repeat, truth))
+        runs = _Runs(f"DOP853 at {tolerance:.0e}", comparison.repeat, tick)
+        rows.append(_dop853_row(scene, tolerance, truth, runs))
     tick("truth against an integrator")
     check = _check_truth(scene, truth, comparison.check_time, truth_digits)
     growth: tuple[tuple[int, float], ...] = ()
@@ -210,16 +211,38 @@ def _distance(rows: list[list[Any]], others: list[list[Any]]) -> Any:
     return max(abs(x - y) for row, other in zip(rows, others, strict=True) for x, y in zip(row, other, strict=True))
 
 
-def _repeated(once: Callable[[], tuple[Sequence[float], Any]], repeat: int) -> tuple[list[Sequence[float]], Any]:
-    """``once`` up to ``repeat`` times: its durations, each run's in a row, and what the last run returned."""
-    durations: list[Sequence[float]] = []
-    while len(durations) < repeat and sum(map(sum, durations)) < _PATIENCE:
-        duration, found = once()
-        durations.append(duration)
-    return durations, found
+class _Runs:
+    """The runs of one method at one cost, each a piece of work; the first begins with what prepares it."""
+
+    def __init__(self, label: str, repeat: int, tick: Callable[[str], None]) -> None:
+        self._label, self._left, self._tick = label, repeat, tick
+        self._next()
+
+    def _next(self) -> None:
+        if self._left:
+            self._tick(self._label)
+            self._left -= 1
+
+    def repeated(self, once: Callable[[], tuple[Sequence[float], Any]]) -> tuple[list[Sequence[float]], Any]:
+        """``once`` so many times, or fewer where they take long: their durations, each run's in a row, and what the
+        last returned.
+        """
+        durations: list[Sequence[float]] = []
+        most = self._left + 1
+        while len(durations) < most and sum(map(sum, durations)) < _PATIENCE:
+            duration, found = once()
+            durations.append(duration)
+            self._next()
+        self.over()
+        return durations, found
+
+    def over(self) -> None:
+        """No more runs: what was planned counts as done."""
+        while self._left:
+            self._next()
 
 
-def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Truth) -> tuple[list[Row], Any]:
+def _flow_rows(scene: Scene, digits: int, kernel: str, truth: _Truth, runs: _Runs) -> tuple[list[Row], Any]:
     times = scene.times.at(digits)
 
     def once() -> tuple[Sequence[float], Any]:
@@ -234,7 +257,7 @@ def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Trut
     compiled = kernel == "compiled"
     setting = "compiled" if compiled else "floats" if digits <= FLOAT_DIGITS else f"{digits} digits"
     first = sum(once()[0]) if compiled else None  # compiles, or loads what was compiled by an earlier run
-    durations, trajectory = _repeated(once, repeat)
+    durations, trajectory = runs.repeated(once)
     row = Row(
         method=truth.method,
         setting=setting,
@@ -250,7 +273,7 @@ def _flow_rows(scene: Scene, digits: int, kernel: str, repeat: int, truth: _Trut
     return [Row("divisor flow", "first use", digits=digits, total=first, runs=1), row], trajectory
 
 
-def _dop853_row(scene: Scene, tolerance: float, repeat: int, truth: _Truth) -> Row:
+def _dop853_row(scene: Scene, tolerance: float, truth: _Truth, runs: _Runs) -> Row:
     from .reference import dop853
 
     body, state = scene.start(FLOAT_DIGITS)
@@ -262,10 +285,14 @@ def _dop853_row(scene: Scene, tolerance: float, repeat: int, truth: _Truth) -> R
         return (perf_counter() - begun,), solution
 
     method, setting = DOP853, f"tol {tolerance:.0e}".replace("e-0", "e-")
+    if not installed("scipy"):
+        runs.over()
+        return Row(method, setting, tolerance=tolerance, note="not run: SciPy is not installed")
     try:
         dop853(body, state, [min(times, key=abs) or 1e-3], rtol=1e-3, atol=1e-3)  # imports SciPy, outside of the timing
-        durations, solution = _repeated(once, repeat)
+        durations, solution = runs.repeated(once)
     except RuntimeError as error:
+        runs.over()
         return Row(method, setting, tolerance=tolerance, note=str(error))
     return Row(
         method=method,

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError
 
+from .extras import without
+from .progress import bar_of_pieces
 from .scene_data import FLOAT_DIGITS, Comparison, Map, Scene, Steps, Times
 from .scene_file import load_scene, scene_names
 
@@ -33,7 +35,8 @@ def run(
 
     ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
     ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
-    tried before anything is computed. ``progress`` draws a bar on stderr.
+    tried before anything is computed. ``progress`` draws a bar on stderr. What needs a library that is not installed is
+    left out, and a MissingExtraWarning says so before anything is computed.
     """
     if not isinstance(scene, (Scene, str, os.PathLike)):
         raise ArgumentError(f"scene = {scene!r}: give a Scene, the name of one or the path of a .toml file")
@@ -49,6 +52,9 @@ def run(
     system, _ = scene.start(digits)
     if scene.steps is not None:
         scene.step(system, digits)
+    drawn = pictures and out is not None and bool(scene.pictures)
+    missing = without(_uses(scene, drawn, progress))
+    pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
     if out is None:
         with _ticks(progress, scene, digits) as tick:
             return _compute(scene, digits, tick)
@@ -58,6 +64,16 @@ def run(
         trajectory = _compute(scene, digits, tick)
         _write(scene, digits, trajectory, folder, pictures, formats)
         return trajectory
+
+
+def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
+    """What a run uses of the libraries that need not be installed."""
+    uses = {
+        "scipy": "the rows of SciPy's DOP853" if scene.report is not None and scene.report.tolerances else "",
+        "matplotlib": "the pictures" if drawn else "",
+        "tqdm": "the progress bar" if progress else "",
+    }
+    return {module: what for module, what in uses.items() if what}
 
 
 def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
@@ -84,8 +100,6 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
     if not progress:
         yield lambda _label: None
         return
-    from tqdm import tqdm
-
     total = 1
     if scene.report is not None:
         from .report import pieces_of_work
@@ -95,19 +109,8 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
         from .orbit import pieces_of_orbit
 
         total = pieces_of_orbit(scene, digits)
-    with tqdm(total=total, leave=False, bar_format="{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]") as bar:
-        started = False
-
-        def tick(label: str) -> None:
-            nonlocal started
-            bar.update(started)
-            bar.set_description(f"{scene.name}: {label}")
-            started = True
-
+    with bar_of_pieces(scene.name, total) as tick:
         yield tick
-        bar.update(1)
-        # however soon after the last piece it is
-        bar.refresh()
 
 
 def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bool, formats: tuple[str, ...]) -> None:
@@ -124,7 +127,7 @@ def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bo
     folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
     if report is not None:
         folder.write_text("report.txt", report.table() + "\n")
-    if pictures and scene.pictures:
+    if pictures:
         from .plot import draw
 
         for picture in scene.pictures:

@@ -6,16 +6,23 @@ import argparse
 import sys
 from collections.abc import Sequence
 
+from jacobian.terminal import write_anything
+
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """The command line of the engine; returns the exit status."""
     parser = argparse.ArgumentParser(prog="python -m jacobian", description="Arithmetic in hyperelliptic Jacobians.")
+    write_anything()
     commands = parser.add_subparsers(dest="command", required=True)
     commands.add_parser("compile", help="compile the kernels into numba's cache, and say how long each took")
     parser.parse_args(arguments)
 
     from jacobian.compilation import compile_all
+    from jacobian.compiler import interpreted
 
+    if interpreted():
+        print("NUMBA_DISABLE_JIT is set: there is nothing to compile", file=sys.stderr)
+        return 2
     for name, seconds in compile_all():
         print(f"{seconds:8.2f} s  {name}", flush=True)
     return 0

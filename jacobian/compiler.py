@@ -12,7 +12,7 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
-__all__ = ["NoCacheWarning", "interpreted", "njit"]
+__all__ = ["NoCacheWarning", "interpreted", "look_for_a_place", "njit"]
 
 
 class NoCacheWarning(UserWarning):
@@ -43,6 +43,11 @@ def _say_once() -> None:
         NoCacheWarning,
         stacklevel=4,
     )
+
+
+def look_for_a_place() -> None:
+    """Say now, if at all, that there is no place for compiled code: before work that others will do."""
+    njit()(interpreted)
 
 
 def interpreted() -> bool:

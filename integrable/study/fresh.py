@@ -23,7 +23,7 @@ HEAVY = ("numpy", "mpmath", "numba", "galois", "scipy", "matplotlib", "tqdm")
 REPEAT = 3
 
 _START = """
-import json, resource, sys
+import json, sys
 from time import perf_counter
 begun = perf_counter()
 from integrable.scene_file import load_scene
@@ -61,7 +61,12 @@ def peak():
         with open("/proc/self/status") as status:
             return next(1024 * int(line.split()[1]) for line in status if line.startswith("VmHWM"))
     except OSError:
-        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
+        pass
+    try:
+        import resource
+    except ImportError:  # Windows
+        return None
+    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * (1 if sys.platform == "darwin" else 1024)
 found = {
     "seconds": perf_counter() - begun,
     "memory": peak(),

@@ -366,6 +366,11 @@ def _startup(study: Study) -> str:
     return "\n".join(parts)
 
 
+def _megabytes(size: int | None, without: int | None = 0) -> str:
+    """A size of memory less another, None where the system does not tell."""
+    return "–" if size is None or without is None else f"{(size - without) / 1e6:.0f} MB"
+
+
 def _leaves_out(study: Study) -> str:
     rows = [("scene", "imported", "not imported", "clock", "process", "saved", "memory", "saved")]
     for f in study.findings:
@@ -380,8 +385,8 @@ def _leaves_out(study: Study) -> str:
             asked["clock"],
             duration(asked["total"]),
             duration(everything["total"] - asked["total"]),
-            f"{asked['memory'] / 1e6:.0f} MB",
-            f"{(everything['memory'] - asked['memory']) / 1e6:.0f} MB",
+            _megabytes(asked["memory"]),
+            _megabytes(everything["memory"], asked["memory"]),
         ))  # fmt: skip
     if len(rows) == 1:
         return ""

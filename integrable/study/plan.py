@@ -10,6 +10,8 @@ from hashlib import sha256
 from typing import Any
 
 from integrable.comparators import METHODS
+from integrable.extras import APP, installed
+from integrable.output import portable
 from integrable.scene_data import FLOAT_DIGITS, Scene
 from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp
@@ -57,9 +59,11 @@ class Row:
 
     @cached_property
     def key(self) -> str:
-        """The name of the row's file."""
-        words = f"{self.scene.name}--{self.kind}--{self.method}--{self.setting}".lower()
-        return "".join(c if c.isascii() and (c.isalnum() or c in "-.") else "_" for c in words)
+        """The name of the row's file: no other row of the study has it, on any system."""
+        words = [_plain(word) for word in (self.scene.name, self.kind, self.method, self.setting)]
+        # names that differ in other letters alone would be one
+        name = self.scene.name if words[0] != self.scene.name else ""
+        return portable("--".join([*words, *([sha256(name.encode(errors="replace")).hexdigest()[:8]] if name else [])]))
 
     @cached_property
     def stamp(self) -> str:
@@ -76,6 +80,10 @@ class Row:
         """Seconds after which the row is given up."""
         limits = LIMITS[self.mode]
         return limits.truth if self.kind in ("truth", "floor") else limits.row
+
+
+def _plain(word: str) -> str:
+    return "".join(c if c.isascii() and (c.isalnum() or c in "-.") else "_" for c in word.lower())
 
 
 def rows_of(scene: Scene, source: str, mode: str) -> list[Row]:
@@ -100,7 +108,8 @@ def rows_of(scene: Scene, source: str, mode: str) -> list[Row]:
         if not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):  # of three moments, not of two
             rows.append(row("additions", BACKLUND, "near D and near −D"))
     rows += _comparators(scene, row, mode, truth.key)
-    rows.append(row("left out", name, "what the scene leaves out"))
+    if all(map(installed, APP)):
+        rows.append(row("left out", name, "what the scene leaves out"))
     return rows
 
 

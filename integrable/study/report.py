@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-import sys
 from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from integrable.output import OutputFolder
+from integrable.extras import without
+from integrable.output import OutputFolder, portable
+from integrable.progress import going, often
 from integrable.scene_data import Scene
 from integrable.scene_file import load_scene, scene_names
 from integrable.study.findings import gather
@@ -17,6 +18,7 @@ from integrable.study.page import Study, answer, page
 from integrable.study.plan import Row, compile_rows, rows_of
 from integrable.study.runner import run_rows
 from integrable.study.store import Store
+from jacobian.compiler import look_for_a_place
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -48,11 +50,17 @@ def report(
         raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
     chosen = list(sources) or (list(QUICK) if quick else scene_names())
     scenes = [load_scene(source) for source in chosen]
-    names = [scene.name for scene in scenes]
+    names = [portable(scene.name).lower() for scene in scenes]
     for name in names:
         if names.count(name) > 1:
             raise ArgumentError(f'scenes: "{name}" given {names.count(name)} times; each once is needed')
     rows = planned(scenes, chosen, "quick" if quick else "full")
+    uses = {"scipy": "SciPy's integrators"}
+    uses |= {"matplotlib": "the figures"} if formats else {}
+    uses |= {"tqdm": "the progress bar"} if progress else {}
+    missing = without(uses)
+    formats, progress = formats if "matplotlib" not in missing else (), progress and "tqdm" not in missing
+    look_for_a_place()
     store = Store(out)
     with _bar(progress, rows) as tick:
         contents = run_rows(rows, store, jobs or os.cpu_count() or 1, tick)
@@ -100,8 +108,9 @@ def _write(study: Study, out: Path, formats: tuple[str, ...]) -> None:
             drawn = {f.scene.name: error_against_run_time(f) for f in study.findings}
             for name, drawing in (*drawn.items(), ("floors", floors(study.findings))):
                 for suffix in formats if drawing is not None else ():
-                    folder.write_bytes(f"{name}.{suffix}", as_bytes(drawing, suffix))
-                    study.figures[name] = f"{FIGURES}/{name}.{suffix}"
+                    file = f"{portable(name)}.{suffix}"
+                    folder.write_bytes(file, as_bytes(drawing, suffix))
+                    study.figures[name] = f"{FIGURES}/{file}"
     with OutputFolder(out) as folder:
         folder.write_text("report.md", page(study))
         folder.write_text("report.txt", answer(study) + "\n")
@@ -115,9 +124,8 @@ def _bar(progress: bool, rows: Sequence[Row]) -> Iterator[Callable[[Row], None]]
         return
     from tqdm import tqdm
 
-    often = 0.2 if sys.stderr.isatty() else 10.0
     layout = "{l_bar}{bar:20}| {n_fmt}/{total_fmt} [{elapsed}<{remaining}]"
-    with tqdm(total=len(rows), leave=False, mininterval=often, bar_format=layout) as bar:
+    with tqdm(total=len(rows), leave=False, mininterval=0.2, bar_format=layout) as bar, going(bar, often()):
 
         def tick(row: Row) -> None:
             bar.set_description(f"{row.scene.name}: {row.method}", refresh=False)

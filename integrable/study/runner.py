@@ -9,13 +9,17 @@ import multiprocessing
 import os
 import signal
 import time
+import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
+from filelock import FileLock
+
 from integrable.study.plan import Row
 from integrable.study.store import Store
+from jacobian.compiler import NoCacheWarning
 
 __all__ = ["run_rows"]
 
@@ -85,7 +89,7 @@ class _Worker:
         self.row: Row | None = None
         self.connection: Connection | None = None
         self._process: Any = None
-        self._lock: int | None = None
+        self._lock: FileLock | None = None
         self._begun = 0.0
 
     @property
@@ -151,10 +155,11 @@ class _Worker:
 
 def _end(process: Any) -> None:
     """Kill a worker and the processes that it has started: they would go on computing beside the next rows."""
-    with suppress(ProcessLookupError, PermissionError):
-        # its group, once it has made one
-        if os.getpgid(process.pid) == process.pid:
-            os.killpg(process.pid, signal.SIGKILL)
+    if hasattr(os, "killpg"):  # Windows has no groups to kill
+        with suppress(ProcessLookupError, PermissionError):
+            # its group, once it has made one
+            if os.getpgid(process.pid) == process.pid:
+                os.killpg(process.pid, signal.SIGKILL)
     process.kill()
     process.join()
 
@@ -181,7 +186,9 @@ def _head(row: Row) -> dict[str, Any]:
 
 def _work(connection: Connection) -> None:
     """The loop of a worker process: it ends with the connection, that is, with the process that started it."""
-    os.setpgid(0, 0)
+    if hasattr(os, "setpgid"):
+        os.setpgid(0, 0)
+    warnings.simplefilter("ignore", NoCacheWarning)  # the parent has said so
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt ends the parent, which ends its workers
     for name in _THREADS:
         os.environ.setdefault(name, "1")

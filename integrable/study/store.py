@@ -1,19 +1,19 @@
 """The folder of a study: one JSON file for each row, complete or not there, and a lock for each row that is under way.
 
-Locks are ``flock`` locks (POSIX): the system takes them away from a process that dies, however it dies.
+Locks are the system's (:mod:`filelock`): it takes them away from a process that dies, however it dies.
 """
 
 from __future__ import annotations
 
-import fcntl
 import json
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+
+from filelock import FileLock, Timeout
 
 from integrable.output import OutputFolder, as_json
 
@@ -22,6 +22,9 @@ __all__ = ["SCHEMA", "Store", "code_stamp"]
 SCHEMA = 1
 """Layout of a row's file; raised when a reader of the old layout would misread the new one."""
 _SHOWN_ONLY = ("figures.py", "page.py", "findings.py", "console.py", "__main__.py", "plot.py", "tables.py")
+
+_claims: set[FileLock] = set()
+"""Held by this process: a lock that is forgotten would be open again."""
 
 
 class Store:
@@ -63,20 +66,21 @@ class Store:
         finally:
             self.release(lock)
 
-    def claim(self, key: str) -> int | None:
+    def claim(self, key: str) -> FileLock | None:
         """A claim to be given to :meth:`release`, or None where another process holds the row."""
-        handle = os.open(self._locks / f"{key}.lock", os.O_RDWR | os.O_CREAT, 0o666)
+        lock = FileLock(self._locks / f"{key}.lock", mode=0o666)
         try:
-            fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(handle)
+            lock.acquire(blocking=False)
+        except Timeout:
             return None
-        return handle
+        _claims.add(lock)
+        return lock
 
-    def release(self, lock: int | None) -> None:
+    def release(self, lock: FileLock | None) -> None:
         """End a claim."""
         if lock is not None:
-            os.close(lock)
+            _claims.discard(lock)
+            lock.release()
 
 
 @lru_cache(maxsize=1)

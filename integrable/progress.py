@@ -1,0 +1,58 @@
+"""The progress bar of the commands, on stderr: it moves with the work, and its clock goes on within a piece of it."""
+
+from __future__ import annotations
+
+import sys
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+__all__ = ["bar_of_pieces", "going", "often"]
+
+TERMINAL, FILE = 0.5, 10.0
+"""Seconds between two drawings, on a terminal and in a file."""
+
+
+@contextmanager
+def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
+    """A bar for so many pieces of work, as the function to call with the name of each before it."""
+    from tqdm import tqdm
+
+    begun = False
+    layout = "{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]"
+    with tqdm(total=total, leave=False, bar_format=layout) as bar, going(bar, TERMINAL):
+
+        def tick(label: str) -> None:
+            nonlocal begun
+            bar.update(begun)
+            bar.set_description(f"{name}: {label}")
+            begun = True
+
+        yield tick
+        bar.update(1)
+        # however soon after the last piece it is
+        bar.refresh()
+
+
+@contextmanager
+def going(bar: Any, seconds: float) -> Iterator[None]:
+    """Draw a bar again and again, so that its clock goes on while one thing is computed."""
+    over = threading.Event()
+
+    def draw() -> None:
+        while not over.wait(seconds):
+            bar.refresh()
+
+    thread = threading.Thread(target=draw, name="progress bar", daemon=True)
+    thread.start()
+    try:
+        yield
+    finally:
+        over.set()
+        thread.join()
+
+
+def often() -> float:
+    """Seconds between two drawings of a bar on stderr."""
+    return TERMINAL if sys.stderr.isatty() else FILE

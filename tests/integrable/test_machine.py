@@ -1,0 +1,320 @@
+"""Terminals of few letters, libraries that are not installed, systems that are not POSIX: what the commands do."""
+
+import io
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from dataclasses import replace
+
+import pytest
+
+from integrable import comparators, scene
+from integrable.__main__ import main
+from integrable.comparators import METHODS
+from integrable.extras import MissingExtraWarning
+from integrable.output import portable
+from integrable.progress import bar_of_pieces
+from integrable.study.plan import rows_of
+from jacobian import compilation
+from jacobian.__main__ import main as jacobian_main
+from jacobian.errors import ArgumentError
+
+BALL = """
+title = "Bäcklund γ"
+system = "chaplygin_ball"
+[body]
+inertia = ["1", "2", "3"]
+d = "0.7"
+[start]
+gamma = ["0.48", "0.6", "0.64"]
+M = ["0.384", "1.28", "-1.488"]
+[run]
+times = [0, 1, 2.5]
+[report]
+digits = [20]
+tolerances = ["1e-6"]
+truth_digits = 30
+check_time = "0.25"
+repeat = 1
+[output]
+pictures = ["sphere", "work_precision"]
+"""
+ORBIT = """
+title = "Bäcklund γ, ∞ ≤ µ"
+system = "chaplygin_ball"
+field = "GF(2^61-1)"
+[body]
+inertia = [1, 2, 3]
+d = 1
+[start]
+gamma = ["3/13", "4/13", "12/13"]
+M = [4, -3, 0]
+[steps]
+maps = [{ kind = "translation", points = [3, 4], multiple = 2 }]
+count = 5
+repeat = 1
+"""
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text(BALL, encoding="utf-8")
+    (tmp_path / "orbit.toml").write_text(ORBIT, encoding="utf-8")
+    return tmp_path
+
+
+def integrable(*arguments, before="", **environment):
+    """The command in a process of its own, after a line of Python: exit code, output and errors as bytes."""
+    code = f"{before}\nimport sys\nfrom integrable.__main__ import main\nsys.exit(main({list(arguments)!r}))"
+    clean = {k: v for k, v in os.environ.items() if not k.startswith(("LC_", "LANG", "PYTHONIOENCODING", "PYTHONUTF8"))}
+    # started in another folder, and of the same sources
+    found = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True,
+        timeout=100,
+        check=False,
+        env={**clean, **found, **environment},
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+# --- terminals
+
+TERMINALS = {
+    "ascii": {"PYTHONIOENCODING": "ascii"},
+    "cp1252": {"PYTHONIOENCODING": "cp1252"},
+    "utf-8": {"PYTHONIOENCODING": "utf-8"},
+    "ascii, from the locale": {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"},
+}
+
+
+@pytest.mark.parametrize("terminal", TERMINALS)
+def test_every_terminal_gets_what_it_can_show(here, terminal):
+    encoding = terminal.split(",")[0]
+    code, out, err = integrable("run", "orbit.toml", "--progress", **TERMINALS[terminal])
+    assert code == 0, err
+    shown = out.decode(encoding)
+    assert "exact" in shown
+    assert "Traceback" not in err.decode(encoding)
+    title = {"ascii": "Backlund g, inf <= u", "cp1252": "Bäcklund g, inf <= µ", "utf-8": "Bäcklund γ, ∞ ≤ µ"}[encoding]
+    assert shown.splitlines()[0] == title
+    # columns stay columns
+    head, row = (next(line for line in shown.splitlines() if line.startswith(word)) for word in ("setting", "exact"))
+    assert len(head) == len(row)
+    # files are UTF-8 whatever the terminal is
+    folder = here / "runs" / "orbit"
+    assert (folder / "report.txt").read_text(encoding="utf-8").startswith("Bäcklund γ, ∞ ≤ µ\n")
+    assert json.loads((folder / "result.json").read_text(encoding="utf-8"))["scene"]["title"] == "Bäcklund γ, ∞ ≤ µ"
+
+
+@pytest.mark.parametrize(
+    "arguments", [["scenes"], ["run", "--help"], ["report", "--help"], ["run", "γ∞.toml"], ["run", "ball.toml", "--γ"]]
+)
+def test_lists_help_and_errors_on_a_terminal_of_ascii(here, arguments):
+    code, out, err = integrable(*arguments, PYTHONIOENCODING="ascii")
+    assert code == (2 if arguments[-1] in ("γ∞.toml", "--γ") else 0)
+    assert (out + err).isascii()
+    assert b"Traceback" not in err
+    if code:
+        assert err.count(b"\n") == 1
+
+
+def test_the_names_of_kernels_on_a_terminal_of_ascii(monkeypatch):
+    out = io.TextIOWrapper(io.BytesIO(), encoding="ascii")
+    monkeypatch.setattr(sys, "stdout", out)
+    monkeypatch.setattr(compilation, "compile_all", lambda: iter([("GF(2^k), k ≤ 16", 0.5)]))
+    assert jacobian_main(["compile"]) == 0
+    out.flush()
+    assert out.buffer.getvalue().decode().endswith("GF(2^k), k <= 16\n")
+
+
+def test_errors_that_somebody_chose_stay(monkeypatch):
+    out = io.TextIOWrapper(io.BytesIO(), encoding="ascii", errors="xmlcharrefreplace")
+    monkeypatch.setattr(sys, "stdout", out)
+    monkeypatch.setattr(compilation, "compile_all", lambda: iter([("k ≤ 16", 0.5)]))
+    assert jacobian_main(["compile"]) == 0
+    out.flush()
+    assert b"k &#8804; 16" in out.buffer.getvalue()
+
+
+def test_a_reader_that_goes_away_is_no_error(here):
+    code = "from integrable.__main__ import main; import sys; sys.exit(main(['scenes']))"
+    read, write = os.pipe()
+    os.close(read)
+    env = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    done = subprocess.run(
+        [sys.executable, "-c", code], stdout=write, stderr=subprocess.PIPE, timeout=60, check=False, env=env
+    )
+    os.close(write)
+    assert done.stderr == b""
+    assert done.returncode == 141
+
+
+# --- libraries that are not installed
+
+
+SAID = pytest.mark.filterwarnings("always::integrable.extras.MissingExtraWarning")
+
+
+@SAID
+def test_what_is_not_installed_is_said_before_anything_is_computed(here, monkeypatch, capsys):
+    for module in ("scipy", "matplotlib", "tqdm"):
+        monkeypatch.setitem(sys.modules, module, None)
+    compute, said = scene._compute, []
+
+    def computed(*arguments):
+        said.append(capsys.readouterr().err)
+        return compute(*arguments)
+
+    monkeypatch.setattr(scene, "_compute", computed)
+    assert main(["run", "ball.toml", "--progress"]) == 0
+    (line,) = said[0].splitlines()
+    assert line.startswith(
+        "integrable: warning: not installed, so left out: the rows of SciPy's DOP853 (scipy), the pict"
+    )
+    assert "the progress bar (tqdm)" in line
+    assert line.endswith("pip install 'jacobian-integrable[app]'")
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    assert "SciPy DOP853, tol 1e-6: not run: SciPy is not installed" in captured.out
+    assert sorted(path.name for path in (here / "runs" / "ball").iterdir()) == ["report.txt", "result.json"]
+
+
+@SAID
+def test_only_what_a_run_would_use_is_named(here, monkeypatch, capsys):
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    monkeypatch.setattr(scene, "_compute", lambda *_: (_ for _ in ()).throw(ArgumentError("stop")))
+    assert main(["run", "ball.toml", "--no-plots"]) == 2
+    assert "matplotlib" not in capsys.readouterr().err
+    assert main(["run", "ball.toml", "--quiet"]) == 2
+    assert capsys.readouterr().err == "integrable: error: stop\n"
+    with (
+        pytest.warns(
+            MissingExtraWarning, match=r"^not installed, so left out: the rows of SciPy's DOP853 \(scipy\); pip"
+        ),
+        pytest.raises(ArgumentError, match="stop"),
+    ):
+        scene.run("ball.toml")
+
+
+def test_an_integrator_that_is_not_installed_says_what_installs_it(monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    ball, state = scene.load_scene("chaplygin").start(15)
+    with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
+        METHODS["SciPy DOP853"].solve(ball, state, [1.0], 1e-6)
+    with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
+        comparators.scipy_solution(ball, state, [1.0], method="Radau", rtol=1e-6, atol=1e-6)
+
+
+@SAID
+def test_a_study_without_the_extras(here, monkeypatch, capsys):
+    for module in ("scipy", "matplotlib", "tqdm"):
+        monkeypatch.setitem(sys.modules, module, None)
+    assert main(["report", "orbit.toml", "--quick", "--jobs", "1"]) == 0
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(
+        "integrable: warning: not installed, so left out: SciPy's integrators (scipy), the figures (mat"
+    )
+    assert (here / "runs" / "report-quick" / "report.md").is_file()
+    rows = rows_of(scene.load_scene("ball.toml"), "ball.toml", "quick")
+    assert {"SciPy", "left out"}.isdisjoint({word for row in rows for word in (row.kind, row.method.split()[0])})
+
+
+# --- systems that are not POSIX
+
+WINDOWS = """
+import os, sys
+for name in ("fcntl", "resource", "grp", "pwd", "termios"):
+    sys.modules[name] = None
+for name in ("killpg", "setpgid", "getpgid", "sched_getaffinity", "fork"):
+    delattr(os, name)
+"""
+
+
+def test_a_study_without_what_only_posix_has(here, monkeypatch):
+    """Workers too find it missing: sitecustomize is run by each Python that starts.
+
+    On such a system filelock locks by another call; here, where that does not exist, by the existence of a file.
+    """
+    (here / "site").mkdir()
+    soft = "import filelock; filelock.FileLock = filelock.SoftFileLock\n"
+    (here / "site" / "sitecustomize.py").write_text(WINDOWS + soft, encoding="utf-8")
+    path = os.pathsep.join(filter(None, [str(here / "site"), *sys.path]))
+    code, out, err = integrable("report", "orbit.toml", "--quick", "--jobs", "1", "--no-plots", PYTHONPATH=path)
+    assert code == 0, err
+    assert b"files written to" in out
+    assert (here / "runs" / "report-quick" / "report.md").is_file()
+
+
+@pytest.mark.parametrize(
+    ("name", "folder"),
+    [
+        ("ball", "ball"),
+        ("My ball, γ = 0", "My ball, γ = 0"),
+        ("con", "_con"),
+        ("AUX.old", "_AUX.old"),
+        ("lpt1", "_lpt1"),
+        ("console", "console"),
+        ("a:b*c?", "a_b_c_"),
+        ("a/b\\c", "a_b_c"),
+        ("ball. .", "ball"),
+        ("..", "_"),
+        ("tab\tnew\nline", "tab_new_line"),
+    ],
+)
+def test_names_are_names_of_folders_everywhere(name, folder):
+    assert portable(name) == folder
+
+
+def test_a_scene_of_a_name_that_windows_forbids(here):
+    (here / "aux.toml").write_text(ORBIT, encoding="utf-8")
+    assert main(["run", "aux.toml", "--quiet"]) == 0
+    assert (here / "runs" / "_aux" / "result.json").is_file()
+
+
+def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
+    """Two scenes with one key would show one result for both."""
+    base = scene.load_scene("chaplygin")
+    names = ("ä", "ö", "Ball", "ball", "ba ll", "ba_ll", "con", "con.x")
+    keys = [row.key for name in names for row in rows_of(replace(base, name=name), name, "quick")]
+    assert len({key.lower() for key in keys}) == len(keys)
+    assert all(re.fullmatch(r"[a-z0-9_.-]+", key) and portable(key) == key for key in keys)
+
+
+def test_a_name_that_is_no_text_is_written_as_text(here):
+    """A file's name in another encoding reaches Python as surrogates, which no file of text may have."""
+    name = os.fsdecode(b"b\xe4ll.toml")
+    (here / name).write_text(ORBIT.replace('title = "Bäcklund γ, ∞ ≤ µ"', ""), encoding="utf-8")
+    code, out, err = integrable("run", name, PYTHONIOENCODING="utf-8")
+    assert (code, err) == (0, b"")
+    assert out.decode().startswith("b?ll\n")
+    (folder,) = (here / "runs").iterdir()
+    assert (folder / "report.txt").read_text(encoding="utf-8").startswith("b\ufffdll\n")
+
+
+# --- the progress bar
+
+
+def test_the_bar_moves_within_a_piece_of_work(capsys):
+    with bar_of_pieces("ball", 2) as tick:
+        tick("compiling")
+        time.sleep(2.2)
+        tick("running")
+    drawn = capsys.readouterr().err.split("\r")
+    clocks = {found.group(1) for line in drawn if "compiling" in line and (found := re.search(r"\[([0-9:]+)\]", line))}
+    assert len(clocks) >= 3
+    assert "2/2" in drawn[-2] + drawn[-1] + drawn[-3]
+
+
+def test_each_run_of_a_method_is_a_piece_of_its_own(here):
+    asked = scene.load_scene("orbit.toml")
+    labels = []
+    found = scene._compute(replace(asked, steps=replace(asked.steps, repeat=3)), 15, labels.append)
+    assert found.report.rows[0].runs == 3
+    assert len(labels) == 3
