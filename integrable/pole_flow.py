@@ -10,36 +10,36 @@ tests/integrable/test_separations.py has the exact identities.)
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.body import cross
-from integrable.separated_flow import Motion, laurent, motion_of, numbers_of, widened
+from integrable.deformed_flow import DeformedFlow, Separated
+from integrable.oval import laurent
 from integrable.state import State
 from jacobian import poly
 from jacobian.errors import NotRepresentable
 
-if TYPE_CHECKING:
-    from integrable.systems.deformation import Deformation
-
 OVAL = 1e-9
 
 
-class PoleFlow:
+class PoleFlow(DeformedFlow):
     """The motion through a state, over RR or MP(digits): get it from ``system.flow``.
 
-    All is computed with guard digits and rounded once. NotRepresentable where moments are equal, a λ_k vanishes, or the
-    ovals of ũ1 and ũ2 meet (|M| is infinite where ũ1 = ũ2: the motion ends in finite time).
+    NotRepresentable where moments are equal, a λ_k vanishes, or the ovals of ũ1 and ũ2 meet (|M| is infinite where ũ1 =
+    ũ2: the motion ends in finite time).
     """
 
-    method = "elliptic curves"
+    def _moving(self, system: Any, state: State) -> Separated:
+        return CubicMotion(system, state)
 
-    def __init__(self, system: Deformation, state: State) -> None:
-        self._outer = system.field
-        self.system, state = widened(system, state)
-        system = self.system
+
+class CubicMotion(Separated):
+    """The motion over the numbers of ``system``."""
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
         if any(c == 0 for c in system.body.differences):
             raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
-        assert system.potential is not None
         K, self._poles = system.field, system.potential.poles
         self._phi: poly.Poly = (K.coerce(-4),)
         for e in system.a:
@@ -50,6 +50,8 @@ class PoleFlow:
             self._well = poly.add(K, self._well, poly.scale(K, 4 * b * c, pair))
         self._signs = [1 if x > 0 else -1 for x in state.gamma]
         u, rate, self._lambdas = self._separated(state)
+        one, two = self._lambdas
+        self.sizes = abs(one) + abs(two), abs(one * two)
         self._curves = [self._curve(*row) for row in zip(u, rate, self._lambdas, strict=True)]
         low, high = self._curves[0].oval, self._curves[1].oval
         if min(low[1], high[1]) - max(low[0], high[0]) > -OVAL * abs(u[0] - u[1]):
@@ -57,14 +59,11 @@ class PoleFlow:
                 f"the ovals of ũ1 and ũ2, {_interval(low)} and {_interval(high)}, meet: the motion ends where they do"
             )
 
-    def at(self, times: Any) -> Motion:
-        """The states at times t, in any order, of any size and sign."""
-        K = self.system.field
-        given = numbers_of(self._outer, times, "times")
-        rows = [self._state(*(curve.moved(K.coerce(t)) for curve in self._curves)) for t in given]
-        return motion_of(self._outer, given, given, rows, 1)
+    def turns(self, tau: Any) -> Any:
+        return abs(tau) / min(curve.period for curve in self._curves)
 
-    at_tau = at
+    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+        return self._state(*(curve.moved(tau) for curve in self._curves))
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
         """ũ_k, their rates and λ_k."""
@@ -113,7 +112,10 @@ class PoleFlow:
 
 
 class _Cubic:
-    """The motion u' = y on y² = q(u), q of degree 3, leading coefficient 4λ, along the bounded oval of its start."""
+    """The motion u' = y on y² = q(u), q of degree 3, leading coefficient 4λ, along the bounded oval of its start.
+
+    ``oval`` are the ends of the oval, ``period`` is that of the motion.
+    """
 
     def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
         self._field, self._scale = K, scale
@@ -124,41 +126,51 @@ class _Cubic:
         self._g3 = (4 * self._shift * self._shift - self._g2) * self._shift - scale * scale * q[0]
         self._start = scale * u + self._shift, scale * rate
         self._series = laurent(K, self._g2, self._g3)
-        self.oval = self._oval(u)
+        z = self._roots(u)
+        first, second = sorted((x - self._shift) / scale for x in z[:2])
+        self.oval = first, second
+        if not first - abs(u) * OVAL <= u <= second + abs(u) * OVAL:
+            raise self._unbounded(u)
+        self.period = K.context.pi / K.context.agm((z[2] - z[0]) ** (K.one / 2), (z[2] - z[1]) ** (K.one / 2))
 
-    def _oval(self, u: Any) -> tuple[Any, Any]:
-        """The real roots around u; NotRepresentable where u is on the unbounded branch."""
+    def _roots(self, u: Any) -> list[Any]:
+        """The real roots of 4Z³ − g2Z − g3, ascending: by cos 3θ (Viète)."""
         K = self._field
-        size = 27 * self._g3 * self._g3 / self._g2**3 if self._g2 > 0 else K.one
-        if size < 1:
-            # 4Z³ − g2Z − g3 = 0 by cos 3θ (Viète)
-            turn = K.context.acos(self._g3 * (27 / self._g2**3) ** (K.one / 2)) / 3
-            radius = (self._g2 / 3) ** (K.one / 2)
-            z = [radius * K.context.cos(turn - 2 * K.context.pi * k / 3) for k in range(3)]
-            real = sorted((x - self._shift) / self._scale for x in z)
-            bounded = real[:2] if self._scale > 0 else real[1:]
-            if bounded[0] - abs(u) * OVAL <= u <= bounded[1] + abs(u) * OVAL:
-                return bounded[0], bounded[1]
-        raise NotRepresentable(
+        if self._g2 <= 0 or 27 * self._g3 * self._g3 >= self._g2**3:
+            raise self._unbounded(u)
+        turn = K.context.acos(self._g3 * (27 / self._g2**3) ** (K.one / 2)) / 3
+        radius = (self._g2 / 3) ** (K.one / 2)
+        return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
+
+    @staticmethod
+    def _unbounded(u: Any) -> NotRepresentable:
+        return NotRepresentable(
             f"ũ = {float(u):g} is not on a bounded oval of its curve: the motion ends in finite time"
         )
 
     def moved(self, t: Any) -> tuple[Any, Any]:
         """(u, u') a time t later."""
-        x, y = self._start if t == 0 else self._added(*self._translation(t))
+        rest = t - self._field.context.nint(t / self.period) * self.period
+        x, y = self._added(*self._translation(rest)) if rest else self._start
         return (x - self._shift) / self._scale, y / self._scale
 
     def _added(self, x: Any, y: Any) -> tuple[Any, Any]:
-        z, v = self._start
-        slope = (y - v) / (x - z)
-        total = slope * slope / 4 - x - z
-        return total, -(v + slope * (total - z))
+        """The start (Z, Y) moved by (x, y), without the differences of large numbers that its chord has at small t:
+        symmetric functions over (x − Z)² and (x − Z)³.
+        """
+        (z, v), g2, g3 = self._start, self._g2, self._g3
+        gap = x - z
+        total = (2 * x * z - g2 / 2) * (x + z) - g3 - y * v
 
-    def _translation(self, t: Any) -> tuple[Any, Any]:
-        """(℘(t), ℘'(t)): the Laurent series at t/2^m, then m doublings."""
+        def cubic(x: Any, z: Any) -> Any:
+            return (6 * x + 2 * z) * z * z - (x + 3 * z) * g2 / 2 - 2 * g3
+
+        return total / (2 * gap**2), (v * cubic(z, x) - y * cubic(x, z)) / (2 * gap**3)
+
+    def _translation(self, v: Any) -> tuple[Any, Any]:
+        """(℘(v), ℘'(v)), |v| at most half a period: the Laurent series at v/2^m, then m doublings."""
         K, halvings = self._field, 0
         size = max(abs(self._g2) ** (K.one / 2), abs(self._g3) ** (K.one / 3), abs(self._shift))
-        v = t
         while v * v * size > 1 / K.coerce(16):
             v, halvings = v / 2, halvings + 1
         square, value, slope = v * v, K.zero, K.zero

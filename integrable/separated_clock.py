@@ -1,92 +1,310 @@
-"""Physical time along a tilde flow at d ≠ 0: t = ∫dτ/g by Gauss–Legendre quadrature on steps of equal length in τ.
+"""Physical time along a tilde flow at d ≠ 0, t = ∫dτ/g, at any distance: a Fourier series on the torus of two ovals.
 
-g depends on the abscissas ũ_k of the two curves alone: g⁻² = H2(1 − dũ1)(1 − dũ2)/(H2 − dH1), with H2 = (λ1 − λ2)/(ũ2 −
-ũ1) and H1 = λ1 + ũ1H2. Each step keeps 1/g as a Legendre series, so that τ(t) is a Newton
-iteration on one of them.
+g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends on z_k(θ_k) alone, even and periodic in the phases θ_k = 2π(τ + since_k)/T_k. With
+1/g = Σ c_mn cos mθ1 cos nθ2, t(τ) is a mean rate times τ and a sum of sines, and τ(t) a Newton iteration. Where mΩ1 +
+nΩ2 almost vanishes (a resonance) a mode is integrated as one that grows with τ, so that no small divisor is met.
+Coefficients are integers in units of 2^−bits: numpy multiplies matrices of them.
 """
 
 from __future__ import annotations
 
-from bisect import bisect_right
+from math import ceil, isqrt, log
 from typing import TYPE_CHECKING, Any
 
-from integrable.flow_kernel import integrate_series
-from integrable.flow_setup import legendre_rule
-from jacobian.errors import ArgumentError, PrecisionLoss
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.separated_flow import SeparatedFlow
+    from integrable.oval import Oval
+    from integrable.separated_flow import OvalMotion
 
-MOST_STEPS = 200_000
-NEWTON = 60
-TRIALS = 12
+GUARD_BITS = 30
+FIRST_SIZE = 16
+LARGEST_FLOAT_GRID = 1 << 20
+MOST_WORK = 1 << 25
+"""Products in a transform, about four seconds."""
+# modes above this show how fast they decay, in floats
+VISIBLE = 1e-11
+# modes that are slower than this part of their terms are resonant
+RESONANT = 10
+ROUNDS = 200
 
 
 class SeparatedClock:
-    """t(τ) and τ(t) of one flow, in its wide numbers; each direction of time grows as far as it is asked for."""
+    """t(τ) and τ(t) of one motion to ``digits`` digits of its longer period.
 
-    def __init__(self, flow: SeparatedFlow, digits: int) -> None:
-        self._flow = flow
-        K = flow.system.field
-        # even, so that no node is the middle of its step
-        count = 2 * (digits // 2 + 4)
-        self._nodes, self._rows, _ = legendre_rule(K, count)
-        self._small = K.coerce(10) ** -(digits + 2)
-        self._translations: dict[Any, list[tuple[Any, Any]]] = {}
-        self.step = self._step()
-        self._series: dict[int, list[list[Any]]] = {1: [], -1: []}
-        self._knots: dict[int, list[Any]] = {1: [K.zero], -1: [K.zero]}
+    PrecisionLoss where 1/g needs too many modes.
+    """
+
+    def __init__(self, motion: OvalMotion, digits: int) -> None:
+        self.digits = digits
+        self._motion = motion
+        K = motion.field
+        curves = motion.curves
+        self._since = [curve.since_low() for curve in curves]
+        self._periods = [curve.period for curve in curves]
+        # time is counted in the faster one's radians
+        self._unit = 2 * K.context.pi / min(self._periods)
+        self._slow = [min(self._periods) / period for period in self._periods]
+        spread = max(self._periods) / min(self._periods) / motion.pace(*_highest(motion))
+        self._bits = ceil(3.33 * digits) + GUARD_BITS + ceil(float(K.context.log(spread, 2)))
+        self._noise = K.coerce(10) ** -digits
+        sizes = self._sizes()
+        while True:
+            table = self._transformed(*sizes)
+            sizes, grown = self._grown(table), sizes
+            if sizes == grown:
+                break
+        self._keep(table)
+        least, most = motion.pace(*_highest(motion)), motion.pace(*_lowest(motion))
+        # with room for rounding
+        self._least, self._most = least * (1 - 1e-9), most * (1 + 1e-9)
+        self._origin = self._exact(self._phases(K.zero))[0]
+
+    # --- τ(t)
 
     def tau(self, t: Any) -> Any:
         """τ at a physical time t of either sign."""
-        K = self._flow.system.field
         if t == 0:
-            return K.zero
-        sign, rest = (1, t) if t > 0 else (-1, -t)
-        knots = self._knots[sign]
-        while knots[-1] <= rest:
-            self._extend(sign)
-        k = bisect_right(knots, rest) - 1
-        series = self._series[sign][k]
-        half = self.step / 2
-        target = (rest - knots[k]) / half + integrate_series(series, -K.one)[0]
-        # 1/g is positive: time rises along the step
-        x = 2 * (rest - knots[k]) / (knots[k + 1] - knots[k]) - 1
-        for _ in range(NEWTON):
-            reached, rate = integrate_series(series, x)
-            change = (reached - target) / rate
-            x = x - change
-            if abs(change) <= self._small:
-                return sign * (self.step * k + half * (1 + x))
-        raise PrecisionLoss(f"times: the flow's own time at t = {float(t):g} has not converged")
+            return t
+        K = self._motion.field
+        t = t * self._unit
+        # dt/dτ = 1/g lies between these
+        low, high = sorted((t / self._most, t / self._least))
+        x = t / self._mean
+        rough = True
+        for _ in range(ROUNDS):
+            phases = self._phases(x)
+            rate = self._rate(phases)
+            miss = self._mean * x + self._slowly(x) - t
+            miss += K.coerce(self._swing(phases)) if rough else self._exact(phases)[0] - self._origin
+            if miss > 0:
+                high = min(high, x)
+            else:
+                low = max(low, x)
+            step = miss / K.coerce(rate)
+            x = x - step
+            if not low <= x <= high:
+                x = (low + high) / 2
+            elif rough:
+                rough = abs(step) > 1e-7
+            elif abs(step) * 1e-6 <= self._noise * (1 + abs(x)):
+                # the rate is that of a float, and its own change smaller than the step
+                return x / self._unit
+        raise PrecisionLoss(f"times: the flow's own time at t = {float(t / self._unit):g} has not converged")
 
-    def _extend(self, sign: int) -> None:
-        series, knots = self._series[sign], self._knots[sign]
-        if len(series) >= MOST_STEPS:
-            raise ArgumentError(
-                f"times: a time beyond |t| = {float(knots[-1]):.3g} takes more than {MOST_STEPS} steps of this clock"
-            )
-        series.append(self._legendre(sign * self.step * (2 * len(series) + 1) / 2, sign * self.step / 2))
-        knots.append(knots[-1] + self.step * series[-1][0])
+    def defect(self, tau: Any, rate: Any) -> Any:
+        """The relative difference of 1/g of the series at τ and ``rate``."""
+        _, found = self._exact(self._phases(tau * self._unit))
+        return abs(found / rate - 1)
 
-    def _legendre(self, centre: Any, half: Any) -> list[Any]:
-        """Coefficients of 1/g over the step around τ = ``centre``, of half length ``half`` (negative: backwards)."""
-        one, two = self._flow.curves
-        first, second = one.moved(centre), two.moved(centre)
-        if half not in self._translations:
-            self._translations = {half: [(one.translation(half * x), two.translation(half * x)) for x in self._nodes]}
-        values = [self._flow.pace(one.added(first, s), two.added(second, r)) for s, r in self._translations[half]]
-        return [sum(c * y for c, y in zip(row, values, strict=True)) for row in self._rows]
+    # --- the series
 
-    def _step(self) -> Any:
-        """A length whose series converge around points spread over the motion."""
-        size = max(max(map(abs, curve.centred)) for curve in self._flow.curves)
-        K = self._flow.system.field
-        step = 2 / size ** (K.one / 2)
-        for _ in range(TRIALS):
-            spread = [step * x / 8 for x in (0, 5, 11, 18, 27, 39)]
-            tails = (self._legendre(x, step / 2) for x in spread)
-            if all(max(map(abs, c[-2:])) < self._small * abs(c[0]) for c in tails):
-                return step
-            step = step / 2
-        raise PrecisionLoss("1/g is not resolved by a quadrature: the moments or d differ too much for this clock")
+    def _phases(self, x: Any) -> list[Any]:
+        """θ_k in turns, between −1/2 and 1/2, at a scaled τ."""
+        tau = x / self._unit
+        turns = [(tau + since) / period for since, period in zip(self._since, self._periods, strict=True)]
+        return [n - self._motion.field.context.nint(n) for n in turns]
+
+    def _rate(self, phases: list[Any]) -> float:
+        """1/g in floats."""
+        (c1, _), (c2, _) = (_turns(float(x), n) for x, n in zip(phases, self._shape, strict=True))
+        return float(c1 @ self._float_rate @ c2)
+
+    def _swing(self, phases: list[Any]) -> float:
+        """The sum of sines less its value at the start, in floats."""
+        (c1, s1), (c2, s2) = (_turns(float(x), n) for x, n in zip(phases, self._shape, strict=True))
+        return float(s1 @ self._float_even @ c2 + c1 @ self._float_odd @ s2) - float(self._origin)
+
+    def _exact(self, phases: list[Any]) -> tuple[Any, Any]:
+        """(the sum of sines, 1/g) in wide numbers."""
+        (c1, s1), (c2, s2) = (self._circle(x, n) for x, n in zip(phases, self._shape, strict=True))
+        unit = self._motion.field.context.ldexp(1, -3 * self._bits)
+        swing = s1 @ (self._even @ c2) + c1 @ (self._odd @ s2)
+        return swing * unit, (c1 @ (self._table @ c2)) * unit
+
+    def _circle(self, turns: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """cos and sin of 0, θ, 2θ, … as integers."""
+        context, bits = self._motion.field.context, self._bits
+        with context.workprec(bits + GUARD_BITS):
+            c, s = (int(context.ldexp(f(2 * turns), bits + GUARD_BITS)) for f in (context.cospi, context.sinpi))
+        x, y = 1 << (bits + GUARD_BITS), 0
+        cosines, sines = [], []
+        for _ in range(count):
+            cosines.append(x >> GUARD_BITS)
+            sines.append(y >> GUARD_BITS)
+            x, y = (x * c - y * s) >> (bits + GUARD_BITS), (x * s + y * c) >> (bits + GUARD_BITS)
+        return np.array(cosines, dtype=object), np.array(sines, dtype=object)
+
+    def _slowly(self, x: Any) -> Any:
+        """The resonant modes' part of t at a scaled τ."""
+        context = self._motion.field.context
+        total = x * 0
+        for value, speed, phase in self._resonant:
+            half = speed * x / 2
+            total += value * context.cos(phase + half) * (x * context.sin(half) / half if half else x)
+        return total
+
+    # --- set-up
+
+    def _sizes(self) -> tuple[int, int]:
+        """How many modes either phase takes, from their decay in floats."""
+        sizes = [FIRST_SIZE, FIRST_SIZE]
+        while sizes[0] * sizes[1] <= LARGEST_FLOAT_GRID:
+            first, second = (_heights(curve, n, float) for curve, n in zip(self._motion.curves, sizes, strict=True))
+            one, two, d = *map(float, self._motion.weights), float(self._motion.system.d)
+            values = 1 / np.sqrt(one * (1 + d * np.array(first))[:, None] + two * (1 + d * np.array(second))[None, :])
+            modes = abs(_cosine_transform(_cosine_transform(values).T).T) / abs(values).max()
+            wanted = [_wanted(modes.max(axis=1 - k), self.digits) for k in range(2)]
+            if None not in wanted:
+                return self._possible(int(wanted[0] or 0), int(wanted[1] or 0))
+            sizes = [n if w else 2 * n for n, w in zip(sizes, wanted, strict=True)]
+        raise self._too_many(*sizes)
+
+    def _possible(self, rows: int, columns: int) -> tuple[int, int]:
+        if rows * columns * (rows + columns) > MOST_WORK:
+            raise self._too_many(rows, columns)
+        return rows, columns
+
+    def _too_many(self, rows: int, columns: int) -> PrecisionLoss:
+        return PrecisionLoss(
+            f"times: 1/g takes a series of {rows} × {columns} modes for {self.digits} digits; fewer digits, times "
+            "nearer to 0, or at_tau (the flow's own time) are within reach"
+        )
+
+    def _transformed(self, rows: int, columns: int) -> np.ndarray:
+        """c_mn as integers in units of 2^−bits, shape (rows + 1, columns + 1)."""
+        motion, bits = self._motion, self._bits
+        parts = []
+        for curve, weight, n in zip(motion.curves, motion.weights, (rows, columns), strict=True):
+            heights = _heights(curve, n, motion.field.coerce)
+            parts.append([int(motion.field.context.ldexp(weight * (1 + motion.system.d * z), bits)) for z in heights])
+        one = 1 << (3 * bits)
+        values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
+        for n in (rows, columns):
+            values = self._cosines(values, n).T
+        return values
+
+    def _cosines(self, values: np.ndarray, count: int) -> np.ndarray:
+        """Σ of c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
+        cosines, _ = self._circle(self._motion.field.one / (2 * count), 2 * count)
+        k = np.arange(count + 1)
+        values = values.copy()
+        values[[0, -1]] = values[[0, -1]] // 2
+        result: np.ndarray = (cosines[np.outer(k, k) % (2 * count)] @ values * 2 // count) >> self._bits
+        result[[0, -1]] = result[[0, -1]] // 2
+        return result
+
+    def _grown(self, table: np.ndarray) -> tuple[int, int]:
+        """The size of a table whose last modes are noise, else a larger one."""
+        rows, columns = (n - 1 for n in table.shape)
+        least = int(self._noise * abs(table[0, 0]))
+        if max(abs(x) for x in table[-1 - rows // 16 :].ravel()) > least:
+            rows += rows // 4 + 4
+        if max(abs(x) for x in table[:, -1 - columns // 16 :].ravel()) > least:
+            columns += columns // 4 + 4
+        return self._possible(rows, columns)
+
+    def _keep(self, table: np.ndarray) -> None:
+        """The tables of the sums: swings c/(mΩ1 + nΩ2) of the sines, and the resonant modes apart."""
+        motion, bits = self._motion, self._bits
+        context = motion.field.context
+        self._mean = motion.field.coerce(int(table[0, 0])) * context.ldexp(1, -bits)
+        least = int(self._noise * abs(table[0, 0])) >> 4
+        loud = abs(table) > least
+        rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + 1 for k in range(2))
+        table = table[:rows, :columns]
+        self._shape, self._table = (rows, columns), table
+        even = np.full((rows, columns), 0, dtype=object)
+        odd = even.copy()
+        first, second = (int(context.ldexp(x, 2 * bits)) for x in self._slow)
+        self._resonant = []
+        for m in range(rows):
+            for n in range(columns):
+                value = int(table[m, n])
+                if (m, n) == (0, 0) or abs(value) <= least:
+                    continue
+                # cos mθ1 cos nθ2 is a mean of cos(mθ1 ± nθ2)
+                for sign in (1, -1) if m and n else (1,):
+                    share = value // 2 if m and n else value
+                    speed = m * first + sign * n * second
+                    if abs(speed) << RESONANT < m * first + n * second:
+                        self._resonant.append(self._mode(share, m, sign * n))
+                        continue
+                    swing = (share << (2 * bits)) // speed
+                    even[m, n] += swing
+                    odd[m, n] += sign * swing
+        self._even, self._odd = even, odd
+        self._float_rate, self._float_even, self._float_odd = (_floats(x, bits) for x in (table, even, odd))
+
+    def _mode(self, value: int, m: int, n: int) -> tuple[Any, Any, Any]:
+        """(coefficient, speed in scaled τ, phase at τ = 0) of a mode."""
+        context = self._motion.field.context
+        speed = m * self._slow[0] + n * self._slow[1]
+        turns = [since / period for since, period in zip(self._since, self._periods, strict=True)]
+        phase = 2 * context.pi * (m * turns[0] + n * turns[1])
+        return self._motion.field.coerce(value) * context.ldexp(1, -self._bits), speed, phase
+
+
+def _floats(table: np.ndarray, bits: int) -> np.ndarray:
+    """Integers in units of 2^−bits as floats."""
+    # beyond the range of floats
+    dropped = max(0, bits - 200)
+    result: np.ndarray = (table >> dropped).astype(float) * 0.5 ** (bits - dropped)
+    return result
+
+
+def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """cos and sin of 0, θ, 2θ, … in floats."""
+    angles = 2 * np.pi * turns * np.arange(count)
+    return np.cos(angles), np.sin(angles)
+
+
+def _highest(motion: OvalMotion) -> list[Any]:
+    """z_k on the ovals where g is largest."""
+    return [max(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+
+
+def _lowest(motion: OvalMotion) -> list[Any]:
+    """z_k where g is least."""
+    return [min(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+
+
+def _heights(curve: Oval, count: int, number: Any) -> list[Any]:
+    """z at the phases πj/count, j = 0 … count, in the numbers of ``number``: half a period in that many additions."""
+    step = [number(x) for x in curve.translation(curve.period / (2 * count))]
+    r = [number(x) for x in curve.at_low()]
+    ends = [number(x / curve.mu) for x in curve.e]
+    scale = number(curve.mu)
+    heights = []
+    for _ in range(count + 1):
+        i = min((curve.low, curve.middle), key=lambda n: abs(r[n]))
+        heights.append(ends[i] + curve.signs[i] * r[i] * r[i] / scale)
+        r = curve.added(r, step)
+    return heights
+
+
+def _cosine_transform(values: np.ndarray) -> np.ndarray:
+    """The coefficients of cos(πjk/n) along the first axis, in floats."""
+    n = len(values) - 1
+    modes: np.ndarray = np.fft.rfft(np.concatenate([values, values[-2:0:-1]]), axis=0).real / n
+    modes[[0, -1]] /= 2
+    return modes
+
+
+def _wanted(modes: np.ndarray, digits: int) -> int | None:
+    """How many modes are above 10^−digits, from the decay of those that floats show; None where they show none."""
+    visible = np.flatnonzero(modes > VISIBLE)
+    last = int(visible[-1])
+    if last + 1 >= len(modes):
+        return None
+    # the decay over the second half of them
+    middle = last // 2
+    if last < 2:
+        middle, decay = last, -log(VISIBLE)
+    else:
+        decay = log(modes[middle:].max() / modes[last]) / (last - middle)
+    if decay <= 0:
+        return None
+    return ceil(1.1 * (middle + (log(modes[middle:].max()) + digits * log(10)) / decay)) + 6

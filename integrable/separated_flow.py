@@ -1,302 +1,200 @@
 """The geodesic flows of the tilde, check and hat pairs: two elliptic curves, and an addition on each.
 
 In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
-= 4(dx − 1)Π(a_i − x), with λ_k constant and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 − da_i), brings each
-curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the motion is the addition of (℘(τ), ℘'(τ)). The signs of γ come
-from the roots R_i = √|Z − e_i|, which the addition moves too:
-
-    R_i(u + v) = (s_i(v)R_i'(u) + R_i(u)s_j(v)s_k(v))/(℘(v) − Z(u)),   s_i = √(℘ − e_i),   R_i' = ±R_jR_k.
-
-Any τ costs one addition on each curve, its translation a few terms of the Laurent series and log₂ τ doublings. (The
-separation: Tsiganov; the addition: Weierstrass.)
+= 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
+da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the motion is an addition
+(:mod:`integrable.oval`): any τ costs one addition on each curve. (The separation: Tsiganov.)
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import cached_property
-from math import ceil
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from integrable.body import cross
+from integrable.deformed_flow import DeformedFlow, Separated, integrals_missing, motion_of
 from integrable.isometry import lift, roots
+from integrable.oval import Oval, root
+from integrable.precise_flow import digits_of
 from integrable.state import State
-from jacobian import MP, RR
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
     from integrable.separated_clock import SeparatedClock
-    from integrable.systems.deformation import Deformation
-
-FLOAT_DIGITS = 34
-GUARD_DIGITS = 18
-RR_DIGITS = 16
 
 
-@dataclass
-class Motion:
-    """γ and M of shape (N, 3) at physical times ``times`` and times ``tau`` of the flow, shape (N,), dτ = g dt.
+class SeparatedFlow(DeformedFlow):
+    """The motion of a tilde pair without potential through a state: get it from ``system.flow``.
 
-    ``times`` is None where only τ was asked for at d ≠ 0. ``report`` is the report of a scene's run, or None.
-    """
-
-    times: np.ndarray | None
-    tau: np.ndarray | None
-    gamma: np.ndarray
-    M: np.ndarray
-    report: Any = None
-
-
-class SeparatedFlow:
-    """The motion of a tilde pair without potential through a state, over RR or MP(digits): get it from ``system.flow``.
-
-    All is computed with guard digits and rounded once, also for floats (about a millisecond a state).
+    At d ≠ 0 physical times are read off a Fourier series on the torus (:mod:`integrable.separated_clock`).
     NotRepresentable where moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
-    method = "elliptic curves"
-
-    def __init__(self, system: Deformation, state: State) -> None:
-        self._outer = system.field
-        self.system, state = widened(system, state)
-        system = self.system
-        body, K = system.body, system.field
-        if any(c == 0 for c in body.differences):
-            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
-        h1, h2 = body.integrals(state.gamma, state.M)[2:]
-        if h2 == 0:
-            raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
-        self._weights = [r / abs(c) ** (K.one / 2) for r, c in zip(body.contact, body.differences, strict=True)]
-        spin = h2 ** (K.one / 2)
-        rate = _rate(system, state)
-        e, slope = ([x / spin for x in v] for v in _image(K, state, rate, h2))
-        u, du = _roots(system.a, e, slope)
-        self._lambdas = [h1 - x * h2 for x in u]
-        if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self._lambdas):
-            raise NotRepresentable(f"λ = {self._lambdas}: K vanishes, and one of the two curves degenerates")
-        product = body.contact[0] * body.contact[1] * body.contact[2]
-        self.curves = [
-            Oval(K, [x * product / i for i in body.inertia], product * x, body, v, w)
-            for x, v, w in zip(self._lambdas, u, du, strict=True)
-        ]
-        self._signs = _signs(self, e, slope)
-        found = self._state(*(curve.start for curve in self.curves))
-        self._side = 1 if sum(x * y for x, y in zip(found[0], state.gamma, strict=True)) > 0 else -1
-
-    def at_tau(self, tau: Any) -> Motion:
-        """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0), of any order, size and sign."""
-        given = numbers_of(self._outer, tau, "tau")
-        return self._motion(None if self.system.body.rolls else given, given)
-
-    def at(self, times: Any) -> Motion:
-        """The states at physical times t, of any order, size and sign.
-
-        At d = 0 they are those of the flow; at d ≠ 0 a clock steps there once (:mod:`integrable.separated_clock`), up
-        to 200000 steps, and ArgumentError beyond.
-        """
-        given = numbers_of(self._outer, times, "times")
-        if not self.system.body.rolls:
-            return self._motion(given, given)
-        return self._motion(given, [self._clock.tau(self.system.field.coerce(x)) for x in given])
+    def _moving(self, system: Any, state: State) -> Separated:
+        return OvalMotion(system, state)
 
     def translated(self, roots_of: Any) -> State:
         """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
         μ_k/I_i) and how many times, or None.
         """
+        while True:
+            motion: Any = self._motion
+            moved = motion.translated(roots_of)
+            missing = integrals_missing(motion.system, motion.start, motion.sizes, [moved], self._asked)
+            if missing <= 0:
+                break
+            self._more_digits(motion.field.dps + min(missing, motion.field.dps))
+        row = motion_of(self.system.field, None, [], [moved])
+        x, m = row.gamma[0].tolist(), row.M[0].tolist()
+        return State((x[0], x[1], x[2]), (m[0], m[1], m[2]))
+
+
+class IsometricFlow(DeformedFlow):
+    """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
+
+    def _moving(self, system: Any, state: State) -> Separated:
+        return LiftedMotion(system, state)
+
+
+class OvalMotion(Separated):
+    """The motion of a tilde pair over the numbers of ``system``."""
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
+        body, K = system.body, system.field
+        if any(c == 0 for c in body.differences):
+            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+        h2 = K.dot(state.M, state.M)
+        if h2 == 0:
+            raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
+        H, second = system.integrals(state)[2:]
+        self.lambdas = _eigenvalues(K, H, second)
+        if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
+            raise NotRepresentable(f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates")
+        self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
+        self._weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
+        spin = root(K, h2)
+        e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
+        gaps, turns = _separated(body, e, slope)
+        product = body.contact[0] * body.contact[1] * body.contact[2]
+        self.curves = [
+            _oval(body, value * product, row, turn) for value, row, turn in zip(self.lambdas, gaps, turns, strict=True)
+        ]
+        self._signs, self._side = _signs(self.curves, e, slope), 1
+        found = self._state(*(curve.start for curve in self.curves))[0]
+        self._side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
+
+    def turns(self, tau: Any) -> Any:
+        return abs(tau) / min(curve.period for curve in self.curves)
+
+    def most_tau(self, t: Any) -> Any:
+        # 1/g² is least where γ is along the axis of the least moment
+        return t / root(self.field, min(self.system.body.contact))
+
+    def tau(self, times: list[Any], digits: int) -> list[Any]:
+        return [self._clock(digits).tau(t) for t in times]
+
+    def clock_missing(self, tau: Any, digits: int) -> int:
+        rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))
+        return digits_of(self._clock(digits).defect(tau, rate)) + digits
+
+    def _clock(self, digits: int) -> SeparatedClock:
+        from integrable.separated_clock import SeparatedClock
+
+        if self._clocks is None or self._clocks.digits < digits:
+            self._clocks = SeparatedClock(self, digits)
+        return self._clocks
+
+    _clocks: SeparatedClock | None = None
+
+    @cached_property
+    def weights(self) -> tuple[Any, Any]:
+        """Of 1 + dz_k in g²: both positive, with the sum 1."""
+        one, two = self.lambdas
+        return one / (one - two), -two / (one - two)
+
+    def pace(self, first: Any, second: Any) -> Any:
+        """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
+        one, two = self.weights
+        d = self.system.d
+        return 1 / root(self.field, one * (1 + d * first) + two * (1 + d * second))
+
+    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+        return self._state(*(curve.moved(tau) for curve in self.curves))
+
+    def translated(self, roots_of: Any) -> tuple[list[Any], list[Any]]:
+        """The row of :meth:`SeparatedFlow.translated`."""
         moved = []
         for k, curve in enumerate(self.curves):
-            found = roots_of(k, self.system.field, curve.mu, curve.e)
+            found = roots_of(k, self.field, curve.mu, curve.e)
             point = curve.start
             for _ in range(0 if found is None else found[1]):
                 point = curve.added(point, found[0])
             moved.append(point)
-        row = motion_of(self._outer, None, [], [self._state(*moved)], self._side)
-        x, m = row.gamma[0].tolist(), row.M[0].tolist()
-        return State((x[0], x[1], x[2]), (m[0], m[1], m[2]))
-
-    @cached_property
-    def _clock(self) -> SeparatedClock:
-        from integrable.separated_clock import SeparatedClock
-
-        K = self._outer
-        return SeparatedClock(self, RR_DIGITS if K == RR else K.dps + RR_DIGITS // 2)
-
-    def _motion(self, times: Any, tau: list[Any]) -> Motion:
-        wide = map(self.system.field.coerce, tau)
-        rows = [self._state(*(curve.moved(x) for curve in self.curves)) for x in wide]
-        return motion_of(self._outer, times, tau, rows, self._side)
-
-    def pace(self, first: Any, second: Any) -> Any:
-        """dt/dτ = 1/g, from the roots R_i on both curves."""
-        K, d = self.system.field, self.system.d
-        z = [curve.height(r) for curve, r in zip(self.curves, (first, second), strict=True)]
-        # 1 − dũ = 1/(1 + dz)
-        f = [1 / (1 + d * x) for x in z]
-        u = [x * y for x, y in zip(z, f, strict=True)]
-        size = (self._lambdas[0] - self._lambdas[1]) / (u[1] - u[0])
-        return (size * f[0] * f[1] / (size * f[0] - d * self._lambdas[0])) ** (K.one / 2)
+        return self._state(*moved)
 
     def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
-        """(γ, M), up to a common sign, from the roots R_i on both curves."""
-        body, K = self.system.body, self.system.field
+        """(γ, M) from the roots R_i on both curves."""
+        body, K = self.system.body, self.field
         one, two = self.curves
         e = [s * c * x * y for s, c, x, y in zip(self._signs, self._weights, first, second, strict=True)]
-        length = K.dot(e, e) ** (K.one / 2)
-        z = one.height(first), two.height(second)
-        f = [1 / (1 + body.d * x) for x in z]
-        u = [x * y for x, y in zip(z, f, strict=True)]
-        scale = 2 * length * f[0] * f[1] / (one.mu * two.mu * (u[0] - u[1]))
+        length = root(K, K.dot(e, e))
+        f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
+        # ũ2 − ũ1: of both sides of the middle axis, a sum
+        middle = self._middle
+        gap = f[0] * f[1] * (first[middle] ** 2 / abs(one.mu) + second[middle] ** 2 / abs(two.mu))
+        scale = 2 * length * f[0] * f[1] / (one.mu * two.mu * gap)
         n = []
         for i in range(3):
             j, k = (i + 1) % 3, (i + 2) % 3
             left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
             right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
             divisor = self._signs[i] * self._weights[i] * body.differences[i]
-            n.append(scale * body.contact[i] * (right - left) / divisor)
+            n.append(scale * body.contact[i] * (left - right) / divisor)
         e = [x / length for x in e]
         square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
         lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
         gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
-        size = K.dot(gamma, gamma) ** (K.one / 2)
+        size = self._side * root(K, K.dot(gamma, gamma))
         gamma = [x / size for x in gamma]
-        momentum = ((self._lambdas[0] - self._lambdas[1]) / (u[1] - u[0])) ** (K.one / 2)
-        return gamma, list(cross(K, tuple(momentum * x for x in e), tuple(gamma)))
+        momentum = self._side * root(K, (self.lambdas[0] - self.lambdas[1]) / gap)
+        x1, x2, x3 = (momentum * x for x in e)
+        return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
 
 
-class IsometricFlow:
-    """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
+class LiftedMotion(Separated):
+    """The motion of a check or hat pair over the numbers of ``system``: that of a tilde pair, lifted."""
 
-    method = "elliptic curves"
-
-    def __init__(self, system: Deformation, state: State) -> None:
-        self._outer = system.field
-        self.system, state = widened(system, state)
-        K = self.system.field
-        squares, self._pace, tilde = self.system.isometry()
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
+        K = system.field
+        squares, self._pace, tilde = system.isometry()
         self._roots = roots(K, squares)
+        self._back = [1 / b for b in self._roots]
         gamma, M = lift(K, self._roots, state.gamma, state.M)
-        self._flow = SeparatedFlow(tilde, State(gamma, M))
+        self._tilde = OvalMotion(tilde, State(gamma, M))
+        self.sizes = abs(self._pace) * self._tilde.sizes[0], abs(system.integrals(state).K)
 
-    def at(self, times: Any) -> Motion:
-        """The states at times t, in any order, of any size and sign."""
-        K = self.system.field
-        given = numbers_of(self._outer, times, "times")
-        run = self._flow.at_tau([self._pace * K.coerce(x) for x in given])
-        back = [1 / b for b in self._roots]
-        rows = [lift(K, back, tuple(x), tuple(m)) for x, m in zip(run.gamma, run.M, strict=True)]
-        return motion_of(self._outer, given, given, rows, 1)
+    def turns(self, tau: Any) -> Any:
+        return self._tilde.turns(self._pace * tau)
 
-    at_tau = at
+    def state(self, tau: Any) -> tuple[Any, Any]:
+        gamma, M = self._tilde.state(self._pace * tau)
+        return lift(self.field, self._back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
 
 
-class Oval:
-    """The curve Z'² = 4Π(Z − e_i) of one separated variable, and the motion along its bounded oval."""
-
-    def __init__(self, K: Any, roots: Any, mu: Any, body: Any, u: Any, du: Any) -> None:
-        self._field = K
-        self.e = list(roots)
-        self.mu = mu
-        # on the bounded oval, e_min ≤ Z ≤ e_mid ≤ e_max
-        low = self.e.index(min(self.e))
-        self.signs = [1 if i == low else -1 for i in range(3)]
-        z = u / (1 - body.d * u)
-        self._far = low
-        sizes = [self._size(x, z, u, a, body) for x, a in zip(body.inertia, body.a, strict=True)]
-        turn = 1 if du * mu * sizes[0] * sizes[1] * sizes[2] >= 0 else -1
-        # Z' = 2R_1R_2R_3
-        self.start = [turn * sizes[0], *sizes[1:]]
-        self._mean = sum(self.e) / 3
-        self.centred = [x - self._mean for x in self.e]
-        one, two, three = self.centred
-        self._series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
-
-    def _size(self, moment: Any, z: Any, u: Any, a: Any, body: Any) -> Any:
-        """√|μ(z − 1/I)|, from u − a where that is more exact."""
-        gap = (u - a) * (1 + body.d * z) / (moment * a)
-        return abs(self.mu * gap) ** (self._field.one / 2)
-
-    def height(self, r: Any) -> Any:
-        """z = Z/μ at the roots R_i, from the root that is least."""
-        i = min(range(3), key=lambda n: abs(r[n]))
-        return (self.e[i] + self.signs[i] * r[i] * r[i]) / self.mu
-
-    def moved(self, tau: Any) -> list[Any]:
-        """The roots R_i a time τ later."""
-        return self.start if tau == 0 else self.added(self.start, self.translation(tau))
-
-    def added(self, r: Any, s: Any) -> list[Any]:
-        """The roots R_i at the sum of a point with roots r and a translation s."""
-        i = self._far
-        # ℘(v) − Z(u) = s_i² ∓ R_i², a sum where the sign of R_i² is −
-        j = (i + 1) % 3
-        down = s[j] * s[j] + r[j] * r[j]
-        return [(s[n] * self.signs[n] * r[n - 2] * r[n - 1] + r[n] * s[n - 2] * s[n - 1]) / down for n in range(3)]
-
-    def translation(self, tau: Any) -> list[Any]:
-        """s_i(τ) = √(℘(τ) − e_i): the Laurent series at τ/2^m, then m doublings."""
-        K, size, halvings = self._field, max(map(abs, self.centred)), 0
-        v = tau
-        while v * v * size > 1 / 16:
-            v, halvings = v / 2, halvings + 1
-        square = v * v
-        tail = K.zero
-        for c in reversed(self._series):
-            tail = tail * square + c
-        # v²(℘ − e) = 1 − v²e + v⁴·tail
-        s = [(1 - square * e + square * square * tail) ** (K.one / 2) / v for e in self.centred]
-        for _ in range(halvings):
-            e = self.e
-            down = 2 * s[0] * s[1] * s[2]
-            s = [(s[n] ** 4 - (e[n] - e[n - 2]) * (e[n] - e[n - 1])) / down for n in range(3)]
-        return s
+def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
+    """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2: the smaller from the larger."""
+    spread = root(K, H * H + 4 * abs(second))
+    if H >= 0:
+        one = (H + spread) / 2
+        return one, -second / one
+    two = (H - spread) / 2
+    return -second / two, two
 
 
-def widened(system: Deformation, state: State) -> tuple[Any, State]:
-    """The same system and state with guard digits, the constraints made exact; ArgumentError over an exact field."""
-    K = system.field
-    if K.exact or getattr(K, "complex", False):
-        raise ArgumentError(f"field = {K.name}: a flow runs over RR or MP(digits)")
-    wide = MP(FLOAT_DIGITS if K == RR else K.dps + GUARD_DIGITS)
-    gamma, M = ([wide.coerce(x) for x in v] for v in (state.gamma, state.M))
-    length = wide.sqrt(wide.dot(gamma, gamma))
-    gamma = [x / length for x in gamma]
-    tilt = wide.dot(gamma, M)
-    M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
-    return system.over(wide), State(tuple(gamma), tuple(M))
-
-
-def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
-    """The values, or one, as elements of K; FieldError that names ``argument``."""
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        values = [values]
-    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(values)]
-
-
-def motion_of(K: Any, times: Any, tau: list[Any], rows: list[Any], side: int) -> Motion:
-    """Times and rows (γ, M) rounded to the field K."""
-    kind = np.float64 if K == RR else object
-    number = float if K == RR else K.coerce
-    gamma, M = (
-        np.array([[number(side * x) for x in row[k]] for row in rows], dtype=kind).reshape(-1, 3) for k in (0, 1)
-    )
-    t, s = (None if x is None else np.array([number(y) for y in x], dtype=kind) for x in (times, tau))
-    assert s is not None
-    return Motion(t, s, gamma, M)
-
-
-def laurent(K: Any, g2: Any, g3: Any) -> list[Any]:
-    """c_0, c_1, … with ℘(v) = v⁻² + v²Σ c_n v^(2n), ℘'² = 4℘³ − g2℘ − g3."""
-    count = ceil(0.5 * K.dps + 10)
-    c = [K.zero, K.zero, g2 / 20, g3 / 28]
-    for n in range(4, count + 2):
-        c.append(3 * sum(c[m] * c[n - m] for m in range(2, n - 1)) / ((2 * n + 1) * (n - 3)))
-    return c[2:]
-
-
-def _rate(system: Deformation, state: State) -> State:
+def _rate(system: Any, state: State) -> State:
     """(γ, M)' in the time of the flow."""
     rate = system.vector_field(state)
     slow = system.body.conformal(state.gamma) ** (system.field.one / 2)
@@ -311,35 +209,55 @@ def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[
     return list(w), [x - growth * y for x, y in zip(moved, w, strict=True)]
 
 
-def _roots(a: Any, e: Any, slope: Any) -> tuple[list[Any], list[Any]]:
-    """The roots u1 < u2 of Σe_i²(x − a_j)(x − a_k), and their derivatives."""
-    total = [
-        sum(x * x * (a[i - 2] + a[i - 1]) for i, x in enumerate(e)),
-        sum(x * x * a[i - 2] * a[i - 1] for i, x in enumerate(e)),
-    ]
-    half = total[0] / 2
-    low, middle, high = sorted(a)
-    # the discriminant is positive but for rounding
-    gap = abs(half * half - total[1]) ** ((half * 0 + 1) / 2)
-    u = [min(max(half - gap, low), middle), max(min(half + gap, high), middle)]
-    du = []
+def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int]]:
+    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'.
+
+    From roots in x − a_middle and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_ie_i²: differences of near numbers would cost
+    half the digits of √|ũ_k − a_i| at a turning point.
+    """
+    K, c = body.field, body.differences
+    low, middle, high = sorted(range(3), key=lambda i: body.a[i])
+
+    def apart(i: int, j: int) -> Any:
+        return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
+
+    below, above = apart(middle, low), apart(high, middle)
+    total = e[high] ** 2 * below - e[low] ** 2 * above + e[middle] ** 2 * (below - above)
+    product = abs(c[middle]) * e[middle] ** 2
+    larger = (abs(total) + root(K, total * total + 4 * product)) / 2
+    smaller = product / larger if larger else larger
+    first, second = (larger, smaller) if total >= 0 else (smaller, larger)
+    gaps = [[K.zero] * 3, [K.zero] * 3]
+    gaps[0][middle], gaps[1][middle] = -first, second
+    gaps[0][high], gaps[1][low] = -first - above, second + below
+    gaps[0][low] = c[low] * e[low] ** 2 / gaps[1][low]
+    gaps[1][high] = c[high] * e[high] ** 2 / gaps[0][high]
+    turns = []
     for k in range(2):
-        change = sum(
-            2 * x * y * (u[k] - a[i - 2]) * (u[k] - a[i - 1]) for i, (x, y) in enumerate(zip(e, slope, strict=True))
-        )
-        du.append(-change / (u[k] - u[1 - k]))
-    return u, du
+        change = sum(x * y * gaps[k][i - 2] * gaps[k][i - 1] for i, (x, y) in enumerate(zip(e, slope, strict=True)))
+        # U'(ũ_k)ũ_k' = −change, and U' has the sign of ũ_k − ũ_other
+        turns.append(1 if (change >= 0) == (k == 0) else -1)
+    return gaps, turns
 
 
-def _signs(flow: SeparatedFlow, e: Any, slope: Any) -> list[int]:
-    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i or, where that is small, from its derivative."""
-    one, two = flow.curves
+def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> Oval:
+    """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
+    K = body.field
+    # from the least of them: 1 − dũ = (1 − da_i) − d(ũ − a_i)
+    slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
+    sizes = [root(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
+    return Oval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
+
+
+def _signs(curves: list[Oval], e: Any, slope: Any) -> list[int]:
+    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i or, where that may be rounding, from its derivative."""
+    one, two = curves
     result = []
     for i in range(3):
         j, k = i - 2, i - 1
         p, q = one.start, two.start
         match = p[i] * q[i] * e[i]
-        if abs(e[i]) < 1e-3:
+        if abs(e[i]) < 1e-10:
             match = (one.signs[i] * p[j] * p[k] * q[i] + two.signs[i] * q[j] * q[k] * p[i]) * slope[i]
         result.append(1 if match > 0 else -1)
     return result

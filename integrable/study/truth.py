@@ -100,7 +100,7 @@ def _check(scene: Scene, flow: Any, patience: float) -> dict[str, Any]:
 
 def is_divisor_flow(system: Any) -> bool:
     """Whether the motion of a system is an addition of divisors; otherwise its equations are integrated."""
-    return is_body(system) or bool(system.separates)
+    return is_body(system) or bool(system.separates or system.repels)
 
 
 def _independent(method: str, system: Any, state: Any, time: Any) -> tuple[Any, Any]:

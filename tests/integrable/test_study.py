@@ -27,7 +27,7 @@ from integrable.study.plan import FLOW, LIMITS, Row, rows_of
 from integrable.study.report import planned, report
 from integrable.study.runner import run_rows
 from integrable.study.store import Store, code_stamp
-from integrable.study.truth import Truth, compute
+from integrable.study.truth import Truth, compute, is_divisor_flow
 from jacobian import MP
 from jacobian.errors import ArgumentError
 
@@ -609,3 +609,14 @@ def test_additions_near_a_divisor_keep_their_digits_and_near_its_opposite_lose_t
         assert row["opposite"] < 1e-12 / row["distance"]
     assert rows[2]["opposite"] > 1e-12
     assert rows[-1]["opposite"].startswith("PrecisionLoss")
+
+
+@pytest.mark.parametrize(
+    ("name", "adds"), [("tilde_poles", True), ("hat", True), ("tilde_potential", False), ("gyroscopic", False)]
+)
+def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
+    """In repelling poles too: they were labelled as integrated."""
+    scene = load_scene(name)
+    assert is_divisor_flow(scene.start(16)[0]) is adds
+    methods = {row.method for row in rows_of(scene, name, "quick") if row.kind == "flow"}
+    assert methods == {FLOW if adds else "extrapolation"}
