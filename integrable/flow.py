@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from integrable.precise_flow import PreciseFlow
     from integrable.state import State
     from integrable.stepped_flow import SteppedFlow
+    from integrable.symmetric_flow import SymmetricFlow
     from integrable.systems.system import System
     from integrable.torus_flow import TorusFlow
     from integrable.torus_integral import TorusIntegral
-    from integrable.uniform_rotation import UniformRotation
 
 KERNELS = ("auto", "python", "compiled")
 # from this many times on, loading the compiled loops pays
@@ -162,24 +162,26 @@ class Flow:
         """What computes the states at these times, with ``at``, ``at_tau`` and ``times``; ``clock``: physical ones."""
         if self.system.field != RR:
             return self._precise
+        if self._symmetric:
+            return self._symmetric
         if self.kernel != "compiled" and len(times) < COMPILE_FROM:
             stepped = self._stepped
             if stepped.carries(times, clock) and (stepped.keeps_time or not clock):
                 return stepped
-        return self._uniform or self._torus or self._precise
+        return self._torus or self._precise
 
     @cached_property
     def _precise(self) -> PreciseRows:
         return PreciseRows(self)
 
     @cached_property
-    def _uniform(self) -> UniformRotation | None:
-        first, second, third = self.system.inertia
-        if not first == second == third:
-            return None
-        from integrable.uniform_rotation import UniformRotation
+    def _symmetric(self) -> SymmetricFlow | None:
+        """None where three moments differ."""
+        from integrable.symmetric_flow import SymmetricFlow, symmetry_axis
 
-        return UniformRotation(self.system, self.state)
+        if symmetry_axis(self.system.inertia) is None:
+            return None
+        return SymmetricFlow(self.system, self.state)
 
     @cached_property
     def _stepped(self) -> SteppedFlow:

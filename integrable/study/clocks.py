@@ -8,7 +8,7 @@ __all__ = ["WAYS", "clock_of"]
 
 WAYS = {
     "_precise": "more digits",
-    "_uniform": "uniform rotation",
+    "_symmetric": "closed form",
     "_torus": "torus",
     "_stepped": "steps",
     "_clock": "steps",
