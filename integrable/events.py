@@ -11,7 +11,7 @@ import numpy as np
 
 from integrable.body import Body
 from integrable.dense_panels import Panels
-from integrable.panel_calculus import zeros
+from integrable.panel_calculus import distinct, zeros
 from integrable.state import State
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -25,6 +25,12 @@ Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 PANELS = 512
 # what states near the start, made in floats, are good for; the zeros are polished on the flow
 TOLERANCE = 1e-12
+# basic steps to a panel: nodes of a panel resolve γ and M on so many
+PANEL_STEPS = 6
+# beyond this part of a panel between neighbouring floats, the states at rounded times make no series
+COARSEST = 1e-7
+# a zero found this many roundings of a panel beyond an end is that at the end
+ROUNDING = 1e3
 # Newton with the slope of a float gains twelve digits a step
 MOST_STEPS = 100
 
@@ -39,16 +45,13 @@ def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: in
     if direction not in (-1, 0, 1):
         raise ArgumentError(f"direction = {direction!r}: 1 for rising zeros, −1 for falling ones, 0 for both")
     floats = _in_floats(flow)
-    times, slopes = [], []
+    found = []
     for left, right, length in _stretches(floats, float(first), float(last)):
-        panels = Panels(partial(_column, floats, condition), left, right, length, TOLERANCE)
-        found, rates = zeros(panels)
-        times.append(found)
-        slopes.append(rates)
-    found, rates = np.concatenate(times), np.concatenate(slopes)
+        found.append(zeros(Panels(partial(_column, floats, condition), left, right, length, TOLERANCE)))
     # a zero at the end of a stretch is found in the next one too
-    kept = (np.diff(found, prepend=-np.inf) > 1e-12 * (1 + np.abs(found))) & (direction * rates >= 0)
-    return flow.at(_polished(flow, condition, found[kept], rates[kept], first, last))
+    times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
+    kept = direction * slopes >= 0
+    return flow.at(_polished(flow, condition, times[kept], slopes[kept], halves[kept], first, last))
 
 
 def _in_floats(flow: Flow) -> Flow:
@@ -62,9 +65,14 @@ def _in_floats(flow: Flow) -> Flow:
 
 
 def _stretches(flow: Flow, first: float, last: float) -> Iterator[tuple[float, float, float]]:
-    """(start, end, length of a panel): a panel is about a turn of the body."""
-    body = flow.system.body
-    length = 4 / (max(body.a) * float(flow.system.integrals(flow.state).H2) ** 0.5)
+    """(start, end, length of a panel): a panel is some part of a turn of the body."""
+    length = PANEL_STEPS * flow.setup.step_time
+    coarse = float(np.spacing(max(abs(first), abs(last))))
+    if coarse > COARSEST * length:
+        raise PrecisionLoss(
+            f"start = {first}, end = {last}: floats near these times are {coarse:.1e} apart, and the body turns in "
+            f"about {length:.1e}; zeros are searched for in floats, so nearer to 0 only"
+        )
     while first < last:
         end = min(last, first + PANELS * length)
         yield first, end, length
@@ -85,8 +93,10 @@ def _values(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
     return values
 
 
-def _polished(flow: Flow, condition: Condition, times: Any, slopes: Any, first: Any, last: Any) -> np.ndarray:
-    """The zeros in the precision of the flow, by Newton with the slopes of the panels."""
+def _polished(
+    flow: Flow, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
+) -> np.ndarray:
+    """The zeros in the precision of the flow, by Newton with the slopes of the panels; those between the two times."""
     field = flow.system.field
     found = np.array([field.coerce(float(t)) for t in times], dtype=np.float64 if field == RR else object)
     rates = np.array(slopes, dtype=found.dtype)
@@ -99,7 +109,11 @@ def _polished(flow: Flow, condition: Condition, times: Any, slopes: Any, first: 
         # rounding is reached where a step is no shorter than the last
         moving = sizes < before / 2
         if not moving.any():
-            return found
-        found = np.where(moving, np.clip(found - steps, first, last), found)
+            # a zero at the start or the end may be found outside by rounding
+            inside = np.array(
+                [first - near <= t <= last + near for t, near in zip(found, field.eps * ROUNDING * halves, strict=True)]
+            )
+            return np.clip(found[inside], first, last)
+        found = np.where(moving, found - steps, found)
         before = np.where(moving, sizes, 0.0)
     raise PrecisionLoss(f"after {MOST_STEPS} steps of Newton a zero near t = {float(found[0])} has not settled")

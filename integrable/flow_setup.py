@@ -7,7 +7,7 @@ from math import ceil, log
 from typing import Any
 
 from integrable.body import Body, Vector
-from integrable.flow_kernel import near_identity, shift
+from integrable.flow_kernel import near_identity, rate_at, shift
 from integrable.legendre import legendre_rule
 from integrable.motion_problem import MotionProblem
 from integrable.translations import REACH, Translations, series_of
@@ -44,6 +44,7 @@ class Setup:
             digits = (field.dps if digits is None else digits) + GUARD_DIGITS
             self.wide, self.work = MP(digits + WIDER), MP(digits)
         self.digits = digits
+        self.body = body
         coerce = self.wide.coerce
         (g1, g2, g3), (m1, m2, m3) = map(coerce, gamma), map(coerce, M)
         problem = MotionProblem(Body.make(body.inertia, body.d, self.wide), (g1, g2, g3), (m1, m2, m3), tilted)
@@ -110,6 +111,11 @@ class Setup:
     def wide_all_axes(self) -> tuple[Any, ...]:
         """α, κ and the clock's constants, as :mod:`integrable.flow_kernel` takes them."""
         return self._axes
+
+    @property
+    def wide_half_step(self) -> Any:
+        """Half of a basic step, in τ'."""
+        return self._half_step
 
     @property
     def wide_d(self) -> Any:
@@ -234,6 +240,14 @@ class Setup:
     def unscaled(self, t: Any) -> Any:
         """A time in the user's units, rounded."""
         return self.number(self.wide.coerce(t) / self.clock)
+
+    @cached_property
+    def step_time(self) -> float:
+        """How long a basic step takes at the start, in the user's units of physical time.
+
+        The step is as long as power series about a state reach, whatever the moments: the scale on which states vary.
+        """
+        return abs(float(self.step_length * rate_at(self._axes, self._start) / self.clock))
 
     @cached_property
     def step_length(self) -> Any:

@@ -29,12 +29,13 @@ def integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
     return result
 
 
-def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
-    """(times, slopes) at all simple zeros of the first column, ascending, both of shape (N,).
+def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """(times, slopes, halves) at all simple zeros of the first column, ascending, each of shape (N,); ``halves`` are
+    half the lengths of the panels that they were found on.
 
     A zero at which the function does not change sign may be missed, or be found as two.
     """
-    times, slopes = [np.empty(0)], [np.empty(0)]
+    times, slopes, halves = [np.empty(0)], [np.empty(0)], [np.empty(0)]
     series = panels.coefficients[:, :, 0]
     size = np.abs(series)
     # a series whose constant outweighs the rest has no zero
@@ -44,7 +45,15 @@ def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray]:
         inside = np.clip(real[np.abs(real) < 1 + 1e-9], -1, 1)
         times.append(panels.middles[k] + panels.halves[k] * inside)
         slopes.append(chebyshev.chebval(inside, chebyshev.chebder(series[k])) / panels.halves[k])
-    found, rates = np.concatenate(times), np.concatenate(slopes)
-    # one zero at an edge is found in both panels
-    apart = np.diff(found, prepend=-np.inf) > 2e-8 * panels.halves.min()
-    return found[apart], rates[apart]
+        halves.append(np.full(len(inside), panels.halves[k]))
+    return distinct(np.concatenate(times), np.concatenate(slopes), np.concatenate(halves))
+
+
+def distinct(times: np.ndarray, slopes: np.ndarray, halves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The zeros of which none is another's copy: one at an edge is found in both panels, with slopes of one sign.
+
+    On the scale of the panels, and of the floats at that time: zeros of a fast motion may be close together.
+    """
+    near = 2e-8 * halves + 4 * np.spacing(np.abs(times))
+    kept = (np.diff(times, prepend=-np.inf) > near) | (slopes * np.roll(slopes, 1) < 0)
+    return times[kept], slopes[kept], halves[kept]

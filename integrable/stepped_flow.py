@@ -6,12 +6,15 @@ number of steps has binary digits. Physical time comes from :mod:`integrable.clo
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
+from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable import flow_kernel
+from integrable.attitude import angular_velocities
 from integrable.clock import Clock
 from integrable.precise_flow import vectors
 from jacobian.errors import PrecisionLoss
@@ -21,8 +24,14 @@ if TYPE_CHECKING:
 
 # motions are carried this many basic steps; beyond, the corners of the torus cost less
 FARTHEST = 256
-# the error of γ that floats may make on the way there, that of their clock included
+# steps that are measured first
+FIRST = 8
+# the error of γ and M/|M| that floats may make on the way there, that of their clock included, and the part of it that
+# they may make where it is measured: additions next to the identity lose now more, now less
 WORST = 1e-13
+SAFE = 1 / 2
+# where it is measured beside the whole steps: in half steps from them
+OFFSETS = (1e-6, 0.03, 0.3, -0.7, 1e-3, 0.1, -0.5, 0.9)
 
 
 class SteppedFlow:
@@ -36,19 +45,21 @@ class SteppedFlow:
     def carries(self, times: np.ndarray, clock: bool) -> bool:
         """Whether times, of the flow or (``clock``) physical, are near and floats lose nothing on the way there.
 
-        Measured: the points and 1/g at all steps of the way, in floats beside the wide precision.
+        Measured: γ, M and 1/g at all steps of the way, in floats beside the wide precision.
         """
         setup = self.setup
-        # g is at most that of an axis
-        slowest = min(float(1 - setup.wide_d * a) for a in setup.wide_axes) ** 0.5
+        # g is at most that of an axis, of the body that was given: a tilted motion runs on another one
+        slowest = float(min(setup.body.contact)) ** 0.5 if clock else 1.0
         steps = times * float(setup.clock / setup.step_length) / slowest
         if np.abs(steps).max(initial=0) > FARTHEST:
             return False
         for sign in (1, -1):
             last = int((sign * steps).max(initial=0)) + 1
-            losses, delays = self._measured(sign, last)
-            if losses[last] + (delays[last] if clock else 0) > WORST:
-                return False
+            # most bodies that are too much for floats are so from the start
+            for reach in (min(last, FIRST), last):
+                losses, delays = self._measured(sign, reach)
+                if not losses[reach] + (delays[reach] if clock else 0) <= SAFE * WORST:
+                    return False
         return True
 
     @cached_property
@@ -60,31 +71,70 @@ class SteppedFlow:
             return False
 
     def _measured(self, sign: int, last: int) -> tuple[np.ndarray, np.ndarray]:
-        """For every number of basic steps up to ``last`` or more: the largest error of σ until there, in units of its
-        size, and the largest of the clock, in those of its time, by which γ turns by half as much at the most.
+        """For every number of basic steps up to ``last`` or more: the largest error of γ and M/|M| until there, and the
+        largest that an error of the clock makes there: itself times the speed of γ or M/|M|.
         """
         known = self._losses.get(sign)
         if known is not None and len(known[0]) > last:
             return known
-        setup, count = self.setup, 1 << max(3, last.bit_length())
-        counts, table = setup.table(sign, count)
-        with setup.reals:
-            problem, exact = setup.bare_problem, setup.bare_start
-            step = setup.bare_table(sign, 1)[1][0]
-            errors, rates = [], []
-            for steps in range(count + 1):
-                found = flow_kernel.reach(setup.f, setup.axes, setup.start, counts, table, steps)
-                size = max(abs(float(y)) for y in exact[4:7])
-                number = setup.reals.number
-                errors.append(
-                    max(abs(float(number(x) - y)) for x, y in zip(found[4:7], exact[4:7], strict=True)) / size
-                )
-                rate = flow_kernel.rate_at(setup.axes, found)
-                rates.append(float(number(rate) - flow_kernel.rate_at(problem[1], exact)))
-                exact = setup.reals.plain_row(flow_kernel.shift(*problem, exact, step))
-        delays = abs(np.cumsum(rates)) * float(setup.step_length) / 2
+        setup, count = self.setup, max(FIRST, 1 << last.bit_length())
+        levels = setup.table(sign, count)
+        points = [flow_kernel.reach(setup.f, setup.axes, setup.start, *levels, steps) for steps in range(count + 1)]
+        off, late = (np.array(part) for part in zip(*self._differences(sign, points), strict=True))
+        if not np.isfinite(off).all() or not np.isfinite(late).all():
+            self._losses[sign] = np.full(count + 1, inf), np.full(count + 1, inf)
+            return self._losses[sign]
+        rows = self._vectors(np.array(points))
+        size = float(np.linalg.norm(rows[0, 3:]))
+        omega, _ = angular_velocities(setup.body, rows[:, :3], rows[:, 3:])
+        speeds = np.maximum(*(np.abs(np.cross(v, omega)).max(axis=1) for v in (rows[:, :3], rows[:, 3:] / size)))
+        delays = np.abs(np.cumsum(late)) * float(setup.step_length / setup.clock) * np.maximum.accumulate(speeds)
+        errors = np.maximum(off[:, :3].max(axis=1), off[:, 3:].max(axis=1) / size)
         self._losses[sign] = np.maximum.accumulate(errors), np.maximum.accumulate(delays)
         return self._losses[sign]
+
+    def _differences(self, sign: int, points: list[Any]) -> Iterator[tuple[np.ndarray, float]]:
+        """How far γ, M and 1/g are from those in the wide precision at the first basic steps, and γ and M a part of a
+        step beyond: shape (6,), and a number.
+        """
+        setup, reals = self.setup, self.setup.reals
+        problem, exact, step = setup.bare_problem, setup.bare_start, setup.bare_table(sign, 1)[1][0]
+        probes = self._probes
+        for k, point in enumerate(points):
+            off = np.zeros(6)
+            # all of them at the start, where a single addition is all that is asked for
+            for near, wide in (None, None), *(probes if k == 0 else probes[k % len(probes) :][:1]):
+                with reals:
+                    there = exact if wide is None else flow_kernel.shift(*problem, exact, wide)
+                    true = self._wide_vectors(there)
+                here = point if near is None else flow_kernel.shift(setup.f, setup.axes, point, near)
+                found = self._vectors(np.array([here]))[0].tolist()
+                off = np.maximum(off, [abs(self._gap(x, y)) for x, y in zip(found, true, strict=True)])
+            with reals:
+                late = self._gap(flow_kernel.rate_at(setup.axes, point), flow_kernel.rate_at(problem[1], exact))
+                exact = reals.plain_row(flow_kernel.shift(*problem, exact, step))
+            yield off, late
+
+    def _gap(self, x: float, y: Any) -> float:
+        """x − y of a float and a bare real; inf where the float has overflowed."""
+        with self.setup.reals as reals:
+            return float(reals.number(x) - y) if isfinite(x) else inf
+
+    @cached_property
+    def _probes(self) -> list[tuple[Any, Any]]:
+        """Translations by parts of a step, in floats and in the wide precision."""
+        setup, reals = self.setup, self.setup.reals
+        half = reals.number(setup.wide_half_step)
+        with reals:
+            wide = [setup.translations.near(reals.number(x) * half) for x in OFFSETS]
+        return [(setup.near(x * setup.half_step), row) for x, row in zip(OFFSETS, wide, strict=True)]
+
+    def _wide_vectors(self, point: Any) -> list[Any]:
+        """γ and M of a point of bare reals, side by side."""
+        reals = self.setup.reals
+        matrix = None if self._matrix is None else reals.row(self._matrix)
+        gamma, M = vectors(point, reals.number(self.setup.wide_momentum), matrix)
+        return [*gamma, *M]
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -150,10 +200,14 @@ class SteppedFlow:
     def _unscaled(self, times: Any) -> np.ndarray:
         return np.array([self.setup.unscaled(t) for t in times])
 
+    @cached_property
+    def _matrix(self) -> tuple[Any, ...] | None:
+        """The inverse of Chaplygin's transformation, wide."""
+        return None if self.setup.tilt is None else self.setup.tilt.inverse_matrix()
+
     def _vectors(self, points: np.ndarray) -> np.ndarray:
-        setup = self.setup
-        matrix = None if setup.tilt is None else [float(x) for x in setup.tilt.inverse_matrix()]
-        rows = [vectors(row, setup.momentum, matrix) for row in points.tolist()]
+        matrix = None if self._matrix is None else [float(x) for x in self._matrix]
+        rows = [vectors(row, self.setup.momentum, matrix) for row in points.tolist()]
         return np.array([(*gamma, *M) for gamma, M in rows]).reshape(-1, 6)
 
 

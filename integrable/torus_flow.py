@@ -261,6 +261,11 @@ class TorusFlow:
         if setup.wide_d != 0:
             self.clock = TorusClock(self, self._rates())
 
+    @property
+    def compiled(self) -> bool:
+        """Whether a state costs microseconds; interpreted, a thousand times as much."""
+        return isinstance(self._loops, CompiledLoops)
+
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
 

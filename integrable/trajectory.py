@@ -46,6 +46,11 @@ class Trajectory:
         return self._times
 
     @property
+    def given_in_tau(self) -> bool:
+        """Whether the states were asked for at values of τ."""
+        return self._times is None
+
+    @property
     def gamma(self) -> np.ndarray:
         """The vertical γ in the body frame, shape (N, 3)."""
         return self._rows[:, :3]

@@ -1,6 +1,6 @@
 """Misprints of the paper: for each the printed formula fails and the corrected one holds, exactly (docs/errata.md).
 
-Items 1–15 and 23–28 of docs/errata.md; 16–22 and 29 are in test_errata_deformations.py.
+Items 1–15, 23–28 and 31 of docs/errata.md; 16–22 and 29 are in test_errata_deformations.py.
 """
 
 from __future__ import annotations
@@ -35,11 +35,11 @@ from tests.integrable.exact_points import (
 
 
 def test_every_item_of_the_page_names_a_test() -> None:
-    """docs/errata.md: items 1 to 29 each name a test that exists."""
+    """docs/errata.md: all items but 30 name a test that exists."""
     page = (Path(__file__).parents[2] / "docs" / "errata.md").read_text(encoding="utf-8")
     written = "".join(path.read_text(encoding="utf-8") for path in Path(__file__).parent.glob("test_*.py"))
     rows = {int(row.split("|")[1]): row for row in page.splitlines() if re.match(r"\| \d+ \|", row)}
-    assert sorted(rows) == list(range(1, 31))
+    assert sorted(rows) == list(range(1, 32))
     for item, row in rows.items():
         assert ("`test_" in row) == (item != 30)
     for name in re.findall(r"`(test_\w+)`", page):
@@ -503,3 +503,36 @@ def test_items_27_and_28_the_hat_pair(K) -> None:
     quartic = quartic * (f1 * u1 * p1**2 - f2 * u2 * p2**2) / (u1 - u2)
     assert quartic == 4 * n1 * n2
     assert quartic != n1 * n2
+
+
+@over_fields()
+def test_item_31_the_rolling_constraint_belongs_to_a_vertical_that_points_down(K) -> None:
+    """The point of contact is at ∓rγ from the centre for γ up and down: there the body rests, and about it the momentum
+    is M = Iω + d(ω − (γ, ω)γ), the M of ω = A_γM.
+    """
+    K = K()
+    _, x = tilted_phase(K, Random(31))
+    AM = x.AM
+    spin = x.d * x.G * dot(x.gamma, AM)
+    omega = [m + spin * a * y for m, a, y in zip(AM, x.a, x.gamma, strict=True)]
+    # mass 1 and r² = d: r·r alone occurs
+    inertia = [1 / a - x.d for a in x.a]
+
+    def at_contact(direction, sign):
+        """(velocity of the point of contact, momentum about it less M) over r and 1, for v = sign·r ω×γ."""
+        arm = [direction * y for y in x.gamma]
+        velocity = [sign * y for y in _cross(omega, x.gamma)]
+        slip = [v + y for v, y in zip(velocity, _cross(omega, arm), strict=True)]
+        about = [-x.d * y for y in _cross(arm, velocity)]
+        return slip, [i * w + y - m for i, w, y, m in zip(inertia, omega, about, x.M, strict=True)]
+
+    zero = [0 * x.d] * 3
+    assert at_contact(1, -1) == (zero, zero)
+    assert at_contact(-1, 1) == (zero, zero)
+    for slip, rest in (at_contact(-1, -1), at_contact(1, 1)):
+        assert slip != zero
+        assert rest != zero
+
+
+def _cross(x, y):
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]

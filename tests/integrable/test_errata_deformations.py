@@ -114,7 +114,7 @@ def test_item_20_the_pair_at_d_zero_is_two_times_and_a_quarter(upright) -> None:
 
 
 def test_item_21_the_cubic_potential_needs_its_square(upright) -> None:
-    """as + b·s³ has no second integral of the pair's form with b ≠ 0; as + b(s³ − tr A·s²) has."""
+    """as + b(s³ − tr A·s²) commutes with the K' of the page; as + b·s³ with neither of the two that are named there."""
     q, jets = upright.q, upright.jets
     a, b = jets.constant(3), jets.constant(5)
     energy = q.m1 - q.s * q.m2 + a * q.s

@@ -19,7 +19,7 @@ def test_panels_hold_a_function_its_integral_and_its_zeros():
     times = np.linspace(0, 10, 57)
     exact = (np.exp((3j - 0.2) * times) - 1) / (3j - 0.2)
     assert np.abs(integrals(panels, times)[:, 0] - exact.real).max() < 1e-14
-    found, slopes = zeros(panels)
+    found, slopes, _ = zeros(panels)
     assert np.abs(found - (np.arange(len(found)) + 0.5) * np.pi / 3).max() < 1e-12
     assert len(found) == 10
     assert (np.sign(slopes) == [-1, 1] * 5).all()
@@ -58,6 +58,43 @@ def test_rising_and_falling_zeros_are_all_zeros():
     assert np.allclose(np.sort(np.concatenate([up, down])), both, rtol=0, atol=1e-12)
     later = flow.at(up + 1e-5)
     assert (level(later.gamma, later.M) > 0).all()
+
+
+@pytest.mark.parametrize("speed", [1e-100, 1e-13, 1e13, 1e20])
+def test_the_zeros_of_a_motion_are_those_of_a_slower_one(speed):
+    """Times are inverse to momenta: a zero is told from its neighbour on the scale of the motion."""
+    count = len(BALL.flow(BALL.state(GAMMA, M)).events(lambda gamma, M: gamma[:, 2], 0, 30))
+    flow = BALL.flow(BALL.state(GAMMA, tuple(speed * x for x in M)))
+    found = flow.events(lambda gamma, M: gamma[:, 2], 0, 30 / speed)
+    assert len(found) == count > 5
+    assert np.abs(found.gamma[:, 2]).max() < 1e-13
+
+
+def test_two_zeros_at_the_edge_of_two_panels_are_two():
+    edge = 2.0**-30
+
+    def level(t):
+        return ((t - 1) ** 2 - edge**2)[:, None]
+
+    found, slopes, halves = zeros(Panels(level, 0.0, 2.0, 1.0))
+    assert np.allclose(found - 1, [-edge, edge], rtol=1e-3)
+    assert (np.sign(slopes) == [-1, 1]).all()
+    assert (halves == 0.5).all()
+
+
+def test_a_heavy_body_spins_faster_than_its_momentum_says():
+    heavy = ChaplyginBall((1, 2, 3), 1e6)
+    flow = heavy.flow(heavy.state(GAMMA, (0.9, 1.0, 0.3), tilted=True))
+    # panels as long as |M| alone would make them, 10⁶, are no series
+    found = flow.events(lambda gamma, M: M[:, 0], 0, 1e3)
+    sample = flow.at(np.linspace(0, 1e3, 20001)).M[:, 0]
+    assert len(found) == (np.diff(np.sign(sample)) != 0).sum() > 3
+
+
+def test_times_whose_neighbours_are_too_far_apart_are_refused_by_name():
+    flow = BALL.flow(BALL.state(GAMMA, M))
+    with pytest.raises(PrecisionLoss, match=r"start = 10+\.0, end = .* floats near these times are 1\.2e-01 apart"):
+        flow.events(lambda gamma, M: gamma[:, 2], 1e15, 1e15 + 10)
 
 
 def test_no_zero_gives_an_empty_run():
