@@ -6,6 +6,7 @@ import argparse
 import sys
 from collections.abc import Sequence
 
+from jacobian.errors import ArgumentError
 from jacobian.terminal import write_anything
 
 
@@ -18,10 +19,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.parse_args(arguments)
 
     from jacobian.compilation import compile_all
-    from jacobian.compiler import interpreted
+    from jacobian.compiler import interpreted, look_for_a_place
 
-    if interpreted():
-        print("NUMBA_DISABLE_JIT is set: there is nothing to compile", file=sys.stderr)
+    try:
+        if interpreted():
+            raise ArgumentError("NUMBA_DISABLE_JIT is set: nothing is to be compiled")
+        look_for_a_place(needed=True)
+    except ArgumentError as error:
+        print(f"jacobian: error: {error}", file=sys.stderr)
         return 2
     for name, seconds in compile_all():
         print(f"{seconds:8.2f} s  {name}", flush=True)

@@ -12,6 +12,8 @@ from collections.abc import Callable
 from functools import cache
 from typing import Any
 
+from jacobian.errors import ArgumentError
+
 __all__ = ["NoCacheWarning", "interpreted", "look_for_a_place", "njit"]
 
 
@@ -24,30 +26,42 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     import numba
 
     def decorate(function: Callable[..., Any]) -> Any:
-        try:
-            return numba.njit(cache=True, **options)(function)
-        except RuntimeError as error:
-            if "cannot cache" not in str(error):
-                raise
+        if (kept := _kept(function, options)) is not None:
+            return kept
         _say_once()
         return numba.njit(**options)(function)
 
     return decorate
 
 
+def _kept(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    """The function for numba to compile and keep, None where there is no place to keep it."""
+    import numba
+
+    try:
+        return numba.njit(cache=True, **options)(function)
+    except RuntimeError as error:
+        if "cannot cache" not in str(error):
+            raise
+        return None
+
+
+NO_PLACE = "no folder to keep compiled code in"
+REMEDY = "set NUMBA_CACHE_DIR to a folder that can be written to"
+
+
 @cache
 def _say_once() -> None:
-    warnings.warn(
-        "no folder to keep compiled code in: every process compiles anew, which takes a minute; set NUMBA_CACHE_DIR to "
-        "a folder that can be written to",
-        NoCacheWarning,
-        stacklevel=4,
-    )
+    text = f"{NO_PLACE}: every process compiles anew, which takes a minute; {REMEDY}"
+    warnings.warn(text, NoCacheWarning, stacklevel=4)
 
 
-def look_for_a_place() -> None:
-    """Say now, if at all, that there is no place for compiled code: before work that others will do."""
-    njit()(interpreted)
+def look_for_a_place(*, needed: bool = False) -> None:
+    """Say now, if at all, that there is no place for compiled code, in a warning; ArgumentError where it is needed."""
+    if _kept(look_for_a_place, {}) is None:
+        if needed:
+            raise ArgumentError(f"{NO_PLACE}; {REMEDY}")
+        _say_once()
 
 
 def interpreted() -> bool:

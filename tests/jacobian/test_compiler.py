@@ -115,3 +115,21 @@ def _check(found):
 
 def test_groups_and_batches_where_nothing_is_compiled():
     assert run(USES, NUMBA_DISABLE_JIT="1") == 0
+
+
+def test_there_is_nothing_to_compile_beforehand():
+    """Where nothing would be kept, or nothing is to be compiled, the command says so at once."""
+    code = "import sys; from jacobian.__main__ import main; sys.exit(main(['compile']))"
+    for before, environment, said in (
+        (NOWHERE, {}, "no folder to keep compiled code in; set NUMBA_CACHE_DIR to a folder that can be written to"),
+        ("", {"NUMBA_DISABLE_JIT": "1"}, "NUMBA_DISABLE_JIT is set: nothing is to be compiled"),
+    ):
+        done = subprocess.run(
+            [sys.executable, "-c", before + code],
+            capture_output=True,
+            text=True,
+            timeout=100,
+            check=False,
+            env={**os.environ, **environment},
+        )
+        assert (done.returncode, done.stdout, done.stderr) == (2, "", f"jacobian: error: {said}\n")
