@@ -29,6 +29,8 @@ __all__ = ["INTEGRALS", "Report", "Row", "TruthCheck", "measure", "pieces_of_wor
 
 INTEGRALS = ("C1", "C2", "H1", "H2")
 DEFORMED_INTEGRALS = ("C1", "C2", "H", "K")
+PART = 20
+"""States of the truth that are computed between two steps of the progress bar."""
 _PATIENCE = 10.0  # seconds of repeats after which a median of fewer runs is taken
 
 
@@ -107,7 +109,7 @@ def pieces_of_work(scene: Scene, digits: int) -> int:
     costs = {*comparison.digits, digits}
     compiled = sum(cost <= FLOAT_DIGITS for cost in costs) if scene.rolls_or_spins else 0
     runs = comparison.repeat * (len(costs) + compiled + len(comparison.tolerances))
-    return 1 + runs + 2 + bool(comparison.steps)
+    return len(_parts(scene, FLOAT_DIGITS)) + runs + 2 + bool(comparison.steps)
 
 
 def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Report, Any]:
@@ -119,8 +121,7 @@ def measure(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Rep
     assert comparison is not None, "the scene has no [report]"
     costs = sorted({*comparison.digits, digits})
     truth_digits = max(comparison.truth_digits, digits + 10)
-    tick(f"truth, {truth_digits} digits")
-    truth = _Truth(scene, truth_digits)
+    truth = _Truth(scene, truth_digits, tick)
     rows: list[Row] = []
     kept = None
     for cost in costs:
@@ -158,18 +159,29 @@ def _floor(scene: Scene, times: list[float]) -> tuple[float, float]:
         return conditioning(*scene.start(2 * FLOAT_DIGITS), scene.times.at(2 * FLOAT_DIGITS)).floor()
 
 
+def _parts(scene: Scene, digits: int) -> list[list[Any]]:
+    """The scene's times as pieces of work: what has to integrate up to each time does it once."""
+    times = scene.times.at(digits)
+    size = PART if scene.rolls_or_spins else len(times)
+    return [times[first : first + size] for first in range(0, len(times), size)]
+
+
 class _Truth:
     """The trajectory that errors are measured against, and the integrals of the exact start."""
 
-    def __init__(self, scene: Scene, digits: int) -> None:
+    def __init__(self, scene: Scene, digits: int, tick: Callable[[str], None]) -> None:
         body, state = scene.start(digits)
         self.context = body.field.context
         self.plain = scene.rolls_or_spins
         self.names = INTEGRALS if self.plain else DEFORMED_INTEGRALS
         self.flow, self.body, self.state = body.motion_through(state), body, state
         self.method = getattr(self.flow, "method", "divisor flow")
-        trajectory = self.flow.at(scene.times.at(digits))
-        self.gamma, self.M = self.rows(trajectory.gamma), self.rows(trajectory.M)
+        self.gamma, self.M = [], []
+        for times in _parts(scene, digits):
+            tick(f"truth, {digits} digits")
+            trajectory = self.flow.at(times)
+            self.gamma += self.rows(trajectory.gamma)
+            self.M += self.rows(trajectory.M)
         self.integrals = self.integrals_of(list(state.gamma), list(state.M))
         self.size_of_M = self.context.sqrt(self.context.fdot(state.M, state.M))
 

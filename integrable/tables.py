@@ -64,6 +64,15 @@ _ORACLES = {
 }
 
 
+def _notes(report: Report) -> list[str]:
+    """Why rows have no figures, each reason once."""
+    settings: dict[tuple[str, str], list[str]] = {}
+    for row in report.rows:
+        if row.note:
+            settings.setdefault((row.method, row.note), []).append(row.setting)
+    return [f"{method}, {', '.join(those)}: {note}" for (method, note), those in settings.items()]
+
+
 def _floor(report: Report) -> list[str]:
     if report.floor is None:
         return []
@@ -82,7 +91,7 @@ def report_table(report: Report) -> str:
         f"{count} times from {first:g} to {last:g}; run times are medians of up to {report.repeat} runs",
         "",
         *aligned([_head(report.integrals), *(_cells(row, report.integrals) for row in report.rows)], left=2),
-        *(f"{row.method}, {row.setting}: {row.note}" for row in report.rows if row.note),
+        *_notes(report),
         "",
         "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
         f"|γ|², (γ,M)/|M|, {first_of} and {second_of} (relative) from the exact start.",

@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from dataclasses import replace
+from fractions import Fraction
 
 import pytest
 
@@ -17,6 +18,7 @@ from integrable.comparators import METHODS
 from integrable.extras import MissingExtraWarning
 from integrable.output import portable
 from integrable.progress import bar_of_pieces
+from integrable.report import measure, pieces_of_work
 from integrable.study.plan import rows_of
 from jacobian import compilation
 from jacobian.__main__ import main as jacobian_main
@@ -318,3 +320,22 @@ def test_each_run_of_a_method_is_a_piece_of_its_own(here):
     found = scene._compute(replace(asked, steps=replace(asked.steps, repeat=3)), 15, labels.append)
     assert found.report.rows[0].runs == 3
     assert len(labels) == 3
+
+
+def test_the_truth_of_many_times_is_many_pieces(here):
+    """With mpmath alone it takes half a minute, in which a bar should not stand still."""
+    given = scene.load_scene("ball.toml")
+    many = replace(given, times=replace(given.times, given=tuple(range(50))))
+    labels = []
+    report, _ = measure(many, 20, labels.append)
+    assert labels.count("truth, 30 digits") == 3
+    assert len(labels) == pieces_of_work(many, 20)
+    assert report.rows[0].error_gamma < 1e-18
+
+
+def test_a_reason_is_given_once(here, monkeypatch):
+    monkeypatch.setitem(sys.modules, "scipy", None)
+    given = scene.load_scene("ball.toml")
+    two = replace(given, report=replace(given.report, tolerances=(Fraction("1e-4"), Fraction("1e-6"))))
+    lines = measure(two, 20, lambda _label: None)[0].table().splitlines()
+    assert lines.count("SciPy DOP853, tol 1e-4, tol 1e-6: not run: SciPy is not installed") == 1
