@@ -17,6 +17,7 @@ from integrable.widening import LARGEST, MOST_CONDITION, check_integrals, drift,
 from jacobian import poly
 from jacobian.errors import ArgumentError, NotASquare
 from jacobian.fields.inexact import InexactField
+from jacobian.immutable import replaced
 from jacobian.lift import SignedDivisor, SignedGroup
 
 if TYPE_CHECKING:
@@ -38,6 +39,10 @@ class Translation(Step):
     x'(h1, h2) changes it. It commutes with the flow in τ, not with that in t (d ≠ 0).
     """
 
+    _caches = ("_last", "_upright")
+    _last: tuple[Any, ...] | None = None
+    _upright: tuple[System, Translation] | None = None
+
     def __init__(
         self,
         system: System,
@@ -52,8 +57,6 @@ class Translation(Step):
         self.signs = checked_signs(signs, 3, "signs")
         self.multiple = checked_multiple(multiple)
         self._rounding: Any = None if system.field.exact else system.field.eps
-        self._last: tuple[Any, ...] | None = None
-        self._upright: tuple[System, Translation] | None = None
 
     def __repr__(self) -> str:
         points = ", ".join(map(str, self.points))
@@ -96,9 +99,7 @@ class Translation(Step):
         if body.rolls:
             same[K.inv(body.d)] = system.field.inv(system.d)
         points = [same.get(x, x) for x in self.points]
-        moved = Translation(system, points, self.sheets, self.signs, self.multiple)
-        moved._rounding = self._rounding
-        return moved
+        return replaced(Translation(system, points, self.sheets, self.signs, self.multiple), _rounding=self._rounding)
 
     def condition(self, state: State) -> float:
         """By how much rounding grows: 1/δ for D' at a distance δ from zero, what cancels in f(x') and between two
@@ -182,8 +183,8 @@ class Translation(Step):
                 branch, image = K.inv(self.system.d), K.inv(system.d)
                 points = tuple(image if x == branch else x for x in points)
             step = Translation(system, points, self.sheets, self.signs, self.multiple)
-            step._rounding = self._rounding
-            self._upright = (system, step)
+            vars(self)["_upright"] = (system, replaced(step, _rounding=self._rounding))
+        assert self._upright is not None
         return self._upright[1], plain, change
 
     def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
@@ -191,7 +192,7 @@ class Translation(Step):
         group, u, v = self._class(h1, h2)
         assert self._last is not None
         if len(self._last) == 5:
-            self._last = (*self._last, self._signed(group, u, v))
+            vars(self)["_last"] = (*self._last, self._signed(group, u, v))
         return group, self._last[5]
 
     def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
@@ -199,7 +200,7 @@ class Translation(Step):
         if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
-            self._last = (h1, h2, group, *self._mumford(group, h1, h2))
+            vars(self)["_last"] = (h1, h2, group, *self._mumford(group, h1, h2))
         assert self._last is not None
         return self._last[2], self._last[3], self._last[4]
 

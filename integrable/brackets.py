@@ -15,7 +15,6 @@ field or system that they are given.
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
@@ -25,6 +24,7 @@ from integrable.body import Body, Vector, cross
 from integrable.jets import JetField
 from integrable.state import State
 from jacobian.errors import ArgumentError
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.systems.system import System
@@ -104,9 +104,7 @@ def over(system: System, field: Any) -> Any:
     """The same system with its body over another field, such as jets over its own."""
     if hasattr(system, "over"):
         return system.over(field)
-    moved = copy.copy(system)
-    moved.body = replace(system.body, field=field)
-    return moved
+    return replaced(system, body=replace(system.body, field=field))
 
 
 def on_leaf(system: System, like: State, gamma: Vector, M: Vector) -> State:

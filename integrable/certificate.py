@@ -10,6 +10,7 @@ import numpy as np
 from integrable.precise_flow import PreciseFlow, digits_of
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.flow import Flow
@@ -43,14 +44,12 @@ def certified(flow: Flow, times: Any, digits: int | None) -> Trajectory:
         near = max(abs(K.coerce(x) - y) for x, y in zip(gamma, true_gamma, strict=True))
         far = max(abs(K.coerce(x) - y) for x, y in zip(M, true_M, strict=True)) / size
         errors.append(max(near, far))
-    run.error = np.array([K.coerce(e) for e in errors], dtype=object)
-    if field == RR:
-        run.error = run.error.astype(float)
-    run.digits = np.array([min(more, floor(-digits_of(e))) for e in errors], dtype=int)
-    for i, agreeing in enumerate(run.digits):
+    agree = [min(more, floor(-digits_of(e))) for e in errors]
+    for i, agreeing in enumerate(agree):
         if agreeing < wanted:
             raise PrecisionLoss(
                 f"times[{i}] = {run.times[i]}: computed with {own} and with {more} digits the states agree to "
                 f"{agreeing} digits, not to {wanted}; use more digits"
             )
-    return run
+    error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
+    return replaced(run, error=error, digits=np.array(agree, dtype=int))

@@ -8,6 +8,7 @@ arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition ×
 
 from __future__ import annotations
 
+import dataclasses
 import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -35,7 +36,7 @@ class Conditioning:
 
     gamma: float
     M: float
-    inputs: dict[str, float]
+    inputs: dict[str, float] = dataclasses.field(hash=False)
     """The part of each input in ``gamma``, at the worst time of that input."""
 
     def floor(self, eps: float = 2.0**-52) -> tuple[float, float]:

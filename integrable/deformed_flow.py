@@ -9,7 +9,6 @@ again with as many more, and PrecisionLoss ends it.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -19,6 +18,7 @@ from integrable.precise_flow import digits_of
 from integrable.state import State
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import Immutable, Record
 
 if TYPE_CHECKING:
     from integrable.systems.deformation import Deformation
@@ -37,18 +37,23 @@ MOST_LOST = 400
 """What a motion may lose, beyond as many digits as are asked for."""
 
 
-@dataclass
-class Motion:
+class Motion(Record):
     """γ and M of shape (N, 3) at physical times ``times`` and times ``tau`` of the flow, shape (N,), dτ = g dt.
 
     ``times`` is None where only τ was asked for at d ≠ 0. ``report`` is the report of a scene's run, or None.
     """
 
-    times: np.ndarray | None
-    tau: np.ndarray | None
-    gamma: np.ndarray
-    M: np.ndarray
-    report: Any = None
+    def __init__(
+        self, times: np.ndarray | None, tau: np.ndarray | None, gamma: np.ndarray, M: np.ndarray, report: Any = None
+    ) -> None:
+        self.times = times
+        self.tau = tau
+        self.gamma = gamma
+        self.M = M
+        self.report = report
+
+    def __len__(self) -> int:
+        return len(self.gamma)
 
 
 class Separated:
@@ -87,7 +92,7 @@ class Separated:
         raise NotImplementedError
 
 
-class DeformedFlow:
+class DeformedFlow(Immutable):
     """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
 
     Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,
@@ -95,6 +100,7 @@ class DeformedFlow:
     """
 
     method = "elliptic curves"
+    _caches = ("_motion", "_witness", "_witnessed")
 
     def __init__(self, system: Deformation, state: State) -> None:
         self.system, self.state = system, state
@@ -164,8 +170,7 @@ class DeformedFlow:
                 f"{self.system!r}: the motion loses more than {self._asked + MOST_LOST} digits on the way there; times "
                 "nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
-        self._motion = self._started(digits)
-        self._witness, self._witnessed = None, 0
+        vars(self).update(_motion=self._started(digits), _witness=None, _witnessed=0)
 
     def _started(self, digits: int) -> Separated:
         """The motion at that many digits, or at more where it does not start from the state."""
@@ -185,11 +190,12 @@ class DeformedFlow:
         if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
             return missing
         if self._witness is None:
-            self._witness = self._moving(*widened(self.system, self.state, motion.field.dps + WIDER))
+            vars(self)["_witness"] = self._moving(*widened(self.system, self.state, motion.field.dps + WIDER))
+        assert self._witness is not None
         again = self._witness.state(self._witness.field.coerce(tau[far]))
         missing = self._difference(rows[far], again, self._witness)
         if missing <= 0:
-            self._witnessed = abs(tau[far])
+            vars(self)["_witnessed"] = abs(tau[far])
         return missing
 
     def _difference(self, row: Any, truth: Any, motion: Separated) -> int:

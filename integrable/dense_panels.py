@@ -82,7 +82,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     off = (offsets - back) + (middle[:, None] - (times - back))
     values = states(times.ravel()).reshape(len(middle), NODES, -1)
     rates = np.einsum("kn,pnw->pkw", slopes, values, optimize=True) / half[:, None, None]
-    values += off[:, :, None] * rates
+    values = values + off[:, :, None] * rates
     result: np.ndarray = np.einsum("kn,pnw->pkw", matrix, values, optimize=True)
     return result
 

@@ -24,6 +24,7 @@ from integrable.precise_flow import PreciseFlow, vectors
 from integrable.translations import Translations
 from jacobian.bare_reals import BareReals
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import Record
 
 if TYPE_CHECKING:
     from integrable.state import State
@@ -38,7 +39,7 @@ MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
 
 
-class Enclosure:
+class Enclosure(Record):
     """Balls that contain the motion: ``gamma`` and ``M`` of shape (N, 3), ``tau`` and ``times`` of shape (N,).
 
     Entries are ``flint.arb``. ``times`` is None where τ was given and d ≠ 0. ``radius`` is the largest radius of every
@@ -54,6 +55,16 @@ class Enclosure:
 
     def __len__(self) -> int:
         return len(self.tau)
+
+    def _value(self) -> tuple[Any, ...]:
+        # balls are equal for flint where they are points, and flint does not pickle them
+        balls = (
+            None if a is None else tuple(map(_ends, a.ravel())) for a in (self.times, self.tau, self.gamma, self.M)
+        )
+        return (*balls, tuple(self.radius.tolist()))
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, self._value()
 
 
 def enclosure(body: Body, state: State, times: list[Any], digits: int) -> Enclosure:
@@ -269,6 +280,34 @@ class BallMotion:
         alpha, beta = self.problem.axes[6:]
         bound = (abs(alpha) + abs(beta) * lean.abs_upper()) / square.sqrt()
         return bound.abs_upper() if bound.is_finite() else None
+
+
+def _ends(ball: Any) -> tuple[Any, ...]:
+    """The midpoint and the radius of a ball, each as mantissa and exponent."""
+    return tuple(tuple(map(int, x.man_exp())) for x in (ball.mid(), ball.rad()))
+
+
+def _ball(flint: Any, middle: Any, radius: Any) -> Any:
+    """The ball of :func:`_ends`. flint rounds a radius that it is given up to 30 bits, exact or not."""
+    mantissa, exponent = radius
+    shift = 30 - mantissa.bit_length()
+    for less in (1, 0):
+        ball = flint.arb(middle, flint.arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
+        if ball is not None and ball.rad() == flint.arb(radius):
+            return ball
+    return flint.arb(middle, flint.arb(radius))
+
+
+def _rebuilt(times: Any, tau: Any, gamma: Any, M: Any, radius: Any) -> Enclosure:
+    flint = arithmetic()
+
+    def balls(values: Any) -> list[Any]:
+        with BareReals(64, "python-flint").at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
+            return [_ball(flint, *value) for value in values]
+
+    vectors = (balls(values) for values in (gamma, M))
+    rows = zip(balls(tau), *(zip(*[iter(v)] * 3, strict=True) for v in vectors), radius, strict=True)
+    return Enclosure(None if times is None else balls(times), list(rows))
 
 
 def _array(values: list[Any]) -> np.ndarray:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from copy import copy
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +14,7 @@ from integrable.panel_calculus import distinct, zeros
 from integrable.state import State
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.flow import Flow
@@ -58,8 +58,8 @@ def _in_floats(flow: Flow) -> Flow:
     """The same motion in floats, for the search."""
     if flow.system.field == RR:
         return flow
-    system, body = copy(flow.system), flow.system.body
-    system.body = Body.make(tuple(map(float, body.inertia)), float(body.d), RR)
+    body = flow.system.body
+    system = replaced(flow.system, body=Body.make(tuple(map(float, body.inertia)), float(body.d), RR))
     gamma, M = (tuple(map(float, v)) for v in (flow.state.gamma, flow.state.M))
     return system.flow(State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
 

@@ -21,6 +21,7 @@ from integrable.trajectory import Trajectory
 from jacobian import RR
 from jacobian.compiler import interpreted
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -44,7 +45,7 @@ CHUNK = 8192
 FLOAT_DIGITS = 17
 
 
-class Flow:
+class Flow(Immutable):
     """The motion through one state. Get one from ``system.flow(state)``.
 
     ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
@@ -65,7 +66,13 @@ class Flow:
         if state.tilted:
             # M ∥ γ is refused in the precision of the state
             system.upright(state)
-        self.setup = Setup(system.body, state.gamma, state.M, state.tilted)
+        # made here, so that what it refuses is refused at once
+        _ = self.setup
+
+    @cached_property
+    def setup(self) -> Setup:
+        """What the motion is computed from."""
+        return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
 
     def at(self, times: Any) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,)."""
@@ -216,7 +223,8 @@ class Flow:
             values = [values]
         quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
         if quick and np.isfinite(values).all():
-            return np.ascontiguousarray(values)
+            # a copy: the times of a result do not change with the caller's array
+            return np.array(values)
         items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(values)]
         return np.array(items, dtype=np.float64 if field == RR else object)
 

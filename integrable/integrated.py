@@ -17,6 +17,7 @@ from integrable.deformed_flow import (
 from integrable.extrapolation import integrate
 from integrable.state import State
 from jacobian.errors import PrecisionLoss
+from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from integrable.systems.deformation import Deformation
@@ -38,7 +39,7 @@ def rates(system: Any) -> Callable[[Sequence[Any]], list[Any]]:
     return right_hand_side
 
 
-class IntegratedMotion:
+class IntegratedMotion(Immutable):
     """The motion of a deformation through a state, by extrapolation of ``system.vector_field``, over RR or MP(digits).
 
     All is computed with guard digits, also for floats, each step to the last digit, and rounded once. The work grows

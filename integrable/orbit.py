@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import statistics
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -18,6 +18,7 @@ import numpy as np
 
 from jacobian import RR
 from jacobian.errors import ArgumentError
+from jacobian.immutable import read_only
 
 from .backlund import Translation
 from .scene_data import FLOAT_DIGITS, Scene
@@ -29,7 +30,7 @@ from .widening import MOST_CONDITION, in_wider_numbers
 __all__ = ["Orbit", "OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 
 
-@dataclass
+@dataclass(frozen=True)
 class Orbit:
     """The states after 0, 1, …, N steps: ``steps`` of shape (N + 1,), ``gamma`` and ``M`` of shape (N + 1, 3).
 
@@ -42,7 +43,7 @@ class Orbit:
 
     @property
     def steps(self) -> np.ndarray:
-        return np.arange(len(self.states))
+        return read_only(np.arange(len(self.states)))
 
     @property
     def times(self) -> np.ndarray:
@@ -58,7 +59,7 @@ class Orbit:
         return self._array([state.M for state in self.states])
 
     def _array(self, rows: list[Any]) -> np.ndarray:
-        return np.array(rows, dtype=np.float64 if self.field == RR else object)
+        return read_only(np.array(rows, dtype=np.float64 if self.field == RR else object))
 
 
 @dataclass(frozen=True)
@@ -69,7 +70,7 @@ class OrbitRow:
     digits: int | None
     error_gamma: float
     error_M: float
-    drift: dict[str, float]
+    drift: dict[str, float] = field(hash=False)
     seconds_per_step: float
     runs: int
     growth: tuple[tuple[int, float], ...] = ()
@@ -121,10 +122,11 @@ def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orb
         rows.append(_judged(scene, cost, found, durations, truth))
         kept = found if cost == digits else kept
     assert kept is not None
-    kept.report = OrbitReport(
-        scene.title, _words(scene), steps.count, steps.repeat, tuple(rows), truth_digits, _jump(step, state, truth)
+    jump = _jump(step, state, truth)
+    return replace(
+        kept,
+        report=OrbitReport(scene.title, _words(scene), steps.count, steps.repeat, tuple(rows), truth_digits, jump),
     )
-    return kept
 
 
 def orbit(step: Step, state: State, count: int) -> Orbit:
@@ -173,8 +175,8 @@ def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
     }
     jump = _jump(scene.step(system, FLOAT_DIGITS), state, found)
     row = OrbitRow("exact", None, 0.0, 0.0, drift, statistics.median(durations) / steps.count, len(durations))
-    found.report = OrbitReport(scene.title, _words(scene), steps.count, steps.repeat, (row,), None, jump)
-    return found
+    report = OrbitReport(scene.title, _words(scene), steps.count, steps.repeat, (row,), None, jump)
+    return replace(found, report=report)
 
 
 def _judged(scene: Scene, digits: int, found: Orbit, durations: list[float], truth: Orbit) -> OrbitRow:

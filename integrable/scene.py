@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError
+from jacobian.immutable import replaced
 
 from .extras import without
 from .progress import bar_of_pieces
@@ -81,17 +82,14 @@ def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
         from .report import measure
 
         report, trajectory = measure(scene, digits, tick)
-        trajectory.report = report
-        return trajectory
+        return replaced(trajectory, report=report)
     if scene.steps is not None:
         from .orbit import measure_orbit
 
         return measure_orbit(scene, digits, tick)
     tick(f"{digits} digits")
     system, state = scene.start(digits)
-    trajectory = system.motion_through(state).at(scene.times.at(digits))
-    trajectory.report = None
-    return trajectory
+    return system.motion_through(state).at(scene.times.at(digits))
 
 
 @contextmanager

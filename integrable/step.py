@@ -2,18 +2,18 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Iterable
 from operator import index
 from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError
+from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
     from integrable.state import State
 
 
-class Step:
+class Step(Immutable):
     """A map of the states of one system: ``step(state)``; ``second @ first`` is the composition."""
 
     system: Any
@@ -24,9 +24,7 @@ class Step:
 
     def over(self, system: Any) -> Step:
         """The same map on the same system over another field, such as jets over its own."""
-        moved = copy.copy(self)
-        moved.system = system
-        return moved
+        return replaced(self, system=system)
 
     def wider(self, system: Any) -> Step:
         """The same map over a field of more digits, its own numbers taken for what they stand for, such as 1/d."""

@@ -8,17 +8,18 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.body import Integrals
+from jacobian.immutable import Record, read_only
 
 if TYPE_CHECKING:
     from integrable.flow import Flow
 
 
-class Trajectory:
+class Trajectory(Record):
     """States at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
     is the time of the flow, dτ = g dt. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
-    what :meth:`integrable.flow.Flow.certify` found, else None.
+    what :meth:`integrable.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
     """
 
     def __init__(self, flow: Flow, times: np.ndarray | None, tau: np.ndarray, rows: np.ndarray) -> None:
@@ -41,9 +42,7 @@ class Trajectory:
     @cached_property
     def times(self) -> np.ndarray:
         """Physical times t, shape (N,)."""
-        if self._times is None:
-            return self.flow.physical_time(self.tau)
-        return self._times
+        return read_only(self.flow.physical_time(self.tau)) if self._times is None else self._times
 
     @property
     def given_in_tau(self) -> bool:
@@ -65,7 +64,7 @@ class Trajectory:
         """The angular velocity ω in the body frame, shape (N, 3)."""
         from integrable import attitude
 
-        return attitude.angular_velocities(self.flow.system.body, self.gamma, self.M)[0]
+        return read_only(attitude.angular_velocities(self.flow.system.body, self.gamma, self.M)[0])
 
     @cached_property
     def attitude(self) -> np.ndarray:
@@ -74,14 +73,14 @@ class Trajectory:
         """
         from integrable import attitude
 
-        return attitude.matrices(self.gamma, self.M)
+        return read_only(attitude.matrices(self.gamma, self.M))
 
     @cached_property
     def quaternion(self) -> np.ndarray:
         """The same rotations as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
         from integrable import attitude
 
-        return attitude.quaternions(self.attitude)
+        return read_only(attitude.quaternions(self.attitude))
 
     @cached_property
     def contact(self) -> np.ndarray:
@@ -92,12 +91,12 @@ class Trajectory:
         """
         from integrable import contact
 
-        return contact.positions(self)
+        return read_only(contact.positions(self))
 
     @cached_property
     def integrals(self) -> Integrals:
         """C1, C2, H1, H2 along the run, each of shape (N,)."""
         g, m = self.gamma, self.M
         return Integrals(
-            *(np.sum(x * y, axis=1) for x, y in ((g, g), (g, m), (self.omega, m), (m, m))),
+            *(read_only(np.sum(x * y, axis=1)) for x, y in ((g, g), (g, m), (self.omega, m), (m, m))),
         )

@@ -211,12 +211,12 @@ class CurveTranslation(Step):
         if len(given) != 2 or given == [None, None]:
             raise ArgumentError(f"points = {points!r}: give two abscissas, one for each curve, None for no addition")
         K = system.field
-        self.points = [None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given)]
+        self.points = tuple(None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given))
         self.sheets = checked_signs(sheets, 2, "sheets")
         self.multiple = checked_multiple(multiple)
 
     def __repr__(self) -> str:
-        return f"<addition of {self.multiple}·{tuple(self.points)} on the curves of {self.system!r}>"
+        return f"<addition of {self.multiple}·{self.points} on the curves of {self.system!r}>"
 
     def __mul__(self, m: int) -> CurveTranslation:
         return CurveTranslation(self.system, self.points, self.sheets, self.multiple * index(m))

@@ -15,6 +15,7 @@ from integrable.body import Body
 from integrable.state import State
 from jacobian import MP
 from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     from integrable.step import Step
@@ -72,9 +73,7 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
 def widened(system: System, field: Any) -> System:
     """The same system, the numbers of its body taken exactly, over a field of more digits."""
     body = system.body
-    wide: System = object.__new__(type(system))
-    wide.body = Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field)
-    return wide
+    return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
 
 def onto_constraints(system: System, state: State) -> State:

@@ -21,6 +21,7 @@ from jacobian.complex_roots import horner, simple_roots
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
 from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, JacobianError, PrecisionLoss
+from jacobian.immutable import Immutable
 from jacobian.periods import (
     Oval,
     PeriodMatrix,
@@ -39,7 +40,7 @@ Point = tuple[Any, Any]
 _DIRECTIONS = (0.37 + 1.93j, 0.52 - 1.71j, -1.86 - 0.44j, 1.77 + 0.23j)
 
 
-class AbelMap:
+class AbelMap(Immutable):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over RR, CC or MP(dps).
 
     ``periods``: its PeriodMatrix; ``curve``: the curve over the complex field, whose Jacobian the inverse lands in.
@@ -53,6 +54,12 @@ class AbelMap:
         self.curve = curve if curve.field == self.field else _complexified(curve, self.field)
         self._cover = self.periods.cover
         self._others: dict[Any, AbelMap] = {}
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.given, self._cover.given
+
+    def __reduce__(self) -> Any:
+        return AbelMap, self._value()
 
     def __repr__(self) -> str:
         return f"Abel–Jacobi map of {self.given!r}"

@@ -39,6 +39,7 @@ class BranchedCover:
         four = [numbers.convert(c) for c in curve.discriminant]
         self.coefficients = [c / 4 for c in four[: 2 * self.genus + 2 if curve.model == "ramified" else None]]
         self.lead = self.coefficients[-1]
+        self.given: tuple[Any, ...] | None = None
         if roots is None:
             self.roots = simple_roots(numbers, self.coefficients)
             self.roots = conjugated(numbers, self.roots) if self.real else self.roots
@@ -51,6 +52,7 @@ class BranchedCover:
         numbers, degree = self.numbers, len(self.coefficients) - 1
         if isinstance(roots, str) or not isinstance(roots, Iterable) or len(roots := list(roots)) != degree:
             raise ArgumentError(f"roots = {roots!r}: {degree} numbers are needed, the roots of f + h²/4")
+        self.given = tuple(roots)
         found = [numbers.convert(self._coerced(e, f"roots[{i}]")) for i, e in enumerate(roots)]
         product: Vector = [self.lead]
         for e in found:

@@ -26,11 +26,12 @@ from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor, check_divisor
 from jacobian.errors import ArgumentError, FieldError, NotRepresentable
 from jacobian.fibre import FibreGroup, Unit
+from jacobian.immutable import Immutable
 from jacobian.points import INFINITY_MINUS, AffinePoint
 from jacobian.ray_class import RayClass, RayClassGroup
 
 
-class Representative:
+class Representative(Immutable):
     """A semi-reduced pair (u, v) of degree g+1 on y² + hy = f over any field: u monic, u | v² + hv − f.
 
     Immutable; ``==`` and ``hash`` compare the pair. ArgumentError for another degree, FieldError and NotOnCurve as in
@@ -56,9 +57,6 @@ class Representative:
         object.__setattr__(self, "curve", curve)
         object.__setattr__(self, "u", u)
         object.__setattr__(self, "v", v)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"a Representative is immutable: {name} cannot be set")
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Representative):

@@ -16,13 +16,15 @@ from jacobian.errors import ArgumentError, FieldError, NotASquare, NotOnCurve, N
 from jacobian.fields.protocol import check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
+from jacobian.immutable import Immutable
 from jacobian.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
 
 
-class HyperellipticCurve:
+class HyperellipticCurve(Immutable):
     """The smooth projective curve y² + h(x)y = f(x) of genus g ≥ 1 over the field K.
 
-    ``f``, ``h``: ascending coefficients or a galois.Poly; max(deg f, 2 deg h) is 2g+1 or 2g+2 and f need not be monic.
+    ``f``, ``h``: ascending coefficients or a galois.Poly, h also a number; max(deg f, 2 deg h) is 2g+1 or 2g+2 and f
+    need not be monic.
     ``infinity_plus`` (split models): the value of y/x^(g+1) at the point to be called ∞₊; by default the smaller int
     over a finite field and the larger number elsewhere (by real, then imaginary part over CC).
 
@@ -38,7 +40,7 @@ class HyperellipticCurve:
     def __init__(self, K: Any, f: Any, h: Any = (), infinity_plus: Any = None) -> None:
         self.field = check_field(K, "K")
         self.f: poly.Poly = poly.trim(K, poly.coerce(K, f, "f"))
-        self.h: poly.Poly = poly.trim(K, poly.coerce(K, h, "h"))
+        self.h: poly.Poly = poly.trim(K, poly.coerce(K, h, "h", constant=True))
         degree = max(len(self.f) - 1, 2 * len(self.h) - 2)
         self.genus = (degree - 1) // 2
         if self.genus < 1:
@@ -288,12 +290,6 @@ class HyperellipticCurve:
         K = self.field
         plus = K.key(self.infinity_plus) if self.model == "split" else None
         return K, tuple(map(K.key, self.f)), tuple(map(K.key, self.h)), plus
-
-    def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, HyperellipticCurve) and self._value() == other._value())
-
-    def __hash__(self) -> int:
-        return hash(self._value())
 
     def __reduce__(self) -> Any:
         return _from_value, self._value()

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
 from jacobian.errors import ArgumentError, CurveMismatch
+from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
 
 
-class Divisor:
+class Divisor(Immutable):
     """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` and
     its kin.
 
@@ -20,9 +21,9 @@ class Divisor:
     exact field, of length deg u over an inexact one); ``n``: the weight at ∞₊ on a split model, in 0 … g − deg u, and
     None on a ramified or inert one, which leave no choice. ``jacobian``: the group.
 
-    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity. Over inexact fields ``==``
-    compares the numbers of the representation, which is not a test of equality of classes. Combining divisors of two
-    curves raises CurveMismatch.
+    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; the int 0 stands for it in sums.
+    Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of classes.
+    Combining divisors of two curves raises CurveMismatch.
     """
 
     __slots__ = ("jacobian", "n", "u", "v")
@@ -37,12 +38,6 @@ class Divisor:
         _set_u(self, u)
         _set_v(self, v)
         _set_n(self, n)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"a Divisor is immutable: {name} cannot be set")
-
-    def __delattr__(self, name: str) -> None:
-        raise AttributeError(f"a Divisor is immutable: {name} cannot be deleted")
 
     @property
     def degree(self) -> int:
@@ -65,12 +60,19 @@ class Divisor:
 
     def __add__(self, other: Any) -> Divisor:
         if not isinstance(other, Divisor):
-            return NotImplemented
+            return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self._compatible(other))
+
+    def __radd__(self, other: Any) -> Divisor:
+        # sum([D, E]) begins with the int 0, which stands for the identity as in J(0)
+        return self if is_zero_int(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> Divisor:
+        return -self if is_zero_int(other) else NotImplemented
 
     def __sub__(self, other: Any) -> Divisor:
         if not isinstance(other, Divisor):
-            return NotImplemented
+            return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self.jacobian.negate(self._compatible(other)))
 
     def _compatible(self, other: Divisor) -> Divisor:
@@ -138,6 +140,11 @@ _set_n = Divisor.__dict__["n"].__set__
 def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
     K = jacobian.curve.field
     return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
+
+
+def is_zero_int(value: Any) -> bool:
+    """Whether ``value`` is the int 0, Python's or numpy's, which stands for the identity of any group."""
+    return hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0 and value == 0
 
 
 def check_divisor(D: Any, argument: str) -> Divisor:

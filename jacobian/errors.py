@@ -6,6 +6,14 @@ its own below, so that a caller can tell a typing mistake from a divisor that do
 
 from __future__ import annotations
 
+from itertools import islice
+from typing import Any
+
+SHOWN = 200
+"""Characters of a value that a message shows."""
+MOST_ENTRIES = 10_000_000
+"""More of them come from a generator without an end; numpy arrays may be longer."""
+
 
 class JacobianError(ValueError):
     """Base class of every error raised by :mod:`jacobian` and :mod:`integrable`."""
@@ -49,3 +57,27 @@ class Infeasible(JacobianError):
 
 class NotAMultiple(JacobianError):
     """A discrete logarithm was asked for that does not exist: the target is not in the group of the base."""
+
+
+def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -> list[Any]:
+    """The entries of a sequence, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
+    if isinstance(values, (str, bytes)):
+        raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
+    try:
+        found = list(islice(values, MOST_ENTRIES + 1))
+    except Exception as error:
+        raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed ({error})") from None
+    if len(found) > MOST_ENTRIES:
+        raise ArgumentError(f"{argument}: more than {MOST_ENTRIES} entries; {wanted} is needed")
+    return found
+
+
+def shown(value: Any) -> str:
+    """``repr(value)`` for a message: cut where it is long, and without the errors that a repr may have."""
+    if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
+        return f"an int of {value.bit_length()} bits"
+    try:
+        text = repr(value)
+    except Exception:
+        return f"<{type(value).__name__}>"
+    return text if len(text) <= SHOWN else f"{text[: SHOWN - 20]}… ({len(text)} characters)"

@@ -16,12 +16,13 @@ from jacobian.curve import HyperellipticCurve, coefficient
 from jacobian.divisor import check_scalar
 from jacobian.errors import ArgumentError, FieldError
 from jacobian.fields.quadratic import quadratic_roots
+from jacobian.immutable import Immutable
 
 Unit = tuple[Any, Any]
 Function = tuple[poly.Poly, poly.Poly]
 
 
-class FibreGroup:
+class FibreGroup(Immutable):
     """The group of classes (a : b), a + b·y a unit at the points of ``curve`` over x₀; ``x0`` = None is x₀ = ∞.
 
     At infinity y stands for y/x^(g+1). ``kind``: "split" (G_m), "ramified" (G_a) or "inert" (a circle); ``values``: the
@@ -46,12 +47,6 @@ class FibreGroup:
 
     def _value(self) -> tuple[Any, ...]:
         return self.curve, None if self.x0 is None else self.field.key(self.x0)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, FibreGroup) and self._value() == other._value()
-
-    def __hash__(self) -> int:
-        return hash(("FibreGroup", self._value()))
 
     def __repr__(self) -> str:
         return f"Fibre group over x = {'∞' if self.x0 is None else self.x0} of {self.curve!r}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian.divisor import check_divisor
 from jacobian.errors import CurveMismatch
+from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from jacobian.divisor import Divisor
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from jacobian.structure import Structure
 
 
-class FiniteGroup:
+class FiniteGroup(Immutable):
     """Base of :class:`jacobian.group.Jacobian`; ``curve`` is the curve."""
 
     curve: Any

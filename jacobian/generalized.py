@@ -37,12 +37,6 @@ class GeneralizedJacobian(Jacobian):
     def __repr__(self) -> str:
         return f"Generalized Jacobian of {self.curve!r} with modulus ∞₊ + ∞₋"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, GeneralizedJacobian) and self.curve == other.curve
-
-    def __hash__(self) -> int:
-        return hash(("GeneralizedJacobian", self.curve))
-
     def __reduce__(self) -> Any:
         return GeneralizedJacobian, (self.curve,)
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from operator import index
 from typing import Any
 
@@ -24,6 +24,10 @@ class Jacobian(FiniteGroup):
     known.
     """
 
+    _sum_of: Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
+    _double: Callable[[cantor.Triple], cantor.Triple]
+    _multiple: Callable[[int, cantor.Triple], cantor.Triple]
+
     def __init__(self, curve: HyperellipticCurve) -> None:
         self.curve = check_curve(curve)
         self.field = curve.field
@@ -37,7 +41,7 @@ class Jacobian(FiniteGroup):
 
     def _adopt(self, chosen: Kernel) -> None:
         """Makes a kernel the one that adds here; the first one may name a better one later."""
-        self._sum_of, self._double, self._multiple = chosen
+        vars(self).update(_sum_of=chosen.sum_of, _double=chosen.double, _multiple=chosen.multiple)
 
     def compile(self) -> None:
         """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.kernels`).
@@ -52,11 +56,8 @@ class Jacobian(FiniteGroup):
     def __repr__(self) -> str:
         return f"Jacobian of {self.curve!r}"
 
-    def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, Jacobian) and self.curve == other.curve)
-
-    def __hash__(self) -> int:
-        return hash(("Jacobian", self.curve))
+    def _value(self) -> tuple[Any, ...]:
+        return (self.curve,)
 
     def __reduce__(self) -> Any:
         return _jacobian_of, (self.curve,)
@@ -78,7 +79,7 @@ class Jacobian(FiniteGroup):
         """
         self._check_representable()
         u = self._check_monic(poly.coerce(self.field, u, "u"))
-        v = poly.mod(self.field, poly.coerce(self.field, v, "v"), u)
+        v = poly.mod(self.field, poly.coerce(self.field, v, "v", constant=True), u)
         if not self.field.exact:
             v = (*v, *[self.field.zero] * (len(u) - 1 - len(v)))
         n = self._check_weight(n, len(u) - 1)

@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 from jacobian import cantor, interpolate, poly
 from jacobian.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.immutable import Immutable
 
 Pair = tuple[Any, Any]
 
@@ -33,7 +34,7 @@ class SignedDivisor(NamedTuple):
     kappas: tuple[Any, ...]
 
 
-class SignedGroup:
+class SignedGroup(Immutable):
     """Divisors of weight two on y² = f(x), deg f = 5 or 4, with pairs at the given branch points.
 
     deg f = 5 is the Jacobian of a curve of genus 2; deg f = 4 the generalized Jacobian of an elliptic curve with

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from jacobian.branched_cover import BranchedCover, Edge, crossings
 from jacobian.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, FieldError, PrecisionLoss
+from jacobian.immutable import Immutable
 from jacobian.quadrature import Vector, ellipse
 
 Matrix = list[list[Any]]
@@ -25,7 +26,7 @@ class Oval(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class PeriodMatrix:
+class PeriodMatrix(Immutable):
     """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
@@ -37,6 +38,12 @@ class PeriodMatrix:
     cover: BranchedCover
     edges: tuple[Edge, ...]
     working: Matrix
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.cover.curve, self.A, self.B
+
+    def __reduce__(self) -> Any:
+        return periods, (self.cover.curve, self.cover.given)
 
     @property
     def big(self) -> tuple[tuple[Any, ...], ...]:

@@ -13,7 +13,7 @@ class AffinePoint(NamedTuple):
     y: Any
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class PointAtInfinity:
     """A rational point at infinity: sign +1 or −1 for ∞₊ and ∞₋ of a split model, 0 for the only one of a ramified
     model.

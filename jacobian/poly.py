@@ -9,25 +9,29 @@ return.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from jacobian.errors import FieldError
+from jacobian.errors import FieldError, entries, shown
 
 Poly = tuple[Any, ...]
 
 
-def coerce(K: Any, values: Any, argument: str = "polynomial") -> Poly:
+def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool = False) -> Poly:
     """The polynomial of ascending coefficients or of a ``galois.Poly`` (which is descending); FieldError names
     ``argument``.
 
-    Exact zeros at the top are cut off over an exact field only.
+    ``constant`` takes a single number too. Exact zeros at the top are cut off over an exact field only.
     """
     if type(values).__module__.startswith("galois") and hasattr(values, "coeffs"):
         values = values.coeffs[::-1]
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
-        raise FieldError(f"{argument} = {values!r} is not a polynomial: give its coefficients, ascending")
-    a = tuple([K.coerce(value, f"{argument}[{i}]") for i, value in enumerate(values)])
+    if not isinstance(values, (list, tuple)):
+        single = not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0
+        if isinstance(values, (str, bytes, Mapping)) or (single and not constant):
+            raise FieldError(f"{argument} = {shown(values)} is not a polynomial: give its coefficients, ascending")
+        if single:
+            values = [K.coerce(values, argument)]
+    a = tuple([K.coerce(value, f"{argument}[{i}]") for i, value in enumerate(entries(values, argument))])
     return trim(K, a) if K.exact else a
 
 

@@ -19,17 +19,18 @@ from typing import Any
 
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve, check_curve, coefficient
-from jacobian.divisor import Divisor, check_scalar
+from jacobian.divisor import Divisor, check_scalar, is_zero_int
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable
 from jacobian.fibre import FibreGroup, Function, Unit, conjugate
 from jacobian.fields.randomness import random_below
 from jacobian.group import Jacobian
+from jacobian.immutable import Immutable
 from jacobian.ladder import multiple
 from jacobian.points import AffinePoint
 from jacobian.support import pair_of_points
 
 
-class RayClassGroup:
+class RayClassGroup(Immutable):
     """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
 
     Any model that has a Jacobian here, any genus, exact fields (FieldError for others; the inexact law on general pairs
@@ -50,11 +51,8 @@ class RayClassGroup:
     def __repr__(self) -> str:
         return f"Generalized Jacobian of {self.curve!r} with modulus over x = {'∞' if self.x0 is None else self.x0}"
 
-    def __eq__(self, other: object) -> bool:
-        return self is other or (isinstance(other, RayClassGroup) and self.fibre == other.fibre)
-
-    def __hash__(self) -> int:
-        return hash(("RayClassGroup", self.fibre))
+    def _value(self) -> tuple[Any, ...]:
+        return (self.fibre,)
 
     def __reduce__(self) -> Any:
         return _group, (self.curve, None if self.x0 is None else self.field.key(self.x0))
@@ -206,7 +204,7 @@ class RayClassGroup:
         return [zero if weight > 0 else conjugate(self.curve, zero)] * abs(weight)
 
 
-class RayClass:
+class RayClass(Immutable):
     """A class of a :class:`RayClassGroup`: ``divisor``, its image in the Jacobian, and ``unit``, (a : b) with b = 1 or
     (1, 0).
 
@@ -225,9 +223,6 @@ class RayClass:
         object.__setattr__(self, "divisor", divisor)
         object.__setattr__(self, "unit", unit)
 
-    def __setattr__(self, name: str, value: Any) -> None:
-        raise AttributeError(f"a RayClass is immutable: {name} cannot be set")
-
     def _compatible(self, other: RayClass) -> RayClass:
         if other.group != self.group:
             raise CurveMismatch(f"classes of two groups cannot be combined: {self.group!r} and {other.group!r}")
@@ -235,12 +230,18 @@ class RayClass:
 
     def __add__(self, other: Any) -> RayClass:
         if not isinstance(other, RayClass):
-            return NotImplemented
+            return self if is_zero_int(other) else NotImplemented
         return self.group.add(self, self._compatible(other))
+
+    def __radd__(self, other: Any) -> RayClass:
+        return self if is_zero_int(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> RayClass:
+        return -self if is_zero_int(other) else NotImplemented
 
     def __sub__(self, other: Any) -> RayClass:
         if not isinstance(other, RayClass):
-            return NotImplemented
+            return self if is_zero_int(other) else NotImplemented
         return self.group.add(self, self.group.negate(self._compatible(other)))
 
     def __neg__(self) -> RayClass:

@@ -6,11 +6,12 @@ m·D itself is :meth:`jacobian.group.Jacobian.multiply`. Every method here retur
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from jacobian import cantor, poly
 from jacobian.divisor import check_scalar
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError
+from jacobian.immutable import Immutable
 from jacobian.ladder import signed_digits
 
 if TYPE_CHECKING:
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 WINDOW = 4
 
 
-class FixedBase:
+class FixedBase(Immutable):
     """A table of multiples of one divisor: ``table(m)``, ``m * table`` and ``table * m`` are m·D.
 
     Row i holds d·2^(wi)·D for 1 ≤ d ≤ 2^(w−1), so that a multiple is one addition per w bits and no doubling (Brickell,
@@ -28,7 +29,7 @@ class FixedBase:
     """
 
     def __init__(self, D: Divisor, window: int = 5) -> None:
-        if not isinstance(window, int) or not 2 <= window <= 12:
+        if isinstance(window, bool) or not isinstance(window, int) or not 2 <= window <= 12:
             raise ArgumentError(f"window = {window!r}: an int from 2 to 12, the bits of a digit, is needed")
         self.divisor = D
         self.window = window
@@ -41,7 +42,7 @@ class FixedBase:
             for _ in range((1 << (self.window - 1)) - 1):
                 row.append(row[-1] + self._next)
             self._rows.append(row)
-            self._next = row[-1].double()
+            vars(self)["_next"] = row[-1].double()
         return self._rows[i]
 
     def __call__(self, m: int) -> Divisor:
@@ -64,6 +65,12 @@ class FixedBase:
 
     __mul__ = __rmul__ = __call__
     __array_ufunc__ = None
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.divisor, self.window
+
+    def __reduce__(self) -> Any:
+        return FixedBase, self._value()
 
     def __repr__(self) -> str:
         return f"FixedBase({self.divisor!r}, window={self.window})"

@@ -9,7 +9,6 @@ nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -21,6 +20,7 @@ from integrable.systems.chaplygin_ball import ChaplyginBall
 from integrable.systems.system import check_state
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
     from integrable.two_curves import TwoPoints
@@ -142,7 +142,7 @@ class Potential(NamedTuple):
     poles: tuple[Any, Any, Any]
 
 
-class Deformation:
+class Deformation(Immutable):
     """A Hamiltonian of the family. Base of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
 
     rigid: ChaplyginBall
@@ -178,12 +178,10 @@ class Deformation:
 
     def over(self, field: Any) -> Any:
         """The same Hamiltonian over another field that takes its numbers."""
-        moved = copy.copy(self)
-        moved.rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
-        if self.potential is not None:
-            a, b, rest = self.potential
-            moved.potential = _potential(field, (a, b, *rest))
-        return moved
+        rigid, potential = ChaplyginBall(self.body.inertia, self.d, field=field), self.potential
+        if potential is not None:
+            potential = _potential(field, (potential.a, potential.b, *potential.poles))
+        return replaced(self, rigid=rigid, potential=potential)
 
     def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M), that of the ball."""
@@ -335,14 +333,6 @@ class Deformation:
                 self.scalars(jets.constant, jets.variables(state.gamma), (zero, zero, zero)), terms
             )
         return jets.coerce(energy).slopes
-
-    def __eq__(self, other: object) -> bool:
-        if not isinstance(other, Deformation) or type(self) is not type(other):
-            return NotImplemented
-        return self.rigid == other.rigid and self.potential == other.potential
-
-    def __hash__(self) -> int:
-        return hash((type(self), self.rigid))
 
     def __repr__(self) -> str:
         extra = "" if self.potential is None else f", potential={tuple(self.potential)}"

@@ -7,6 +7,7 @@ from typing import Any
 
 from integrable.systems.deformation import Deformation, Potential, Scalars, combination, product
 from jacobian import RR
+from jacobian.immutable import replaced
 
 
 class Gyroscopic(Deformation):
@@ -20,14 +21,7 @@ class Gyroscopic(Deformation):
         self.c = field.coerce(c, "c")
 
     def over(self, field: Any) -> Any:
-        moved = super().over(field)
-        moved.c = field.coerce(self.c, "c")
-        return moved
-
-    def __eq__(self, other: object) -> bool:
-        return super().__eq__(other) and isinstance(other, Gyroscopic) and bool(self.c == other.c)
-
-    __hash__ = Deformation.__hash__
+        return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
         """(H, K)."""

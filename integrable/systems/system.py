@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.body import Body, Integrals, Vector, cross, triple
 from integrable.state import State
 from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
     from integrable.backlund import Translation
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from jacobian import Divisor, HyperellipticCurve, Jacobian
 
 
-class System:
+class System(Immutable):
     """A rigid body, by default with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
     body: Body
@@ -122,9 +123,7 @@ class System:
 
         state = self._checked(state)
         change = ChaplyginTransformation.of(self.body, state.gamma, state.M)
-        system: System = object.__new__(type(self))
-        system.body = change.upright
-        return system, change.apply(state), change
+        return replaced(self, body=change.upright), change.apply(state), change
 
     def curve(self, h1: Any, h2: Any) -> HyperellipticCurve:
         """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
@@ -272,11 +271,8 @@ class System:
         field = "" if K.name == "RR" else f", field={K.name}"
         return f"{type(self).__name__}(inertia=({numbers}){offset}{field})"
 
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, System) and type(self) is type(other) and self.body == other.body
-
-    def __hash__(self) -> int:
-        return hash((type(self), tuple(map(self.field.key, (*self.inertia, self.d)))))
+    def _value(self) -> tuple[Any, ...]:
+        return self.body, self.radius
 
 
 def check_state(system: Any, state: Any) -> State:

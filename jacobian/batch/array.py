@@ -10,12 +10,13 @@ import numpy as np
 
 from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
 from jacobian.compiler import interpreted
-from jacobian.divisor import Divisor, check_scalar
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve
+from jacobian.divisor import Divisor, check_scalar, is_zero_int
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, shown
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
+from jacobian.immutable import Immutable, read_only
 
 OK = 0
 """The status of a row that holds a class."""
@@ -44,7 +45,7 @@ def engine(J: Jacobian) -> Any:
     return found
 
 
-class DivisorArray:
+class DivisorArray(Immutable):
     """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays` or :meth:`zeros`.
 
     ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``; one Divisor
@@ -64,18 +65,21 @@ class DivisorArray:
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")
+
+    jacobian: Jacobian
+    _engine: Any
+    _rows: Any
+
     __hash__ = None  # type: ignore[assignment]
     # without this numpy would take an array of ints times a DivisorArray apart element by element
     __array_ufunc__ = None
 
     def __init__(self, J: Jacobian, rows: Any) -> None:
-        self.jacobian = J
-        self._engine = engine(J)
-        self._rows = rows
+        _fill(self, J, engine(J), rows)
 
     def _like(self, rows: Any) -> DivisorArray:
         made = DivisorArray.__new__(DivisorArray)
-        made.jacobian, made._engine, made._rows = self.jacobian, self._engine, rows
+        _fill(made, self.jacobian, self._engine, rows)
         return made
 
     # --- making
@@ -134,17 +138,18 @@ class DivisorArray:
     @property
     def u(self) -> Any:
         """(N, g + 1): u, ascending."""
-        return self._engine.to_arrays(self._rows)[0]
+        return read_only(self._engine.to_arrays(self._rows)[0])
 
     @property
     def v(self) -> Any:
         """(N, g): v, ascending."""
-        return self._engine.to_arrays(self._rows)[1]
+        return read_only(self._engine.to_arrays(self._rows)[1])
 
     @property
     def n(self) -> Any:
         """(N,): the weights at ∞₊ on a split model; None on others."""
-        return self._engine.weights(self._rows)
+        found = self._engine.weights(self._rows)
+        return None if found is None else read_only(found)
 
     @property
     def degree(self) -> Any:
@@ -212,7 +217,9 @@ class DivisorArray:
         """The rows of ``other``, as many as here; NotImplemented for what is no divisor."""
         if not isinstance(other, DivisorArray):
             if not isinstance(other, Divisor):
-                return NotImplemented
+                if not is_zero_int(other):
+                    return NotImplemented
+                other = self.jacobian.zero()
             _check_same(self.jacobian, other.jacobian)
             return self._engine.repeat(self._engine.from_divisors([other]), len(self))
         if other._engine is not self._engine:
@@ -267,8 +274,12 @@ class DivisorArray:
             return scalar.tolist()
         return [check_scalar(m) for m in scalar]
 
-    def sum(self) -> Divisor:
-        """Σ of all rows, by halves; of none, the identity."""
+    def sum(self, axis: int | None = None, out: None = None) -> Divisor:
+        """Σ of all rows, by halves; of none, the identity. ``numpy.sum`` calls it with its ``axis`` and ``out``: there
+        is one axis, and nothing to write to.
+        """
+        if axis not in (None, 0, -1) or out is not None:
+            raise ArgumentError(f"axis = {axis!r}, out = {shown(out)}: an array of divisors has the axis 0 and no out")
         rows, run = self._rows, self._engine
         if not len(rows):
             return self.jacobian.zero()
@@ -279,12 +290,25 @@ class DivisorArray:
         return run.to_divisors(rows)[0]
 
     def __eq__(self, other: object) -> Any:
+        if is_zero_int(other):
+            return NotImplemented
         rows = self._operand(other)
         return NotImplemented if rows is NotImplemented else self._engine.equal(self._rows, rows)
 
     def __ne__(self, other: object) -> Any:
         same = self.__eq__(other)
         return NotImplemented if same is NotImplemented else ~same
+
+
+_set_jacobian = vars(DivisorArray)["jacobian"].__set__
+_set_engine = vars(DivisorArray)["_engine"].__set__
+_set_rows = vars(DivisorArray)["_rows"].__set__
+
+
+def _fill(array: DivisorArray, J: Jacobian, run: Any, rows: Any) -> None:
+    _set_jacobian(array, J)
+    _set_engine(array, run)
+    _set_rows(array, rows)
 
 
 def _rebuilt(J: Jacobian, u: Any, v: Any, n: Any) -> DivisorArray:

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import cached_property
-from operator import index
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import ArgumentError, FieldError
+from jacobian.errors import ArgumentError, FieldError, shown
+from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import prime_factors
 from jacobian.fields.prime import PrimeField
@@ -48,8 +48,8 @@ class ExtensionField(FiniteField):
         return GF, (self.p, self.degree, self.modulus)
 
     def coerce(self, value: Any, argument: str = "value") -> int:
-        """An int in [0, p^k), ascending coefficients [c0, c1, …] of a, or a galois scalar of this field; else
-        FieldError.
+        """A whole number in [0, p^k), ascending coefficients [c0, c1, …] of a, or a galois scalar of this field; else
+        FieldError. Fractions are coefficients: [1/2] is the inverse of 2.
         """
         if hasattr(type(value), "irreducible_poly") and hasattr(type(value), "order"):
             return self._coerce_galois(value, argument)
@@ -57,14 +57,15 @@ class ExtensionField(FiniteField):
             if len(value) > self.degree:
                 raise FieldError(f"{argument} = {value} has more than {self.degree} coefficients, those of {self.name}")
             return self._pack([self.base.coerce(c, f"{argument}[{i}]") for i, c in enumerate(value)])
-        try:
-            x = index(value)
-        except TypeError:
+        x = rational(value, argument)
+        if x is None or x.denominator != 1:
             hint = "give an int or a list of ascending coefficients"
-            raise FieldError(f"{argument} = {value!r} is not an element of {self.name}: {hint}") from None
+            raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: {hint}")
         if 0 <= x < self.order:
-            return x
-        raise FieldError(f"{argument} = {value} is not an element of {self.name}: the ints 0 … {self.order - 1} are")
+            return int(x)
+        raise FieldError(
+            f"{argument} = {shown(value)} is not an element of {self.name}: the ints 0 … {self.order - 1} are"
+        )
 
     def _coerce_galois(self, value: Any, argument: str) -> int:
         kind = type(value)

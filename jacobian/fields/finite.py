@@ -9,9 +9,10 @@ from typing import Any
 
 from jacobian.errors import NotASquare
 from jacobian.fields.randomness import random_below
+from jacobian.immutable import Immutable
 
 
-class FiniteField:
+class FiniteField(Immutable):
     """Base of the finite fields: a subclass supplies coerce, add, sub, mul, neg, inv and element."""
 
     name: str

@@ -6,9 +6,10 @@ from collections.abc import Hashable
 from typing import Any
 
 from jacobian.errors import PrecisionLoss
+from jacobian.immutable import Immutable
 
 
-class InexactField:
+class InexactField(Immutable):
     """Base of RR, CC and MP: bare arithmetic operators, and a zero test that admits when it cannot tell."""
 
     name: str

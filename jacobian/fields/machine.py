@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from operator import mul
 from typing import Any
 
-from jacobian.errors import FieldError, NotASquare
+from jacobian.errors import FieldError, NotASquare, shown
+from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 
 
@@ -27,17 +28,28 @@ class RealField(InexactField):
     def __hash__(self) -> int:
         return hash("RR")
 
+    def __reduce__(self) -> Any:
+        return RealField, ()
+
     def coerce(self, value: Any, argument: str = "value") -> float:
-        """The finite float of a real number; FieldError for NaN, infinities and anything else."""
-        if isinstance(value, (str, bytes, complex)):
-            raise FieldError(f"{argument} = {value!r} is not an element of RR: give a real number")
-        try:
-            x = float(value)
-        except (TypeError, ValueError, OverflowError):
-            raise FieldError(f"{argument} = {value!r} is not an element of RR: give a real number") from None
+        """The nearest float of a real number, as in :meth:`Field.coerce`; FieldError for anything else."""
+        x = value if type(value) is float else self._rounded(value, argument)
         if not math.isfinite(x):
-            raise FieldError(f"{argument} = {value!r} is not finite: give a finite real number")
+            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite real number")
         return x
+
+    def _rounded(self, value: Any, argument: str) -> float:
+        try:
+            x = number(value, argument)
+            if is_complex(x):
+                raise TypeError
+            return float(x)
+        except FieldError:
+            raise
+        except OverflowError:
+            raise FieldError(f"{argument} = {shown(value)} is not finite in RR: it is beyond 1.8e308") from None
+        except Exception:
+            raise FieldError(f"{argument} = {shown(value)} is not an element of RR: give a real number") from None
 
     def dot(self, xs: Sequence[float], ys: Sequence[float]) -> float:
         """Σ x_i y_i: rounded products, summed exactly and rounded once."""
@@ -68,16 +80,21 @@ class ComplexField(InexactField):
     def __hash__(self) -> int:
         return hash("CC")
 
+    def __reduce__(self) -> Any:
+        return ComplexField, ()
+
     def coerce(self, value: Any, argument: str = "value") -> complex:
-        """The finite complex of a number; FieldError for NaN, infinities and anything else."""
-        if isinstance(value, (str, bytes)):
-            raise FieldError(f"{argument} = {value!r} is not an element of CC: give a number")
+        """The nearest complex of a number, as in :meth:`Field.coerce`; FieldError for anything else."""
         try:
-            z = complex(value)
-        except (TypeError, ValueError, OverflowError):
-            raise FieldError(f"{argument} = {value!r} is not an element of CC: give a number") from None
+            z = complex(number(value, argument))
+        except FieldError:
+            raise
+        except OverflowError:
+            raise FieldError(f"{argument} = {shown(value)} is not finite in CC: it is beyond 1.8e308") from None
+        except Exception:
+            raise FieldError(f"{argument} = {shown(value)} is not an element of CC: give a number") from None
         if not cmath.isfinite(z):
-            raise FieldError(f"{argument} = {value!r} is not finite: give a finite number")
+            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite number")
         return z
 
     def dot(self, xs: Sequence[complex], ys: Sequence[complex]) -> complex:

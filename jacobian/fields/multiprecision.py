@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import copyreg
 from collections.abc import Hashable, Sequence
-from fractions import Fraction
 from operator import index
 from typing import Any
 
-from jacobian.errors import ArgumentError, FieldError, NotASquare
+from jacobian.errors import ArgumentError, FieldError, NotASquare, shown
+from jacobian.fields.coercion import is_complex, number, rational
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_below
+
+# a number of so many digits takes half a megabyte
+MOST_DIGITS = 1_000_000
 
 
 class MultiprecisionField(InexactField):
@@ -30,7 +34,14 @@ class MultiprecisionField(InexactField):
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
         self.zero: Any = self._type(0)
+        # each context has classes of its own, which pickle does not know
+        copyreg.pickle(self.context.mpf, self._packed)
+        copyreg.pickle(self.context.mpc, self._packed)
         self.one: Any = self._type(1)
+
+    def _packed(self, x: Any) -> Any:
+        parts = x._mpc_ if hasattr(x, "_mpc_") else (x._mpf_,)
+        return _unpacked, (self, [(sign, int(mantissa), exponent, bits) for sign, mantissa, exponent, bits in parts])
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, MultiprecisionField) and (other.dps, other.complex) == (self.dps, self.complex)
@@ -44,26 +55,37 @@ class MultiprecisionField(InexactField):
         return MP, (self.dps, self.complex)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The element of an int, float, Fraction, decimal string, complex, or an mpf/mpc of any context."""
+        """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
         try:
-            x = self._convert(value)
-        except (TypeError, ValueError, ZeroDivisionError):
+            x = self._convert(value, argument)
+        except FieldError:
+            raise
+        except Exception:
             kind = "a number" if self.complex else "a real number"
-            raise FieldError(f"{argument} = {value!r} is not an element of {self.name}: give {kind}") from None
+            raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: give {kind}") from None
         if not self.context.isfinite(x):
-            raise FieldError(f"{argument} = {value!r} is not finite: give a finite number")
+            raise FieldError(f"{argument} = {shown(value)} is not finite: give a finite number")
         return x
 
-    def _convert(self, value: Any) -> Any:
+    def _convert(self, value: Any, argument: str) -> Any:
         context = self.context
-        if isinstance(value, Fraction):
-            value = context.mpf(value.numerator) / value.denominator
-        elif hasattr(value, "_mpc_"):
+        if hasattr(value, "_mpc_"):
             value = context.make_mpc(value._mpc_)
         elif hasattr(value, "_mpf_"):
             value = context.make_mpf(value._mpf_)
-        elif isinstance(value, bool) or not isinstance(value, (int, float, complex, str)):
-            value = value.item() if hasattr(value, "item") else index(value)
+        elif not isinstance(value, (int, float, complex)):
+            value = number(value, argument)
+            exact = rational(value, argument)
+            if exact is not None:
+                from mpmath.libmp import from_rational
+
+                value = context.make_mpf(from_rational(exact.numerator, exact.denominator, context.prec, "n"))
+            elif is_complex(value):
+                value = complex(value)
+            elif not isinstance(value, float):
+                # numpy's long doubles, which have more digits than a float
+                top, bottom = value.as_integer_ratio()
+                value = context.mpf(top) / bottom
         # unary plus rounds what came with more digits to this precision
         return +self._type(value)
 
@@ -97,8 +119,16 @@ class MultiprecisionField(InexactField):
         return self.context.make_mpc(key) if self.complex else self.context.make_mpf(key)
 
 
+def _unpacked(K: MultiprecisionField, parts: Any) -> Any:
+    """The number of :meth:`MultiprecisionField._packed`, in the context of K."""
+    from mpmath.libmp import MPZ
+
+    numbers = [(sign, MPZ(mantissa), exponent, bits) for sign, mantissa, exponent, bits in parts]
+    return K.context.make_mpf(numbers[0]) if len(numbers) == 1 else K.context.make_mpc(tuple(numbers))
+
+
 def check_digits(dps: Any) -> int:
     """dps as an int, or an ArgumentError."""
-    if isinstance(dps, bool) or not isinstance(dps, int) or dps < 1:
-        raise ArgumentError(f"dps = {dps!r}: the number of decimal digits is an int ≥ 1")
-    return dps
+    if isinstance(dps, bool) or not hasattr(dps, "__index__") or not 1 <= index(dps) <= MOST_DIGITS:
+        raise ArgumentError(f"dps = {shown(dps)}: the number of decimal digits is an int from 1 to {MOST_DIGITS}")
+    return index(dps)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
 from functools import cached_property
 from operator import index, mul
 from typing import Any
 
-from jacobian.errors import ArgumentError, FieldError, NotASquare
+from jacobian.errors import ArgumentError, FieldError, NotASquare, shown
+from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import is_prime, prime_power
 
@@ -39,20 +39,19 @@ class PrimeField(FiniteField):
         return GF, (self.p,)
 
     def coerce(self, value: Any, argument: str = "value") -> int:
-        """The residue of an int, numpy integer, Fraction or galois scalar of this field; FieldError otherwise."""
+        """The residue of a rational number, as in :meth:`Field.coerce`, or of a galois scalar of this field."""
         if type(value) is int:
             return value % self.p
-        if isinstance(value, Fraction):
-            if value.denominator % self.p == 0:
-                raise FieldError(f"{argument} = {value} has a denominator that is zero in {self.name}")
-            return value.numerator * pow(value.denominator, -1, self.p) % self.p
         order = getattr(type(value), "order", None)
         if order is not None and hasattr(type(value), "irreducible_poly") and order != self.p:
             raise FieldError(f"{argument} = {value} lies in {type(value).name}, not in {self.name}")
-        try:
-            return index(value) % self.p
-        except TypeError:
-            raise FieldError(f"{argument} = {value!r} is not an element of {self.name}: give an int") from None
+        x = rational(value, argument)
+        if x is None:
+            hint = "give an int, a Fraction or a string like '3/4'"
+            raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: {hint}")
+        if x.denominator % self.p == 0:
+            raise FieldError(f"{argument} = {shown(value)} has a denominator that is zero in {self.name}")
+        return int(x.numerator if x.denominator == 1 else x.numerator * pow(x.denominator, -1, self.p)) % self.p
 
     def add(self, x: int, y: int) -> int:
         return (x + y) % self.p

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from typing import Any, Protocol, TypeVar, runtime_checkable
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
 Element = TypeVar("Element")
 
@@ -17,7 +17,7 @@ Element = TypeVar("Element")
 def check_field(K: Any, argument: str) -> Any:
     """``K``, or an ArgumentError that names ``argument``."""
     if not hasattr(K, "coerce") or not hasattr(K, "characteristic"):
-        raise ArgumentError(f"{argument} = {K!r} is not a field: give GF(p), GF(p, k), QQ, RR, CC or MP(dps)")
+        raise ArgumentError(f"{argument} = {shown(K)} is not a field: give GF(p), GF(p, k), QQ, RR, CC or MP(dps)")
     return K
 
 
@@ -37,7 +37,15 @@ class Field(Protocol[Element]):
     one: Element
 
     def coerce(self, value: Any, argument: str = "value") -> Element:
-        """The element that ``value`` stands for, or a FieldError that names ``argument``."""
+        """The element that ``value`` stands for, or a FieldError that names ``argument``.
+
+        Every field takes what stands for a rational number (:func:`jacobian.fields.coercion.rational`): ints of any
+        kind, fractions, Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes those whose
+        denominator p does not divide. GF(p^k) writes its elements as ints, so it takes whole numbers only, and lists of
+        coefficients. RR, CC and MP round them once, and take floats too, CC and MP(dps, complex=True) complex numbers;
+        exact fields refuse floats, because 0.1 is not 1/10. Arrays without dimensions count as their number. NaN,
+        infinities, bytes, and arrays and sequences are refused.
+        """
         ...
 
     def add(self, x: Element, y: Element) -> Element: ...

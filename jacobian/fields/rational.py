@@ -5,14 +5,16 @@ from __future__ import annotations
 from collections.abc import Hashable, Sequence
 from fractions import Fraction
 from math import isqrt
-from operator import index, mul
+from operator import mul
 from typing import Any
 
-from jacobian.errors import FieldError, NotASquare
+from jacobian.errors import FieldError, NotASquare, shown
+from jacobian.fields.coercion import rational
 from jacobian.fields.randomness import random_below
+from jacobian.immutable import Immutable
 
 
-class RationalField:
+class RationalField(Immutable):
     """The rational numbers; elements are :class:`fractions.Fraction`. The instance is :data:`jacobian.QQ`."""
 
     name = "QQ"
@@ -31,18 +33,21 @@ class RationalField:
     def __hash__(self) -> int:
         return hash("QQ")
 
+    def __reduce__(self) -> Any:
+        return RationalField, ()
+
     def coerce(self, value: Any, argument: str = "value") -> Fraction:
-        """The Fraction of an int, a numpy integer, a Fraction or a string such as "-3/4"; FieldError otherwise.
+        """The Fraction of a rational number, as in :meth:`Field.coerce`; FieldError otherwise.
 
         A float is refused: 0.1 is not 1/10, so the caller has to say which of the two is meant.
         """
         if isinstance(value, Fraction):
             return value
-        try:
-            return Fraction(value) if isinstance(value, str) else Fraction(index(value))
-        except (TypeError, ValueError, ZeroDivisionError):
+        x = rational(value, argument)
+        if x is None:
             hint = "an int, a Fraction or a string like '3/4'"
-            raise FieldError(f"{argument} = {value!r} is not an element of QQ: give {hint}") from None
+            raise FieldError(f"{argument} = {shown(value)} is not an element of QQ: give {hint}")
+        return Fraction(x)
 
     def add(self, x: Fraction, y: Fraction) -> Fraction:
         return x + y

@@ -273,7 +273,7 @@ S = SPLIT.jacobian()
         ([1, 0, 2], [], None, ArgumentError, "u = .* is not monic: .* 2"),
         ([1, 1], [3], None, NotOnCurve, r"\(x \+ 1, 3\) is not on .* remainder [1-6] modulo u"),
         ([0, 0.5, 1], [], None, FieldError, r"u\[1\] = 0.5"),
-        ([0, 1], ["1"], None, FieldError, r"v\[0\] = '1'"),
+        ([0, 1], ["one"], None, FieldError, r"v\[0\] = 'one'"),
         ("01", [], None, FieldError, "u = '01'"),
         ([0, 1], [1], 0, ArgumentError, "n = 0: a ramified model"),
     ],

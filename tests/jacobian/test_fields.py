@@ -180,12 +180,12 @@ def test_coercion():
 @pytest.mark.parametrize(
     ("K", "value"),
     [
-        (GF(7), 0.5), (GF(7), "3"), (GF(7), None), (GF(7), 1j), (GF(7), Fraction(1, 7)),
+        (GF(7), 0.5), (GF(7), "3x"), (GF(7), None), (GF(7), 1j), (GF(7), Fraction(1, 7)),
         (GF(7, 2, (3, 6, 1)), 49), (GF(7, 2, (3, 6, 1)), -1), (GF(7, 2, (3, 6, 1)), 0.5),
         (GF(7, 2, (3, 6, 1)), [1, 2, 3]),
         (GF(7, 2, (3, 6, 1)), [1, 0.5]), (QQ, 0.5), (QQ, "x"), (QQ, "1/0"), (QQ, None),
-        (RR, float("nan")), (RR, float("inf")), (RR, 1j), (RR, "1"), (RR, None),
-        (CC, complex("nan")), (CC, complex(0, float("inf"))), (CC, "1"), (CC, None),
+        (RR, float("nan")), (RR, float("inf")), (RR, 1j), (RR, "1x"), (RR, None),
+        (CC, complex("nan")), (CC, complex(0, float("inf"))), (CC, "1x"), (CC, None),
         (MP(30), float("nan")), (MP(30), float("inf")), (MP(30), 1j), (MP(30), "one"), (MP(30), None), (MP(30), [1]),
         (MP(30, complex=True), complex("nan")), (MP(30, complex=True), None),
     ],

@@ -1,0 +1,88 @@
+"""The one rule by which every field takes numbers: what stands for a rational number, exactly.
+
+:func:`rational` reads ints (numpy's, gmpy2's and flint's too, and truth values as 0 and 1), fractions, Decimals and
+strings: "3", "-1/3", "0.25", "1e3". What it reads is taken by every field alike. Floats it leaves to the inexact
+fields: 0.1 is not 1/10, and an exact field is not told which of the two is meant.
+"""
+
+from __future__ import annotations
+
+import re
+from decimal import Decimal
+from fractions import Fraction
+from numbers import Rational
+from operator import index
+from typing import Any
+
+from jacobian.errors import FieldError, shown
+
+# powers of ten beyond are more likely a slip than a number, and take seconds to write out
+LARGEST_EXPONENT = 100_000
+
+_NUMBER = re.compile(r"\s*([-+]?)(\d+)/(\d+)\s*|\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE]([-+]?\d+))?\s*", re.ASCII)
+
+
+def rational(value: Any, argument: str = "value") -> int | Fraction | None:
+    """The rational number that ``value`` stands for, or None; FieldError for one of more digits than are computed."""
+    if isinstance(value, (int, Fraction)):
+        return value
+    if isinstance(value, str):
+        return _of_text(value, argument)
+    if isinstance(value, Decimal):
+        return _of_decimal(value, argument)
+    if getattr(value, "ndim", 0) != 0:
+        return None
+    if isinstance(value, Rational):
+        return Fraction(int(value.numerator), int(value.denominator))
+    try:
+        return index(value)
+    except Exception:
+        # numpy's truth values, which have no index
+        return int(value) if type(value).__name__ in ("bool", "bool_") else None
+
+
+def _of_text(text: str, argument: str) -> Fraction | None:
+    found = _NUMBER.fullmatch(text)
+    if not found:
+        return None
+    try:
+        _check_exponent(int(found[4] or 0), text, argument)
+        return Fraction(text)
+    except ZeroDivisionError:
+        return None
+    except ValueError as error:
+        if isinstance(error, FieldError):
+            raise
+        # Python reads ints of 4300 digits at most
+        raise FieldError(f"{argument} = {shown(text)}: {error}") from None
+
+
+def _of_decimal(value: Decimal, argument: str) -> Fraction | None:
+    if not value.is_finite():
+        return None
+    _check_exponent(int(value.as_tuple().exponent), value, argument)
+    return Fraction(value)
+
+
+def _check_exponent(exponent: int, value: Any, argument: str) -> None:
+    if abs(exponent) > LARGEST_EXPONENT:
+        raise FieldError(
+            f"{argument} = {shown(value)}: powers of ten up to {LARGEST_EXPONENT} are read; choose other units"
+        )
+
+
+def number(value: Any, argument: str) -> Any:
+    """``value`` for the inexact fields: a rational number of a string, the entry of an array without dimensions, and
+    everything else as it is; TypeError for bytes, arrays and what :func:`rational` does not read.
+    """
+    if isinstance(value, str):
+        value = rational(value, argument)
+    if isinstance(value, (bytes, bytearray, memoryview)) or getattr(value, "ndim", 0) != 0:
+        raise TypeError
+    return value[()].item() if type(value).__name__ == "ndarray" else value
+
+
+def is_complex(value: Any) -> bool:
+    """Whether ``value`` is a complex number of Python, numpy or mpmath."""
+    dtype = getattr(value, "dtype", None)
+    return isinstance(value, complex) or hasattr(value, "_mpc_") or getattr(dtype, "kind", "") == "c"

@@ -1,0 +1,131 @@
+"""Values that do not change: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
+
+Two curves that compare equal today must do so tomorrow, or their divisors would be added by mistake; and what was
+computed once and kept (``functools.cached_property``) must go on belonging to the numbers it was computed from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property, wraps
+from typing import Any, ClassVar, TypeVar
+
+Kind = TypeVar("Kind")
+
+_OPEN = "_open"
+
+
+class Immutable:
+    """Attributes are set while ``__init__`` runs, and not afterwards: AttributeError.
+
+    What is computed later and kept goes into ``vars(self)``, where ``cached_property`` puts it too; a class names it in
+    ``_caches``, and gives it a default, if it is no ``cached_property``. Comparison, hash and pickles leave that out:
+    values are equal when they have the same type and the same :meth:`_value`. A copy is the value itself. A class
+    without ``__dict__`` sets its slots by their descriptors.
+    """
+
+    __slots__ = ()
+    _caches: ClassVar[tuple[str, ...]] = ()
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if "__init__" in vars(cls) and cls.__dictoffset__:
+            cls.__init__ = _opened(cls.__init__)  # type: ignore[method-assign]
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if _OPEN not in getattr(self, "__dict__", ()):
+            raise AttributeError(_refusal(self, name, "set"))
+        object.__setattr__(self, name, value)
+
+    def __delattr__(self, name: str) -> None:
+        raise AttributeError(_refusal(self, name, "deleted"))
+
+    def _value(self) -> tuple[Any, ...]:
+        """What tells a value from others of its type: by default all its attributes."""
+        return tuple(_without_caches(self).items())
+
+    def __eq__(self, other: object) -> bool:
+        if self is other:
+            return True
+        if type(self) is not type(other):
+            return NotImplemented
+        return bool(self._value() == other._value())
+
+    def __hash__(self) -> int:
+        return hash((type(self).__name__, self._value()))
+
+    def __getstate__(self) -> Any:
+        return _without_caches(self)
+
+    def __copy__(self: Kind) -> Kind:
+        return self
+
+    def __deepcopy__(self: Kind, memo: Any) -> Kind:
+        return self
+
+
+def _refusal(value: Any, name: str, verb: str) -> str:
+    return f"{type(value).__name__}.{name} cannot be {verb}: values are immutable, make a new one"
+
+
+def _opened(initialize: Callable[..., None]) -> Any:
+    @wraps(initialize)
+    def __init__(self: Any, *args: Any, **options: Any) -> None:
+        values = vars(self)
+        if _OPEN in values:
+            # called by the __init__ of a subclass
+            return initialize(self, *args, **options)
+        values[_OPEN] = True
+        try:
+            initialize(self, *args, **options)
+        finally:
+            del values[_OPEN]
+
+    return __init__
+
+
+def _without_caches(value: Any) -> dict[str, Any]:
+    kind = type(value)
+    caches = getattr(kind, "_caches", ())
+    return {
+        name: x
+        for name, x in vars(value).items()
+        if name not in caches and not isinstance(getattr(kind, name, None), cached_property)
+    }
+
+
+def replaced(value: Kind, **changes: Any) -> Kind:
+    """``value`` with other attributes, and without what was computed from the old ones."""
+    made: Kind = object.__new__(type(value))
+    vars(made).update(_without_caches(value))
+    vars(made).update((name, _sealed(x)) for name, x in changes.items())
+    return made
+
+
+def read_only(array: Any) -> Any:
+    """A view of a numpy array that cannot be written to."""
+    view = array.view()
+    view.flags.writeable = False
+    return view
+
+
+class Record(Immutable):
+    """A result that holds arrays: those set as attributes cannot be written to, and compare by what is in them."""
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, _sealed(value))
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update((name, _sealed(value)) for name, value in state.items())
+
+    def _value(self) -> tuple[Any, ...]:
+        return tuple((name, _contents(value)) for name, value in _without_caches(self).items())
+
+
+def _sealed(value: Any) -> Any:
+    # numpy is not imported here: a single divisor needs none
+    return read_only(value) if hasattr(value, "flags") and hasattr(value, "view") else value
+
+
+def _contents(value: Any) -> Any:
+    return (value.shape, tuple(value.ravel().tolist())) if hasattr(value, "ravel") else value

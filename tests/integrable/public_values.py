@@ -1,0 +1,82 @@
+"""One value of every public class of `integrable`, in floats and multiprecision, for the tests of values."""
+
+from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde, load_scene
+from integrable.conditioning import conditioning
+from integrable.orbit import orbit
+from jacobian import GF, MP, RR
+
+FIELDS = {"RR": RR, "MP": MP(30)}
+GAMMA, M = ("12/25", "3/5", "16/25"), ("48/125", "32/25", "-186/125")
+
+
+def curried(h1, h2):
+    """A Hamiltonian of the shifts: a function that pickle finds by its name."""
+    return h1 / 2 + h2 * 0
+
+
+def systems_over(K):
+    """{what: system}."""
+    inertia = (1, 2, 4)
+    return {
+        "ball": ChaplyginBall(inertia, "0.7", field=K),
+        "ball in metres": ChaplyginBall(inertia, mass=2, radius="1/2", field=K),
+        "top": EulerTop(inertia, field=K),
+        "tilde": Tilde(inertia, field=K),
+        "rolling tilde": Tilde(inertia, "0.7", field=K),
+        "tilde in poles": Tilde(inertia, potential=(0, 0, 1, 1, 1), field=K),
+        "tilde in a field": Tilde(inertia, potential=(1, 0, 0, 0, 0), field=K),
+        "check": Check(inertia, field=K),
+        "hat": Hat(inertia, field=K),
+        "gyroscopic": Gyroscopic(inertia, 1, field=K),
+    }
+
+
+def steps_of(system, deformed):
+    """{what: step} of a ball and of a tilde pair."""
+    turned = deformed.translation((30, -30))
+    return {
+        "torsion": system.torsion(),
+        "translation": 2 * system.translation(["9/5", "5/2"]),
+        "keyless": system.keyless(),
+        "multiplication": system.multiplication(3),
+        "shift": system.shift(curried),
+        "composition": system.keyless() @ -system.torsion(),
+        "curve translation": turned,
+    }
+
+
+def values_over(K):
+    """{what: value} for a field of FIELDS."""
+    systems = systems_over(K)
+    ball, top = systems["ball"], systems["top"]
+    state = ball.state(GAMMA, M)
+    flow = ball.flow(state)
+    tilted = ball.state(GAMMA, ("1/2", 1, "-1"), tilted=True)
+    values = systems | steps_of(ball, systems["tilde"]) | {"state": state, "tilted state": tilted, "body": ball.body}
+    values |= {
+        "conic step": top.conic(0, 1),
+        "isometric step": systems["check"].translation((30, -30)),
+        "flow": flow,
+        "tilted flow": ball.flow(tilted),
+        "run": flow.at([0, "1/3", 2]),
+        "run in tau": flow.at_tau([1, 2]),
+        "certified run": flow.certify([1]),
+        "enclosure": flow.enclosure([1, 2]),
+        "orbit": orbit(ball.keyless(), state, 3),
+        "integrals": ball.integrals(state),
+        "transformation": ball.upright(tilted)[2],
+        "separated": ball.separated(state),
+        "divisor": ball.divisor(state),
+    }
+    if K is RR:
+        values["conditioning"] = conditioning(ball, state, [1.0])
+    for name in ("tilde", "rolling tilde", "tilde in poles", "tilde in a field", "check", "hat", "gyroscopic"):
+        motion = systems[name].motion_through(state)
+        values |= {f"motion of {name}": motion, f"run of {name}": motion.at(["1/10"])}
+    return values
+
+
+def other_values():
+    """What belongs to no field of FIELDS."""
+    exact = ChaplyginBall((1, 2, 4), 1, field=GF(10007))
+    return {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}

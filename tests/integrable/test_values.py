@@ -1,0 +1,106 @@
+"""What is public is a value: it does not change, compares by what it is, and survives pickle and copy."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+
+import integrable
+from integrable import ChaplyginBall, Trajectory
+from jacobian import RR
+from jacobian.immutable import Immutable, Record
+from tests.integrable.public_values import FIELDS, GAMMA, M, other_values, systems_over, values_over
+from tests.jacobian.test_values import attributes, descendants
+
+VALUES = {f"{name} over {kind}": value for kind, K in FIELDS.items() for name, value in values_over(K).items()}
+VALUES |= other_values()
+# the numbers of enclosures, which no one is handed
+INSIDE = {"BallField"}
+ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
+
+
+def test_the_table_holds_every_public_class():
+    kinds = {type(value) for value in VALUES.values()}
+    for name in integrable.__all__:
+        named = getattr(integrable, name)
+        assert not isinstance(named, type) or named in kinds, name
+    leaves = {kind for kind in descendants(Immutable) if not kind.__subclasses__()}
+    ours = {kind.__name__ for kind in leaves if kind.__module__.startswith("integrable.")}
+    assert ours - INSIDE <= {kind.__name__ for kind in kinds}
+
+
+@pytest.mark.parametrize("what", VALUES)
+def test_pickles_and_copies_are_equal(what):
+    value = VALUES[what]
+    for again in (pickle.loads(pickle.dumps(value)), copy.deepcopy(value), copy.copy(value)):
+        assert type(again) is type(value)
+        assert (again == value) is True
+        assert hash(again) == hash(value)
+    assert (value == "something else") is False
+
+
+@pytest.mark.parametrize("what", VALUES)
+def test_nothing_can_be_set_or_deleted(what):
+    value = VALUES[what]
+    for name in (*attributes(value), "something_new"):
+        for change in (lambda name=name: setattr(value, name, None), lambda name=name: delattr(value, name)):
+            with pytest.raises((AttributeError, TypeError)) as error:
+                change()
+            assert name in str(error.value) or isinstance(value, tuple)
+
+
+@pytest.mark.parametrize(
+    "what", [what for what, value in VALUES.items() if isinstance(value, Record) or "orbit" in what]
+)
+def test_arrays_of_results_cannot_be_written_to(what):
+    for run in (VALUES[what], pickle.loads(pickle.dumps(VALUES[what]))):
+        found = [
+            getattr(run, name, None) for name in ARRAYS if name not in ("contact", "omega") or what.startswith("run")
+        ]
+        if isinstance(run, Trajectory):
+            found += [*run.integrals]
+        for array in found:
+            if array is not None:
+                with pytest.raises(ValueError, match="read-only"):
+                    array[0] = array[0]
+
+
+@pytest.mark.parametrize("kind", FIELDS)
+def test_what_went_in_may_change_afterwards(kind):
+    K = FIELDS[kind]
+    number = np.float64 if K == RR else object
+    inertia, gamma, momentum = [1, 2, 4], [K.coerce(x) for x in GAMMA], np.array([K.coerce(x) for x in M], dtype=number)
+    ball = ChaplyginBall(inertia, "0.7", field=K)
+    state = ball.state(gamma, momentum)
+    times = np.array([K.coerce(1), K.coerce(2)], dtype=number)
+    flow = ball.flow(state)
+    runs = [flow.at(times), flow.at_tau(times), systems_over(K)["tilde"].flow(state).at(times)]
+    kept = pickle.dumps([run.times for run in runs])
+    inertia[0], gamma[0], momentum[0], times[:] = 7, K.zero, K.zero, K.zero
+    assert ball == VALUES[f"ball over {kind}"]
+    assert state == VALUES[f"state over {kind}"]
+    assert pickle.dumps([run.times for run in runs]) == kept
+
+
+def test_balls_of_two_radii_are_two():
+    small, large = ChaplyginBall((1, 2, 3), mass=1, radius=1), ChaplyginBall((1, 2, 3), mass="1/4", radius=2)
+    assert small.d == large.d
+    assert small != large
+
+
+def test_motions_and_runs_that_differ_compare_as_different():
+    ball = systems_over(RR)["ball"]
+    state, other = ball.state(GAMMA, M), ball.state(GAMMA, ("-48/125", "-32/25", "186/125"))
+    assert ball.flow(state) == ball.flow(state) != ball.flow(other)
+    assert ball.flow(state, kernel="python") != ball.flow(state)
+    flow = ball.flow(state)
+    assert flow.at([1, 2]) == flow.at([1, 2]) != flow.at([1, 3])
+    assert flow.at([1]) != flow.certify([1])
+
+
+def test_a_flow_in_another_process_goes_on():
+    flow = VALUES["flow over RR"]
+    again = pickle.loads(pickle.dumps(flow))
+    assert again is not flow
+    assert (again.at([3.0, 100.0]).gamma == flow.at([3.0, 100.0]).gamma).all()

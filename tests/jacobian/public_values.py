@@ -1,0 +1,68 @@
+"""One value of every public class of `jacobian`, over every kind of field: what the tests of values run over."""
+
+from random import Random
+
+from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
+from jacobian.abel import AbelMap
+from jacobian.batch import DivisorArray
+from jacobian.conic import representative
+from jacobian.fields.residue import ResidueField
+from jacobian.generalized import GeneralizedJacobian
+from jacobian.lift import SignedGroup
+from jacobian.periods import periods, real_periods
+from jacobian.ray_class import RayClassGroup
+
+FIELDS = {
+    "GF(p)": GF(101),
+    "GF(p), a long p": GF(2**89 - 1),
+    "GF(p^k), tables": GF(7, 2),
+    "GF(p^2), digits": GF(2**31 - 1, 2),
+    "GF(2^k), digits": GF(2, 20),
+    "QQ": QQ,
+    "RR": RR,
+    "CC": CC,
+    "MP": MP(30),
+    "MP, complex": MP(30, complex=True),
+}
+
+
+def curve_over(K):
+    """y² (+ xy + y) = x⁵ + 3x³ + 1."""
+    return HyperellipticCurve(K, [1, 0, 0, 3, 0, 1], [1, 1] if K.characteristic == 2 else 0)
+
+
+def values_over(K):
+    """{what: value} for a field of FIELDS."""
+    C = curve_over(K)
+    J = C.jacobian()
+    D = J.from_points([(0, 1)]) if K is QQ else J.random(Random(1))
+    values = {
+        "field": K,
+        "curve": C,
+        "group": J,
+        "divisor": D,
+        "zero": J.zero(),
+        "array": DivisorArray.stack([D, J.zero()]),
+        "table": J.fixed_base(D),
+        "affine point": C.lift_x(0),
+        "point at infinity": C.points_at_infinity()[0],
+    }
+    if K.exact:
+        rays = RayClassGroup(C)
+        values |= {"ray class group": rays, "ray class": rays.lift(D), "fibre": rays.fibre}
+    elif not getattr(K, "complex", K is CC):
+        ovals = real_periods(HyperellipticCurve(K, [0, 4, 0, -5, 0, 1]))
+        values |= {"Abel map": AbelMap(C), "periods": periods(C), "oval": ovals[0]}
+    if K.characteristic != 2:
+        values["split curve"] = HyperellipticCurve(K, [1, 2, 0, 0, 0, 0, 1])
+        values["split divisor"] = values["split curve"].jacobian().from_points([(0, 1)])
+        quartic = HyperellipticCurve(K, [poly.integer(K, c) for c in (0, 6, 11, 6, 1)])
+        pairs = SignedGroup(quartic, [0])
+        # (x + 1)(x + 2), a part of f
+        E = GeneralizedJacobian(quartic).from_mumford((2, 3, 1), (0, 0))
+        values |= {"generalized group": E.jacobian, "generalized class": E, "signed group": pairs}
+        values["signed divisor"] = pairs.twist((K.coerce(2), K.coerce(3), K.one), (K.zero, K.zero))
+    if GF(101) == K:
+        values |= {"pencil": representative(D, C.lift_x(0)), "structure": J.structure()}
+        values["residue field"] = ResidueField(K, (K.coerce(-2), K.zero, K.one))
+    return values
