@@ -1,0 +1,136 @@
+"""Fuzz of wrong arguments: every public callable with values from a zoo in place of one or two of its arguments.
+
+Right is a value, or at once an error of :mod:`jacobian.errors`; an ArgumentError's message is one line that names what
+is wrong. TypeError is Python's for missing and unknown arguments (none is here) and for operators that no operand
+knows. Arguments that are raw elements of hot paths by contract are left out: :data:`zoo.RAW`.
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+from collections.abc import Callable
+from functools import cache
+from random import Random
+from typing import Any
+
+from jacobian.errors import ArgumentError, JacobianError
+from tests.fuzz.case import Case, Complaint
+from tests.fuzz.fixtures import LINES, lines_for, made
+from tests.fuzz.run import Suite
+from tests.fuzz.zoo import CALLED, FACTORIES, FIXED, GOOD, HOSTILE, IMPORTED, OBJECTS, OPERATORS, RAW, ZOO
+
+# bytes that a call may take beside what the process has
+MEMORY = 2 << 30
+
+
+@cache
+def names() -> dict[str, Any]:
+    """The objects, made once; the program of a failure makes its own."""
+    found = made()
+    exec(HOSTILE + "\n".join(f"from {module} import {name}" for name, module in IMPORTED.items()), found)
+    return found
+
+
+@cache
+def targets() -> list[tuple[str, str, tuple[str, ...], frozenset[str]]]:
+    """(text of a callable, whose it is, its arguments, which of them are by keyword alone)."""
+    found = []
+    for name in OBJECTS:
+        kind = type(names()[name])
+        for method in sorted(
+            m for m in dir(kind) if not m.startswith("_") and m not in RAW and callable(getattr(kind, m))
+        ):
+            found.append((f"{name}.{method}", name))
+    found += [(name, name) for name in (*CALLED, *FACTORIES)]
+    return [made for text, owner in found if (made := _described(text, owner))[2]]
+
+
+def _described(text: str, owner: str) -> tuple[str, str, tuple[str, ...], frozenset[str]]:
+    try:
+        given = inspect.signature(eval(text, dict(names()))).parameters.values()
+    except ValueError:
+        given = ()  # type: ignore[assignment]
+    named = [p for p in given if p.kind not in (p.VAR_KEYWORD, p.VAR_POSITIONAL, p.POSITIONAL_ONLY)]
+    return text, owner, tuple(p.name for p in named), frozenset(p.name for p in named if p.kind == p.KEYWORD_ONLY)
+
+
+def good(text: str, owner: str, argument: str) -> str:
+    for key in (f"{text}.{argument}", f"{owner}.{argument}", f"{text.split('.')[-1]}.{argument}", argument):
+        if key in GOOD:
+            return GOOD[key]
+    return "None"
+
+
+def bad_argument(rng: Random) -> Case:
+    text, owner, arguments, _ = rng.choice(targets())
+    free = [x for x in arguments if (text.split(".")[-1], x) != ("coerce", "argument")]
+    wrong = set(rng.sample(free, min(len(free), rng.choice((1, 1, 1, 2)))))
+    if text == "run":
+        # a scene that is one would run for minutes
+        wrong |= {"scene"}
+    parts = [f"{x}={rng.choice(_zoo(text)) if x in wrong else good(text, owner, x)}" for x in arguments]
+    return case(f"{text}({', '.join(parts)})", lambda error: _names(error, wrong | set(arguments)))
+
+
+def _zoo(text: str) -> tuple[str, ...]:
+    return tuple(x for x in ZOO if x != "'chaplygin'") if text == "run" else ZOO
+
+
+def operator(rng: Random) -> Case:
+    text = rng.choice(OPERATORS)
+    text = text.format(*(f"({rng.choice(ZOO)})" for _ in range(text.count("{}"))))
+    # numpy answers for its own arrays beside a step
+    own = (ValueError,) if "@" in text else ()
+    return case(text, lambda error: None, (JacobianError, TypeError, IndexError, *own))
+
+
+def fixed_attribute(rng: Random) -> Case:
+    """Values do not change: setting an attribute of one is refused."""
+    name = rng.choice(list(FIXED))
+    text = f"setattr({name}, {rng.choice(FIXED[name])!r}, {rng.choice(ZOO)})"
+
+    def judge(_: Any) -> Complaint:
+        return Complaint("an attribute of a value was set", "an AttributeError", "False")
+
+    return Case(lines_for(text) + HOSTILE, text, judge, (AttributeError, TypeError, JacobianError), memory=MEMORY)
+
+
+def copied(rng: Random) -> Case:
+    """What is public pickles and copies, and the copy equals it."""
+    name = rng.choice([x for x in LINES if x not in ("T", "S", "Z")])
+    way = rng.choice(("pickle.loads(pickle.dumps({}))", "copy.copy({})", "copy.deepcopy({})"))
+    text = f"same({way.format(name)}, {name})"
+    setup = lines_for(text) + (
+        "import copy, pickle\n"
+        "def same(x, y):\n    equal = x == y\n    return bool(equal.all() if hasattr(equal, 'all') else equal)\n"
+    )
+    judge = lambda found: None if found["got"] else Complaint("the copy differs", "True", "got")  # noqa: E731
+    return Case(setup, text, judge, (), limit=2)
+
+
+def case(text: str, message: Callable[[Exception], str | None], refusals: Any = (JacobianError,)) -> Case:
+    """A call on the objects that are there; its program makes those that it needs."""
+    hostile = HOSTILE if "No" in text else ""
+    imports = "".join(f"from {IMPORTED[name]} import {name}\n" for name in IMPORTED if name in text)
+    return Case(
+        lines_for(text) + imports + hostile, text, lambda found: None, refusals, 1.0, names(), message, MEMORY
+    )  # fmt: skip
+
+
+def _names(error: Exception, arguments: set[str]) -> str | None:
+    """Why the message of an ArgumentError will not do; None if it will."""
+    said = str(error)
+    if not isinstance(error, ArgumentError):
+        return None if said else "no message"
+    if "\n" in said.strip():
+        return "a message of more than one line"
+    # an argument, or what the object itself is: "d = 0.7: …"
+    named = re.search(r"\w( = |=|:)", said) or any(x in said for x in arguments)
+    return None if named else f"the message names nothing: {said[:80]}"
+
+
+KINDS = {"bad argument": bad_argument, "operator": operator, "fixed attribute": fixed_attribute, "copied": copied}
+SUITE = Suite(
+    "calls", KINDS, {"bad argument": 16, "operator": 4}, {"": "from tests.fuzz.calls import targets\ntargets()\n"}
+)

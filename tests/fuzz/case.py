@@ -1,0 +1,180 @@
+"""One random case: a few lines of Python that are run, an oracle that judges what they give, and how it ended."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import signal
+import threading
+import time
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from jacobian.errors import JacobianError
+
+RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW = "right", "refused", "unjudged", "wrong", "raw", "slow"
+FAILURES = (WRONG, RAW, SLOW)
+# a call is stopped when it has taken so many times its limit
+PATIENCE = 3
+
+
+class Undecided(Exception):
+    """Raised by a judge whose oracle cannot tell, such as beyond its horizon."""
+
+
+class TooLong(BaseException):
+    """Raised by the alarm; no Exception, so that nothing that is tested catches it."""
+
+
+@dataclass(frozen=True)
+class Complaint:
+    """What a judge has against a value: ``expected`` and ``check`` are expressions, ``check`` one of got and expected
+    that ought to be true."""
+
+    why: str
+    expected: str
+    check: str
+
+
+Judge = Callable[[dict[str, Any]], "Complaint | None"]
+
+
+@dataclass(frozen=True)
+class Case:
+    """``setup`` and then ``call`` are what a user would write; ``judge`` takes all names that are bound afterwards,
+    ``got`` the value of the call. ``refusals``: what the call may raise. ``limit``: seconds.
+
+    ``given``: names that are bound already, instead of running ``setup``. ``message``: what is wrong about the message
+    of a refusal, if anything. ``memory``: bytes that the call may take."""
+
+    setup: str
+    call: str
+    judge: Judge
+    refusals: tuple[type[Exception], ...] = (JacobianError,)
+    limit: float = 1.0
+    given: Mapping[str, Any] | None = None
+    message: Callable[[Exception], str | None] = lambda error: None
+    memory: int | None = None
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """How a case ended: one of the words above, why, and for a failure the program that shows it."""
+
+    word: str
+    why: str = ""
+    program: str = ""
+    seconds: float = field(default=0.0, compare=False)
+
+
+def run(case: Case) -> Outcome:
+    """Run and judge. What answered over its limit is run once more: the first call may have compiled something."""
+    outcome = _run(case)
+    return _run(case) if outcome.word == SLOW and outcome.seconds < PATIENCE * case.limit else outcome
+
+
+def _run(case: Case) -> Outcome:
+    names = dict(case.given or {})
+    wall, own = time.perf_counter(), time.process_time()
+
+    def taken() -> float:
+        return min(time.perf_counter() - wall, time.process_time() - own)
+
+    try:
+        with alarm(PATIENCE * case.limit), _bounded(case.memory):
+            if case.given is None:
+                exec(compile(case.setup, "<set-up>", "exec"), names)
+            names["got"] = eval(compile(case.call, "<call>", "eval"), names)
+    except TooLong:
+        return Outcome(SLOW, f"stopped after {PATIENCE * case.limit:.0f} s", _program(case, "no answer"), taken())
+    except case.refusals as error:
+        if taken() > case.limit:
+            return Outcome(SLOW, f"refused after {taken():.1f} s: {error}", _program(case, _first(error)), taken())
+        if fault := case.message(error):
+            return Outcome(WRONG, f"{type(error).__name__}, {fault}", _program(case, _first(error)), taken())
+        return Outcome(REFUSED, reason(error), seconds=taken())
+    except Exception as error:
+        return Outcome(RAW, f"{reason(error)} in {_place(error)}", _program(case, _first(error)), taken())
+    seconds = taken()
+    if seconds > case.limit:
+        return Outcome(SLOW, f"{seconds:.1f} s", _program(case, f"an answer after {seconds:.1f} s"), seconds)
+    return _judged(case, names, seconds)
+
+
+def _judged(case: Case, names: dict[str, Any], seconds: float) -> Outcome:
+    try:
+        complaint = case.judge(names)
+    except Undecided as error:
+        return Outcome(UNJUDGED, str(error), seconds=seconds)
+    except Exception as error:
+        complaint = Complaint(f"the judge failed: {_first(error)} in {_place(error)}", "None", "False")
+    if complaint is None:
+        return Outcome(RIGHT, seconds=seconds)
+    lines = [
+        case.setup.strip(),
+        f"got = {case.call}",
+        f"expected = {complaint.expected}",
+        f"assert {complaint.check}, got",
+    ]
+    return Outcome(WRONG, complaint.why, "\n".join(lines), seconds)
+
+
+@contextlib.contextmanager
+def alarm(seconds: float) -> Iterator[None]:
+    """Raises TooLong after so many seconds, where the platform has such alarms (POSIX, main thread)."""
+    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+
+    def ring(*_: Any) -> None:
+        raise TooLong
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        signal.signal(signal.SIGALRM, before)
+
+
+@contextlib.contextmanager
+def _bounded(memory: int | None) -> Iterator[None]:
+    """MemoryError instead of a machine that swaps, where the platform has such limits (Linux)."""
+    if memory is None or not os.path.exists("/proc/self/statm"):
+        yield
+        return
+    import resource
+
+    with open("/proc/self/statm") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    before = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + memory, before[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, before)
+
+
+def reason(error: BaseException) -> str:
+    """The class and the first words of an error, its numbers left out: one kind of refusal, one text."""
+    text = re.sub(r"[-−]?\d[\w.+-]*", "#", str(error).split("\n")[0])
+    text = re.sub(r"(#[,; )]*\s*)+", "# ", text)
+    return f"{type(error).__name__}: {' '.join(text.split()[:9])}"
+
+
+def _program(case: Case, got: str) -> str:
+    return f"{case.setup.strip()}\ngot = {case.call}\n# expected: an answer or a refusal by name, at once; got {got}"
+
+
+def _first(error: BaseException) -> str:
+    return f"{type(error).__name__}: {str(error).splitlines()[0][:150] if str(error) else ''}"
+
+
+def _place(error: BaseException) -> str:
+    frames = traceback.extract_tb(error.__traceback__)
+    inside = [frame for frame in frames if not frame.filename.startswith("<")] or frames
+    return f"{inside[-1].filename.rsplit('/', 1)[-1]}:{inside[-1].lineno}"

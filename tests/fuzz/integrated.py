@@ -1,0 +1,210 @@
+"""Motions by integration of their equations: heyoka's Taylor series in long doubles where it is installed; else the
+compiled Taylor series of :mod:`integrable.taylor_compiled`, which imports nothing of the flow, and SciPy's DOP853.
+
+The equations are written here once more (γ̇ = γ×Ω; the deformations': Tsiganov, Hamiltonian H/2, time of the ball).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from tests.fuzz.case import Undecided
+from tests.fuzz.distributions import Motion
+
+MOST_STEPS = 12000
+EPS = 2.0**-52
+
+
+def body(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """(Ω, Ṁ) of balls and tops, q = I·a."""
+    w = [a[i] * m[i] for i in range(3)]
+    spin = d * dot(x, w) / sum(q[i] * x[i] * x[i] for i in range(3))
+    w = [w[i] + spin * a[i] * x[i] for i in range(3)]
+    return w, cross(m, w)
+
+
+def tilde(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """H = (M, AM) − s(M, M) + 2dG(γ, AM)², s = (γ, Aγ), G = 1/(1 − ds)."""
+    Ax, Am, s = times(a, x), times(a, m), dot(x, times(a, x))
+    spin = d * dot(x, Am) / sum(q[i] * x[i] * x[i] for i in range(3))
+    w = mixed((1, Am), (-s, m), (2 * spin, Ax))
+    return w, added(cross(m, w), cross(x, mixed((spin, Am), (spin * s, m), (-dot(m, m), Ax))))
+
+
+def check(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """H = s(M, AM) − s²(M, M) − 2(γ, AM)²."""
+    Ax, Am, s, xi = times(a, x), times(a, m), dot(x, times(a, x)), dot(x, times(a, m))
+    w = mixed((s, Am), (-s * s, m), (-2 * xi, Ax))
+    return w, added(cross(m, w), cross(x, mixed((dot(m, Am) - 2 * s * dot(m, m), Ax), (-2 * xi, Am))))
+
+
+def hat(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """H = α(M, AM) − (σ + ατ)(M, M), σ = (γ, A^∨γ), τ = tr A − s, α = σ tr A⁻¹ − 2τ."""
+    dual, Ax, Am = [a[i - 2] * a[i - 1] for i in range(3)], times(a, x), times(a, m)
+    inverse, tau = sum(1 / y for y in a), sum(a) - dot(x, Ax)
+    sigma = dot(x, times(dual, x))
+    alpha = sigma * inverse - 2 * tau
+    height = dot(m, Am) - tau * dot(m, m)
+    w = mixed((alpha, Am), (-sigma - alpha * tau, m))
+    pull = mixed((inverse * height - dot(m, m), times(dual, x)), (2 * height + alpha * dot(m, m), Ax))
+    return w, added(cross(m, w), cross(x, pull))
+
+
+def gyroscopic(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """H = (M, AM) − s(M, M) + c(M, γ×Aγ) + c²s/4."""
+    Ax, Am, s = times(a, x), times(a, m), dot(x, times(a, x))
+    w = mixed((1, Am), (-s, m), (c / 2, cross(x, Ax)))
+    turned = added(cross(Ax, m), times(a, cross(m, x)))
+    return w, added(cross(m, w), cross(x, mixed((c * c / 4 - dot(m, m), Ax), (c / 2, turned))))
+
+
+EQUATIONS = {"body": body, "tilde": tilde, "check": check, "hat": hat, "gyroscopic": gyroscopic}
+
+
+def dot(x: Any, y: Any) -> Any:
+    return x[0] * y[0] + x[1] * y[1] + x[2] * y[2]
+
+
+def times(a: Any, x: Any) -> list[Any]:
+    return [a[i] * x[i] for i in range(3)]
+
+
+def cross(x: Any, y: Any) -> list[Any]:
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
+
+
+def mixed(*terms: Any) -> list[Any]:
+    return [sum(c * v[i] for c, v in terms) for i in range(3)]
+
+
+def added(x: Any, y: Any) -> list[Any]:
+    return [x[i] + y[i] for i in range(3)]
+
+
+class Integrated:
+    """``rows`` (N, 6) of γ and M/|M(0)|, NaN beyond the horizon, and ``floor`` (N,) as in :class:`closed_forms.Closed`.
+
+    ``equations``: a name above; ``c``: the constant of the gyroscopic terms.
+    """
+
+    def __init__(self, start: Motion, equations: str = "body", c: float = 0.0) -> None:
+        self.start, self.equations, self.c = start, equations, c
+        self.extended = heyoka() is not None
+
+    def rows(self, wanted: Any) -> np.ndarray:
+        s = self.start
+        return self._rows(*map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c)), wanted)
+
+    def floor(self, wanted: Any) -> np.ndarray:
+        """The largest change under two changes of all inputs by 2^-46 of themselves, as one of 2^-52."""
+        s, wild = self.start, np.random.default_rng(0)
+        base, worst = self.rows(wanted), np.zeros(len(wanted))
+        for _ in range(2):
+            f = 1 + np.longdouble(2.0**-46) * wild.choice([-1, 1], 11)
+            for i, j in ((1, 0), (2, 0), (2, 1)):
+                f[i] = f[j] if s.inertia[i] == s.inertia[j] else f[i]
+            inputs = s.inertia * f[:3], s.d * f[3], s.gamma * f[4:7], s.M * f[7:10], self.c * f[10]
+            worst = np.maximum(worst, abs(self._rows(*inputs, wanted) - base).max(axis=1))
+        return worst / 64 + 4 * EPS + self._own_error(base, wanted)
+
+    def _own_error(self, base: np.ndarray, wanted: Any) -> Any:
+        """What the integrator itself may be off by: by another order of its series, or a bound for each turn."""
+        s = self.start
+        if self.extended:
+            inputs = map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c))
+            return abs(self._rows(*inputs, wanted, 1e-17) - base).max(axis=1)
+        turns = np.array([1 + abs(t) * s.speed for t in wanted])
+        return (10 * EPS if self.equations == "body" else 1e-12) * turns
+
+    def _rows(self, inertia: Any, d: Any, gamma: Any, M: Any, c: Any, wanted: Any, tol: float = 1e-20) -> np.ndarray:
+        gamma = gamma / np.sqrt(gamma @ gamma)
+        if not self.start.tilted:
+            M = M - (gamma @ M) * gamma
+        unit = np.sqrt(M @ M)
+        a, wanted = 1 / (inertia + d), np.array(wanted) * unit
+        if self.extended:
+            return _by_heyoka(
+                _integrator(self.equations, tol), [*a, *(inertia * a), d, c / unit], [*gamma, *M / unit], wanted
+            )
+        # what no extended integrator reaches is left to cases of shorter times
+        wanted = np.where(abs(wanted) * max(a) <= MOST_STEPS / 6, wanted, np.nan)
+        if self.equations == "body":
+            return _by_taylor(inertia, d, gamma, M / unit, wanted)
+        return _by_scipy(self.equations, a, inertia * a, d, c / unit, [*gamma, *M / unit], wanted)
+
+
+@cache
+def heyoka() -> Any:
+    """The module, None where it is not installed."""
+    try:
+        import heyoka as found
+    except ImportError:
+        return None
+    return found
+
+
+@cache
+def _integrator(name: str, tol: float) -> Any:
+    """heyoka's integrator of the equations with their constants as parameters, compiled once."""
+    hy = heyoka()
+    x, m = hy.make_vars("x1", "x2", "x3"), hy.make_vars("m1", "m2", "m3")
+    a, q, d, c = [hy.par[i] for i in range(3)], [hy.par[3 + i] for i in range(3)], hy.par[6], hy.par[7]
+    w, momentum = EQUATIONS[name](a, q, d, c, x, m)
+    equations = list(zip([*x, *m], [*cross(x, w), *momentum], strict=True))
+    start = np.zeros(6, np.longdouble)
+    return hy.taylor_adaptive(equations, start, fp_type=np.longdouble, tol=np.longdouble(tol), compact_mode=True)
+
+
+def _by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.ndarray:
+    run.pars[:] = constants[: len(run.pars)]
+    rows = np.full((len(wanted), 6), np.nan)
+    for sign in (1, -1):
+        chosen = np.flatnonzero(sign * wanted > 0)
+        if not len(chosen):
+            continue
+        grid, back = np.unique(abs(wanted[chosen]), return_inverse=True)
+        run.time = np.longdouble(0)
+        run.state[:] = start
+        *_, values = run.propagate_grid(np.concatenate([[0], sign * grid]).astype(np.longdouble), max_steps=MOST_STEPS)
+        found = np.full((len(grid), 6), np.nan)
+        found[: len(values) - 1] = values[1:]
+        rows[chosen] = found[back]
+    rows[wanted == 0] = start
+    return rows
+
+
+def _by_taylor(inertia: Any, d: Any, gamma: Any, M: Any, wanted: np.ndarray) -> np.ndarray:
+    from integrable.taylor_compiled import compiled_taylor
+
+    system, start = SimpleNamespace(inertia=inertia, d=d), SimpleNamespace(gamma=gamma, M=M)
+    near, rows = ~np.isnan(wanted), np.full((len(wanted), 6), np.nan)
+    found = compiled_taylor(system, start, wanted[near].tolist(), tolerance=1e-17)
+    rows[near] = np.hstack([found.gamma, found.M])
+    return rows
+
+
+def _by_scipy(name: str, a: Any, q: Any, d: Any, c: Any, start: Any, wanted: np.ndarray) -> np.ndarray:
+    from scipy.integrate import solve_ivp
+
+    a, q, d, c, start = a.astype(float), q.astype(float), float(d), float(c), np.array(start, dtype=float)
+
+    def rates(_: float, y: np.ndarray) -> list[Any]:
+        w, momentum = EQUATIONS[name](a, q, d, c, y[:3], y[3:])
+        return [*cross(y[:3], w), *momentum]
+
+    rows = np.full((len(wanted), 6), np.nan)
+    for sign in (1, -1):
+        chosen = np.flatnonzero(sign * wanted > 0)
+        if not len(chosen):
+            continue
+        grid, back = np.unique(abs(wanted[chosen]), return_inverse=True)
+        found = solve_ivp(rates, (0, sign * grid[-1]), start, "DOP853", sign * grid, rtol=3e-14, atol=1e-16)
+        if not found.success:
+            raise Undecided("SciPy gave up")
+        rows[chosen] = found.y.T[back]
+    rows[wanted == 0] = start
+    return rows

@@ -1,0 +1,170 @@
+"""Many cases one after the other: counts, the first failure, several processes."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from itertools import count, islice
+from random import Random
+from traceback import format_exception
+from typing import Any, Protocol
+
+from tests.fuzz.case import FAILURES, RAW, REFUSED, RIGHT, SLOW, UNJUDGED, WRONG, Case, Outcome, run
+
+WORDS = (RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW)
+SHOWN = {REFUSED: "refused by name", RAW: "raw exceptions", SLOW: "over the time limit"}
+
+
+class Maker(Protocol):
+    """What makes a case of one kind from random numbers."""
+
+    def __call__(self, rng: Random) -> Case: ...
+
+
+@dataclass(frozen=True)
+class Suite:
+    """``kinds``: what makes a case of each kind; ``shares``: how many of them in a round, 1 by default. ``warm``: lines
+    run once before the cases of a kind (of any for ""), without a limit, in which compiled code is made or loaded: an
+    alarm would leave numba in pieces."""
+
+    name: str
+    kinds: Mapping[str, Maker]
+    shares: Mapping[str, int] = field(default_factory=dict)
+    warm: Mapping[str, str] = field(default_factory=dict)
+
+    def warmed(self, kinds: Sequence[str] = ()) -> None:
+        """What the kinds, or all of them, are warmed by: once for a process."""
+        for kind, text in self.warm.items():
+            if not kind or not kinds or kind in kinds:
+                _warm(text)
+
+    def kind_of(self, index: int, kinds: Sequence[str]) -> str:
+        """The kind of a case: rounds of all kinds, or of the chosen ones, in which each has its share."""
+        chosen = [kind for kind in self.kinds if not kinds or kind in kinds]
+        order = [kind for kind in chosen for _ in range(self.shares.get(kind, 1))]
+        return order[index % len(order)]
+
+    def case(self, seed: Any, kind: str, index: int) -> Case:
+        """Case ``index`` of a kind: a function of its arguments alone, on every machine."""
+        return self.kinds[kind](Random(f"{self.name} {seed} {kind} {index}"))
+
+
+@cache
+def _warm(text: str) -> None:
+    exec(compile(text, "<warm-up>", "exec"), {})
+
+
+@dataclass
+class Tally:
+    """How the cases of a run ended, by kind and by reason, and the failures."""
+
+    counts: Counter[tuple[str, str]] = field(default_factory=Counter)
+    reasons: Counter[tuple[str, str, str]] = field(default_factory=Counter)
+    failures: list[str] = field(default_factory=list)
+    slowest: float = 0.0
+    seconds: float = 0.0
+
+    def take(self, kind: str, outcome: Outcome, header: str) -> None:
+        self.counts[kind, outcome.word] += 1
+        self.slowest = max(self.slowest, outcome.seconds)
+        if outcome.word != RIGHT:
+            self.reasons[kind, outcome.word, outcome.why] += outcome.word in (REFUSED, UNJUDGED)
+        if outcome.word in FAILURES:
+            self.failures.append(f"# {header}: {outcome.word}, {outcome.why}\n{outcome.program}")
+
+    def add(self, other: Tally) -> None:
+        self.counts += other.counts
+        self.reasons += other.reasons
+        self.failures += other.failures
+        self.slowest = max(self.slowest, other.slowest)
+
+    def of(self, word: str, kind: str | None = None) -> int:
+        """How many cases (of a kind) ended so."""
+        return sum(n for (k, w), n in self.counts.items() if w == word and kind in (None, k))
+
+    @property
+    def failed(self) -> bool:
+        return any(self.of(word) for word in FAILURES)
+
+    def line(self) -> str:
+        """All counts in one line: the sums, then kind by kind with the reasons of what was not judged."""
+        total = sum(self.counts.values())
+        sums = ", ".join(f"{self.of(word)} {SHOWN.get(word, word)}" for word in WORDS)
+        kinds = dict.fromkeys(kind for kind, _ in self.counts)
+        parts = [f"{total} cases in {self.seconds:.0f} s, the slowest {self.slowest:.2f} s: {sums}"]
+        return " | ".join([*parts, *(self._of_kind(kind) for kind in kinds)])
+
+    def _of_kind(self, kind: str) -> str:
+        words = [f"{self.of(word, kind)} {word}" for word in WORDS if self.of(word, kind)]
+        reasons = [f"{n} {why}" for (k, _, why), n in self.reasons.most_common() if k == kind and n]
+        return f"{kind}: {', '.join(words)}" + (f" ({'; '.join(reasons)})" if reasons else "")
+
+    def data(self) -> dict[str, Any]:
+        """The same for a JSON file."""
+        kinds = dict.fromkeys(kind for kind, _ in self.counts)
+        return {
+            "cases": sum(self.counts.values()),
+            "seconds": round(self.seconds, 1),
+            "slowest": round(self.slowest, 3),
+            "totals": {word: self.of(word) for word in WORDS},
+            "kinds": {
+                kind: {
+                    **{word: self.of(word, kind) for word in WORDS},
+                    "reasons": {f"{w}: {why}": n for (k, w, why), n in self.reasons.most_common() if k == kind and n},
+                }
+                for kind in kinds
+            },
+            "failures": self.failures,
+        }
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What to run: cases ``start``, ``start + stride``, … of a suite, up to a number of them or of seconds."""
+
+    suite: Suite
+    seed: Any
+    kinds: tuple[str, ...] = ()
+    cases: int | None = None
+    until: float | None = None
+    start: int = 0
+    stride: int = 1
+
+    def indices(self) -> Iterator[int]:
+        return islice(count(self.start, self.stride), None if self.cases is None else max(0, self._mine()))
+
+    def _mine(self) -> int:
+        assert self.cases is not None
+        return (self.cases - self.start + self.stride - 1) // self.stride
+
+    def header(self, kind: str, index: int) -> str:
+        return f"python -m tests.fuzz {self.suite.name} --seed {self.seed} --kind {kind!r} --case {index}"
+
+
+def follow(plan: Plan, report: Any = None) -> Tally:
+    """Run a plan; ``report`` is called with every failure when it happens."""
+    tally, began = Tally(), time.perf_counter()
+    plan.suite.warmed(plan.kinds)
+    for index in plan.indices():
+        if plan.until is not None and time.time() >= plan.until:
+            break
+        kind = plan.suite.kind_of(index, plan.kinds)
+        known = len(tally.failures)
+        tally.take(kind, _outcome(plan, kind, index), plan.header(kind, index))
+        if report and len(tally.failures) > known:
+            report(tally.failures[-1])
+    tally.seconds = time.perf_counter() - began
+    return tally
+
+
+def _outcome(plan: Plan, kind: str, index: int) -> Outcome:
+    try:
+        case = plan.suite.case(plan.seed, kind, index)
+    except Exception as error:
+        return Outcome(
+            RAW, f"{type(error).__name__} while the case was made: {error}", "".join(format_exception(error))
+        )
+    return run(case)
