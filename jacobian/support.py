@@ -68,12 +68,15 @@ def divisor_of_points(
 
 def _inexact_sum(J: Jacobian, points: list[AffinePoint], n: int | None) -> Divisor:
     """Parts of at most g points, added by the inexact kernel; on a split model one part, with its weight in range."""
+    from jacobian.inexact_points import in_order
+
     g = J.curve.genus
     if n is not None and not 0 <= n <= g - len(points):
         raise NotRepresentable(
             f"points: {len(points)} with the weight {n} at ∞₊, not in 0 … {g - len(points)}; "
             f"over {J.field.name} add smaller sums"
         )
+    points = in_order(points)
     parts = [points[start : start + g] for start in range(0, len(points), g)] or [[]]
     total, *rest = [Divisor(J, *pair_of_points(J.curve, part), n) for part in parts]
     for part in rest:
@@ -83,6 +86,8 @@ def _inexact_sum(J: Jacobian, points: list[AffinePoint], n: int | None) -> Divis
 
 def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
     """The points without pairs P, ιP, and the number of pairs taken out (a branch point is its own opposite)."""
+    if not C.field.exact:
+        return _cancel_inexact(C, points)
     K = C.field
     kept: list[AffinePoint] = []
     cancelled = 0
@@ -96,13 +101,32 @@ def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple
     return kept, cancelled
 
 
+def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
+    """The same, where y is known to rounding only."""
+    from jacobian.inexact_points import opposite
+
+    kept: list[AffinePoint] = []
+    for point in points:
+        other = next((earlier for earlier in kept if opposite(C, point, earlier)), None)
+        if other is None:
+            kept.append(point)
+        else:
+            kept.remove(other)
+    return kept, (len(points) - len(kept)) // 2
+
+
 def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
     """(u, v) through the points, repeated ones with their multiplicity; no point beside its opposite.
 
-    One point at a time (Newton's interpolation): v → v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and
-    k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where u(x₀) = 0 already.
+    Over an inexact field :mod:`jacobian.inexact_points`; else one point at a time (Newton's interpolation):
+    v → v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u,
+    where u(x₀) = 0 already.
     """
     K = C.field
+    if not K.exact:
+        from jacobian import inexact_points
+
+        return inexact_points.pair_of_points(C, points)
     u: poly.Poly = (K.one,)
     v: poly.Poly = ()
     for i, (x, y) in enumerate(points):
@@ -112,7 +136,6 @@ def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[po
             k = K.div(poly.evaluate(K, w, x), slope)
         else:
             k = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
-        term = poly.scale(K, k, u)
-        v = poly.add(K, v, poly.trim(K, term) if K.exact else term)
+        v = poly.add(K, v, poly.trim(K, poly.scale(K, k, u)))
         u = poly.mul(K, u, (K.neg(x), K.one))
     return u, v

@@ -61,6 +61,14 @@ class RealField(InexactField):
             raise NotASquare(f"{x} is negative: no square root in RR")
         return math.sqrt(x)
 
+    def exponent(self, x: float) -> int:
+        """The e with 2^(e−1) ≤ |x| < 2^e, for x ≠ 0."""
+        return math.frexp(x)[1]
+
+    def shift(self, x: float, bits: int) -> float:
+        """x·2^bits; OverflowError beyond the range."""
+        return math.ldexp(x, bits)
+
     def random(self, rng: Any) -> float:
         """Uniform in [−2, 2)."""
         return 4.0 * float(rng.random()) - 2.0
@@ -105,6 +113,14 @@ class ComplexField(InexactField):
     def sqrt(self, x: complex) -> complex:
         """The principal square root."""
         return cmath.sqrt(x)
+
+    def exponent(self, x: complex) -> int:
+        """The e with 2^(e−1) ≤ max(|re x|, |im x|) < 2^e, for x ≠ 0."""
+        return math.frexp(max(abs(x.real), abs(x.imag)))[1]
+
+    def shift(self, x: complex, bits: int) -> complex:
+        """x·2^bits; OverflowError beyond the range."""
+        return complex(math.ldexp(x.real, bits), math.ldexp(x.imag, bits))
 
     def random(self, rng: Any) -> complex:
         """Uniform in the square [−2, 2)²."""

@@ -99,6 +99,15 @@ class MultiprecisionField(InexactField):
             raise NotASquare(f"{x} is negative: no square root in {self.name}")
         return self.context.sqrt(x)
 
+    def exponent(self, x: Any) -> int:
+        """The e with 2^(e−1) ≤ |x| < 2^e, for x ≠ 0, of the larger of re x and im x."""
+        parts = x._mpc_ if hasattr(x, "_mpc_") else (x._mpf_,)
+        return max(int(exponent + bits) for _, mantissa, exponent, bits in parts if mantissa)
+
+    def shift(self, x: Any, bits: int) -> Any:
+        """x·2^bits."""
+        return x * self.context.ldexp(1, bits)
+
     def random(self, rng: Any) -> Any:
         """Uniform in [−2, 2), or in the square of that side."""
         if self.complex:

@@ -1,0 +1,164 @@
+"""Polynomials of fixed length, nothing trimmed, and orthogonal linear algebra on a handful of rows.
+
+What inexact composition needs, on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
+ascending lists.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from jacobian.errors import PrecisionLoss
+
+Number = Any
+Coefficients = list[Number]
+
+
+def added(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
+    """a + b."""
+    short, long = (a, b) if len(a) < len(b) else (b, a)
+    return [x + y for x, y in zip(short, long, strict=False)] + list(long[len(short) :])
+
+
+def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
+    """a·b."""
+    if not a or not b:
+        return []
+    result = [0 * a[0]] * (len(a) + len(b) - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            result[i + j] += x * y
+    return result
+
+
+def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
+    """(quotient, remainder) of a by a monic polynomial."""
+    rest, m = list(a), len(monic) - 1
+    for i in range(len(rest) - m - 1, -1, -1):
+        lead = rest[i + m]
+        for j in range(m):
+            rest[i + j] -= lead * monic[j]
+    return rest[m:], rest[:m]
+
+
+def remainder(a: Sequence[Number], monic: Sequence[Number]) -> Coefficients:
+    """a mod u, of length deg u exactly."""
+    rest = divided(a, monic)[1]
+    return rest + [0 * monic[0]] * (len(monic) - 1 - len(rest))
+
+
+def residue(f: Sequence[Number], u: Sequence[Number], v: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
+    """Quotient and remainder of f − v² by u."""
+    return divided(added(f, [-c for c in product(v, v)]), u)
+
+
+def value_at(a: Sequence[Number], x: Number) -> Number:
+    """a(x)."""
+    total = 0 * x
+    for c in reversed(a):
+        total = total * x + c
+    return total
+
+
+def size(a: Sequence[Number]) -> Number:
+    """The largest coefficient."""
+    return max((abs(c) for c in a), default=0)
+
+
+def absolute(a: Sequence[Number]) -> Coefficients:
+    """The sizes of the coefficients."""
+    return [abs(c) for c in a]
+
+
+def bound(monic: Sequence[Number]) -> Coefficients:
+    """The modulus by which remainders of absolute values bound the remainders modulo u: nothing cancels."""
+    return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
+
+
+def multiplication(factor: Sequence[Number], monic: Sequence[Number]) -> list[Coefficients]:
+    """The matrix of c ↦ factor·c modulo u, on coefficients."""
+    column = remainder(factor, monic)
+    columns = []
+    for _ in column:
+        columns.append(column)
+        column = remainder([0 * monic[0], *column], monic)
+    return [list(row) for row in zip(*columns, strict=True)]
+
+
+def norm(values: Any) -> Number:
+    """The Euclidean norm."""
+    return sum(abs(x) ** 2 for x in values) ** 0.5
+
+
+def pivoted_qr(columns: list[Coefficients]) -> tuple[list[int], list[Coefficients]]:
+    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first."""
+    columns = [list(column) for column in columns]
+    order = list(range(len(columns)))
+    for k in range(min(len(columns), len(columns[0]))):
+        largest = max(range(k, len(columns)), key=lambda j: sum(abs(x) ** 2 for x in columns[j][k:]))
+        columns[k], columns[largest] = columns[largest], columns[k]
+        order[k], order[largest] = order[largest], order[k]
+        _reflect(columns, k)
+    return order, columns
+
+
+def null_vector(order: list[int], triangle: list[Coefficients]) -> Coefficients:
+    """The vector that the numerically dependent last column of R gives, in the original order."""
+    n = len(order)
+    solution = _back_substitute(triangle[:-1], [-x for x in triangle[-1][: n - 1]])
+    result = [*solution, 1 + 0 * triangle[-1][0]]
+    return [result[order.index(j)] for j in range(n)]
+
+
+def least_squares(rows: list[Coefficients], right: Coefficients) -> Coefficients:
+    """The solution of an overdetermined system with the least sum of squares."""
+    columns = [list(column) for column in zip(*rows, strict=True)] + [list(right)]
+    for k in range(len(columns) - 1):
+        _reflect(columns, k)
+    return _back_substitute(columns[:-1], columns[-1])
+
+
+def _reflect(columns: list[Coefficients], k: int) -> None:
+    """The Householder reflection that clears column k below its diagonal, applied to columns k, k+1, …; then row k is
+    turned so that the diagonal is positive, which makes R a continuous function of the columns.
+    """
+    head = columns[k][k:]
+    length = norm(head)
+    if not length:
+        return
+    turn = phase(head[0])
+    head[0] += length * turn
+    factor = 2 * inverse(sum(abs(x) ** 2 for x in head))
+    back = -turn.conjugate()
+    for column in columns[k:]:
+        overlap = factor * sum(x.conjugate() * y for x, y in zip(head, column[k:], strict=True))
+        for i, x in enumerate(head, k):
+            column[i] -= overlap * x
+        column[k] *= back
+
+
+def phase(x: Number) -> Number:
+    """x/|x|, or 1 for 0."""
+    if isinstance(x, float):
+        return -1.0 if x < 0 else 1.0
+    of_copies = getattr(x, "phase", None)
+    if of_copies:
+        return of_copies()
+    return 1 + x if x == 0 else x / abs(x)
+
+
+def inverse(x: Number) -> Number:
+    """1/x; of the copies of a watched number those that are 0 stay 0."""
+    of_copies = getattr(x, "inverse", None)
+    return of_copies() if of_copies else 1 / x
+
+
+def _back_substitute(triangle: list[Coefficients], right: Coefficients) -> Coefficients:
+    n = len(triangle)
+    solution = list(right[:n])
+    for k in range(n - 1, -1, -1):
+        if abs(triangle[k][k]) == 0:
+            raise PrecisionLoss("the divisors are too close to a special position for this precision; use more digits")
+        solution[k] = (solution[k] - sum(triangle[j][k] * solution[j] for j in range(k + 1, n))) / triangle[k][k]
+    return solution
