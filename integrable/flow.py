@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.domain import check_domain
 from integrable.flow_setup import Setup
 from integrable.trajectory import Trajectory
 from jacobian import RR
@@ -63,6 +64,8 @@ class Flow(Immutable):
         self.system = system
         self.state = state
         self.kernel = kernel
+        if system.field == RR:
+            check_domain(system, state)
         if state.tilted:
             # M ∥ γ is refused in the precision of the state
             system.upright(state)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from math import ceil, log
+from math import ceil, log, log10
 from typing import Any
 
 from integrable.body import Body, Vector
@@ -39,7 +39,7 @@ class Setup:
         if field != RR and (type(field) is not type(MP(15)) or field.complex):
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
         if field == RR and digits is None:
-            self.wide, self.work, digits = MP(FLOAT_DIGITS), RR, 16
+            self.wide, self.work, digits = MP(FLOAT_DIGITS + digits_of_closeness(body)), RR, 16
         else:
             digits = (field.dps if digits is None else digits) + GUARD_DIGITS
             self.wide, self.work = MP(digits + WIDER), MP(digits)
@@ -253,6 +253,14 @@ class Setup:
     def step_length(self) -> Any:
         """τ' of one basic step, in the wide precision."""
         return 2 * self._half_step
+
+
+def digits_of_closeness(body: Body) -> int:
+    """How many more digits a divisor takes where all moments are nearly equal, or nearly nothing beside d: U vanishes
+    like the square of what they differ by, V like its third power.
+    """
+    most, least = max(body.inertia), min(body.inertia)
+    return 0 if most == least else ceil(3 * log10((most + body.d) / (most - least)))
 
 
 def opposite(step: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -17,7 +17,7 @@ import numpy as np
 
 from integrable import torus_kernel, torus_survey
 from integrable.dense_panels import NODES, Panels, States, panel_length
-from integrable.torus_lattice import TorusLattice, best_origin, motion_row
+from integrable.torus_lattice import TorusLattice, Units, motion_row
 from integrable.torus_series import TorusSeries, long_double, needed_sizes, spectrum
 from integrable.torus_survey import about_centre
 from integrable.torus_witness import confirmed
@@ -239,18 +239,17 @@ class TorusFlow:
         self._setup = setup
         self._loops = loops
         row = loops.row
-        # the motion in an abscissa with an origin of its own
-        self.origin = origin = best_origin(setup)
-        motion = motion_row(setup, origin)
+        # the motion in an abscissa of its own
+        self.units = units = Units.of(setup)
+        motion = motion_row(setup, units)
         self._motion = row(motion)
         self.lattice = TorusLattice(setup, loops, self._motion)
         curve = [setup.wide.zero] * 9
         about_centre(motion, setup.wide.zero, setup.wide.one, curve)
-        u0, u1, v0, v1, *pairs = setup.wide_start
-        moved = (u0 + (u1 + origin) * origin, u1 + 2 * origin, v0 + v1 * origin, v1)
-        axes = curve[6:]
-        self._f, self._start = row(curve[:6]), row((*moved, *pairs))
-        self._axes, self._unit_axes = row((*axes, *setup.wide_all_axes[3:])), row((*axes, 1, 1, 1, 1, 0))
+        axes, (*kappas, alpha, beta) = curve[6:], setup.wide_all_axes[3:]
+        kappas = [kappa / (units.length * units.length) for kappa in kappas]
+        self._f, self._start = row(curve[:6]), row(units.of_point(setup.wide_start))
+        self._axes, self._unit_axes = row((*axes, *kappas, alpha, beta * units.time)), row((*axes, 1, 1, 1, 1, 0))
         self._tables, self._halves = self._translations()
         self.sizes, self.turns = self.lattice.cells, self.lattice.turns
         self.clock: TorusClock | None = None
@@ -337,7 +336,8 @@ class TorusFlow:
     def frequencies(self) -> tuple[Any, Any]:
         """Turns of either phase in a unit of τ, wide."""
         nu1, nu2 = self._loops.wide(self.lattice.frequencies, self._setup.wide)
-        return nu1 * self._setup.clock, nu2 * self._setup.clock
+        clock = self._setup.clock * self.units.time
+        return nu1 * clock, nu2 * clock
 
     def _check(self, times: np.ndarray, rates: Any) -> None:
         turns = np.abs(times).max(initial=0) * max(abs(float(x)) for x in rates)
@@ -358,7 +358,8 @@ class TorusFlow:
         """The rows and sizes that the loops take."""
         setup, loops = self._setup, self._loops
         a, b, c, d = (1, 0, 0, 1) if setup.tilt is None else setup.tilt.inverse_matrix()
-        matrix = loops.row((a, b * setup.wide_momentum, c, d * setup.wide_momentum))
+        momentum = setup.wide_momentum * self.units.lift
+        matrix = loops.row((a, b * momentum, c, d * momentum))
         turns = tuple(self.turns.ravel().tolist())
         parts, centres = self.lattice.parts, self.lattice.chart.centres
         rows = (self._f, self._axes, matrix, self._states, self._tables, parts, centres, turns)
@@ -453,7 +454,7 @@ class TorusFlow:
         """
         setup, K = self._setup, self._setup.wide
         d, (u0, u1), sigma = setup.wide_d, setup.wide_start[:2], setup.wide_start[4:7]
-        slowness = self._loops.wide(self.lattice.slowness, K)[0]
+        slowness = self._loops.wide(self.lattice.slowness, K)[0] / self.units.lift**2
         # g² is a multiple of (1 − du₁)(1 − du₂)
         scale = K.sqrt((1 + d * (u1 + d * u0)) / K.dot(sigma, sigma))
         return setup.wide_all_axes[6] * scale * slowness

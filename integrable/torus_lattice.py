@@ -7,6 +7,7 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 
 from __future__ import annotations
 
+from math import floor, log2
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,10 @@ from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
+
+
+# branch points that are as close as this, in the unit of the largest, count from an origin and in a unit of their own
+CLOSE = 2.0**-6
 
 
 class Chart(NamedTuple):
@@ -85,8 +90,9 @@ def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]
     γ_i vanishes where u₁ or u₂ passes α_i, which is once in a round of the oval that ends there, and its sign changes:
     that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
     """
-    order = np.argsort([float(x) for x in setup.wide_axes], kind="stable")
-    middle = sorted(setup.wide_axes)[1]
+    # axes that are one float are told apart
+    order = sorted(range(3), key=lambda i: setup.wide_axes[i])
+    middle = setup.wide_axes[order[1]]
     rounds = np.zeros((3, 2), dtype=int)
     rounds[order] = (1, 0), (0, 1) if setup.ratio < middle else (1, 0), (0, 1)
     # the parity of long integers is found before they become those of numpy
@@ -95,15 +101,60 @@ def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]
     return signs
 
 
-def motion_row(setup: Setup, origin: Any = 0) -> tuple[Any, ...]:
-    """What :mod:`integrable.torus_survey` takes, wide: the ends of both ovals, α1, α2, α3, ζ, d, π, 1 − d·origin and
-    the origin, which is taken off all abscissae.
+class Units(NamedTuple):
+    """An abscissa ξ of its own for a torus: x = origin + length·ξ, y = length²·lift·η, so that η² is f(ξ) with the last
+    factor (r − dξ), (r, d) = (1 − d·origin, d·length)/lift². Powers of two: nothing is rounded.
+    """
+
+    origin: Any = 0
+    length: float = 1.0
+    lift: float = 1.0
+
+    @property
+    def time(self) -> float:
+        """Σ∫dξ/η in Σ∫dx/y = 1."""
+        return self.length * self.lift
+
+    @staticmethod
+    def of(setup: Setup) -> Units:
+        """Those in which branch points that all are close together, of nearly equal moments or a heavy ball, are not.
+
+        Ordinary ones are left alone.
+        """
+        origin, axes = best_origin(setup), setup.wide_axes
+        length = _near_power(float(max(axes) - min(axes)))
+        rest = max(float(1 - setup.wide_d * origin), float(setup.wide_d) * length)
+        return Units(origin, length, _near_power(rest**0.5))
+
+    def of_point(self, point: tuple[Any, ...]) -> tuple[Any, ...]:
+        """A moving point in these units."""
+        u0, u1, v0, v1, *pairs = point
+        x, length, lift = self.origin, self.length, self.lift
+        u0, u1, v0 = u0 + (u1 + x) * x, u1 + 2 * x, v0 + v1 * x
+        high = length * length * lift
+        return (u0 / (length * length), u1 / length, v0 / high, v1 / (length * lift), *pairs[:3],
+                *(nu / lift for nu in pairs[3:]))  # fmt: skip
+
+
+def _near_power(x: float) -> float:
+    """The power of two below x, but 1 for what is not small."""
+    return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
+
+
+PLAIN = Units()
+
+
+def motion_row(setup: Setup, units: Units = PLAIN) -> tuple[Any, ...]:
+    """What :mod:`integrable.torus_survey` takes, wide: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ at the
+    origin, in the given units.
 
     PrecisionLoss where the torus is not compact.
     """
+    origin, length, lift = units
     first, second = oval_ends(setup)
-    abscissae = (x - origin for x in (*first, *second, *setup.wide_axes, setup.ratio))
-    return (*abscissae, setup.wide_d, +setup.wide.context.pi, 1 - setup.wide_d * origin, origin)
+    abscissae = ((x - origin) / length for x in (*first, *second, *setup.wide_axes, setup.ratio))
+    square, d = lift * lift, setup.wide_d
+    return (*abscissae, d * length / square, +setup.wide.context.pi, (1 - d * origin) / square, origin / length)
 
 
 def best_origin(setup: Setup) -> Any:

@@ -20,9 +20,11 @@ Row = Any
 REACH = 0.3
 # a torus of more cells counts as not compact
 MOST_CELLS = 1 << 16
-# so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a
+# so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a,
+# but not so far that the α are one point from there
 CENTRES = 12
 FARTHEST = 2.0
+REMOTE = 1e4
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
 
@@ -140,13 +142,13 @@ def between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
 
 
 def best_chart(
-    points: Row, origin: float, spread: float, lead: float, periods: Row
+    points: Row, origin: float, highest: float, spread: float, lead: float, periods: Row
 ) -> tuple[float, float, float, float, int, int, int, int, int, int]:
     """(c₁, c₂, reach₁, reach₂, m₁, n₁, m₂, n₂, rows, columns): the centres with the fewest cells, the largest s for
     either, the integer rows (m, n) of a reduced basis in the given periods (a₁, b₁, a₂, b₂), and the cells.
 
-    ``points`` are the branch points, ``origin`` is how far they have been moved, ``spread`` the distance of the
-    outermost α, ``lead`` the leading coefficient of f.
+    ``points`` are the branch points, ``origin`` is how far they have been moved, ``highest`` the largest α and
+    ``spread`` the distance of the outermost, ``lead`` the leading coefficient of f.
     """
     least = points[0]
     for e in points:
@@ -154,7 +156,8 @@ def best_chart(
     # with d = 0 one period is the residue of x dx/y, translations by its parts are at infinity: it comes second
     flat = len(points) == 4 or lead < FLAT
     nearest = min(least + origin, spread) / 4
-    ratio = (FARTHEST / nearest) ** (1 / (CENTRES - 1))
+    farthest = min(FARTHEST * (highest + origin), REMOTE * spread)
+    ratio = (farthest / nearest) ** (1 / (CENTRES - 1))
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
     for i in range(CENTRES):
@@ -240,7 +243,7 @@ def survey(
     if len(points) > 4:
         points[4], lead = float(r / d), float(d)
     periods = (float(out[0]), float(out[1]), float(out[2]), float(out[3]))
-    chart = best_chart(points, float(motion[11]), float(ends[3] - ends[0]), lead, periods)
+    chart = best_chart(points, float(motion[11]), float(ends[3]), float(ends[3] - ends[0]), lead, periods)
     c1, c2, reach1, reach2, m1, n1, m2, n2, _, _ = chart
     a1, b1 = m1 * out[0] + n1 * out[2], m1 * out[1] + n1 * out[3]
     a2, b2 = m2 * out[0] + n2 * out[2], m2 * out[1] + n2 * out[3]

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 
 # turns of a phase at the times that are looked at: once round in either direction, a quarter or so beyond
 TURNS = (1.23, -1.38)
+# no more turns than this of the faster phase
+FAR = 2.0**48
 # a difference that floats may make on the way; beyond it digits decide
 ROUGH = 1e-6
 # and one that a right torus may: the states themselves are held to less, here it is about signs and places
@@ -34,7 +36,10 @@ def confirmed(torus: TorusFlow) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
     sign that a period changes has been changed, in both directions.
     """
-    tau = np.array([turns / float(nu) for nu in torus.frequencies for turns in TURNS])
+    rates = [float(nu) for nu in torus.frequencies]
+    # a period that is not reached before the fractions of the other phase are gone changes no sign
+    farthest = FAR / max(map(abs, rates))
+    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
     setup, found = torus._setup, torus._rows_at_tau(tau)
     matrix = None if setup.tilt is None else tuple(float(x) for x in setup.tilt.inverse_matrix())
     if _difference(found, [vectors(point, setup.momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:

@@ -63,7 +63,8 @@ class System(Immutable):
         square, tilt = integrals.C1, integrals.C2
         if _distance(K, square, K.one) > tolerance:
             raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
-        size = 1 if K.exact else integrals.H2**0.5
+        # |M|, whose square may be below the floats
+        size = 1 if K.exact else max(integrals.H2**0.5, *map(abs, M))
         if not tilted and _distance(K, tilt, K.zero) > tolerance * size:
             raise ArgumentError(
                 f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"

@@ -155,7 +155,7 @@ def test_directions_are_polynomials() -> None:
     system, state, _, _ = scene("S1")
     setup = system.flow(state).setup
     torus = TorusFlow(setup, ReadableLoops(setup))
-    n, origin = ReadableLoops.terms, torus.origin
+    n, origin = ReadableLoops.terms, torus.units.origin
     for k, (centre, reach) in enumerate(zip(torus.lattice.chart.centres, torus.lattice.chart.reaches, strict=True)):
         for x in (1.0, -0.4, 1e-3):
             with setup.reals:
