@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from integrable import coordinates
 from integrable.jets import apply
 from integrable.step import Step, checked_multiple, checked_signs
-from integrable.widening import LARGEST, MOST_CONDITION, check_integrals, drift, in_wider_numbers
+from integrable.widening import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
 from jacobian import poly
 from jacobian.errors import ArgumentError, NotASquare
 from jacobian.fields.inexact import InexactField
@@ -80,17 +80,14 @@ class Translation(Step):
         NotASquare where the image is not real (or not over the field), NotRepresentable where it has no representative,
         PrecisionLoss where its H1 or H2 are not those of the state (to 10⁻⁹ in floats).
         """
-        state = self.system._checked(state)
-        if state.tilted:
-            step, plain, change = self._transformed(state)
-            return change.invert(step(plain))
-        K = self.system.field
-        if not isinstance(K, InexactField) or self._rounding > K.eps:
-            # exact, or run by in_wider_numbers, which checks
+        return with_enough_digits(self, self.system._checked(state))
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
+        if not state.tilted:
             return self._image(state)
-        image = self._quick(state) or self._wide(state)
-        check_integrals(self, image, state)
-        return image
+        step, plain, change = self._transformed(state)
+        return change.invert(step._image(plain))
 
     def wider(self, system: Any) -> Translation:
         """The same map over a field of more digits: a_i and 1/d become those of ``system``."""
@@ -99,7 +96,8 @@ class Translation(Step):
         if body.rolls:
             same[K.inv(body.d)] = system.field.inv(system.d)
         points = [same.get(x, x) for x in self.points]
-        return replaced(Translation(system, points, self.sheets, self.signs, self.multiple), _rounding=self._rounding)
+        moved = Translation(system, points, self.sheets, self.signs, self.multiple)
+        return replaced(moved, _rounding=self._rounding, guarded=True)
 
     def condition(self, state: State) -> float:
         """By how much rounding grows: 1/δ for D' at a distance δ from zero, what cancels in f(x') and between two
@@ -107,8 +105,8 @@ class Translation(Step):
         """
         state = self.system._checked(state)
         if state.tilted:
-            step, plain, _ = self._transformed(state)
-            return step.condition(plain)
+            step, plain, change = self._transformed(state)
+            return step.condition(plain) * tilt_condition(change, state)
         if not isinstance(self.system.field, InexactField):
             return 1.0
         try:
@@ -138,22 +136,12 @@ class Translation(Step):
             for value in (poly.evaluate(K, u, e),)
         )
         worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
+        # what cancels in U'(a_i); a branch point far out; and what cancels where the a_i are close together
+        values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
+        worst = max([worst, *(float(size / value) for size, value in values if value)])
+        worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])
+        worst *= body_condition(self.system)
         return worst if isfinite(worst) else inf
-
-    def _quick(self, state: State) -> State | None:
-        """The image in the numbers of the field; None where too many digits are lost, or may be."""
-        if self.condition(state) > MOST_CONDITION:
-            return None
-        image = self._image(state)
-        return image if drift(self.system, image, state) <= self.system.field.eps**0.77 else None
-
-    def _wide(self, state: State) -> State:
-        try:
-            return in_wider_numbers(self, state)[0]
-        except NotASquare:
-            # in the numbers of the field where they refuse it too: those are the user's
-            self._move(*self.system.integrals(state)[2:])
-            raise
 
     def _image(self, state: State) -> State:
         system, body = self.system, self.system.body

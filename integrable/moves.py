@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Self
 
 from integrable import coordinates
 from integrable.body import Body, cross, square_root
@@ -17,8 +17,11 @@ from integrable.extrapolation import extrapolated
 from integrable.jets import JetField, apply
 from integrable.state import State
 from integrable.step import Step, checked_signs
+from integrable.widening import LARGEST, body_condition, tilt_condition, with_enough_digits
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.fields.inexact import InexactField
+from jacobian.immutable import replaced
 from jacobian.lift import Pair, SignedDivisor, SignedGroup
 
 if TYPE_CHECKING:
@@ -29,13 +32,34 @@ class Move(Step):
     """A step that is defined at (γ, M) = 0; a tilted state goes through Chaplygin's transformation and back."""
 
     def __call__(self, state: State) -> State:
-        """The image of a state."""
-        state = self.system._checked(state)
+        """The image of a state; over RR and MP with guard digits where :meth:`condition` or its H1 and H2 ask for them.
+
+        PrecisionLoss where those are not the state's (to 10⁻⁹ in floats).
+        """
+        return with_enough_digits(self, self.system._checked(state))
+
+    def over(self, system: Any) -> Self:
+        """The same map on the same system over another field."""
+        return replaced(self, system=system)
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
         if not state.tilted:
             return self._image(state)
         system, plain, change = self.system.upright(state)
-        image: State = change.invert(self.over(system)(plain))
+        image: State = change.invert(self.over(system)._image(plain))
         return image
+
+    def condition(self, state: State) -> float:
+        """By how much rounding grows: what the map itself loses, times that of Chaplygin's transformation."""
+        state = self.system._checked(state)
+        if not state.tilted:
+            return self._condition(state)
+        system, plain, change = self.system.upright(state)
+        return tilt_condition(change, state) * self.over(system)._condition(plain)
+
+    def _condition(self, state: State) -> float:
+        return 1.0
 
     def _image(self, state: State) -> State:
         raise NotImplementedError
@@ -57,6 +81,10 @@ class Multiplication(Move):
         if self.factor == 0:
             raise ArgumentError("factor = 0: the zero divisor belongs to no state")
         self.system = system
+
+    def _condition(self, state: State) -> float:
+        # a divisor is added to itself: partial sums are anywhere
+        return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
 
     def __repr__(self) -> str:
         return f"<multiplication by {self.factor} on {self.system!r}>"
@@ -142,6 +170,21 @@ class ConicStep(Move):
 
     def __repr__(self) -> str:
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
+
+    def _condition(self, state: State) -> float:
+        """Of c, as far as it matters beside √H2."""
+        system, K = self.system, self.system.field
+        if self.x0 is None or not isinstance(K, InexactField):
+            return 1.0
+        u, v = coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state))
+        h1, h2 = system.integrals(state)[2:]
+        _check_moving(K, h2)
+        y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
+        below = poly.evaluate(K, u, self.x0)
+        lost_above = abs(y0) + sum(abs(c * self.x0**i) for i, c in enumerate(v))
+        lost_below = sum(abs(c * self.x0**i) for i, c in enumerate(u)) * abs(y0 - poly.evaluate(K, v, self.x0))
+        size = abs(below) * h2**0.5 + abs(y0 - poly.evaluate(K, v, self.x0))
+        return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
 
     def _image(self, state: State) -> State:
         """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) = 0."""

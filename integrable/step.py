@@ -17,9 +17,15 @@ class Step(Immutable):
     """A map of the states of one system: ``step(state)``; ``second @ first`` is the composition."""
 
     system: Any
+    guarded = False
+    """Whether it runs on guard digits of another step, which looks at what comes out."""
 
     def __call__(self, state: State) -> State:
         """The image of a state."""
+        raise NotImplementedError
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
         raise NotImplementedError
 
     def over(self, system: Any) -> Step:
@@ -28,7 +34,7 @@ class Step(Immutable):
 
     def wider(self, system: Any) -> Step:
         """The same map over a field of more digits, its own numbers taken for what they stand for, such as 1/d."""
-        return self.over(system)
+        return replaced(self.over(system), guarded=True)
 
     def condition(self, state: State) -> float:
         """By how much rounding in the arithmetic of a step may grow; digits are added where it is large."""

@@ -14,10 +14,12 @@ from typing import TYPE_CHECKING, Any
 from integrable.body import Body
 from integrable.state import State
 from jacobian import MP
-from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
+from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
+    from integrable.chaplygin_transformation import ChaplyginTransformation
     from integrable.step import Step
     from integrable.systems.system import System
 
@@ -31,7 +33,7 @@ FLOAT_DIGITS = 16
 def drift(system: System, image: State, state: State) -> Any:
     """The larger relative difference of H1 and H2 between two states."""
     after, before = system.integrals(image)[2:], system.integrals(state)[2:]
-    return max(abs(x - y) / abs(y) for x, y in zip(after, before, strict=True))
+    return max(abs(x - y) / (abs(y) or 1) for x, y in zip(after, before, strict=True))
 
 
 def check_integrals(step: Step, image: State, state: State) -> None:
@@ -43,6 +45,43 @@ def check_integrals(step: Step, image: State, state: State) -> None:
             f"{step!r}: H1 and H2 of the image are off by {float(lost):.1e} of their size; the state has (γ, γ) − 1 = "
             f"{float(C1 - 1):.1e}, (γ, M) = {float(C2):.1e}; give a state made by system.state, or use more digits"
         )
+
+
+def with_enough_digits(step: Step, state: State) -> State:
+    """The image of a state under ``step.plain``: in the numbers of the field where :meth:`Step.condition` says that
+    they are enough and H1 and H2 agree, else with guard digits; PrecisionLoss where H1 or H2 is not that of the state.
+    """
+    K = step.system.field
+    if step.guarded or not isinstance(K, InexactField):
+        return step.plain(state)
+    image = step.plain(state) if step.condition(state) <= MOST_CONDITION else None
+    if image is None or not drift(step.system, image, state) <= K.eps**0.77:
+        try:
+            image = in_wider_numbers(step, state)[0]
+        except NotASquare:
+            # in the numbers of the field where they refuse it too: those are the user's
+            step.plain(state)
+            raise
+    check_integrals(step, image, state)
+    return image
+
+
+def body_condition(system: System) -> float:
+    """What is lost where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
+    K, body = system.field, system.body
+    low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
+    spread = (body.inertia[high] - body.inertia[low]) * body.a[high]
+    return float(1 / max(spread, K.eps))
+
+
+def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
+    """What Chaplygin's transformation of a state and back may lose to cancellation."""
+    K = change.body.field
+    M = change.apply_vectors(state.gamma, state.M)[1]
+    size, upright = (K.sqrt(K.dot(v, v)) for v in (state.M, M))
+    a, b, c, d = map(abs, change.inverse_matrix())
+    there = max(change.p * (1 + abs(change.k) * size), change.s * (size + abs(change.shift)) / upright)
+    return float(there * max(a + b * upright, (c + d * upright) / size))
 
 
 def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:

@@ -14,6 +14,7 @@ from integrable.step import Composition
 from integrable.widening import MOST_CONDITION, onto_constraints, widened
 from jacobian import GF, MP, RR, NotASquare, PrecisionLoss
 from tests.integrable.exact_states import random_state, until_defined
+from tests.integrable.test_near_times import random_motion
 
 BALL, TOP = ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -73,6 +74,116 @@ def test_an_orbit_in_floats_does_not_feed_its_rounding_back(name, count) -> None
     assert found.states[0] is state
     for n, (ours, true) in enumerate(zip(found.states, _truth(system, options, state, count), strict=True)):
         assert _error(ours, true) <= growth * EPS * max(1, n if "times" in name else 1)
+
+
+# bodies, states and maps of a random hunt that lost 2 to 9 digits in the numbers of the field, H1 and H2 kept or not
+LOSING = {
+    "3 times, thin": (
+        (0.41075658520714636, 2.802272148555119, 0.004192309984901445),
+        32.69879268519955,
+        (0.4269123452594472, 0.10661900365920315, -0.8979856555222904),
+        (52.532700016295, 67.1488873508677, 32.947303167925355),
+        False,
+        lambda b: b.multiplication(3),
+    ),
+    "3 times, two moments nearly equal": (
+        (2.8324755348122514, 2.832479279794629, 1.6610898915638015),
+        0.36534522109578343,
+        (0.00133445408501415, -0.1643032561622972, 0.9864089715968531),
+        (2.145300583636404, 1.2368490949438573, 0.20311608503408296),
+        False,
+        lambda b: b.multiplication(3),
+    ),
+    "-3 times, light and tilted": (
+        (1.4934619954181187, 1.7097143236598644, 1.4644788001571414),
+        0.0010801861199684216,
+        (0.9831087639685426, 0.12878109932652623, 0.13004840123775374),
+        (93.80226470002059, 12.740910744593935, 12.889818347753431),
+        True,
+        lambda b: b.multiplication(-3),
+    ),
+    "5 times, tilted top": (
+        (1.5954250551141813, 2.870855118089701, 1.377650735930226),
+        0,
+        (-0.6352659308799813, -0.2046289339197237, -0.7446906716658053),
+        (-0.14418583001318688, -0.046440422863818866, -0.16900570254933478),
+        True,
+        lambda b: b.multiplication(5),
+    ),
+    "torsion, thin": (
+        (0.01659793048208341, 0.013788026966599245, 0.2272581674899536),
+        0.8667965833463455,
+        (0.7036079864339205, -0.591133659542668, -0.3943308230180553),
+        (0.21865350550247872, 0.2763338699988501, -0.02410133456459675),
+        False,
+        lambda b: b.torsion(),
+    ),
+    "torsion, heavy and tilted": (
+        (1.8481927393293, 1.6750090154479602, 2.7019600261489636),
+        20586.4203374459,
+        (-0.6745415029735526, -0.37545566200695696, -0.635631030262918),
+        (-0.0007459217187983248, 0.002588412214507189, 0.14053507656082984),
+        True,
+        lambda b: b.torsion(),
+    ),
+    "a pair, heavy and tilted": (
+        (1.741947266475894, 2.75509929894539, 2.0833762109114518),
+        62953.60905252148,
+        (-0.9752221261787323, -0.1944746211492601, -0.10545817341621502),
+        (-1.0259232053795464, 15.682577287723605, 10.166958277721927),
+        True,
+        lambda b: b.translation([1e-3j, -1e-3j]),
+    ),
+    "a far point": (
+        (1.9649541645505804, 1.8329324838333583, 0.44631554458479467),
+        0.10355536799287116,
+        (-0.05228737678741223, -0.8609854727845037, 0.5059348237497947),
+        (9.767649903625736, -2.865349668440927, -3.866702895914103),
+        False,
+        lambda b: b.translation([9.7]),
+    ),
+}
+
+
+@pytest.mark.parametrize("name", LOSING)
+@pytest.mark.parametrize("field", [RR, MP(30)], ids=str)
+def test_what_the_numbers_of_a_field_lose_is_computed_with_more_digits(name, field) -> None:
+    inertia, d, gamma, M, tilted, make = LOSING[name]
+    system = ChaplyginBall(inertia, d) if d else EulerTop(inertia)
+    state = system.state(gamma, M, tilted=tilted)
+    if field != RR:
+        system = widened(system, field)
+        state = onto_constraints(system, state)
+    step, wide = make(system), widened(system, MP(80))
+    true = step.wider(wide)(onto_constraints(wide, state))
+    assert _error(step(state), true) <= 200 * field.eps * max(map(abs, (1, *state.M)))
+
+
+def test_steps_of_all_kinds_on_all_kinds_of_bodies() -> None:
+    """Right to rounding, of wide distributions, upright and tilted; or refused by name."""
+    rng, tried, refused = Random(5), 0, 0
+    while tried < 60:
+        system, state, _ = random_motion(rng)
+        maps = [lambda b: b.multiplication(3), lambda b: b.keyless(), lambda b: b.translation([0.3j, -0.3j])]
+        maps += [lambda b: b.torsion()] if system.d else [lambda b: b.conic(0.7, 2.0)]
+        step, wide = rng.choice(maps)(system), widened(system, MP(80))
+        tried += 1
+        try:
+            image = step(state)
+        except PrecisionLoss:
+            refused += 1
+            continue
+        starts = [onto_constraints(wide, state)]
+        for k in range(6):
+            # what the image owes to the last digit of the state
+            v = [*starts[0].gamma, *starts[0].M]
+            v[k] *= 1 + WIDE.context.mpf(2) ** -53
+            starts.append(onto_constraints(wide, State(tuple(v[:3]), tuple(v[3:]), tilted=state.tilted)))
+        true, *moved = [step.wider(wide)(start) for start in starts]
+        size = max(map(abs, (1, *state.M)))
+        floor = sum(_error(image, true) for image in moved)
+        assert _error(image, true) <= 1000 * (floor + EPS * size), (step, state)
+    assert refused <= 2
 
 
 def test_an_orbit_of_a_composition_is_widened_by_its_worst_part() -> None:
