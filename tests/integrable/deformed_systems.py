@@ -44,12 +44,12 @@ class OverJets:
 
     def pair(self) -> Any:
         """(H, K) as jets."""
-        original = self.system._constants
+        # jets for the one call: values do not change otherwise
+        vars(self.system)["_constants"] = lambda _: self.constant
         try:
-            self.system._constants = lambda _: self.constant
             return self.system.pair(self.q, self.terms)
         finally:
-            self.system._constants = original
+            del vars(self.system)["_constants"]
 
     def field_of(self, F: Any) -> tuple[Any, ...]:
         """{(γ, M), F}."""
