@@ -146,7 +146,7 @@ class DeformedFlow(Immutable):
                 self._more_digits(needed)
                 continue
             if clock:
-                tau = motion.tau(tau, needed)
+                tau = motion.tau(tau, needed - ROUNDING)
             rows = [motion.state(x) for x in tau]
             missing = self._missing(tau, rows)
             if clock and tau and missing <= 0:

@@ -103,6 +103,12 @@ class Oval:
         time = time / root(self.field, breadth)
         return time if r[0] * r[1] * r[2] >= 0 else -time
 
+    def imaginary_half(self, z: Any) -> Any:
+        """The imaginary time from Z = e_low down to Z = z, or to −∞ (half the imaginary period) where z is None."""
+        integral = self.field.context.elliprf
+        half = integral(0, self.height_of_oval, self.breadth)
+        return half if z is None else half - integral(*(x - z for x in self.e))
+
     def at_low(self) -> list[Any]:
         """The roots R_i where Z = e_low."""
         r = [self.field.zero] * 3

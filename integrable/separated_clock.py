@@ -20,15 +20,17 @@ if TYPE_CHECKING:
     from integrable.separated_flow import OvalMotion
 
 GUARD_BITS = 30
-FIRST_SIZE = 16
-LARGEST_FLOAT_GRID = 1 << 20
-MOST_WORK = 1 << 25
-"""Products in a transform, about four seconds."""
-# modes above this show how fast they decay, in floats
-VISIBLE = 1e-11
+MOST_MODES = 1 << 16
+"""Of a series of USUAL_BITS, fewer where they are longer: a second of set-up."""
+USUAL_BITS = 256
+# modes beyond those that their decay alone leads to expect
+MARGIN = 6
+# transforms that are sums as they stand
+SHORT = 8
 # modes that are slower than this part of their terms are resonant
 RESONANT = 10
 ROUNDS = 200
+ROUGH_ROUNDS = 20
 
 
 class SeparatedClock:
@@ -71,10 +73,10 @@ class SeparatedClock:
         K = self._motion.field
         t = t * self._unit
         # dt/dτ = 1/g lies between these
-        low, high = sorted((t / self._most, t / self._least))
+        bounds = low, high = sorted((t / self._most, t / self._least))
         x = t / self._mean
         rough = True
-        for _ in range(ROUNDS):
+        for k in range(ROUNDS):
             phases = self._phases(x)
             rate = self._rate(phases)
             miss = self._mean * x + self._slowly(x) - t
@@ -85,12 +87,15 @@ class SeparatedClock:
                 low = max(low, x)
             step = miss / K.coerce(rate)
             x = x - step
-            if not low <= x <= high:
+            inside, small = low <= x <= high, self._noise * (1 + abs(x))
+            if not inside:
                 x = (low + high) / 2
-            elif rough:
-                rough = abs(step) > 1e-7
-            elif abs(step) * 1e-6 <= self._noise * (1 + abs(x)):
-                # the rate is that of a float, and its own change smaller than the step
+            if rough:
+                if k >= ROUGH_ROUNDS or (inside and abs(step) <= 1e-7):
+                    # floats may have taken the wrong side
+                    rough, (low, high) = False, bounds
+            # the rate is that of a float, and its own change smaller than the step
+            elif (inside and abs(step) * 1e-6 <= small) or high - low <= small:
                 return x / self._unit
         raise PrecisionLoss(f"times: the flow's own time at t = {float(t / self._unit):g} has not converged")
 
@@ -149,21 +154,23 @@ class SeparatedClock:
     # --- set-up
 
     def _sizes(self) -> tuple[int, int]:
-        """How many modes either phase takes, from their decay in floats."""
-        sizes = [FIRST_SIZE, FIRST_SIZE]
-        while sizes[0] * sizes[1] <= LARGEST_FLOAT_GRID:
-            first, second = (_heights(curve, n, float) for curve, n in zip(self._motion.curves, sizes, strict=True))
-            one, two, d = *map(float, self._motion.weights), float(self._motion.system.d)
-            values = 1 / np.sqrt(one * (1 + d * np.array(first))[:, None] + two * (1 + d * np.array(second))[None, :])
-            modes = abs(_cosine_transform(_cosine_transform(values).T).T) / abs(values).max()
-            wanted = [_wanted(modes.max(axis=1 - k), self.digits) for k in range(2)]
-            if None not in wanted:
-                return self._possible(int(wanted[0] or 0), int(wanted[1] or 0))
-            sizes = [n if w else 2 * n for n, w in zip(sizes, wanted, strict=True)]
-        raise self._too_many(*sizes)
+        """How many modes either phase takes: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
+
+        z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does: on the
+        second curve, z < 0 is as far as the pole; on the first one, it is between that and the real axis.
+        """
+        motion, d = self._motion, self._motion.system.d
+        one, two = motion.curves
+        share = motion.weights[1] / motion.weights[0]
+        zero = -(1 + share * (1 + d * _lowest(motion)[1])) / d
+        heights = one.imaginary_half(zero * one.mu), two.imaginary_half(None)
+        strips = [2 * motion.field.context.pi * x / period for x, period in zip(heights, self._periods, strict=True)]
+        rows, columns = (int(self.digits * log(10) / float(x)) + MARGIN for x in strips)
+        return self._possible(rows, columns)
 
     def _possible(self, rows: int, columns: int) -> tuple[int, int]:
-        if rows * columns * (rows + columns) > MOST_WORK:
+        rows, columns = _smooth(rows), _smooth(columns)
+        if rows * columns * max(self._bits, USUAL_BITS) > MOST_MODES * USUAL_BITS:
             raise self._too_many(rows, columns)
         return rows, columns
 
@@ -188,11 +195,15 @@ class SeparatedClock:
 
     def _cosines(self, values: np.ndarray, count: int) -> np.ndarray:
         """Σ of c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
-        cosines, _ = self._circle(self._motion.field.one / (2 * count), 2 * count)
-        k = np.arange(count + 1)
-        values = values.copy()
-        values[[0, -1]] = values[[0, -1]] // 2
-        result: np.ndarray = (cosines[np.outer(k, k) % (2 * count)] @ values * 2 // count) >> self._bits
+        # transforms of even real columns are real: two of them are one complex one
+        width = (values.shape[1] + 1) // 2
+        real, imaginary = values[:, :width], values[:, width:]
+        if imaginary.shape[1] < width:
+            imaginary = np.concatenate([imaginary, 0 * values[:, :1]], axis=1)
+        circle = self._circle(self._motion.field.one / (2 * count), 2 * count)
+        real, imaginary = (np.concatenate([x, x[-2:0:-1]]) for x in (real, imaginary))
+        parts = _fourier(real, imaginary, circle, self._bits)
+        result: np.ndarray = np.concatenate([x[: count + 1] for x in parts], axis=1)[:, : values.shape[1]] // count
         result[[0, -1]] = result[[0, -1]] // 2
         return result
 
@@ -200,10 +211,10 @@ class SeparatedClock:
         """The size of a table whose last modes are noise, else a larger one."""
         rows, columns = (n - 1 for n in table.shape)
         least = int(self._noise * abs(table[0, 0]))
-        if max(abs(x) for x in table[-1 - rows // 16 :].ravel()) > least:
-            rows += rows // 4 + 4
-        if max(abs(x) for x in table[:, -1 - columns // 16 :].ravel()) > least:
-            columns += columns // 4 + 4
+        if abs(table[-1 - rows // 16 :]).max() > least:
+            rows += rows // 4 + 1
+        if abs(table[:, -1 - columns // 16 :]).max() > least:
+            columns += columns // 4 + 1
         return self._possible(rows, columns)
 
     def _keep(self, table: np.ndarray) -> None:
@@ -285,26 +296,24 @@ def _heights(curve: Oval, count: int, number: Any) -> list[Any]:
     return heights
 
 
-def _cosine_transform(values: np.ndarray) -> np.ndarray:
-    """The coefficients of cos(πjk/n) along the first axis, in floats."""
-    n = len(values) - 1
-    modes: np.ndarray = np.fft.rfft(np.concatenate([values, values[-2:0:-1]]), axis=0).real / n
-    modes[[0, -1]] /= 2
-    return modes
+def _smooth(count: int) -> int:
+    """The next number of the form 5, 6, 7 or 8 times a power of 2."""
+    power = 1 << max(0, (count - 1).bit_length() - 3)
+    return -(-count // power) * power
 
 
-def _wanted(modes: np.ndarray, digits: int) -> int | None:
-    """How many modes are above 10^−digits, from the decay of those that floats show; None where they show none."""
-    visible = np.flatnonzero(modes > VISIBLE)
-    last = int(visible[-1])
-    if last + 1 >= len(modes):
-        return None
-    # the decay over the second half of them
-    middle = last // 2
-    if last < 2:
-        middle, decay = last, -log(VISIBLE)
-    else:
-        decay = log(modes[middle:].max() / modes[last]) / (last - middle)
-    if decay <= 0:
-        return None
-    return ceil(1.1 * (middle + (log(modes[middle:].max()) + digits * log(10)) / decay)) + 6
+def _fourier(real: np.ndarray, imaginary: np.ndarray, circle: Any, bits: int) -> tuple[np.ndarray, np.ndarray]:
+    """Σ x_j e^(−2πijk/n) along the first axis of integers (Cooley & Tukey 1965); ``circle`` are the cosines and sines
+    of the multiples of a turn by 1/(a multiple of n), in units of 2^−bits.
+    """
+    cosines, sines = circle
+    n, stride = len(real), len(cosines) // len(real)
+    if n % 2 or n <= SHORT:
+        k = np.arange(n)
+        turns = np.outer(k, k) % n * stride
+        c, s = cosines[turns], sines[turns]
+        return (c @ real + s @ imaginary) >> bits, (c @ imaginary - s @ real) >> bits
+    even, odd = (_fourier(real[i::2], imaginary[i::2], circle, bits) for i in range(2))
+    c, s = (x[: n // 2 * stride : stride, None] for x in circle)
+    x, y = (c * odd[0] + s * odd[1]) >> bits, (c * odd[1] - s * odd[0]) >> bits
+    return np.concatenate([even[0] + x, even[0] - x]), np.concatenate([even[1] + y, even[1] - y])
