@@ -240,7 +240,7 @@ def widened(system: Deformation, state: State, digits: int) -> tuple[Any, State]
 
 def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
     """The values, or one, as elements of K; FieldError that names ``argument``."""
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable):
+    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0:
         values = [values]
     return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(values)]
 

@@ -222,7 +222,7 @@ class Flow(Immutable):
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers."""
         field = self.system.field
-        if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__"):
+        if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
             values = [values]
         quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
         if quick and np.isfinite(values).all():

@@ -46,7 +46,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
         raise ArgumentError(f"name_or_path = {name_or_path!r}: give the name of a scene or the path of a .toml file")
     source = str(name_or_path)
     if isinstance(name_or_path, str) and source in scene_names():
-        text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8")
+        text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8-sig")
         return _read(source, f"scene {source}.toml", text)
     path = Path(name_or_path)
     if path.suffix != ".toml" and not path.exists():
@@ -54,7 +54,7 @@ def load_scene(name_or_path: str | Path) -> Scene:
             f'scene: "{source}" given, no such scene; {suggestion(source, scene_names())}; or give a .toml file'
         )
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise ArgumentError(f'scene: "{source}" cannot be read: {why}; the path of a .toml file is needed') from None
@@ -194,6 +194,11 @@ def _read_size(body: Table, system: str) -> dict[str, Any]:
     return given
 
 
+MOST_TIMES = 10_000_000
+BYTES_OF_A_TIME = 150
+"""Of a time as a Python float, and of its t, τ, γ and M as doubles, before anything is made of them."""
+
+
 def _read_times(table: Table, key: str) -> Times:
     if isinstance(table.content.get(key), list):
         given = table.numbers(key)
@@ -208,7 +213,15 @@ def _read_times(table: Table, key: str) -> Times:
         spaced.fail("from", f"{float(first)} given; a time {'≥ 0' if spacing == 'linear' else '> 0'} is needed")
     if until <= first:
         spaced.fail("until", f"{float(until)} given; a time after {float(first)} is needed")
-    return Times((), first, until, spaced.integer("count", 2), spacing)
+    count = spaced.integer("count", 2)
+    if count > MOST_TIMES:
+        memory = count * BYTES_OF_A_TIME / 1e9
+        spaced.fail(
+            "count",
+            f"{count} given; {MOST_TIMES} is the most, these would take {memory:.3g} GB: Flow.stream writes "
+            "longer runs to a file",
+        )
+    return Times((), first, until, count, spacing)
 
 
 _COMPARISON = ("digits", "tolerances", "truth_digits", "check_time", "repeat", "steps")

@@ -12,12 +12,23 @@ from functools import cached_property
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import ArgumentError, FieldError, NotASquare, NotOnCurve, NotRepresentable, SingularCurve
+from jacobian.errors import (
+    ArgumentError,
+    FieldError,
+    Infeasible,
+    NotASquare,
+    NotOnCurve,
+    NotRepresentable,
+    SingularCurve,
+    shown,
+)
 from jacobian.fields.protocol import check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
 from jacobian.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+
+MOST_BOUND = 1000
 
 
 class HyperellipticCurve(Immutable):
@@ -241,12 +252,17 @@ class HyperellipticCurve(Immutable):
 
         Takes time proportional to the order of the field; ArgumentError over RR, CC and MP.
         """
+        return self._points(self._abscissas(bound))
+
+    def _points(self, abscissas: Iterator[Any]) -> Iterator[Point]:
         yield from self.points_at_infinity()
-        for x in self._abscissas(bound):
+        for x in abscissas:
             yield from self.lift_x(x, all=True)
 
     def _abscissas(self, bound: int | None) -> Iterator[Any]:
         K = self.field
+        if bound is not None and (isinstance(bound, bool) or not hasattr(bound, "__index__") or bound < 1):
+            raise ArgumentError(f"bound = {shown(bound)}: the largest numerator and denominator of x is an int ≥ 1")
         if K.order is not None:
             return iter(K.elements())
         if not K.exact:
@@ -255,6 +271,8 @@ class HyperellipticCurve(Immutable):
             raise ArgumentError(
                 "bound = None: over QQ points() needs the largest numerator and denominator of x to try"
             )
+        if bound > MOST_BOUND:
+            raise Infeasible(f"bound = {shown(bound)}: up to {MOST_BOUND}, about a million x, they are tried in order")
         return iter(sorted({K.coerce(f"{a}/{b}") for b in range(1, bound + 1) for a in range(-bound, bound + 1)}))
 
     def random_point(self, rng: Any) -> AffinePoint:

@@ -9,13 +9,15 @@ from typing import TYPE_CHECKING, Any
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.points import AffinePoint, Point
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
 
 Descent = Callable[[poly.Poly], poly.Poly]
+# one by one: a hundred take a fifth of a second, and the time grows with the cube
+MOST_REPEATED = 100
 
 
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
@@ -34,6 +36,11 @@ def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> lis
     for point, number in zip(points, numbers, strict=True):
         if isinstance(number, bool) or not hasattr(number, "__index__") or number < 0:
             raise ArgumentError(f"multiplicities: {number!r} is not an int ≥ 0; for −P give the opposite point")
+        if number > MOST_REPEATED:
+            raise ArgumentError(
+                f"multiplicities: {shown(number)} points are added one by one, {MOST_REPEATED} at most; take multiples "
+                "in the group, such as m * J.from_points([P, P])"
+            )
         result += [point] * index(number)
     return result
 

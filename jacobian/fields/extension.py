@@ -8,7 +8,9 @@ Neither needs galois: it is imported for the default modulus (its Conway polynom
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from functools import cached_property
+from itertools import count
 from typing import Any
 
 from jacobian import poly
@@ -136,16 +138,20 @@ def is_irreducible(K: Any, m: poly.Poly) -> bool:
 
 def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
     """galois's Conway polynomial, or, where its table has none, the irreducible one that comes first."""
-    import galois
+    # the table ends far below 64 bits, and cannot be asked for more
+    if base.p.bit_length() < 64:
+        import galois
 
-    try:
-        return tuple(int(c) for c in galois.conway_poly(base.p, k).coeffs[::-1])
-    except LookupError:
-        return next(m for m in _monic_polynomials(base, k) if is_irreducible(base, m))
+        with suppress(LookupError):
+            return tuple(int(c) for c in galois.conway_poly(base.p, k).coeffs[::-1])
+    return next(m for m in _monic_polynomials(base, k) if is_irreducible(base, m))
 
 
 def _monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
-    for number in range(1, base.p**k):
+    # x^k + c is irreducible for some c only where each prime factor of k divides p − 1, and 4 too if it divides k
+    # (Lidl and Niederreiter 1997, theorem 3.75): a long p is not searched for one in vain
+    hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
+    for number in count(1 if hopeful else base.p):
         digits = []
         for _ in range(k):
             number, digit = divmod(number, base.p)

@@ -159,14 +159,21 @@ def _trim(a: list[int]) -> tuple[int, ...]:
     return tuple(a)
 
 
+LONG = 512
+"""Bits of a number up to which an error says which prime is near."""
+
+
 def check_prime(p: Any) -> int:
     """p as an int, or an ArgumentError that says what is wrong with it."""
     try:
         p = index(p)
     except TypeError:
-        raise ArgumentError(f"p = {p!r}: GF takes a prime, or a galois field class") from None
+        raise ArgumentError(f"p = {shown(p)}: GF takes a prime, or a galois field class") from None
     if is_prime(p):
         return int(p)
+    if p.bit_length() > LONG:
+        # to find its root, or the next prime, takes minutes
+        raise ArgumentError(f"p = {shown(p)} is not prime: GF(p) needs a prime p")
     power = prime_power(p) if p > 3 else None
     if power:
         raise ArgumentError(f"p = {p} is not prime but a prime power: write GF({power[0]}, {power[1]})")
