@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from jacobian.bare_reals import BareReals
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -185,7 +186,7 @@ class SeparatedClock:
         motion, bits = self._motion, self._bits
         parts = []
         for curve, weight, n in zip(motion.curves, motion.weights, (rows, columns), strict=True):
-            heights = _heights(curve, n, motion.field.coerce)
+            heights = _heights(curve, n)
             parts.append([int(motion.field.context.ldexp(weight * (1 + motion.system.d * z), bits)) for z in heights])
         one = 1 << (3 * bits)
         values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
@@ -282,18 +283,19 @@ def _lowest(motion: OvalMotion) -> list[Any]:
     return [min(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
 
 
-def _heights(curve: Oval, count: int, number: Any) -> list[Any]:
-    """z at the phases πj/count, j = 0 … count, in the numbers of ``number``: half a period in that many additions."""
-    step = [number(x) for x in curve.translation(curve.period / (2 * count))]
-    r = [number(x) for x in curve.at_low()]
-    ends = [number(x / curve.mu) for x in curve.e]
-    scale = number(curve.mu)
+def _heights(curve: Oval, count: int) -> list[Any]:
+    """z at the phases πj/count, j = 0 … count, wide: half a period in that many additions."""
+    K = curve.field
+    reals = BareReals(K.context.prec + GUARD_BITS)
+    step, r = reals.row(curve.translation(curve.period / (2 * count))), reals.row(curve.at_low())
+    ends, scale = reals.row(x / curve.mu for x in curve.e), reals.number(curve.mu)
     heights = []
-    for _ in range(count + 1):
-        i = min((curve.low, curve.middle), key=lambda n: abs(r[n]))
-        heights.append(ends[i] + curve.signs[i] * r[i] * r[i] / scale)
-        r = curve.added(r, step)
-    return heights
+    with reals:
+        for _ in range(count + 1):
+            i = min((curve.low, curve.middle), key=lambda n: abs(r[n]))
+            heights.append(ends[i] + curve.signs[i] * r[i] * r[i] / scale)
+            r = reals.plain_row(curve.added(r, step))
+    return list(reals.elements(K, heights))
 
 
 def _smooth(count: int) -> int:
