@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, reference
+from integrable.__main__ import main
 from integrable.state import State
 from integrable.torus_flow import CompiledLoops, TorusFlow
 from jacobian import MP
@@ -116,3 +117,16 @@ def test_the_largest_ratio_and_the_lightest_ball_are_answered() -> None:
         run = flow.at(times)
         right = exact(inertia, d, times)
         assert np.abs(run.gamma - right[:, :3]).max() < 1e-13
+
+
+def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
+    scene = tmp_path / "heavy.toml"
+    scene.write_text(
+        'title = "heavy"\nsystem = "chaplygin_ball"\n[body]\ninertia = ["1", "2", "3"]\nd = "1e17"\n'
+        '[start]\ngamma = ["0.48", "0.6", "0.64"]\nM = ["0.384", "1.28", "-1.488"]\n[run]\ntimes = [0, 10]\n',
+        encoding="utf-8",
+    )
+    assert main(["run", str(scene), "--out", str(tmp_path / "out")]) != 0
+    output = capsys.readouterr().err
+    assert "d = 1e+17 with inertia" in output
+    assert "Traceback" not in output
