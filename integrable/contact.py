@@ -41,6 +41,8 @@ MOST_PANELS, MOST_PRECISE = 4000, 60
 MOST_GAUSS = 1000
 # what states near the start, made in floats, are good for
 TOLERANCE = 1e-13
+# γ × M loses digits where it is this much smaller than M
+PARALLEL = 30
 # nodes of an interval, for each digit, beyond which the velocity counts as not smooth
 MOST_NODES = 20
 
@@ -138,13 +140,21 @@ class Rolling:
             if len(chosen):
                 later = np.abs(tau[chosen])
                 along = partial(self._at, sign)
-                panels = Panels(along, 0.0, float(later.max()), float(length), self._tolerance)
+                panels = Panels(along, 0.0, float(later.max()), float(length), TOLERANCE, self.noise)
                 found[chosen] = sign * integrals(panels, later)
         return found
 
     @property
-    def _tolerance(self) -> float:
-        return max(TOLERANCE, RR.eps * self.loss)
+    def noise(self) -> np.ndarray:
+        """What rounding of states makes of :meth:`rates`, about: near M ∥ γ it is larger than what is left of them."""
+        body, (h1, h2) = self.flow.system.body, self.flow.system.integrals(self.flow.state)[2:]
+        size, spread, x, y = h2**0.5, float(np.abs(self._different).max()), 0.0, 0.0
+        if size > PARALLEL * self._length:
+            x = spread * size * (size + body.d * (h1 / min(body.inertia)) ** 0.5) / self._length
+        if self._tilt is not None:
+            (p, turn, shift, s, lean), contact = self._tilt
+            y = abs(lean) * spread * (p + abs(turn) * size) * (abs(shift) + s * size) / min(contact) ** 0.5
+        return 8 * RR.eps * np.array([x, y])
 
     def _bound(self, count: int, most: int) -> None:
         if count > most:
@@ -191,6 +201,6 @@ def on_torus(flow: Flow) -> TorusIntegral | None:
 
     torus, rolling = flow._torus, Rolling(flow)
     try:
-        return TorusIntegral(torus, rolling.rates, rolling.loss) if torus else None
+        return TorusIntegral(torus, rolling.rates, rolling.noise) if torus else None
     except PrecisionLoss:
         return None

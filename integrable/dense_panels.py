@@ -27,10 +27,18 @@ class Panels:
     """Values of ``states`` (times of shape (N,) to rows of shape (N, width)) between two times.
 
     ``length`` is the length of a panel to begin with; panels whose series has not converged are halved. ``tolerance``
-    is for their last coefficients, in units of the largest value of their column.
+    is for their last coefficients, in units of the largest value of their column; below ``least`` they are rounding.
     """
 
-    def __init__(self, states: States, start: float, end: float, length: float, tolerance: float = TOLERANCE) -> None:
+    def __init__(
+        self,
+        states: States,
+        start: float,
+        end: float,
+        length: float,
+        tolerance: float = TOLERANCE,
+        least: Any = 0.0,
+    ) -> None:
         count = max(1, int(np.ceil((end - start) / length)))
         left = np.linspace(start, end, count + 1)[:-1]
         half = np.full(count, (end - start) / (2 * count))
@@ -38,7 +46,7 @@ class Panels:
         middles, halves, series = [], [], []
         for _ in range(MOST_HALVINGS):
             found = _coefficients(states, middle, half)
-            good = _converged(found, tolerance)
+            good = _converged(found, tolerance, least)
             middles.append(middle[good])
             halves.append(half[good])
             series.append(found[good])
@@ -87,13 +95,13 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     return result
 
 
-def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE) -> np.ndarray:
+def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: Any = 0.0) -> np.ndarray:
     """Whether the series of every panel has ended: its last terms are below ``tolerance``, or level and below NOISE."""
     sizes = np.abs(coefficients).max(axis=(0, 1))
     tails = np.abs(coefficients[:, -3:]).max(axis=1)
     before = np.abs(coefficients[:, -10:-3]).max(axis=1)
     level = (tails > before / 8) & (tails <= NOISE * sizes)
-    good: np.ndarray = ((tails <= tolerance * sizes) | level).all(axis=1)
+    good: np.ndarray = ((tails <= np.maximum(tolerance * sizes, least)) | level).all(axis=1)
     return good
 
 

@@ -19,27 +19,34 @@ FIRST_SIZE = 32
 MOST_SAMPLES, MOST_INTERPRETED = 1 << 18, 1 << 12
 # relative: modes below this are rounding
 NOISE = 1e-15
+TINY = 1e-300
 
 
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0, F = ``function`` of states (γ and M side by side, shape (N, 6)), of shape (N, m).
 
-    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``loss`` is by how
-    much rounding in F is larger than in the state. PrecisionLoss where no grid of at most MOST_SAMPLES points resolves
+    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m)
+    is what rounding makes of F. PrecisionLoss where no grid of at most MOST_SAMPLES points resolves
     F.
     """
 
-    def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], loss: float = 1.0) -> None:
+    def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], least: np.ndarray) -> None:
         self._flow = flow
         self._doubled = [2 if np.prod(row) < 0 else 1 for row in flow.turns]
-        noise = NOISE * loss
         sizes = FIRST_SIZE, FIRST_SIZE
         while sizes[0] * sizes[1] <= (MOST_SAMPLES if flow.compiled else MOST_INTERPRETED):
             phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
             grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
             samples = function(flow.at_phases(grid)).reshape(*sizes, -1)
             grids = [spectrum(part) for part in np.moveaxis(samples, -1, 0)]
-            wanted = [needed_sizes(grid, (noise, noise)) for grid in grids if grid.any()]
+            noises = [
+                max(NOISE, x / max(np.abs(grid).max(), x, TINY)) for x, grid in zip(least.tolist(), grids, strict=True)
+            ]
+            wanted = [
+                needed_sizes(grid, (x, x)) for x, grid in zip(noises, grids, strict=True) if grid.any() and x < 1 / 64
+            ]
+            if not wanted:
+                break
             larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
             if larger == sizes:
                 break
@@ -47,7 +54,10 @@ class TorusIntegral:
         else:
             raise PrecisionLoss(f"a grid of {sizes[0]} × {sizes[1]} is needed for an integral on the torus")
         first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
-        self._series = [TorusSeries(grid, (first, second), noise=max(noise, flow.closure)) for grid in grids]
+        self._series = [
+            TorusSeries(grid, (first, second), noise=max(x, flow.closure))
+            for x, grid in zip(noises, grids, strict=True)
+        ]
 
     def at(self, run: Trajectory) -> np.ndarray:
         """The integrals at the times of a run, shape (N, m); the phases do not lose what a rounded τ has lost."""
