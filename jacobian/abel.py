@@ -12,15 +12,16 @@ it polishes at the field's own precision. A class of weight g has one divisor, s
 from __future__ import annotations
 
 import cmath
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
+from itertools import islice
 from random import Random
 from typing import Any
 
 from jacobian.complex_roots import horner, simple_roots
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, JacobianError, PrecisionLoss
+from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, JacobianError, NotOnCurve, PrecisionLoss
 from jacobian.immutable import Immutable
 from jacobian.periods import (
     Oval,
@@ -36,6 +37,9 @@ from jacobian.quadrature import Vector, from_branch_point, working_numbers
 __all__ = ["AbelMap", "Oval", "PeriodMatrix", "periods", "real_periods"]
 
 Point = tuple[Any, Any]
+
+# of Newton's method, from all starts together, in doubles and in 40 digits
+MOST_STEPS, MOST_LONG_STEPS = 1000, 100
 
 _DIRECTIONS = (0.37 + 1.93j, 0.52 - 1.71j, -1.86 - 0.44j, 1.77 + 0.23j)
 
@@ -176,7 +180,8 @@ class AbelMap(Immutable):
         """The divisor class with the image z, in the Jacobian of ``curve``: g numbers, of any size, modulo periods.
 
         The identity for z in the lattice (to half the digits), otherwise a class of weight g: PrecisionLoss where the
-        class has less weight or nearly coinciding points.
+        class has less weight or nearly coinciding points, where no way to it is found in some hundred steps of Newton's
+        method, or where the class that was found is not on the curve or has another image.
         """
         if isinstance(z, str) or not isinstance(z, Iterable) or len(z := list(z)) != self.curve.genus:
             raise ArgumentError(f"z = {z!r}: {self.curve.genus} numbers are needed")
@@ -188,8 +193,23 @@ class AbelMap(Immutable):
             return zero
         points = self._polished(self._rough_inverse(target), target)
         field = self.field
-        result: Divisor = J.from_points([(field.coerce(x), field.coerce(Y - self._half_h(x))) for x, Y in points])
-        return result
+        try:
+            result = J.from_points([(field.coerce(x), field.coerce(Y - self._half_h(x))) for x, Y in points])
+            J.from_mumford(result.u, result.v, result.n)
+        except NotOnCurve as error:
+            raise PrecisionLoss(f"z = {z}: what was found is off the curve; use more digits ({error})") from None
+        return self._checked(result, target)
+
+    def _checked(self, D: Divisor, target: Vector) -> Divisor:
+        """D, if its image is the target to all but some digits: its coefficients may not determine its points."""
+        numbers = self._cover.numbers
+        image = self._image(self._points(D), self._weight(D))
+        size = max(abs(c - nearest(c)) for c in self.periods.coordinates(_plus(target, image, -1)))
+        if not size < numbers.ten(8 - numbers.digits):
+            raise PrecisionLoss(
+                f"z = {target}: the image of the divisor that was found is off by {float(size):.1e}; use more digits"
+            )
+        return D
 
     def _rough_inverse(self, target: Vector) -> list[Point]:
         """Points whose image is near the target, as working numbers: in doubles, or where that fails in 40 digits."""
@@ -218,10 +238,14 @@ class AbelMap(Immutable):
 
     def _search(self, target: Vector) -> list[Point]:
         """Points whose image is near the target, from several starts."""
-        rng, failure = Random(0), "no start"
+        rng, failure, steps = (
+            Random(0),
+            "no start",
+            iter(range(MOST_STEPS if self._cover.numbers.machine else MOST_LONG_STEPS)),
+        )
         for _ in range(6):
             try:
-                points = self._by_continuation(target, rng)
+                points = self._by_continuation(target, rng, steps)
                 if self._residual_size(points, target) < 1e-3:
                     return points
                 failure = "the path missed the target"
@@ -229,14 +253,14 @@ class AbelMap(Immutable):
                 failure = str(error)
         raise PrecisionLoss(f"z = {target}: no divisor of weight g was found there ({failure})")
 
-    def _by_continuation(self, target: Vector, rng: Random) -> list[Point]:
+    def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
         points = self._start(rng)
         begin, gap = self._image(points, self._full_weight), self._gap(points, target)
         done, step, tried = 0.0, 0.25, 0
         while done < 1:
             ahead, tried = min(1.0, done + step), tried + 1
             try:
-                points = self._polished(points, _plus(begin, gap, ahead), 5, 1e-5)
+                points = self._polished(points, _plus(begin, gap, ahead), islice(steps, 5), 1e-5)
                 done, step = ahead, 2 * step
             except (PrecisionLoss, ArithmeticError):
                 step /= 4
@@ -268,14 +292,18 @@ class AbelMap(Immutable):
     def _residual_size(self, points: Sequence[Point], target: Vector) -> Any:
         return max(abs(c) for c in self.periods.coordinates(self._gap(points, target)))
 
-    def _polished(self, points: list[Point], target: Vector, most: int = 12, tolerance: Any = None) -> list[Point]:
-        """Newton's method for Σ ∫ = target: Σ x_i^k dx_i/Y_i = gap_k. PrecisionLoss where it does not settle."""
+    def _polished(
+        self, points: list[Point], target: Vector, allowed: Iterable[int] = range(12), tolerance: Any = None
+    ) -> list[Point]:
+        """Newton's method for Σ ∫ = target: Σ x_i^k dx_i/Y_i = gap_k. PrecisionLoss where it does not settle in the
+        steps allowed.
+        """
         g, numbers = self.curve.genus, self._cover.numbers
         digits = numbers.digits
         if len(points) != g:
             raise PrecisionLoss(f"a divisor of weight {len(points)} < g = {g} came up")
-        last = None
-        for _ in range(most):
+        last = size = None
+        for _ in allowed:
             gap = self._gap(points, target)
             size = max(abs(c) for c in self.periods.coordinates(gap))
             if size < (tolerance or numbers.ten(3 - digits)) or (
@@ -287,6 +315,8 @@ class AbelMap(Immutable):
             last = size
             steps = solve([[x**k / Y for x, Y in points] for k in range(g)], gap)
             points = [self._moved(x, Y, step) for (x, Y), step in zip(points, steps, strict=True)]
+        if size is None:
+            raise PrecisionLoss("Newton's method found no way to z in the steps allowed")
         raise PrecisionLoss(f"Newton's method stopped at the distance {float(size):.1e} from z; use more digits")
 
     def _moved(self, x: Any, Y: Any, step: Any) -> Point:

@@ -39,7 +39,7 @@ from jacobian.dense import (
     residue,
     size,
 )
-from jacobian.errors import NotRepresentable
+from jacobian.errors import NotRepresentable, PrecisionLoss
 
 Pair = tuple[Coefficients, Coefficients]
 
@@ -63,7 +63,7 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
     slope, q = _interpolant(field, first, second, w1)
     p = added([q * c for c in v1], product(u1, slope))
-    if len(both) - 1 <= genus and not field.is_zero(q, size(p)):
+    if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
         return Sum(both, v, p, q), _departure(f, both, v)
     p, q = _without_noise(field, f, p, q)
@@ -117,8 +117,10 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
         p.pop()
     if 2 * len(p) - 1 <= len(f) and field.is_zero(q * abs(f[-1]) ** 0.5, scale):
         q = field.zero
-        while field.is_zero(p[-1], scale):
+        while p and field.is_zero(p[-1], scale):
             p.pop()
+        if not p:
+            raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
     return p, q
 
 

@@ -25,6 +25,8 @@ from jacobian.errors import PrecisionLoss
 ZERO, NONZERO = 16, 4096
 # a point as much apart from the opposite of another is a point of its own: the sum shows what is known of it
 DISTINCT = 64
+# the part of u that rounding of the inputs may move; in last bits, where points were taken for opposite
+UNKNOWN, CLEAR = 2**-4, 2**20
 # units of the last bit by which the inputs are moved: they may be sums themselves
 JOG = 4
 # a number is resolved when the working precision knows it to this part
@@ -140,6 +142,8 @@ class Digits:
         self._rng = Random(0)
         # whether the numbers are all of moderate size: inputs may have lost more than their last bit
         self.even = False
+        # whether points were found opposite
+        self._opposite = False
         # the largest of the terms that were set to zero, beside their scale
         self._dropped: Any = 0
         self.floor = self._reals.number(2.0**-64) ** (bits // 128)
@@ -190,6 +194,7 @@ class Digits:
         if size < RESOLVED * rounding and not size <= self.floor and ZERO * rounding > noise:
             raise MoreDigits
         if size <= ZERO * max(noise, rounding):
+            self._opposite |= not of_degree
             self._dropped = max(self._dropped, size / getattr(scale, "value", scale))
             return True
         known = self.own_eps * getattr(scale, "value", scale) if self.even else 0
@@ -226,16 +231,17 @@ class Digits:
         """PrecisionLoss where nothing is known of a sum, MoreDigits where it is not resolved."""
         if isinstance(rest, Watched) and rest.value > max(self.floor, REMAINDER * self._dropped):
             raise MoreDigits
-        u, v = total.u, total.v
-        for c in (*u[:-1], *v, *total.p, total.q):
+        u = total.u
+        for c in (*u[:-1], *total.v, *total.p, total.q):
             if isinstance(c, Watched) and not self._resolved(c):
                 raise MoreDigits
+        # beside opposite points that the inputs do not separate, the others too are to be known
+        unknown = CLEAR * self.own_eps if self._opposite else UNKNOWN
         m = len(u) - 1
         radius = max((abs(c.value) ** (1 / (m - i)) for i, c in enumerate(u[:-1])), default=0)
-        for part in (u, v):
-            size = max((abs(c.value) * radius**i for i, c in enumerate(part)), default=0)
-            if any(c.noise() * radius**i * 16 > size for i, c in enumerate(part)) and part is u:
-                raise PrecisionLoss(_LOST)
+        size = max((abs(c.value) * radius**i for i, c in enumerate(u)), default=0)
+        if any(c.noise() * radius**i > unknown * size for i, c in enumerate(u[:-1])):
+            raise PrecisionLoss(_LOST)
 
     def _resolved(self, c: Watched) -> bool:
         size, rounding = abs(c.value), c.rounding()

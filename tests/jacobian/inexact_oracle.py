@@ -8,7 +8,7 @@ their points put back on the curve.
 import mpmath
 
 WIDE = mpmath.MPContext()
-WIDE.dps = 400
+WIDE.dps = 300
 
 
 def wide(x):
@@ -113,3 +113,8 @@ def share(found, exact, shift, eps):
         allowed = max((s + eps * abs(c)) * radius**i for i, (s, c) in enumerate(zip(by, other, strict=True)))
         worst = max(worst, error / allowed)
     return float(worst)
+
+
+def roots(u):
+    """The roots of u."""
+    return WIDE.polyroots(u[::-1], maxsteps=500, extraprec=2000) if len(u) > 1 else []

@@ -320,3 +320,37 @@ def test_nothing_global_is_touched_or_imported():
         "print([m for m in ('numpy', 'mpmath', 'galois') if m in sys.modules])"
     )
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
+
+
+def test_the_inverse_looks_at_what_it_returns():
+    """Points far out: the divisor found is on the curve and has the image asked for, or PrecisionLoss is raised."""
+    rng, seen = Random(5), 0
+    A = AbelMap(HyperellipticCurve(RR, [1, 2, 0, 3, 0, 1, 0, 1]))
+    for size in (1e3, 6.7e7):
+        xs = [complex(rng.gauss(0, 1), rng.gauss(0, 1)) * s for s in (1, 1, size)]
+        D = A.curve.jacobian().from_points([A.curve.lift_x(x) for x in xs])
+        z = A(D)
+        try:
+            back = A.inverse(z)
+        except PrecisionLoss:
+            continue
+        seen += 1
+        A.curve.jacobian().from_mumford(back.u, back.v)
+        gap = A.periods.coordinates([x - y for x, y in zip(A(back), z, strict=True)])
+        assert max(abs(c - round(c.real)) for c in gap) < 1e-7
+    assert seen
+
+
+def test_a_divisor_with_another_image_is_not_returned(monkeypatch):
+    A = AbelMap(HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1]))
+    D = A.curve.jacobian().random(Random(4))
+    z = A(D)
+    polished = AbelMap._polished
+
+    def astray(self, points, target, *rest):
+        x, y = (found := polished(self, points, target, *rest))[0]
+        return [self._moved(x, y, 1e-4), *found[1:]] if not rest else found
+
+    monkeypatch.setattr(AbelMap, "_polished", astray)
+    with pytest.raises(PrecisionLoss, match="image of the divisor"):
+        A.inverse(z)
