@@ -202,10 +202,9 @@ class AbelMap(Immutable):
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
         """D, if its image is the target to all but some digits: its coefficients may not determine its points."""
-        numbers = self._cover.numbers
         image = self._image(self._points(D), self._weight(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(_plus(target, image, -1)))
-        if not size < numbers.ten(8 - numbers.digits):
+        if not size < 10**8 * self.field.eps:
             raise PrecisionLoss(
                 f"z = {target}: the image of the divisor that was found is off by {float(size):.1e}; use more digits"
             )
