@@ -38,7 +38,7 @@ FAR = 50
 # so many take about a second: of states that the torus gives, and of those that come one by one
 MOST_PANELS, MOST_PRECISE = 4000, 60
 # beyond which multiprecision takes minutes
-MOST_GAUSS = 1000
+MOST_GAUSS = 200
 # what states near the start, made in floats, are good for
 TOLERANCE = 1e-13
 # γ × M loses digits where it is this much smaller than M

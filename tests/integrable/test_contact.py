@@ -207,6 +207,12 @@ def test_a_heavy_ball_far_away():
     assert abs(found[2, 0]) < 1e-3
 
 
+def test_a_heavy_ball_in_multiprecision():
+    values = (2, 3.1, 4.2), 9.72, (0.48, 0.6, 0.64), (3, 2, -4), [2.0, -1.0], True
+    found, true = _path(MP(30), *values), _path(MP(42), *values)
+    assert max(abs(x - y) for x, y in zip(found.ravel(), true.ravel(), strict=True)) < 1e-28
+
+
 def _path(field, inertia, d, gamma, momentum, times, tilted=False):
     ball = ChaplyginBall(inertia, d)
     state = ball.state(gamma, momentum, tilted=tilted)
