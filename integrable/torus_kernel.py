@@ -51,7 +51,12 @@ def directions(
     for k in range(2):
         centre = centres[k]
         # about the distance to the nearest branch point: no power of it leaves the range of floats, no product rounds
-        unit = 2.0 ** floor(log2(float(motion[0]) - centre))
+        near = abs(float(motion[7]) - centre)
+        for i in range(3):
+            near = min(near, abs(float(motion[4 + i]) - centre))
+        if motion[8] > 0:
+            near = min(near, abs(float(motion[10] / motion[8]) - centre))
+        unit = 2.0 ** floor(log2(near))
         about_centre(motion, centre, unit, room)
         power_series(room, -1, series)
         power_series(room, 1, roots)
@@ -59,25 +64,34 @@ def directions(
         for n in range(2):
             x = parts[2 * k + n] * (0.5 / cells[n])
             step = near_identity(series, roots, f0, axes, reach * x, passes)
-            put(recentred(step, centre, unit), halves, 20 * n + 10 * k)
+            put(recentred(step, axes, centre, unit), halves, 20 * n + 10 * k)
         direction(series, roots, f0, axes, reach, unit, nodes, passes, room, 4 * len(nodes) * k, tables)
 
 
-def recentred(step: Row, centre: float, unit: float) -> Row:
-    """A translation in x from one in (x − centre)/unit."""
+def recentred(step: Row, axes: Row, centre: float, unit: float) -> Row:
+    """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
+
+    Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
+    """
+    unit1, unit2, unit3 = alike(axes[0], unit), alike(axes[1], unit), alike(axes[2], unit)
     u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
     return (
         u0 - u1 * centre + (0 * u0 + centre) * centre,
         u1 - 2 * centre,
         v0 - v1 * centre,
         v1,
-        step[4] * unit,
-        step[5] * unit,
-        step[6] * unit,
-        step[7] / unit,
-        step[8] / unit,
-        step[9] / unit,
+        step[4] * unit1,
+        step[5] * unit2,
+        step[6] * unit3,
+        step[7] / unit1,
+        step[8] / unit2,
+        step[9] / unit3,
     )
+
+
+def alike(x: Real, size: Real) -> Real:
+    """``size`` with the sign of x."""
+    return -size if x < 0 else size
 
 
 def direction(
@@ -139,7 +153,8 @@ def small_translation(axes: Row, centre: float, table: Row, first: int, size: in
     m, r, t1, t0 = m * z, r * z, t / x, v * x
     a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
     x1, x2, x3 = a1 - m, a2 - m, a3 - m
-    r1, r2, r3 = root(x1 * x1 - r), root(x2 * x2 - r), root(x3 * x3 - r)
+    # as in recentred
+    r1, r2, r3 = alike(a1, root(x1 * x1 - r)), alike(a2, root(x2 * x2 - r)), alike(a3, root(x3 * x3 - r))
     middle = m + centre
     return (
         middle * middle - r,

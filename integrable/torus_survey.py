@@ -25,6 +25,11 @@ MOST_CELLS = 1 << 16
 CENTRES = 12
 FARTHEST = 2.0
 REMOTE = 1e4
+# where these leave more cells than this, branch points are close together and far from all of them (a heavy ball with
+# one large moment): then centres between branch points are tried as well, so many from either end of a gap, the first
+# at half the least distance of two branch points
+FEW_CELLS = 1 << 12
+INNER = 8
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
 
@@ -142,49 +147,81 @@ def between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
 
 
 def best_chart(
-    points: Row, origin: float, highest: float, spread: float, lead: float, periods: Row
+    points: Row, ends: Row, origin: float, lead: float, periods: Row
 ) -> tuple[float, float, float, float, int, int, int, int, int, int]:
     """(c₁, c₂, reach₁, reach₂, m₁, n₁, m₂, n₂, rows, columns): the centres with the fewest cells, the largest s for
     either, the integer rows (m, n) of a reduced basis in the given periods (a₁, b₁, a₂, b₂), and the cells.
 
-    ``points`` are the branch points, ``origin`` is how far they have been moved, ``highest`` the largest α and
-    ``spread`` the distance of the outermost, ``lead`` the leading coefficient of f.
+    ``points`` are the branch points, ``ends`` those of the ovals, ``origin`` is how far all have been moved, ``lead``
+    the leading coefficient of f.
     """
-    least = points[0]
-    for e in points:
-        least = min(least, e)
     # with d = 0 one period is the residue of x dx/y, translations by its parts are at infinity: it comes second
     flat = len(points) == 4 or lead < FLAT
-    nearest = min(least + origin, spread) / 4
-    farthest = min(FARTHEST * (highest + origin), REMOTE * spread)
-    ratio = (farthest / nearest) ** (1 / (CENTRES - 1))
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
-    for i in range(CENTRES):
-        c1 = least - nearest * ratio**i
-        reach1 = reach_of(points, lead, least, c1)
-        for j in range(i):
-            c2 = least - nearest * ratio**j
-            reach2 = reach_of(points, lead, least, c2)
-            s1, t1 = split_by(c1, c2, periods[0], periods[1])
-            s2, t2 = split_by(c1, c2, periods[2], periods[3])
-            s1, t1, s2, t2 = s1 / reach1, t1 / reach2, s2 / reach1, t2 / reach2
-            m1, n1, m2, n2 = reduced(s1, t1, s2, t2)
-            if flat and abs(m1 * periods[0] + n1 * periods[2]) < abs(m2 * periods[0] + n2 * periods[2]):
-                m1, n1, m2, n2 = m2, n2, m1, n1
-            rows, columns = cells(m1 * s1 + n1 * s2, m1 * t1 + n1 * t2, m2 * s1 + n2 * s2, m2 * t1 + n2 * t2)
-            if rows * columns < fewest:
-                fewest = rows * columns
-                best = (c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns)
+    tried = 0
+    for count in (CENTRES, CENTRES + 4 * INNER):
+        for i in range(tried, count):
+            c1 = centre_of(i, points, ends, origin)
+            reach1 = reach_of(points, lead, c1)
+            for j in range(i):
+                c2 = centre_of(j, points, ends, origin)
+                reach2 = reach_of(points, lead, c2)
+                if reach1 == 0 or reach2 == 0 or c1 == c2:
+                    continue
+                s1, t1 = split_by(c1, c2, periods[0], periods[1])
+                s2, t2 = split_by(c1, c2, periods[2], periods[3])
+                s1, t1, s2, t2 = s1 / reach1, t1 / reach2, s2 / reach1, t2 / reach2
+                m1, n1, m2, n2 = reduced(s1, t1, s2, t2)
+                if flat and abs(m1 * periods[0] + n1 * periods[2]) < abs(m2 * periods[0] + n2 * periods[2]):
+                    m1, n1, m2, n2 = m2, n2, m1, n1
+                rows, columns = cells(m1 * s1 + n1 * s2, m1 * t1 + n1 * t2, m2 * s1 + n2 * s2, m2 * t1 + n2 * t2)
+                if rows * columns < fewest:
+                    fewest = rows * columns
+                    best = (c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns)
+        tried = count
+        if fewest <= FEW_CELLS:
+            break
     return best
 
 
-def reach_of(points: Row, lead: float, least: float, centre: float) -> float:
-    """The largest s of T(s, centre·s), from the roots, near which the coefficients of f cancel."""
-    product = lead
+def centre_of(i: int, points: Row, ends: Row, origin: float) -> float:
+    """The i-th centre that is tried: below all branch points; from the lower end of the gap between the ovals to its
+    middle, from its upper end not quite; and the same in the gap behind the second.
+    """
+    least, low, high = points[0], float(ends[0]), float(ends[3])
+    near = spread = high - low
+    for k in range(len(points)):
+        least = min(least, points[k])
+        for j in range(k):
+            near = min(near, abs(points[k] - points[j]))
+    farthest = min(FARTHEST * (high + origin), REMOTE * spread)
+    if i < CENTRES:
+        nearest = min(least + origin, spread) / 4
+        return least - nearest * (farthest / nearest) ** (i / (CENTRES - 1))
+    end, k = (i - CENTRES) // INNER, (i - CENTRES) % INNER
+    first, last = float(ends[1]), float(ends[2])
+    if end > 1:
+        first, last = high, points[4] if len(points) > 4 else high + 2 * farthest
+    middle = (last - first) / 2
+    near = min(near, middle) / 2
+    if near <= 0:
+        return first
+    if end % 2 == 0:
+        return first + near * (middle / near) ** (k / (INNER - 1))
+    return last - near * (middle / near) ** (k / INNER)
+
+
+def reach_of(points: Row, lead: float, centre: float) -> float:
+    """The largest s of T(s, centre·s), from the roots, near which the coefficients of f cancel; 0 where f is not
+    negative.
+    """
+    value, near = lead, abs(points[0] - centre)
     for e in points:
-        product *= e - centre
-    return 2 * REACH * (least - centre) / sqrt(product)
+        value *= e - centre
+        near = min(near, abs(e - centre))
+    # −f: with d = 0 the lead is 1, and f has four roots
+    return 2 * REACH * near / sqrt(value) if value > 0 else 0.0
 
 
 def split_by(c1: Any, c2: Any, a: Any, b: Any) -> tuple[Any, Any]:
@@ -243,7 +280,7 @@ def survey(
     if len(points) > 4:
         points[4], lead = float(r / d), float(d)
     periods = (float(out[0]), float(out[1]), float(out[2]), float(out[3]))
-    chart = best_chart(points, float(motion[11]), float(ends[3]), float(ends[3] - ends[0]), lead, periods)
+    chart = best_chart(points, ends, float(motion[11]), lead, periods)
     c1, c2, reach1, reach2, m1, n1, m2, n2, _, _ = chart
     a1, b1 = m1 * out[0] + n1 * out[2], m1 * out[1] + n1 * out[3]
     a2, b2 = m2 * out[0] + n2 * out[2], m2 * out[1] + n2 * out[3]

@@ -119,6 +119,60 @@ def test_the_largest_ratio_and_the_lightest_ball_are_answered() -> None:
         assert np.abs(run.gamma - right[:, :3]).max() < 1e-13
 
 
+def exact_motion(system, gamma, M, tilted, times):
+    """The motion from any start by Taylor series, as :func:`exact`."""
+    K = MP(60)
+    g, m = [K.coerce(x) for x in gamma], [K.coerce(x) for x in M]
+    length, lean = K.sqrt(K.dot(g, g)), 0 if tilted else K.dot(g, m)
+    g, m = [x / length for x in g], [y - lean * x for x, y in zip(g, m, strict=True)]
+    run = reference.taylor(system.body, State(tuple(g), tuple(m), tilted), times, digits=18)
+    return np.hstack([run.gamma, run.M / float(np.linalg.norm(M))]).astype(float)
+
+
+def random_motion(rng, moments, weights):
+    """A system and the γ, M and tilt of a random state; moments and d log-uniform from 10^±moments and 10^±weights."""
+    inertia = 10 ** rng.uniform(-moments, moments, 3)
+    system = ChaplyginBall(tuple(inertia.tolist()), float(10 ** rng.uniform(-weights, weights)))
+    gamma, M = rng.normal(size=3), rng.normal(size=3)
+    gamma /= np.linalg.norm(gamma)
+    tilted = bool(rng.random() < 0.25)
+    return system, gamma.tolist(), (M if tilted else M - gamma * (gamma @ M)).tolist(), tilted
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_moments_and_d_of_any_scales_keep_all_digits(seed) -> None:
+    rng = np.random.default_rng(seed)
+    system, gamma, M, tilted = random_motion(rng, 4, 4)
+    flow = system.flow(system.state(gamma, M, tilted=tilted), kernel="compiled")
+    times = rng.uniform(-30, 30, 2) * flow.setup.step_time
+    torus = TorusFlow(flow.setup, CompiledLoops())
+    rows, _ = torus.at(times)
+    rows[:, 3:] /= np.linalg.norm(M)
+    assert np.abs(rows - exact_motion(system, gamma, M, tilted, times)).max() < 5e-15
+    # there and back by another start, as far as floats tell the start
+    (far,), _ = torus.at(np.array([1e5 * times[0]]))
+    start = system.state(far[:3].tolist(), far[3:].tolist(), tilted=tilted)
+    back = system.flow(start, kernel="compiled").at([-1e5 * times[0]])
+    assert back.gamma[0] == pytest.approx(np.array(gamma), abs=1e-8)
+
+
+HEAVY = {
+    "one large moment": ((1, 1.7, 2e4), 3e3),
+    "one small moment": ((1e4, 1.7e4, 1), 3e4),
+    "three scales": ((1e-4, 1e2, 1e4), 1e6),
+}
+
+
+@pytest.mark.parametrize("name", HEAVY)
+def test_cells_are_few_where_some_branch_points_are_close(name) -> None:
+    """Centres below all branch points alone would need up to 1e9 cells."""
+    inertia, d = HEAVY[name]
+    setup = flow_of(inertia, d).setup
+    torus = TorusFlow(setup, CompiledLoops())
+    assert torus.lattice.cells[0] * torus.lattice.cells[1] <= 4096
+    assert torus.closure < 1e-17
+
+
 def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
     scene = tmp_path / "heavy.toml"
     scene.write_text(
