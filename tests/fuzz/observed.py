@@ -115,10 +115,10 @@ def straight_contact(rng: Random) -> Case:
     """Three equal moments roll along a straight line."""
     start = random.motion(rng, equal_moments(rng), rolls=True, tilted=rng.random() < 0.5)
     wanted = random.times(rng, start, 3, -8, 20)
-    a = 1 / (np.array(start.inertia) + start.d)
-    row = EqualMoments(start).rows([0.0])
-    velocity = _velocity(start, a, row[:, :3], row[:, 3:] * np.linalg.norm(start.M))[0]
-    speed, slow = float(np.linalg.norm(velocity)), 1e-12 * start.speed
+    # ω = aM + …γ and v = ω×γ, normal to M
+    row = EqualMoments(start).rows([0.0])[0]
+    speed = float(np.linalg.norm(np.cross(row[:3], row[3:]))) * start.speed
+    velocity, slow = np.array([0.0, -speed]), 1e-13 * start.speed
 
     def judge(names: dict[str, Any]) -> Complaint | None:
         for i, t in enumerate(wanted):

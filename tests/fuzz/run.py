@@ -43,13 +43,19 @@ class Suite:
 
     def kind_of(self, index: int, kinds: Sequence[str]) -> str:
         """The kind of a case: rounds of all kinds, or of the chosen ones, in which each has its share."""
-        chosen = [kind for kind in self.kinds if not kinds or kind in kinds]
-        order = [kind for kind in chosen for _ in range(self.shares.get(kind, 1))]
+        order = _round(tuple((kind, self.shares.get(kind, 1)) for kind in self.kinds if not kinds or kind in kinds))
         return order[index % len(order)]
 
     def case(self, seed: Any, kind: str, index: int) -> Case:
         """Case ``index`` of a kind: a function of its arguments alone, on every machine."""
         return self.kinds[kind](Random(f"{self.name} {seed} {kind} {index}"))
+
+
+@cache
+def _round(shares: tuple[tuple[str, int], ...]) -> list[str]:
+    """Each kind as often as its share, well mixed."""
+    order = [kind for kind, share in shares for _ in range(share)]
+    return Random(0).sample(order, len(order))
 
 
 @cache
