@@ -150,3 +150,15 @@ def test_a_few_cases(name):
     suite = suite_of(name)
     tally = follow(Plan(suite, "everyday 1", EVERYDAY[name], cases=12))
     assert not tally.failures, tally.failures[0]
+
+
+# suites and as many cases of them as take about a minute; --cases runs any number
+MANY = {"engine": 250}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", MANY)
+def test_many_cases(name):
+    tally = follow(Plan(suite_of(name), 1, cases=MANY[name]))
+    assert not tally.failures, tally.failures[0]
+    assert tally.of("unjudged") < MANY[name] / 10
