@@ -15,7 +15,7 @@ from integrable.jets import apply
 from integrable.step import Step, checked_multiple, checked_signs
 from integrable.widening import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
 from jacobian import poly
-from jacobian.errors import ArgumentError, NotASquare
+from jacobian.errors import ArgumentError, NotASquare, entries, shown
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.lift import SignedDivisor, SignedGroup
@@ -84,7 +84,7 @@ class Translation(Step):
 
     def plain(self, state: State) -> State:
         """The image in the numbers of the field, whatever they lose."""
-        if not state.tilted:
+        if not self.system._checked(state).tilted:
             return self._image(state)
         step, plain, change = self._transformed(state)
         return change.invert(step._image(plain))
@@ -292,19 +292,18 @@ def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
 
 def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
     K = system.field
-    try:
-        given = list(points)
-    except TypeError:
-        given = []
-    if isinstance(points, (str, bytes)) or len(given) not in (1, 2):
-        raise ArgumentError(f"points = {points!r}: give one or two abscissas x'")
+    given = entries(points, "points", "a sequence of one or two abscissas x'")
+    if len(given) not in (1, 2):
+        raise ArgumentError(f"points = {shown(points)}: give one or two abscissas x'")
     if len(given) == 1 and not system.body.rolls:
-        raise ArgumentError(f"points = {points!r}: at d = 0 give two abscissas; one point and ∞ needs d > 0")
+        raise ArgumentError(f"points = {shown(points)}: at d = 0 give two abscissas; one point and ∞ needs d > 0")
     complex_ones = [x for x in given if isinstance(x, complex) or hasattr(x, "_mpc_")]
     if not complex_ones:
         return tuple(x if callable(x) else K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
     if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not given[0].imag:
-        raise ArgumentError(f"points = {points!r}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP")
+        raise ArgumentError(
+            f"points = {shown(points)}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP"
+        )
     return tuple(given)
 
 

@@ -12,7 +12,8 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from jacobian import RR
-from jacobian.errors import ArgumentError, NotASquare
+from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown
+from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import check_field
 
 Vector = tuple[Any, Any, Any]
@@ -41,10 +42,12 @@ class Body:
     @staticmethod
     def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
         """A Body of checked parameters; ArgumentError names the one that is wrong."""
-        moments = triple(check_field(field, "field"), inertia, "inertia")
+        if is_complex(check_field(field, "field").zero):
+            raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
+        moments = triple(field, inertia, "inertia")
         offset = field.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
-            raise ArgumentError(f"d = {d!r} is negative: d = m r² ≥ 0 (0 for the Euler top)")
+            raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
         for i, moment in enumerate(moments):
             _check_moment(field, moment, offset, i)
         return Body(moments, offset, field)
@@ -118,12 +121,9 @@ class Body:
 
 def triple(field: Any, values: Any, argument: str) -> Vector:
     """Three field elements, or an ArgumentError that names ``argument``."""
-    try:
-        items = list(values)
-    except TypeError:
-        raise ArgumentError(f"{argument} = {values!r}: give three numbers") from None
-    if len(items) != 3 or isinstance(values, (str, bytes)):
-        raise ArgumentError(f"{argument} = {values!r}: give three numbers")
+    items = entries(values, argument, "a sequence of three numbers")
+    if len(items) != 3:
+        raise ArgumentError(f"{argument} = {shown(values)}: give three numbers")
     x, y, z = (field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(items))
     return x, y, z
 

@@ -23,7 +23,7 @@ from integrable import coordinates
 from integrable.body import Body, Vector, cross
 from integrable.jets import JetField
 from integrable.state import State
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -159,7 +159,7 @@ def image_brackets(system: System, step: Callable[..., State], state: State) -> 
 
     state = system._checked(state)
     if not (hasattr(step, "over") or callable(step)):
-        raise ArgumentError(f"step = {step!r}: give a Step or a function of (system, state)")
+        raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
 
     def image(moved: Any, x: State) -> Sequence[Any]:
         y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)

@@ -9,7 +9,7 @@ import numpy as np
 
 from integrable.precise_flow import PreciseFlow, digits_of
 from jacobian import MP, RR
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import PrecisionLoss, whole
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -30,8 +30,7 @@ def certified(flow: Flow, times: Any, digits: int | None) -> Trajectory:
     field = flow.system.field
     own = FLOAT_DIGITS if field == RR else field.dps
     wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
-    if isinstance(wanted, bool) or not isinstance(wanted, int) or not 1 <= wanted <= own:
-        raise ArgumentError(f"digits = {digits!r}: {field.name} has 1 to {own} digits that can agree; give an int")
+    wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     finer = PreciseFlow(flow.system.body, flow.state, more)

@@ -8,7 +8,7 @@ again with as many more, and PrecisionLoss ends it.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,7 @@ import numpy as np
 from integrable.precise_flow import digits_of
 from integrable.state import State
 from jacobian import MP, RR
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
 from jacobian.immutable import Immutable, Record
 
 if TYPE_CHECKING:
@@ -240,9 +240,7 @@ def widened(system: Deformation, state: State, digits: int) -> tuple[Any, State]
 
 def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
     """The values, or one, as elements of K; FieldError that names ``argument``."""
-    if isinstance(values, (str, bytes)) or not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0:
-        values = [values]
-    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(values)]
+    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(one_or_more(values, argument))]
 
 
 def motion_of(K: Any, times: Any, tau: Any, rows: Sequence[Any]) -> Motion:

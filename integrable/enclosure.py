@@ -10,10 +10,11 @@ polynomials. A given t is then inverted with dt/dτ = 1/g > 0. The body's consta
 from __future__ import annotations
 
 import sys
-from math import ceil, log2
+from math import ceil
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from mpmath import mag
 
 from integrable import flow_kernel
 from integrable.balls import BallField, BallTranslations, arithmetic, is_bounded
@@ -93,7 +94,8 @@ def _exact(times: list[Any]) -> list[Any]:
 
 def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tuple[Any, Any, Any, float]:
     """(τ, γ, M, radius) of one row, at a precision raised until the radius is at most 10^(−digits)."""
-    doublings = 4 + max(0.0, log2(abs(float(tau)) * float(2 * max(body.a) * max(map(abs, state.M))) + 1))
+    # by exponents: the product may be beyond the floats
+    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
     bits = ceil(3.33 * (digits + 6) + LOST * doublings)
     for _ in range(MOST_ATTEMPTS):
         motion = BallMotion(body, state, bits, digits)

@@ -13,7 +13,7 @@ from integrable.dense_panels import Panels
 from integrable.panel_calculus import distinct, zeros
 from integrable.state import State
 from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, one_of, shown
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -38,12 +38,11 @@ MOST_STEPS = 100
 def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
     """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
     if not callable(condition):
-        raise ArgumentError(f"condition = {condition!r}: give a function of γ and M, arrays of shape (N, 3)")
+        raise ArgumentError(f"condition = {shown(condition)}: give a function of γ and M, arrays of shape (N, 3)")
     first, last = (flow.system.field.coerce(t, name) for t, name in ((start, "start"), (end, "end")))
     if not first < last:
-        raise ArgumentError(f"start = {start}, end = {end}: a time after start is needed")
-    if direction not in (-1, 0, 1):
-        raise ArgumentError(f"direction = {direction!r}: 1 for rising zeros, −1 for falling ones, 0 for both")
+        raise ArgumentError(f"start = {shown(start)}, end = {shown(end)}: a time after start is needed")
+    direction = one_of(direction, "direction", (-1, 0, 1), "1 for rising zeros, −1 for falling ones, 0 for both")
     floats = _in_floats(flow)
     found = []
     for left, right, length in _stretches(floats, float(first), float(last)):

@@ -21,7 +21,8 @@ from integrable.flow_setup import Setup
 from integrable.trajectory import Trajectory
 from jacobian import RR
 from jacobian.compiler import interpreted
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
+from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
@@ -55,8 +56,7 @@ class Flow(Immutable):
     """
 
     def __init__(self, system: System, state: State, kernel: str = "auto") -> None:
-        if kernel not in KERNELS:
-            raise ArgumentError(f"kernel = {kernel!r}: choose one of {', '.join(map(repr, KERNELS))}")
+        kernel = one_of(kernel, "kernel", KERNELS, f"choose one of {', '.join(map(repr, KERNELS))}")
         if kernel == "compiled" and system.field != RR:
             raise ArgumentError(
                 f"kernel = 'compiled' with field = {system.field.name}: compiled loops exist for RR only"
@@ -133,9 +133,7 @@ class Flow(Immutable):
     def _ball_digits(self, digits: int | None) -> int:
         if digits is None:
             return 15 if self.system.field == RR else int(self.system.field.dps)
-        if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
-            raise ArgumentError(f"digits = {digits!r}: the balls' digits are an int ≥ 1")
-        return digits
+        return whole(digits, "digits", f"the balls' digits are an int, 1 to {MOST_DIGITS}", 1, MOST_DIGITS)
 
     def physical_time(self, tau: Any) -> np.ndarray:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""
@@ -222,13 +220,11 @@ class Flow(Immutable):
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers."""
         field = self.system.field
-        if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
-            values = [values]
         quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
         if quick and np.isfinite(values).all():
             # a copy: the times of a result do not change with the caller's array
             return np.array(values)
-        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(values)]
+        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
         return np.array(items, dtype=np.float64 if field == RR else object)
 
     def _trusted(self, rows: np.ndarray) -> np.ndarray:

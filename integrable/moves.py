@@ -8,7 +8,6 @@ Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from operator import index
 from typing import TYPE_CHECKING, Any, Self
 
 from integrable import coordinates
@@ -19,7 +18,7 @@ from integrable.state import State
 from integrable.step import Step, checked_signs
 from integrable.widening import LARGEST, body_condition, tilt_condition, with_enough_digits
 from jacobian import MP, RR, poly
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_of, shown, whole
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.lift import Pair, SignedDivisor, SignedGroup
@@ -44,7 +43,7 @@ class Move(Step):
 
     def plain(self, state: State) -> State:
         """The image in the numbers of the field, whatever they lose."""
-        if not state.tilted:
+        if not self.system._checked(state).tilted:
             return self._image(state)
         system, plain, change = self.system.upright(state)
         image: State = change.invert(self.over(system)._image(plain))
@@ -74,10 +73,7 @@ class Multiplication(Move):
     """
 
     def __init__(self, system: System, factor: int) -> None:
-        try:
-            self.factor = index(factor)
-        except TypeError:
-            raise ArgumentError(f"factor = {factor!r}: a divisor is multiplied by an int") from None
+        self.factor = whole(factor, "factor", "a divisor is multiplied by an int")
         if self.factor == 0:
             raise ArgumentError("factor = 0: the zero divisor belongs to no state")
         self.system = system
@@ -160,13 +156,11 @@ class ConicStep(Move):
     def __init__(self, system: System, x0: Any, y0: Any, sign: int = 1) -> None:
         if system.body.rolls:
             raise ArgumentError(f"d = {system.d}: the parabolas of a conic step are the pencil of the curve at d = 0")
-        if sign not in (1, -1):
-            raise ArgumentError(f"sign = {sign!r}: the sign of the root s is 1 or -1")
         K = system.field
         self.system = system
         self.x0 = None if x0 is None else K.coerce(x0, "x0")
         self.y0 = y0 if callable(y0) else K.coerce(y0, "y0")
-        self.sign = sign
+        self.sign = one_of(sign, "sign", (1, -1), "the sign of the root s is 1 or -1")
 
     def __repr__(self) -> str:
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
@@ -222,7 +216,7 @@ class Shift(Move):
         if system.field.exact:
             raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
         if not callable(F):
-            raise ArgumentError(f"F = {F!r}: give a function of H1 and H2, such as lambda h1, h2: h1 / 2")
+            raise ArgumentError(f"F = {shown(F)}: give a function of H1 and H2, such as lambda h1, h2: h1 / 2")
         self.system = system
         self.F = F
 

@@ -17,11 +17,11 @@ from typing import Any
 import numpy as np
 
 from jacobian import RR
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import read_only
 
 from .backlund import Translation
-from .scene_data import FLOAT_DIGITS, Scene
+from .scene_data import FLOAT_DIGITS, MOST_STEPS, Scene
 from .state import State
 from .step import Step
 from .tables import aligned, duration, figure
@@ -136,9 +136,10 @@ def orbit(step: Step, state: State, count: int) -> Orbit:
     the field of the map one by one, so that rounding is not fed back into the map.
     """
     if not isinstance(step, Step):
-        raise ArgumentError(f"step = {step!r}: give a Step, such as system.translation(points)")
-    if isinstance(count, bool) or not hasattr(count, "__index__") or count < 0:
-        raise ArgumentError(f"count = {count!r}: give an int ≥ 0, a number of steps")
+        raise ArgumentError(f"step = {shown(step)}: give a Step, such as system.translation(points)")
+    count = whole(
+        count, "count", f"give an int ≥ 0, a number of steps, {MOST_STEPS} at most: all states are kept", 0, MOST_STEPS
+    )
     if step.condition(state) > MOST_CONDITION:
         return Orbit((state, *in_wider_numbers(step, state, count)), step.system.field)
     states = [state]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,20 +9,25 @@ import numpy as np
 from integrable import flow_kernel
 from jacobian import RR
 from jacobian.compiler import interpreted
-from jacobian.errors import ArgumentError
+from jacobian.errors import entries, shown, whole
 
 if TYPE_CHECKING:
     from integrable.flow_setup import Setup
 
 # from this many additions on, loading or making the compiled loop pays
 COMPILE_FROM = 100_000
+# a minute of compiled additions
+MOST_COUNT = 100_000_000
 
 
 def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
     """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
-    counts = list(counts) if isinstance(counts, Iterable) else counts
-    if not isinstance(counts, list) or not all(hasattr(n, "__index__") and n >= 0 for n in counts):
-        raise ArgumentError(f"counts = {counts!r}: give ints ≥ 0")
+    wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
+    given = entries(counts, "counts", wanted)
+    counts = [
+        whole(n, f"counts = {shown(given)}: counts[{i}]", f"{wanted} is needed", 0, MOST_COUNT)
+        for i, n in enumerate(given)
+    ]
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
     march: Any = flow_kernel.march
     inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])

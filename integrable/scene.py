@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import replaced
 
 from .extras import without
@@ -40,14 +40,13 @@ def run(
     left out, and a MissingExtraWarning says so before anything is computed.
     """
     if not isinstance(scene, (Scene, str, os.PathLike)):
-        raise ArgumentError(f"scene = {scene!r}: give a Scene, the name of one or the path of a .toml file")
+        raise ArgumentError(f"scene = {shown(scene)}: give a Scene, the name of one or the path of a .toml file")
     if not isinstance(scene, Scene):
         scene = load_scene(scene)
     if out is not None and not isinstance(out, (str, os.PathLike)):
-        raise ArgumentError(f"out = {out!r}: give the path of a folder")
+        raise ArgumentError(f"out = {shown(out)}: give the path of a folder")
     digits = scene.digits if digits is None else digits
-    if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
-        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed (15: floats)")
+    digits = whole(digits, "digits", "a positive number of decimal digits is needed (15: floats)", 1)
     if scene.finite_field and digits != scene.digits:
         raise ArgumentError(f"digits: {digits} given; an orbit over {scene.finite_field} is exact and has none")
     system, _ = scene.start(digits)

@@ -10,12 +10,14 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, whole
 
-__all__ = ["FLOAT_DIGITS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
+__all__ = ["FLOAT_DIGITS", "MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
 
 FLOAT_DIGITS = 15
 """Up to this many digits a run is in floats, above it in multiprecision."""
+MOST_STEPS = 10_000_000
+"""Of an orbit, whose states are all kept."""
 
 SYSTEMS = {
     "chaplygin_ball": "ChaplyginBall",
@@ -181,8 +183,7 @@ class Scene:
         return finite_field(self.finite_field) if self.finite_field else _field(digits)
 
     def _numbers(self, digits: int) -> Callable[[Fraction], Any]:
-        if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
-            raise ArgumentError(f"digits = {digits!r}: give an int ≥ 1, a number of decimal digits (15: floats)")
+        digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (15: floats)", 1)
         return _elements(self._field(digits)) if self.finite_field else _numbers(digits)
 
     def describe(self) -> dict[str, Any]:

@@ -10,9 +10,9 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
-from .scene_data import FLOAT_DIGITS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
+from .scene_data import FLOAT_DIGITS, MOST_STEPS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
 from .strict_toml import Table, suggestion
 
 __all__ = ["load_scene", "scene_names"]
@@ -43,7 +43,9 @@ def load_scene(name_or_path: str | Path) -> Scene:
     Raises ArgumentError, one line, naming file, table, key, value and what would be right.
     """
     if not isinstance(name_or_path, (str, os.PathLike)):
-        raise ArgumentError(f"name_or_path = {name_or_path!r}: give the name of a scene or the path of a .toml file")
+        raise ArgumentError(
+            f"name_or_path = {shown(name_or_path)}: give the name of a scene or the path of a .toml file"
+        )
     source = str(name_or_path)
     if isinstance(name_or_path, str) and source in scene_names():
         text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8-sig")
@@ -121,6 +123,9 @@ def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
         table.fail(
             "truth_digits", f"{truth_digits} given; at least {max(digits) + 10}, 10 more than the costs, are needed"
         )
+    count = table.integer("count", 1)
+    if count > MOST_STEPS:
+        table.fail("count", f"{count} given; {MOST_STEPS} steps are the most, all states are kept")
     maps = tuple(
         _read_map(one, _MAPS if plain else _CURVE_MAPS) for one in table.tables("maps", ("kind", *_EVERY_ARGUMENT))
     )
@@ -129,7 +134,7 @@ def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
     if exact and pictures:
         output.fail("pictures", f'"{pictures[0]}" given; points over a finite field have no place in a picture')
     return {
-        "steps": Steps(maps, table.integer("count", 1), digits, truth_digits, table.integer("repeat", 1, 3)),
+        "steps": Steps(maps, count, digits, truth_digits, table.integer("repeat", 1, 3)),
         "digits": digits[0] if digits else FLOAT_DIGITS,
         "finite_field": field,
         "pictures": pictures,

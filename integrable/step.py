@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from operator import index
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, entries, shown, whole
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -78,18 +77,18 @@ class Composition(Step):
 
 def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
     """``count`` signs, all 1 for None, or an ArgumentError that names ``argument``."""
-    given = (1,) * count if values is None else tuple(values) if isinstance(values, Iterable) else ()
-    if len(given) != count or any(x not in (1, -1) for x in given):
-        raise ArgumentError(f"{argument} = {values!r}: give {count} signs, each 1 or -1")
-    return given
+    if values is None:
+        return (1,) * count
+    wanted = f"a sequence of {count} signs, each 1 or -1"
+    given = entries(values, argument, wanted)
+    if len(given) != count or not all(isinstance(x, Real) and x in (1, -1) for x in given):
+        raise ArgumentError(f"{argument} = {shown(given)}: {wanted} is needed")
+    return tuple(given)
 
 
 def checked_multiple(m: Any) -> int:
     """``m`` as an int that is not 0, or an ArgumentError."""
-    try:
-        value = index(m)
-    except TypeError:
-        raise ArgumentError(f"multiple = {m!r}: a multiple of a step is an int") from None
+    value = whole(m, "multiple", "a multiple of a step is an int")
     if value == 0:
         raise ArgumentError("multiple = 0: the identity map needs no step")
     return value

@@ -50,7 +50,9 @@ class SteppedFlow:
         setup = self.setup
         # g is at most that of an axis, of the body that was given: a tilted motion runs on another one
         slowest = float(min(setup.body.contact)) ** 0.5 if clock else 1.0
-        steps = times * float(setup.clock / setup.step_length) / slowest
+        with np.errstate(over="ignore"):
+            # far beyond any step for times near the end of the floats
+            steps = times * float(setup.clock / setup.step_length) / slowest
         if np.abs(steps).max(initial=0) > FARTHEST:
             return False
         for sign in (1, -1):

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.lib import format as npy
 
 from jacobian import RR
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown, whole
 
 if TYPE_CHECKING:
     from integrable.flow import Flow
@@ -24,11 +24,10 @@ def stream(flow: Flow, path: str | os.PathLike[str], start: Any, end: Any, count
     """What :meth:`integrable.flow.Flow.stream` does."""
     if flow.system.field != RR:
         raise ArgumentError(f"field = {flow.system.field.name}: a stream is of floats; use RR")
-    if isinstance(count, bool) or not isinstance(count, int) or count < 2:
-        raise ArgumentError(f"count = {count!r}: give an int, 2 or more")
+    count = whole(count, "count", "give an int, 2 or more", 2)
     first, last = (RR.coerce(x, name) for name, x in (("start", start), ("end", end)))
     if not isinstance(path, (str, os.PathLike)):
-        raise ArgumentError(f"path = {path!r}: give the path of a .npy file")
+        raise ArgumentError(f"path = {shown(path)}: give the path of a .npy file")
     target = Path(path)
     if not target.parent.is_dir():
         raise ArgumentError(

@@ -19,7 +19,7 @@ from integrable.jets import Jet
 from integrable.state import State
 from integrable.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, shown
 from jacobian.fields.quadratic import quadratic_roots
 
 if TYPE_CHECKING:
@@ -65,7 +65,7 @@ def from_divisors(system: Deformation, points: TwoPoints, like: State) -> State:
     ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
     """
     if not isinstance(points, TwoPoints):
-        raise ArgumentError(f"D = {points!r}: give TwoPoints, as the system's divisor(state)")
+        raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
     K, body = system.field, system.body
     model = _image(system, like)
     u, y, lambdas = [], [], []
@@ -209,7 +209,9 @@ class CurveTranslation(Step):
         self.system = system
         given = list(points) if isinstance(points, (list, tuple)) else []
         if len(given) != 2 or given == [None, None]:
-            raise ArgumentError(f"points = {points!r}: give two abscissas, one for each curve, None for no addition")
+            raise ArgumentError(
+                f"points = {shown(points)}: give two abscissas, one for each curve, None for no addition"
+            )
         K = system.field
         self.points = tuple(None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given))
         self.sheets = checked_signs(sheets, 2, "sheets")

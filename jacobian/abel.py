@@ -21,7 +21,16 @@ from typing import Any
 from jacobian.complex_roots import horner, simple_roots
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, JacobianError, NotOnCurve, PrecisionLoss
+from jacobian.errors import (
+    ArgumentError,
+    CurveMismatch,
+    Infeasible,
+    JacobianError,
+    NotOnCurve,
+    PrecisionLoss,
+    entries,
+    shown,
+)
 from jacobian.immutable import Immutable
 from jacobian.periods import (
     Oval,
@@ -183,9 +192,11 @@ class AbelMap(Immutable):
         class has less weight or nearly coinciding points, where no way to it is found in some hundred steps of Newton's
         method, or where the class that was found is not on the curve or has another image.
         """
-        if isinstance(z, str) or not isinstance(z, Iterable) or len(z := list(z)) != self.curve.genus:
-            raise ArgumentError(f"z = {z!r}: {self.curve.genus} numbers are needed")
-        target = [self._cover.numbers.convert(self.field.coerce(x, f"z[{i}]")) for i, x in enumerate(z)]
+        wanted = f"{self.curve.genus} numbers"
+        given = entries(z, "z", wanted)
+        if len(given) != self.curve.genus:
+            raise ArgumentError(f"z = {shown(z)}: {wanted} are needed")
+        target = [self._cover.numbers.convert(self.field.coerce(x, f"z[{i}]")) for i, x in enumerate(given)]
         distances = [abs(c - nearest(c)) for c in self.periods.coordinates(target)]
         J = self.curve.jacobian()
         if max(distances) < self._cover.numbers.ten(-self._cover.numbers.digits // 2):

@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from jacobian.complex_roots import check_separated, conjugated, simple_roots
 from jacobian.curve import HyperellipticCurve, check_curve
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 from jacobian.fields import CC
 from jacobian.quadrature import Vector, ellipse, working_numbers
 
@@ -51,7 +51,7 @@ class BranchedCover:
     def _check(self, roots: Sequence[Any]) -> Vector:
         numbers, degree = self.numbers, len(self.coefficients) - 1
         if isinstance(roots, str) or not isinstance(roots, Iterable) or len(roots := list(roots)) != degree:
-            raise ArgumentError(f"roots = {roots!r}: {degree} numbers are needed, the roots of f + h²/4")
+            raise ArgumentError(f"roots = {shown(roots)}: {degree} numbers are needed, the roots of f + h²/4")
         self.given = tuple(roots)
         found = [numbers.convert(self._coerced(e, f"roots[{i}]")) for i, e in enumerate(roots)]
         product: Vector = [self.lead]

@@ -137,7 +137,8 @@ class Representative(Immutable):
 
     def translate(self, x0: Any, unit: Unit) -> Representative:
         """The step that adds a class (a : b) of ``FibreGroup(curve, x0)``: at one x₀ steps compose as classes do."""
-        return self.step(x0, FibreGroup(self.curve, x0).height(unit))
+        fibre = FibreGroup(self.curve, x0)
+        return self.step(x0, fibre._height(fibre._checked(unit, "unit")))
 
     def containing(self, point: Any) -> Representative:
         """The member of the pencil that contains an affine point of the curve."""

@@ -14,7 +14,7 @@ from jacobian.embedding import Embedding, embedding
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.factor import factor, rational_roots, roots
 from jacobian.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
-from jacobian.support import divisor_of_points
+from jacobian.support import Descent, divisor_of_points
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
@@ -34,13 +34,27 @@ def divisor_of_conjugates(J: Jacobian, points: Iterable[Any], extension: Any) ->
     affine = [point for point in checked if isinstance(point, AffinePoint)]
     number = Counter(affine)
     for point in affine:
-        conjugate = AffinePoint(inclusion.frobenius(point.x), inclusion.frobenius(point.y))
+        conjugate = AffinePoint(*map(inclusion.frobenius, point))
         if number[conjugate] != number[point]:
             raise NotRepresentable(
                 f"points: {tuple(point)} is given {number[point]} times and its conjugate {tuple(conjugate)} over "
                 f"{J.field.name} {number[conjugate]} times: give all conjugates of a point alike"
             )
-    return divisor_of_points(J, checked, above, lambda a: tuple(inclusion.back(c) for c in a))
+    descent = Descent(above, lambda a: tuple(inclusion.back(c) for c in a), lambda kept: _orbits(kept, inclusion))
+    return divisor_of_points(J, checked, descent)
+
+
+def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[AffinePoint]]:
+    """The points, each as often as its conjugates, one orbit of the Frobenius map after the other."""
+    left, found = Counter(points), []
+    for point in points:
+        if left[point]:
+            orbit = [point]
+            while (following := AffinePoint(*map(inclusion.frobenius, orbit[-1]))) != point:
+                orbit.append(following)
+            left.subtract(orbit)
+            found.append(orbit)
+    return found
 
 
 def curve_over(C: HyperellipticCurve, inclusion: Embedding) -> HyperellipticCurve:

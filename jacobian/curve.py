@@ -20,7 +20,9 @@ from jacobian.errors import (
     NotOnCurve,
     NotRepresentable,
     SingularCurve,
+    flag,
     shown,
+    whole,
 )
 from jacobian.fields.protocol import check_field
 from jacobian.fields.quadratic import quadratic_roots
@@ -202,8 +204,8 @@ class HyperellipticCurve(Immutable):
     def _coerce_pair(self, point: Any) -> tuple[Any, Any]:
         try:
             x, y = point
-        except (TypeError, ValueError):
-            raise ArgumentError(f"point = {point!r}: a pair (x, y) or a PointAtInfinity is needed") from None
+        except Exception:
+            raise ArgumentError(f"point = {shown(point)}: a pair (x, y) or a PointAtInfinity is needed") from None
         return self.field.coerce(x, "x"), self.field.coerce(y, "y")
 
     def point(self, x: Any, y: Any) -> AffinePoint:
@@ -237,7 +239,7 @@ class HyperellipticCurve(Immutable):
 
     def lift_x(self, x: Any, *, all: bool = False) -> Any:
         """One affine point with this x, or NotASquare; with ``all`` the list of none, one or two."""
-        K = self.field
+        K, all = self.field, flag(all, "all")
         x = K.coerce(x, "x")
         found = quadratic_roots(K, poly.evaluate(K, self.h, x), poly.evaluate(K, self.f, x))
         points = [AffinePoint(x, y) for y in found]
@@ -261,8 +263,8 @@ class HyperellipticCurve(Immutable):
 
     def _abscissas(self, bound: int | None) -> Iterator[Any]:
         K = self.field
-        if bound is not None and (isinstance(bound, bool) or not hasattr(bound, "__index__") or bound < 1):
-            raise ArgumentError(f"bound = {shown(bound)}: the largest numerator and denominator of x is an int ≥ 1")
+        if bound is not None:
+            bound = whole(bound, "bound", "the largest numerator and denominator of x is an int ≥ 1", 1)
         if K.order is not None:
             return iter(K.elements())
         if not K.exact:
@@ -321,7 +323,7 @@ def _from_value(K: Any, f: Any, h: Any, plus: Any) -> HyperellipticCurve:
 def check_curve(curve: Any) -> HyperellipticCurve:
     """``curve``, or an ArgumentError."""
     if not isinstance(curve, HyperellipticCurve):
-        raise ArgumentError(f"curve = {curve!r}: a HyperellipticCurve is needed")
+        raise ArgumentError(f"curve = {shown(curve)}: a HyperellipticCurve is needed")
     return curve
 
 

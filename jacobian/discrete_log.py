@@ -10,7 +10,7 @@ from random import Random
 from typing import TYPE_CHECKING, Any
 
 from jacobian.divisor import check_scalar
-from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple
+from jacobian.errors import ArgumentError, CurveMismatch, Infeasible, NotAMultiple, shown
 from jacobian.fields.randomness import random_below
 from jacobian.integers import factorization
 from jacobian.orders import reduce_order
@@ -51,8 +51,8 @@ def discrete_log(
 def _check_interval(interval: Any) -> tuple[int, int]:
     try:
         low, high = map(check_scalar, interval)
-    except (TypeError, ValueError):
-        raise ArgumentError(f"interval = {interval!r}: a pair of ints (low, high) is needed") from None
+    except Exception:
+        raise ArgumentError(f"interval = {shown(interval)}: a pair of ints (low, high) is needed") from None
     if low > high:
         raise ArgumentError(f"interval = ({low}, {high}) is empty: low ≤ high is needed")
     return low, high

@@ -6,7 +6,7 @@ from operator import index
 from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
-from jacobian.errors import ArgumentError, CurveMismatch
+from jacobian.errors import ArgumentError, CurveMismatch, shown, whole
 from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
@@ -144,21 +144,21 @@ def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
 
 def is_zero_int(value: Any) -> bool:
     """Whether ``value`` is the int 0, Python's or numpy's, which stands for the identity of any group."""
-    return hasattr(value, "__index__") and not isinstance(value, bool) and getattr(value, "ndim", 0) == 0 and value == 0
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        return False
+    try:
+        return index(value) == 0 and getattr(value, "ndim", 0) == 0
+    except Exception:
+        return False
 
 
 def check_divisor(D: Any, argument: str) -> Divisor:
     """``D``, or an ArgumentError that names ``argument``."""
     if not isinstance(D, Divisor):
-        raise ArgumentError(f"{argument} = {D!r}: a Divisor is needed")
+        raise ArgumentError(f"{argument} = {shown(D)}: a Divisor is needed")
     return D
 
 
 def check_scalar(scalar: Any, argument: str = "scalar") -> int:
     """``scalar`` as an int (numpy integers too), or an ArgumentError that names ``argument``."""
-    try:
-        if isinstance(scalar, bool):
-            raise TypeError
-        return index(scalar)
-    except TypeError:
-        raise ArgumentError(f"{argument} = {scalar!r}: an int is needed") from None
+    return scalar if type(scalar) is int else whole(scalar, argument)

@@ -6,8 +6,10 @@ from functools import lru_cache
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import FieldError
+from jacobian.errors import FieldError, shown
 from jacobian.factor import roots
+from jacobian.fields.extension import ExtensionField
+from jacobian.fields.prime import PrimeField
 
 
 class Embedding:
@@ -74,13 +76,17 @@ class Embedding:
         return found
 
 
-@lru_cache(maxsize=64)
 def embedding(K: Any, L: Any) -> Embedding:
     """The embedding of K into L, or a FieldError when L is not a finite field that contains K."""
     if K.order is None:
         raise FieldError(f"field = {K.name}: points are conjugate over finite fields")
-    if getattr(L, "order", None) is None:
-        raise FieldError(f"extension = {getattr(L, 'name', L)}: a finite field that contains {K.name} is needed")
+    if not isinstance(L, PrimeField | ExtensionField):
+        raise FieldError(f"extension = {shown(L)}: a finite field that contains {K.name} is needed")
     if L.characteristic != K.characteristic or L.degree % K.degree:
         raise FieldError(f"extension = {L.name} does not contain {K.name}")
+    return _embedding(K, L)
+
+
+@lru_cache(maxsize=64)
+def _embedding(K: Any, L: Any) -> Embedding:
     return Embedding(K, L)

@@ -7,8 +7,11 @@ its own below, so that a caller can tell a typing mistake from a divisor that do
 from __future__ import annotations
 
 from itertools import islice
-from typing import Any
+from numbers import Real
+from operator import index
+from typing import Any, TypeVar
 
+Choice = TypeVar("Choice")
 SHOWN = 200
 """Characters of a value that a message shows."""
 MOST_ENTRIES = 10_000_000
@@ -61,23 +64,67 @@ class NotAMultiple(JacobianError):
 
 def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -> list[Any]:
     """The entries of a sequence, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
-    if isinstance(values, (str, bytes)):
+    if isinstance(values, (str, bytes, bytearray, memoryview)):
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
     try:
-        found = list(islice(values, MOST_ENTRIES + 1))
+        found = list(values if hasattr(values, "ndim") else islice(values, MOST_ENTRIES + 1))
     except Exception as error:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed ({error})") from None
-    if len(found) > MOST_ENTRIES:
+    if len(found) > MOST_ENTRIES and not hasattr(values, "ndim"):
         raise ArgumentError(f"{argument}: more than {MOST_ENTRIES} entries; {wanted} is needed")
     return found
 
 
+def one_or_more(values: Any, argument: str) -> list[Any]:
+    """A number, as a list of one, or the entries of a sequence of them."""
+    if isinstance(values, (str, bytes)) or not hasattr(values, "__iter__") or getattr(values, "ndim", 1) == 0:
+        return [values]
+    return entries(values, argument, "a number or a sequence of numbers")
+
+
+def whole(
+    value: Any, argument: str, wanted: str = "an int is needed", least: int | None = None, most: int | None = None
+) -> int:
+    """``value`` as an int in ``least`` … ``most`` (numpy integers too, truth values not), or an ArgumentError that
+    names ``argument`` and says what is ``wanted``.
+    """
+    try:
+        found = value if type(value) is int else None if isinstance(value, bool) else index(value)
+    except Exception:
+        found = None
+    if found is None or (least is not None and found < least) or (most is not None and found > most):
+        raise ArgumentError(f"{argument} = {shown(value)}: {wanted}")
+    return found
+
+
+def flag(value: Any, argument: str) -> bool:
+    """``value``, which is True or False (numpy's too), or an ArgumentError that names ``argument``."""
+    if value is True or value is False:
+        return bool(value)
+    if type(value).__module__ == "numpy" and type(value).__name__ in ("bool", "bool_"):
+        return bool(value)
+    raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
+
+
+def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) -> Choice:
+    """The number or string among ``choices`` that ``value`` equals, or an ArgumentError that names ``argument`` and
+    says what is ``wanted``.
+    """
+    if isinstance(value, (str, Real)):
+        for choice in choices:
+            if value == choice:
+                return choice
+    raise ArgumentError(f"{argument} = {shown(value)}: {wanted}")
+
+
 def shown(value: Any) -> str:
-    """``repr(value)`` for a message: cut where it is long, and without the errors that a repr may have."""
+    """``repr(value)`` for a message: on one line, cut where it is long, and without the errors that a repr may have."""
     if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
         return f"an int of {value.bit_length()} bits"
     try:
         text = repr(value)
     except Exception:
         return f"<{type(value).__name__}>"
+    if "\n" in text:
+        text = " ".join(text.split())
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 20]}… ({len(text)} characters)"

@@ -14,7 +14,7 @@ from typing import Any
 from jacobian import poly
 from jacobian.curve import HyperellipticCurve, coefficient
 from jacobian.divisor import check_scalar
-from jacobian.errors import ArgumentError, FieldError
+from jacobian.errors import ArgumentError, FieldError, entries, shown
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.immutable import Immutable
 
@@ -72,6 +72,14 @@ class FibreGroup(Immutable):
             )
         return self.normal(c)
 
+    def _checked(self, c: Any, argument: str = "c") -> Unit:
+        """The class of a pair (a, b) that a caller gives; ArgumentError for what is none."""
+        wanted = "a class (a, b), a pair of elements of the field,"
+        pair = entries(c, argument, wanted)
+        if len(pair) != 2:
+            raise ArgumentError(f"{argument} = {shown(c)}: {wanted} is needed")
+        return self.element(*pair)
+
     def normal(self, c: Unit) -> Unit:
         """The class with b = 1, or (1, 0)."""
         K, (a, b) = self.field, c
@@ -89,14 +97,17 @@ class FibreGroup(Immutable):
 
     def inverse(self, c: Unit) -> Unit:
         """The inverse class, that of the conjugate a − h₀b − b·y."""
+        return self._conjugate(self._checked(c))
+
+    def _conjugate(self, c: Unit) -> Unit:
         K, (a, b) = self.field, c
         return self.normal((K.sub(a, K.mul(self.h0, b)), K.neg(b)))
 
     def power(self, c: Unit, m: int) -> Unit:
         """c^m for any int m."""
-        m = check_scalar(m, "m")
+        c, m = self._checked(c), check_scalar(m, "m")
         if m < 0:
-            c, m = self.inverse(c), -m
+            c, m = self._conjugate(c), -m
         result = self.identity
         for bit in bin(m)[2:]:
             result = self.multiply(result, result)
@@ -112,7 +123,9 @@ class FibreGroup(Immutable):
 
     def height(self, c: Unit) -> Any:
         """The y₀ of :meth:`through`; None at the identity."""
-        c = self.normal(c)
+        return self._height(self._checked(c))
+
+    def _height(self, c: Unit) -> Any:
         return None if c[1] == self.field.zero else self.field.neg(c[0])
 
     def coordinate(self, c: Unit) -> Any:

@@ -13,7 +13,7 @@ from typing import Any
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve, check_curve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.group import Jacobian
 from jacobian.ladder import multiple
 from jacobian.points import AffinePoint
@@ -46,7 +46,7 @@ class GeneralizedJacobian(Jacobian):
     def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""
         if n is not None:
-            raise ArgumentError(f"n = {n!r}: the points at infinity are the modulus, leave n out")
+            raise ArgumentError(f"n = {shown(n)}: the points at infinity are the modulus, leave n out")
         u = self._check_monic(poly.coerce(self.field, u, "u"))
         v = poly.coerce(self.field, v, "v")
         if len(u) != 3 or len(v) > 2:
@@ -61,7 +61,7 @@ class GeneralizedJacobian(Jacobian):
     ) -> Divisor:
         """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any others."""
         if extension is not None:
-            raise NotRepresentable(f"extension = {extension.name}: points modulo ∞₊ + ∞₋ lie over the field itself")
+            raise NotRepresentable(f"extension = {shown(extension)}: points modulo ∞₊ + ∞₋ lie over the field itself")
         pair = [self.curve.check_point(point) for point in repeated(points, multiplicities)]
         affine = [point for point in pair if isinstance(point, AffinePoint)]
         if len(pair) != 2 or len(affine) != 2:

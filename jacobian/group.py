@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from operator import index
 from typing import Any
 
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve, check_curve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable
+from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
 from jacobian.finite_group import FiniteGroup
 from jacobian.kernels import Kernel, compiled_kernel, kernel
 from jacobian.ladder import multiple
@@ -117,7 +116,7 @@ class Jacobian(FiniteGroup):
         """The points of D with multiplicities: see :meth:`jacobian.divisor.Divisor.support`."""
         from jacobian.conjugates import support
 
-        return support(D, extension)
+        return support(self._own(D, "D"), extension)
 
     def __call__(self, P: Any, Q: Any = None) -> Divisor:
         """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
@@ -167,17 +166,14 @@ class Jacobian(FiniteGroup):
             )
         if model != "split":
             if n is not None:
-                raise ArgumentError(f"n = {n!r}: a {model} model has no weight at infinity, leave n out")
+                raise ArgumentError(f"n = {shown(n)}: a {model} model has no weight at infinity, leave n out")
             return None
         if n is None:
             return (genus - degree + 1) // 2
-        try:
-            n = index(n)
-        except TypeError:
-            raise ArgumentError(f"n = {n!r}: the weight at ∞₊ is an int") from None
+        n = whole(n, "n", "the weight at ∞₊ is an int")
         if degree <= genus and not 0 <= n <= genus - degree:
             raise ArgumentError(f"n = {n}: beside deg u = {degree} the weight at ∞₊ lies in 0 … {genus - degree}")
-        return int(n)
+        return n
 
     def _check_on_curve(self, u: poly.Poly, v: poly.Poly) -> None:
         K, f, h = self.field, self.curve.f, self.curve.h
@@ -262,8 +258,18 @@ class Jacobian(FiniteGroup):
         if m == 0:
             return self.zero()
         if not self.field.exact:
+            self._check_multiple(m)
             return multiple(m, D, self.add, self.double, self.negate)
         return self._out(self._multiple(m, self._in(D)))
+
+    def _check_multiple(self, m: int) -> None:
+        """PrecisionLoss for an m > 0 that leaves less than two fifths of the digits: m·D has m times the error of D."""
+        K = self.field
+        if m > K.eps**-0.6:
+            raise PrecisionLoss(
+                f"scalar = {shown(m)}: m·D multiplies rounding by m, and {K.name} carries m up to "
+                f"{float(K.eps**-0.6):.1e}; use more digits"
+            )
 
     # --- to the arithmetic model and back
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from math import gcd, prod
 
-from jacobian.errors import ArgumentError, Infeasible
+from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole
 from jacobian.fields.primality import is_prime
 
 TRIAL_LIMIT = 2000
@@ -24,12 +24,12 @@ def factorization(n: int, primes: Iterable[int] | None = None) -> dict[int, int]
         raise ArgumentError(f"n = {n}: a positive integer is factored")
     found: dict[int, int] = {}
     if primes is not None:
-        primes = list(primes) if isinstance(primes, Iterable) else primes
-        if not isinstance(primes, list) or not all(hasattr(p, "__index__") for p in primes):
-            raise ArgumentError(f"primes = {primes!r}: the prime factors of {n} are needed, all of them")
-        rest = _divide_out(n, sorted(set(primes)), found)
+        wanted = f"the prime factors of {shown(n)}, all of them,"
+        given = entries(primes, "primes", wanted)
+        chosen = {whole(p, f"primes = {shown(given)}: entry", f"{wanted} are needed") for p in given}
+        rest = _divide_out(n, sorted(chosen), found)
         if rest != 1 or not all(map(is_prime, found)):
-            raise ArgumentError(f"primes = {sorted(set(primes))}: the prime factors of {n} are needed, all of them")
+            raise ArgumentError(f"primes = {shown(sorted(chosen))}: {wanted} are needed")
         return found
     rest = _divide_out(n, range(2, TRIAL_LIMIT), found)
     for prime in _prime_factors(rest):

@@ -20,7 +20,7 @@ from typing import Any
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.divisor import Divisor, check_scalar, is_zero_int
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable, shown
 from jacobian.fibre import FibreGroup, Function, Unit, conjugate
 from jacobian.fields.randomness import random_below
 from jacobian.group import Jacobian
@@ -66,7 +66,7 @@ class RayClassGroup(Immutable):
     def lift(self, D: Divisor) -> RayClass:
         """The class (D, 1) over a divisor class D of the Jacobian: a section, not a homomorphism."""
         if not isinstance(D, Divisor) or D.jacobian != self.jacobian:
-            raise CurveMismatch(f"D = {D!r} is not a divisor class of {self.jacobian!r}")
+            raise CurveMismatch(f"D = {shown(D)} is not a divisor class of {self.jacobian!r}")
         return RayClass(self, D, self.fibre.identity)
 
     def from_fibre(self, a: Any, b: Any) -> RayClass:
@@ -84,7 +84,7 @@ class RayClassGroup(Immutable):
         v = poly.mod(K, poly.coerce(K, v, "v"), u)
         if self.x0 is None:
             if n is not None:
-                raise ArgumentError(f"n = {n!r}: the points at infinity are the modulus, leave n out")
+                raise ArgumentError(f"n = {shown(n)}: the points at infinity are the modulus, leave n out")
             if len(u) % 2 == 0:
                 raise NotRepresentable(
                     f"u of odd degree {len(u) - 1}: away from infinity a divisor of degree 0 needs an even one"
@@ -144,7 +144,7 @@ class RayClassGroup(Immutable):
         opposite = poly.mod(K, poly.neg(K, poly.add(K, v, self.jacobian._model.h)), u)
         if n is not None:
             n = 2 * ((self.curve.genus + 1) // 2) - (len(u) - 1) - n
-        return self._reduced((u, opposite, n), functions, self.fibre.inverse(C.unit))
+        return self._reduced((u, opposite, n), functions, self.fibre._conjugate(C.unit))
 
     def multiply(self, m: int, C: RayClass) -> RayClass:
         """m·C for any int m, by signed windows (width-w non-adjacent form; Solinas 2000)."""

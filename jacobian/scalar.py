@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from jacobian import cantor, poly
 from jacobian.divisor import check_scalar
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, entries, shown, whole
 from jacobian.immutable import Immutable
 from jacobian.ladder import signed_digits
 
@@ -29,10 +29,8 @@ class FixedBase(Immutable):
     """
 
     def __init__(self, D: Divisor, window: int = 5) -> None:
-        if isinstance(window, bool) or not isinstance(window, int) or not 2 <= window <= 12:
-            raise ArgumentError(f"window = {window!r}: an int from 2 to 12, the bits of a digit, is needed")
         self.divisor = D
-        self.window = window
+        self.window = whole(window, "window", "an int from 2 to 12, the bits of a digit, is needed", 2, 12)
         self._rows: list[list[Divisor]] = []
         self._next = D
 
@@ -82,15 +80,13 @@ def combination(J: Jacobian, scalars: Iterable[int], divisors: Iterable[Divisor]
     Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
     interleaved windows beat Shamir's joint table from about 40 bits on, so there is no third method.
     """
-    for name, values, needed in (("scalars", scalars, "ints"), ("divisors", divisors, "Divisors")):
-        if not isinstance(values, Iterable):
-            raise ArgumentError(f"{name} = {values!r}: a sequence of {needed} is needed")
-    ms, Ds = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(scalars)], list(divisors)
+    ms = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(entries(scalars, "scalars", "a sequence of ints"))]
+    Ds = entries(divisors, "divisors", "a sequence of Divisors")
     if len(ms) != len(Ds):
         raise ArgumentError(f"scalars, divisors: {len(ms)} scalars beside {len(Ds)} divisors; as many are needed")
     for i, D in enumerate(Ds):
         if getattr(D, "jacobian", None) != J:
-            raise CurveMismatch(f"divisors[{i}] = {D!r} does not lie in the {J!r}")
+            raise CurveMismatch(f"divisors[{i}] = {shown(D)} does not lie in the {J!r}")
     pairs = [(abs(m), D if m > 0 else -D) for m, D in zip(ms, Ds, strict=True) if m and D]
     if not pairs:
         return J.zero()

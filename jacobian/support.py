@@ -2,75 +2,105 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
-from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from jacobian import cantor, poly
 from jacobian.curve import HyperellipticCurve
 from jacobian.divisor import Divisor
-from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.errors import ArgumentError, NotRepresentable, entries, shown, whole
 from jacobian.points import AffinePoint, Point
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
 
-Descent = Callable[[poly.Poly], poly.Poly]
-# one by one: a hundred take a fifth of a second, and the time grows with the cube
+# one by one; more of them is a matter of multiples in the group
 MOST_REPEATED = 100
+
+
+class Descent(NamedTuple):
+    """Points over an extension field, and the way back to the field of the curve.
+
+    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``: points
+    as a list of sets that are closed under conjugation.
+    """
+
+    curve: HyperellipticCurve
+    back: Callable[[poly.Poly], poly.Poly]
+    orbits: Callable[[list[AffinePoint]], list[list[AffinePoint]]]
 
 
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
     """Each point as often as its multiplicity, an int ≥ 0, says."""
-    if not isinstance(points, Iterable):
-        raise ArgumentError(f"points = {points!r}: a sequence of pairs (x, y) and points at infinity is needed")
-    points = list(points)
+    points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
     if multiplicities is None:
         return points
-    if not isinstance(multiplicities, Iterable):
-        raise ArgumentError(f"multiplicities = {multiplicities!r}: a sequence of ints is needed, one for each point")
-    numbers = list(multiplicities)
+    numbers = entries(multiplicities, "multiplicities", "a sequence of ints, one for each point,")
     if len(numbers) != len(points):
-        raise ArgumentError(f"multiplicities = {numbers}: {len(points)} of them are needed, one for each point")
+        raise ArgumentError(f"multiplicities = {shown(numbers)}: {len(points)} of them are needed, one for each point")
     result = []
-    for point, number in zip(points, numbers, strict=True):
-        if isinstance(number, bool) or not hasattr(number, "__index__") or number < 0:
-            raise ArgumentError(f"multiplicities: {number!r} is not an int ≥ 0; for −P give the opposite point")
+    for i, (point, number) in enumerate(zip(points, numbers, strict=True)):
+        wanted = "that is not an int ≥ 0; for −P give the opposite point"
+        number = whole(number, f"multiplicities: multiplicities[{i}]", wanted, 0)
         if number > MOST_REPEATED:
             raise ArgumentError(
                 f"multiplicities: {shown(number)} points are added one by one, {MOST_REPEATED} at most; take multiples "
                 "in the group, such as m * J.from_points([P, P])"
             )
-        result += [point] * index(number)
+        result += [point] * number
     return result
 
 
-def divisor_of_points(
-    J: Jacobian, points: list[Point], above: HyperellipticCurve | None = None, back: Descent | None = None
-) -> Divisor:
-    """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says.
-
-    ``above``: the curve over an extension field, where the points are; ``back`` takes polynomials over it to the field
-    of J.
-    """
+def divisor_of_points(J: Jacobian, points: list[Point], descent: Descent | None = None) -> Divisor:
+    """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says."""
     C = J.curve
     if C.model == "inert" and len(points) % 2:
         raise NotRepresentable(
             f"points: {len(points)} of them; an inert model needs an even number, its infinity being one place"
         )
     affine = [point for point in points if isinstance(point, AffinePoint)]
-    semireduced, cancelled = _cancel_opposites(above or C, affine)
+    semireduced, cancelled = _cancel_opposites(descent.curve if descent else C, affine)
     n = None
     if C.model == "split":
         # the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); then r·∞₋ is shared evenly
         at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
         n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
-    if C.field.exact:
-        u, v = pair_of_points(above or C, semireduced)
-        if back is not None:
-            u, v = back(u), back(v)
-        return J._out(cantor.reduce(J._model, J._in_triple(u, v, n)))
-    return _inexact_sum(J, semireduced, n)
+    return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
+
+
+def _exact_sum(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+    """Parts of about g points, reduced and added in the group: in one pair, time would grow with their cube.
+
+    On a split model a class is (weight at ∞₊) − ⌈g/2⌉ there: the last part makes up for those of the others.
+    """
+    C = J.curve
+    *others, last = _parts(C, descent.orbits(points) if descent else [[point] for point in points])
+    total = J.zero()
+    for part in others:
+        weight = None if n is None else (C.genus - len(part) + 1) // 2
+        if n is not None and weight is not None:
+            n += (C.genus + 1) // 2 - weight
+        total = total + _reduced(J, part, weight, descent)
+    final = _reduced(J, last, n, descent)
+    return total + final if others else final
+
+
+def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
+    """Orbits put together to g points or more, an even number on an inert model; the last part may have fewer."""
+    parts: list[list[AffinePoint]] = [[]]
+    for orbit in orbits:
+        if len(parts[-1]) >= C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
+            parts.append([])
+        parts[-1] += orbit
+    return parts
+
+
+def _reduced(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+    u, v = pair_of_points(descent.curve if descent else J.curve, points)
+    if descent is not None:
+        u, v = descent.back(u), descent.back(v)
+    return J._out(cantor.reduce(J._model, J._in_triple(u, v, n)))
 
 
 def _inexact_sum(J: Jacobian, points: list[AffinePoint], n: int | None) -> Divisor:
@@ -96,16 +126,14 @@ def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple
     if not C.field.exact:
         return _cancel_inexact(C, points)
     K = C.field
-    kept: list[AffinePoint] = []
-    cancelled = 0
+    kept: Counter[AffinePoint] = Counter()
     for point in points:
         opposite = AffinePoint(point.x, K.neg(K.add(point.y, poly.evaluate(K, C.h, point.x))))
-        if opposite in kept:
-            kept.remove(opposite)
-            cancelled += 1
+        if kept[opposite]:
+            kept[opposite] -= 1
         else:
-            kept.append(point)
-    return kept, cancelled
+            kept[point] += 1
+    return list(kept.elements()), (len(points) - kept.total()) // 2
 
 
 def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:

@@ -8,7 +8,7 @@ from typing import Any
 from integrable.body import Body
 from integrable.systems.system import System
 from jacobian import RR
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
 
 class ChaplyginBall(System):
@@ -23,7 +23,7 @@ class ChaplyginBall(System):
     ) -> None:
         if (d is None) == (mass is None and radius is None):
             raise ArgumentError(
-                f"d = {d!r}, mass = {mass!r}, radius = {radius!r}: give either d or both mass and radius"
+                f"d = {shown(d)}, mass = {shown(mass)}, radius = {shown(radius)}: give either d or both mass and radius"
             )
         self.radius = None if radius is None else field.coerce(radius, "radius")
         if d is None:

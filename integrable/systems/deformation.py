@@ -19,7 +19,7 @@ from integrable.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from integrable.systems.system import check_state
 from jacobian import RR
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -302,7 +302,7 @@ class Deformation(Immutable):
 
     def potential_energy(self, q: Scalars, potential: Potential) -> Any:
         """V(γ), H with the potential less H without."""
-        raise ArgumentError(f"potential = {potential!r}: {type(self).__name__} has none")
+        raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
 
     # --- inside
 
@@ -377,7 +377,7 @@ class _Infinite:
 def _potential(field: Any, values: Sequence[Any]) -> Potential:
     given = list(values) if isinstance(values, (list, tuple)) else []
     if len(given) != 5:
-        raise ArgumentError(f"potential = {values!r}: give five numbers (a, b, b_1, b_2, b_3)")
+        raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")
     a, b, *rest = (field.coerce(x, f"potential[{i}]") for i, x in enumerate(given))
     return Potential(a, b, tuple(rest))
 

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.body import Body, Integrals, Vector, cross, triple
 from integrable.state import State
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, FieldError, NotRepresentable, entries, flag, shown
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -55,8 +55,7 @@ class System(Immutable):
         is none). Raises ArgumentError that names the argument, its value and what would be right.
         """
         K = self.field
-        if tilted not in (True, False):
-            raise ArgumentError(f"tilted = {tilted!r}: give True or False")
+        tilted = flag(tilted, "tilted")
         gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
         integrals = self.body.integrals(gamma, M)
         tolerance = 0 if K.exact else K.eps**0.6
@@ -69,7 +68,7 @@ class System(Immutable):
             raise ArgumentError(
                 f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
             )
-        return State(gamma, M, self._root(gamma, g), tilted=bool(tilted))
+        return State(gamma, M, self._root(gamma, g), tilted=tilted)
 
     def _root(self, gamma: Vector, g: Any) -> Any:
         """The root of g² that a state over this field carries: None over the reals and at d = 0."""
@@ -77,7 +76,7 @@ class System(Immutable):
         if not (K.exact and self.body.rolls):
             if g is not None:
                 raise ArgumentError(
-                    f"g = {g!r}: over {K.name} and at d = {self.d} the root of g² is not a choice, leave g out"
+                    f"g = {shown(g)}: over {K.name} and at d = {self.d} the root of g² is not a choice, leave g out"
                 )
             return None
         from integrable import coordinates
@@ -135,9 +134,10 @@ class System(Immutable):
         from jacobian import HyperellipticCurve
 
         K = self.field
+        h1, h2 = K.coerce(h1, "h1"), K.coerce(h2, "h2")
         if h2 == K.zero:
             raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
-        return HyperellipticCurve(K, self.body.polynomial(K.coerce(h1, "h1"), K.coerce(h2, "h2")))
+        return HyperellipticCurve(K, self.body.polynomial(h1, h2))
 
     def group(self, h1: Any, h2: Any) -> Jacobian:
         """The group that the system moves on: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
@@ -197,6 +197,8 @@ class System(Immutable):
 
         K = self.field
         (u1, u2), (p1, p2) = _pair(K, u, "u"), _pair(K, p, "p")
+        if like is not None:
+            like = self._checked(like)
         return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
 
     def lifts(self, state: State) -> tuple[State, ...]:
@@ -279,13 +281,16 @@ class System(Immutable):
 def check_state(system: Any, state: Any) -> State:
     """``state``, or an ArgumentError that says what makes one."""
     if not isinstance(state, State):
-        raise ArgumentError(f"state = {state!r}: give a State, made by {type(system).__name__}.state(gamma, M)")
+        raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
+    if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
+        raise FieldError(f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {system!r}")
     return state
 
 
 def _pair(K: Any, values: Any, argument: str) -> list[Any]:
-    if isinstance(values, str) or not isinstance(values, Iterable) or len(given := list(values)) != 2:
-        raise ArgumentError(f"{argument} = {values!r}: give two numbers")
+    given = entries(values, argument, "a sequence of two numbers")
+    if len(given) != 2:
+        raise ArgumentError(f"{argument} = {shown(values)}: give two numbers")
     return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]
 
 

@@ -2,32 +2,29 @@
 
 from __future__ import annotations
 
-from operator import index
 from typing import Any
 
 import numpy as np
 
-from jacobian.errors import ArgumentError, FieldError
+from jacobian.errors import ArgumentError, FieldError, shown, whole
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
+
+# more do not fit into a memory
+MOST_ROWS = 100_000_000
 
 
 def check_group(J: Any) -> Jacobian:
     """``J``, or an ArgumentError."""
     if not isinstance(J, Jacobian):
-        raise ArgumentError(f"J = {J!r}: a Jacobian is needed, such as C.jacobian()")
+        raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J
 
 
 def check_count(count: Any) -> int:
     """``count`` as an int ≥ 0, or an ArgumentError."""
-    try:
-        if isinstance(count, bool) or index(count) < 0:
-            raise TypeError
-    except TypeError:
-        raise ArgumentError(f"count = {count!r}: an int ≥ 0, the number of rows") from None
-    return index(count)
+    return whole(count, "count", f"an int ≥ 0, the number of rows, {MOST_ROWS} at most", 0, MOST_ROWS)
 
 
 def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:

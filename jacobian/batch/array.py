@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from operator import index
 from typing import Any
 
 import numpy as np
@@ -11,7 +10,7 @@ import numpy as np
 from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
 from jacobian.compiler import interpreted
 from jacobian.divisor import Divisor, check_scalar, is_zero_int
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, shown
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
@@ -87,17 +86,16 @@ class DivisorArray(Immutable):
     @classmethod
     def stack(cls, parts: Iterable[Divisor | DivisorArray], J: Jacobian | None = None) -> DivisorArray:
         """The rows of Divisors and DivisorArrays one after the other. ``J`` is needed only where there are none."""
-        if not isinstance(parts, Iterable):
-            raise ArgumentError(f"parts = {parts!r}: a sequence is needed, [D] for one Divisor")
-        parts = list(parts)
+        parts = entries(parts, "parts", "a sequence, [D] for one Divisor,")
+        J = None if J is None else check_group(J)
         for i, part in enumerate(parts):
             if not isinstance(part, Divisor | DivisorArray):
-                raise ArgumentError(f"parts[{i}] = {part!r}: a Divisor or a DivisorArray is needed")
+                raise ArgumentError(f"parts[{i}] = {shown(part)}: a Divisor or a DivisorArray is needed")
             J = part.jacobian if J is None else J
             _check_same(J, part.jacobian)
         if J is None:
             raise ArgumentError("parts = []: an array of no rows needs its Jacobian, stack([], J)")
-        run = engine(check_group(J))
+        run = engine(J)
         if all(isinstance(part, Divisor) for part in parts):
             return cls(J, run.from_divisors(parts))
         arrays = [run.from_divisors([part]) if isinstance(part, Divisor) else part._rows for part in parts]
@@ -180,21 +178,16 @@ class DivisorArray(Immutable):
 
     def __getitem__(self, key: Any) -> Any:
         if not isinstance(key, slice | list | np.ndarray):
-            try:
-                i = index(key)
-            except TypeError:
-                raise ArgumentError(
-                    f"index = {key!r}: an int, a slice, a mask of {len(self)} or an array of ints is needed"
-                ) from None
+            i = whole(key, "index", f"an int, a slice, a mask of {len(self)} or an array of ints is needed")
             if not -len(self) <= i < len(self):
                 raise IndexError(f"index = {i}: the array has {len(self)} rows")
             i %= len(self)
             return self._engine.to_divisors(self._engine.take(self._rows, slice(i, i + 1)))[0]
         if not isinstance(key, slice):
-            key = np.asarray(key, None if len(key) else np.int64)
+            key = _index_array(key)
             if key.ndim != 1 or key.dtype.kind not in "iub" or (key.dtype.kind == "b" and len(key) != len(self)):
                 raise ArgumentError(
-                    f"index = {key!r}: a slice, a mask of {len(self)} or a flat array of ints is needed"
+                    f"index = {shown(key)}: a slice, a mask of {len(self)} or a flat array of ints is needed"
                 )
             beyond = np.flatnonzero((key < -len(self)) | (key >= len(self)))
             if key.dtype.kind != "b" and len(beyond):
@@ -259,27 +252,34 @@ class DivisorArray(Immutable):
         """m·A for an int m, or m_i·A_i for a sequence of N ints."""
         if isinstance(scalar, Divisor | DivisorArray):
             return NotImplemented
-        return self._like(self._engine.multiply(self._rows, self._scalars(scalar)))
+        scalars = self._scalars(scalar)
+        if not self.jacobian.field.exact:
+            self.jacobian._check_multiple(
+                max(map(abs, scalars), default=0) if isinstance(scalars, list) else abs(scalars)
+            )
+        return self._like(self._engine.multiply(self._rows, scalars))
 
     __rmul__ = __mul__
 
     def _scalars(self, scalar: Any) -> int | list[int]:
-        if not isinstance(scalar, Sequence | np.ndarray) or np.ndim(scalar) == 0:
+        if not isinstance(scalar, Sequence | np.ndarray) or isinstance(scalar, str) or getattr(scalar, "ndim", 1) == 0:
             return check_scalar(scalar)
-        if np.ndim(scalar) != 1 or len(scalar) != len(self):
+        if getattr(scalar, "ndim", 1) != 1 or len(scalar) != len(self):
             raise ArgumentError(
-                f"scalar: an array of shape {np.shape(scalar)} beside {len(self)} rows; one int, or one for each row"
+                f"scalar = {shown(scalar)} beside {len(self)} rows: one int, or a flat array of one for each row"
             )
         if isinstance(scalar, np.ndarray) and scalar.dtype.kind in "iu":
             return scalar.tolist()
-        return [check_scalar(m) for m in scalar]
+        return [check_scalar(m, f"scalar[{i}]") for i, m in enumerate(scalar)]
 
     def sum(self, axis: int | None = None, out: None = None) -> Divisor:
         """Σ of all rows, by halves; of none, the identity. ``numpy.sum`` calls it with its ``axis`` and ``out``: there
         is one axis, and nothing to write to.
         """
-        if axis not in (None, 0, -1) or out is not None:
-            raise ArgumentError(f"axis = {axis!r}, out = {shown(out)}: an array of divisors has the axis 0 and no out")
+        if axis is not None:
+            one_of(axis, "axis", (0, -1), "an array of divisors has the axis 0 alone")
+        if out is not None:
+            raise ArgumentError(f"out = {shown(out)}: there is nothing to write a divisor to")
         rows, run = self._rows, self._engine
         if not len(rows):
             return self.jacobian.zero()
@@ -313,6 +313,14 @@ def _fill(array: DivisorArray, J: Jacobian, run: Any, rows: Any) -> None:
 
 def _rebuilt(J: Jacobian, u: Any, v: Any, n: Any) -> DivisorArray:
     return DivisorArray.from_arrays(J, u, v, n, check=False)
+
+
+def _index_array(key: Any) -> Any:
+    try:
+        return np.asarray(key, None if np.size(key) else np.int64)
+    except Exception:
+        # nested lists of several lengths, or entries that numpy cannot ask
+        raise ArgumentError(f"index = {shown(key)}: a slice, a mask or a flat array of ints is needed") from None
 
 
 def _check_same(J: Jacobian, other: Jacobian) -> None:

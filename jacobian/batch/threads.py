@@ -5,10 +5,9 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from operator import index
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import whole
 
 _count: int | None = None
 _pools: dict[tuple[int, int], ThreadPoolExecutor] = {}
@@ -27,12 +26,7 @@ def set_threads(count: int | None) -> None:
     """Spread large batches over ``count`` threads; None for as many as there are processors."""
     global _count
     if count is not None:
-        try:
-            valid = index(count) >= 1 and not isinstance(count, bool)
-        except TypeError:
-            valid = False
-        if not valid:
-            raise ArgumentError(f"count = {count!r}: an int ≥ 1, or None for all processors")
+        count = whole(count, "count", "an int ≥ 1, or None for all processors", 1)
     _count = count
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, flag, shown, whole
 from jacobian.fields.machine import ComplexField, RealField
 from jacobian.fields.prime import PrimeField, check_prime
 from jacobian.fields.protocol import Field
@@ -30,13 +30,12 @@ def GF(p: Any, k: int = 1, modulus: Any = None) -> Any:
     """
     if isinstance(p, type) and hasattr(p, "irreducible_poly"):
         return _from_galois(p)
-    if isinstance(k, bool) or not isinstance(k, int) or k < 1:
-        raise ArgumentError(f"k = {k!r}: the degree of the field over GF(p) is an int ≥ 1")
+    k = whole(k, "k", "the degree of the field over GF(p) is an int ≥ 1", 1)
     if type(p) is not int or p not in _prime_fields:
         p = check_prime(p)
     base = _prime_fields.get(p) or _prime_fields.setdefault(p, PrimeField(p))
     if k == 1 and modulus is not None:
-        raise ArgumentError(f"modulus = {modulus!r}: GF({p}) has none, it belongs to GF(p, k) with k > 1")
+        raise ArgumentError(f"modulus = {shown(modulus)}: GF({p}) has none, it belongs to GF(p, k) with k > 1")
     return base if k == 1 else _extension(base, k, modulus)
 
 
@@ -80,7 +79,7 @@ def MP(dps: int, complex: bool = False) -> Any:
     """
     from jacobian.fields.multiprecision import MultiprecisionField, check_digits
 
-    key = (check_digits(dps), bool(complex))
+    key = (check_digits(dps), flag(complex, "complex"))
     if key not in _multiprecision:
         _multiprecision[key] = MultiprecisionField(*key)
     return _multiprecision[key]

@@ -57,7 +57,9 @@ class ExtensionField(FiniteField):
             return self._coerce_galois(value, argument)
         if isinstance(value, (list, tuple)):
             if len(value) > self.degree:
-                raise FieldError(f"{argument} = {value} has more than {self.degree} coefficients, those of {self.name}")
+                raise FieldError(
+                    f"{argument} = {shown(value)} has more than {self.degree} coefficients, those of {self.name}"
+                )
             return self._pack([self.base.coerce(c, f"{argument}[{i}]") for i, c in enumerate(value)])
         x = rational(value, argument)
         if x is None or x.denominator != 1:

@@ -12,6 +12,7 @@ from typing import Any
 from jacobian.errors import FieldError, NotASquare, shown
 from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
+from jacobian.fields.randomness import random_float
 
 
 class RealField(InexactField):
@@ -71,7 +72,7 @@ class RealField(InexactField):
 
     def random(self, rng: Any) -> float:
         """Uniform in [−2, 2)."""
-        return 4.0 * float(rng.random()) - 2.0
+        return random_float(rng)
 
 
 class ComplexField(InexactField):
@@ -124,4 +125,4 @@ class ComplexField(InexactField):
 
     def random(self, rng: Any) -> complex:
         """Uniform in the square [−2, 2)²."""
-        return complex(4.0 * float(rng.random()) - 2.0, 4.0 * float(rng.random()) - 2.0)
+        return complex(random_float(rng), random_float(rng))

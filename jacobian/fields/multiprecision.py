@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import copyreg
 from collections.abc import Hashable, Sequence
-from operator import index
 from typing import Any
 
-from jacobian.errors import ArgumentError, FieldError, NotASquare, shown
+from jacobian.errors import FieldError, NotASquare, shown, whole
 from jacobian.fields.coercion import is_complex, number, rational
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_below
@@ -138,6 +137,4 @@ def _unpacked(K: MultiprecisionField, parts: Any) -> Any:
 
 def check_digits(dps: Any) -> int:
     """dps as an int, or an ArgumentError."""
-    if isinstance(dps, bool) or not hasattr(dps, "__index__") or not 1 <= index(dps) <= MOST_DIGITS:
-        raise ArgumentError(f"dps = {shown(dps)}: the number of decimal digits is an int from 1 to {MOST_DIGITS}")
-    return index(dps)
+    return whole(dps, "dps", f"the number of decimal digits is an int from 1 to {MOST_DIGITS}", 1, MOST_DIGITS)

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from operator import index, mul
+from operator import mul
 from typing import Any
 
-from jacobian.errors import ArgumentError, FieldError, NotASquare, shown
+from jacobian.errors import ArgumentError, FieldError, NotASquare, shown, whole
 from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import is_prime, prime_power
@@ -165,12 +165,9 @@ LONG = 512
 
 def check_prime(p: Any) -> int:
     """p as an int, or an ArgumentError that says what is wrong with it."""
-    try:
-        p = index(p)
-    except TypeError:
-        raise ArgumentError(f"p = {shown(p)}: GF takes a prime, or a galois field class") from None
+    p = whole(p, "p", "GF takes a prime, or a galois field class")
     if is_prime(p):
-        return int(p)
+        return p
     if p.bit_length() > LONG:
         # to find its root, or the next prime, takes minutes
         raise ArgumentError(f"p = {shown(p)} is not prime: GF(p) needs a prime p")

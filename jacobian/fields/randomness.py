@@ -4,15 +4,27 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
+
+
+def check_rng(rng: Any) -> Any:
+    """``rng``, or an ArgumentError."""
+    # getrandbits is of random.Random, bytes of numpy's
+    known = hasattr(rng, "random") and (hasattr(rng, "getrandbits") or hasattr(rng, "bytes"))
+    if not known or isinstance(rng, type):
+        raise ArgumentError(f"rng = {shown(rng)}: a seeded numpy.random.Generator or random.Random is needed")
+    return rng
+
+
+def random_float(rng: Any) -> float:
+    """Uniform in [−2, 2)."""
+    return 4.0 * float(check_rng(rng).random()) - 2.0
 
 
 def random_below(rng: Any, bound: int) -> int:
     """A uniform integer in [0, bound), of any size, from a ``numpy.random.Generator`` or a ``random.Random``."""
-    if hasattr(rng, "getrandbits"):
+    if hasattr(check_rng(rng), "getrandbits"):
         return int(rng.randrange(bound))
-    if not hasattr(rng, "bytes"):
-        raise ArgumentError(f"rng = {rng!r}: a seeded numpy.random.Generator or random.Random is needed")
     bits = (bound - 1).bit_length()
     size = (bits + 7) // 8
     excess = 8 * size - bits

@@ -1,11 +1,12 @@
 """Wrong arguments of the public calls: the error names the argument, its value and what would be right."""
 
+import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, run
 from integrable.brackets import image_brackets
 from integrable.orbit import orbit
-from jacobian import GF, ArgumentError, FieldError
+from jacobian import CC, GF, ArgumentError, FieldError
 from tests.messages import assert_says
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -13,8 +14,105 @@ START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 STATE = BALL.state(*START)
 FLOW = BALL.flow(STATE)
 TILDE = Tilde((1, 2, 4))
+TOP = EulerTop((1, 2, 3))
 NAN = float("nan")
+PAIR = np.arange(2)
+
+
+class Raising:
+    """What raises an error of its own wherever it is asked."""
+
+    def __iter__(self):
+        raise RuntimeError("no iteration")
+
+    def __index__(self):
+        raise RuntimeError("no index")
+
+    def __repr__(self):
+        return "<raising>"
+
+
+NONE = Raising()
 CASES = {
+    "moments that raise": (lambda: EulerTop(NONE), ArgumentError, "inertia = <raising>: ", "three numbers"),
+    "moments without an end": (lambda: EulerTop(iter(int, 1)), ArgumentError, "inertia: more than", "three numbers"),
+    "coordinates that raise": (
+        lambda: BALL.from_separated(NONE, (1, 2)),
+        ArgumentError,
+        "u = <raising>: ",
+        "two numbers",
+    ),
+    "points that raise": (lambda: BALL.translation(NONE), ArgumentError, "points = <raising>: ", "abscissas"),
+    "signs that raise": (lambda: BALL.keyless(signs=NONE), ArgumentError, "signs = <raising>: ", "3 signs"),
+    "signs in a matrix": (lambda: BALL.keyless(signs=np.ones((3, 2))), ArgumentError, "signs = [array(", "3 signs"),
+    "times that raise": (lambda: FLOW.at(NONE), ArgumentError, "times = <raising>: ", "a sequence of numbers"),
+    "τ that raises": (
+        lambda: TILDE.flow(STATE).at_tau(NONE),
+        ArgumentError,
+        "tau = <raising>: ",
+        "a sequence of numbers",
+    ),
+    "counts that raise": (lambda: FLOW.residual_growth(NONE), ArgumentError, "counts = <raising>: ", "ints ≥ 0"),
+    "a factor that raises": (lambda: BALL.multiplication(NONE), ArgumentError, "factor = <raising>: ", "an int"),
+    "a multiple that raises": (
+        lambda: BALL.keyless() and BALL.torsion() * NONE,
+        ArgumentError,
+        "multiple = <raising>: ",
+        "an int",
+    ),
+    "tilted as an array": (
+        lambda: BALL.state(*START, tilted=PAIR),
+        ArgumentError,
+        "tilted = array([0, 1]): ",
+        "True or False",
+    ),
+    "a sign as an array": (lambda: TOP.conic(2, 3, sign=PAIR), ArgumentError, "sign = array([0, 1]): ", "1 or -1"),
+    "a kernel as an array": (lambda: BALL.flow(STATE, PAIR), ArgumentError, "kernel = array([0, 1]): ", "'compiled'"),
+    "a direction as an array": (
+        lambda: FLOW.events(lambda gamma, M: gamma[:, 0], 0, 1, PAIR),
+        ArgumentError,
+        "direction = array([0, 1]): ",
+        "rising",
+    ),
+    "H2 as an array": (lambda: BALL.curve(2, PAIR), FieldError, "h2 = array([0, 1]) ", "a real number"),
+    "signs of no state": (
+        lambda: BALL.from_separated((0.4, 0.6), (1, 2), like=3),
+        ArgumentError,
+        "state = 3: ",
+        "ChaplyginBall.state",
+    ),
+    "a plain step of no state": (lambda: BALL.keyless().plain(3), ArgumentError, "state = 3: ", "ChaplyginBall.state"),
+    "a plain addition of no state": (
+        lambda: BALL.torsion().plain(3),
+        ArgumentError,
+        "state = 3: ",
+        "ChaplyginBall.state",
+    ),
+    "a state of floats in a finite field": (
+        lambda: ChaplyginBall((1, 2, 3), 5, field=GF(10007)).upright(STATE),
+        FieldError,
+        "state = State(",
+        "not of GF(10007)",
+    ),
+    "a complex body": (lambda: EulerTop((1, 2, 3), field=CC), FieldError, "field = CC: ", "not complex"),
+    "an orbit without an end": (
+        lambda: orbit(BALL.keyless(), STATE, 10**9),
+        ArgumentError,
+        "count = 1000000000: ",
+        "at most",
+    ),
+    "additions without an end": (
+        lambda: FLOW.residual_growth([10**9]),
+        ArgumentError,
+        "counts = [1000000000]: ",
+        "at most",
+    ),
+    "a state in a matrix": (
+        lambda: TOP.divisor(np.ones((2, 2))),
+        ArgumentError,
+        "state = array([[1., 1.], [1., 1.]]): ",
+        "State",
+    ),
     "a field that is none": (lambda: ChaplyginBall((1, 2, 3), 1, field=3), ArgumentError, "field = 3 ", "give GF(p)"),
     "the name of a field": (lambda: EulerTop((1, 2, 3), field="RR"), ArgumentError, "field = 'RR' ", "give GF(p)"),
     "a deformation over no field": (lambda: Tilde((1, 2, 4), field=7), ArgumentError, "field = 7 ", "give GF(p)"),

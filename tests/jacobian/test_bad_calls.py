@@ -1,8 +1,21 @@
 """Wrong arguments of the public calls: the error names the argument, its value and what would be right."""
 
+import numpy as np
 import pytest
 
-from jacobian import GF, QQ, RR, ArgumentError, CurveMismatch, FieldError, HyperellipticCurve
+from jacobian import (
+    CC,
+    GF,
+    MP,
+    QQ,
+    RR,
+    ArgumentError,
+    CurveMismatch,
+    FieldError,
+    HyperellipticCurve,
+    NotRepresentable,
+    PrecisionLoss,
+)
 from jacobian.abel import AbelMap
 from jacobian.batch import DivisorArray
 from jacobian.conic import representative
@@ -15,8 +28,100 @@ from tests.messages import assert_says
 J = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1]).jacobian()
 D = J.from_points([(0, 1)])
 REAL = HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1])
+INEXACT = HyperellipticCurve(RR, [1, 0.5, 0, 0, 0, 1]).jacobian()
+PLANE = HyperellipticCurve(GF(101), [1, 2, 0, 3, 1])
+FIBRE = RayClassGroup(J.curve, 2).fibre
+SQUARE = np.ones((2, 2))
+
+
+class Raising:
+    """What raises an error of its own wherever it is asked."""
+
+    def __iter__(self):
+        raise RuntimeError("no iteration")
+
+    def __index__(self):
+        raise RuntimeError("no index")
+
+    def __repr__(self):
+        return "<raising>"
+
+
+NONE = Raising()
 ELSEWHERE = HyperellipticCurve(GF(7), [1, 1, 0, 0, 0, 0, 1]).jacobian().zero()
 CASES = {
+    "points that raise": (lambda: J.from_points(NONE), ArgumentError, "points = <raising>: ", "(x, y)"),
+    "a point that raises": (lambda: J.curve.involution(NONE), ArgumentError, "point = <raising>: ", "(x, y)"),
+    "coefficients that raise": (lambda: J.from_mumford(NONE, ()), ArgumentError, "u = <raising>: ", "numbers"),
+    "divisors that raise": (lambda: J.combination([1], NONE), ArgumentError, "divisors = <raising>: ", "Divisors"),
+    "primes that raise": (lambda: J.structure(NONE), ArgumentError, "primes = <raising>: ", "prime factors"),
+    "an image that raises": (lambda: AbelMap(REAL).inverse(NONE), ArgumentError, "z = <raising>: ", "2 numbers"),
+    "rows that raise": (lambda: DivisorArray.stack(NONE), ArgumentError, "parts = <raising>: ", "a sequence"),
+    "a scalar that raises": (lambda: D * NONE, ArgumentError, "scalar = <raising>: ", "an int"),
+    "a multiplicity that raises": (
+        lambda: J.from_points([(0, 1)], multiplicities=[NONE]),
+        ArgumentError,
+        "multiplicities: multiplicities[0] = <raising>: ",
+        "an int",
+    ),
+    "a matrix for a scalar": (lambda: D * SQUARE, ArgumentError, "scalar = array([[1., 1.], [1., 1.]]): ", "an int"),
+    "a matrix of scalars": (lambda: DivisorArray.stack([D, D]) * SQUARE, ArgumentError, "scalar = array(", "flat"),
+    "lists of scalars": (
+        lambda: DivisorArray.stack([D, D]) * [[1, 2], [3]],
+        ArgumentError,
+        "scalar[0] = [1, 2]: ",
+        "an int",
+    ),
+    "all as an array": (lambda: J.curve.lift_x(0, all=np.arange(3)), ArgumentError, "all = array(", "True or False"),
+    "complex as an array": (lambda: MP(20, complex=np.arange(3)), ArgumentError, "complex = array(", "True or False"),
+    "complex as a number": (lambda: MP(20, complex=1), ArgumentError, "complex = 1: ", "True or False"),
+    "a bound in an array": (lambda: next(J.curve.points(SQUARE)), ArgumentError, "bound = array(", "an int ≥ 1"),
+    "no generator": (lambda: INEXACT.random(3), ArgumentError, "rng = 3: ", "random.Random"),
+    "a group as a generator": (lambda: INEXACT.random(J), ArgumentError, "rng = Jacobian", "random.Random"),
+    "a class as a generator": (lambda: J.random(np.random.Generator), ArgumentError, "rng = <class", "random.Random"),
+    "support of no divisor": (lambda: J.support([1]), ArgumentError, "D = [1]: ", "a Divisor"),
+    "support of a class elsewhere": (lambda: J.support(ELSEWHERE), CurveMismatch, "D = ", "does not lie"),
+    "an extension in a list": (lambda: D.support(extension=[1]), FieldError, "extension = [1]: ", "a finite field"),
+    "a group as extension": (lambda: D.support(extension=J), FieldError, "extension = Jacobian", "a finite field"),
+    "points in no extension": (
+        lambda: GeneralizedJacobian(PLANE).from_points([(0, 1)], multiplicities=[2], extension=1j),
+        NotRepresentable,
+        "extension = 1j: ",
+        "over the field itself",
+    ),
+    "height of no class": (lambda: FIBRE.height(3), ArgumentError, "c = 3: ", "a pair"),
+    "inverse of three numbers": (lambda: FIBRE.inverse((1, 2, 3)), ArgumentError, "c = (1, 2, 3): ", "a pair"),
+    "power of a pair of pairs": (lambda: FIBRE.power([(0, 1), (0, 1)], 5), FieldError, "a = (0, 1) ", "an int"),
+    "inverse of no unit": (lambda: FIBRE.inverse((0, 0)), ArgumentError, "(a, b) = (0, 0): ", "a unit"),
+    "translation by no class": (
+        lambda: representative(J.from_points([(0, 1), (0, 1)]), J.curve.lift_x(5)).translate(2, 1j),
+        ArgumentError,
+        "unit = 1j: ",
+        "a pair",
+    ),
+    "an index that raises": (lambda: DivisorArray.stack([D])[NONE], ArgumentError, "index = <raising>: ", "an int"),
+    "indices of two lengths": (
+        lambda: DivisorArray.stack([D])[[[1, 2], [3]]],
+        ArgumentError,
+        "index = [[1, 2], [3]]: ",
+        "a flat array",
+    ),
+    "stack in an array": (lambda: DivisorArray.stack([D], J=SQUARE), ArgumentError, "J = array(", "a Jacobian"),
+    "rows beyond a memory": (lambda: DivisorArray.zeros(J, 10**400), ArgumentError, "count = an int of", "at most"),
+    "a sum along no axis": (lambda: DivisorArray.stack([D]).sum(SQUARE), ArgumentError, "axis = array(", "axis 0"),
+    "coefficients of a long element": (
+        lambda: GF(7, 2).coerce([1, 2, SQUARE]),
+        FieldError,
+        "value = [1, 2, array([[1., 1.], [1., 1.]])] ",
+        "2 coefficients",
+    ),
+    "the number of a matrix": (lambda: CC.coerce(SQUARE), FieldError, "value = array([[1., 1.], [1., 1.]]) ", "number"),
+    "a multiple beyond the digits": (
+        lambda: 2**50 * INEXACT.random(np.random.default_rng(1)),
+        PrecisionLoss,
+        "scalar = 1125899906842624: ",
+        "more digits",
+    ),
     "no sequence of points": (lambda: J.from_points(3), ArgumentError, "points = 3: ", "(x, y)"),
     "no sequence of multiplicities": (
         lambda: J.from_points([(0, 1)], multiplicities=2),

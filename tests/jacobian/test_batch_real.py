@@ -193,7 +193,7 @@ def test_arrays_and_divisors_are_the_same_numbers():
     assert A[3] == found[3]
     assert A[A.degree == 1].to_list() == [D for D in found if D.degree == 1]
     for k in (0, 2):
-        v = A.v
+        v = A.v.copy()
         v[k, 0] += 0.125
         with pytest.raises(NotOnCurve, match=f"row {k}"):
             DivisorArray.from_arrays(J, A.u, v)

@@ -98,6 +98,26 @@ def test_rational_points_may_be_given_over_an_extension(rng):
     assert J.from_points([*lifted, INFINITY_PLUS], extension=L) == J.from_points([*points, INFINITY_PLUS])
 
 
+@pytest.mark.parametrize("f", [[3, 1, 4, 1, 5, 9, 2, 1], [3, 1, 4, 1, 5, 9, 1], [3, 1, 4, 1, 5, 9, 2]])
+def test_many_conjugate_points(f, rng):
+    """They are added orbit by orbit, whatever the model over the field is called over the extension."""
+    C = HyperellipticCurve(GF(101), f)
+    J, L = C.jacobian(), GF(101, 3)
+    inclusion = embedding(GF(101), L)
+    points, total = [], J.zero()
+    for _ in range(8):
+        x, y = curve_over(C, inclusion).random_point(rng)
+        orbit = [(x, y)]
+        orbit.append(tuple(map(inclusion.frobenius, orbit[-1])))
+        orbit.append(tuple(map(inclusion.frobenius, orbit[-1])))
+        P = C.random_point(rng)
+        four = [*orbit, (inclusion(P.x), inclusion(P.y))]
+        points += four
+        total = total + J.from_points(four, extension=L)
+    rng.shuffle(points)
+    assert J.from_points(points, extension=L) == total
+
+
 def test_multiplicities(rng):
     for row in FINITE[:24]:
         C, J = row.values[0].curve, row.values[0].curve.jacobian()

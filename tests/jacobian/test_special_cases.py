@@ -2,8 +2,9 @@
 
 import pytest
 
-from jacobian import GF, QQ, HyperellipticCurve, NotRepresentable, PointAtInfinity, poly
+from jacobian import GF, QQ, HyperellipticCurve, NotRepresentable, PointAtInfinity, cantor, poly
 from jacobian.factor import roots
+from jacobian.support import _cancel_opposites, pair_of_points
 from tests.jacobian.jacobian_rows import ROWS, moved
 
 FINITE = [pytest.param(row, id=str(row)) for row in ROWS if row.K != QQ and row.genus <= 4]
@@ -36,6 +37,29 @@ def test_sums_of_points_are_sums_of_classes(row, rng):
             total = total + J(point)
         assert total == J.from_points(points)
         assert J(points[0]) == J(points[0], C.points_at_infinity()[0])
+
+
+@pytest.mark.parametrize("row", FINITE)
+def test_many_points_are_one_semi_reduced_pair(row, rng):
+    """More than g points are added in parts; one pair of all of them, reduced, is the same class."""
+    C, J, g = row.curve, row.curve.jacobian(), row.curve.genus
+    for count in (g + 1, 2 * g + 1, 5 * g, 5 * g + 3):
+        if C.model == "inert" and count % 2:
+            continue
+        points = affine(row, rng, count)
+        kept, cancelled = _cancel_opposites(C, points)
+        n = None if C.model != "split" else cancelled + (g - count + 1) // 2
+        triple = (*pair_of_points(C, kept), n)
+        assert J.from_points(points) == J._out(cantor.reduce(J._model, J._in_triple(*triple)))
+
+
+def test_thousands_of_points(rng):
+    """In one pair their time would grow with the cube of their number: hours."""
+    C = HyperellipticCurve(GF(101), [1, 2, 0, 3, 0, 0, 1])
+    J, P, Q = C.jacobian(), C.random_point(rng), C.random_point(rng)
+    assert C.model == "split"
+    assert J.from_points([P, Q] * 2000) == 2000 * J.from_points([P, Q])
+    assert J.from_points([P, Q] * 2000 + [P]) == 2000 * J.from_points([P, Q]) + J.from_points([P])
 
 
 @pytest.mark.parametrize("row", FINITE)
