@@ -38,6 +38,8 @@ LOST = 14
 BOUND_BITS = 64
 MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
+# beyond, steps are counted in numbers that floats do not hold
+MOST_DOUBLINGS = 1000
 
 
 class Enclosure(Record):
@@ -68,9 +70,16 @@ class Enclosure(Record):
         return _rebuilt, self._value()
 
 
-def enclosure(body: Body, state: State, times: list[Any], digits: int) -> Enclosure:
-    """The motion at physical times."""
+def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
+    """The motion at physical times; ``clock``: how many of the flow's units a unit of time is."""
     arithmetic()
+    farthest = max(map(abs, times), default=0)
+    # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
+    if body.rolls and farthest * clock > MOST_PANELS:
+        raise ArgumentError(
+            f"times: enclosing physical time at {farthest} takes {float(farthest * clock):.2g} panels, more than "
+            f"{MOST_PANELS}; enclosure_at_tau has no such limit"
+        )
     starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
     rows = [
         _narrow(body, state, digits, tau, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
@@ -96,6 +105,8 @@ def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tupl
     """(τ, γ, M, radius) of one row, at a precision raised until the radius is at most 10^(−digits)."""
     # by exponents: the product may be beyond the floats
     doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
+    if doublings > MOST_DOUBLINGS:
+        raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
     bits = ceil(3.33 * (digits + 6) + LOST * doublings)
     for _ in range(MOST_ATTEMPTS):
         motion = BallMotion(body, state, bits, digits)

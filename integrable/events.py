@@ -13,7 +13,7 @@ from integrable.dense_panels import Panels
 from integrable.panel_calculus import distinct, zeros
 from integrable.state import State
 from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss, one_of, shown
+from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
 # so many panels are looked at together
 PANELS = 512
+# a panel takes some ten microseconds
+MOST_PANELS = 10_000_000
 # what states near the start, made in floats, are good for; the zeros are polished on the flow
 TOLERANCE = 1e-12
 # basic steps to a panel: nodes of a panel resolve γ and M on so many
@@ -71,6 +73,11 @@ def _stretches(flow: Flow, first: float, last: float) -> Iterator[tuple[float, f
         raise PrecisionLoss(
             f"start = {first}, end = {last}: floats near these times are {coarse:.1e} apart, and the body turns in "
             f"about {length:.1e}; zeros are searched for in floats, so nearer to 0 only"
+        )
+    if last - first > MOST_PANELS * length:
+        raise Infeasible(
+            f"start = {first}, end = {last}: more than {MOST_PANELS} parts of a turn are to be searched; search part "
+            "by part"
         )
     while first < last:
         end = min(last, first + PANELS * length)

@@ -121,7 +121,7 @@ class Flow(Immutable):
         from integrable.enclosure import enclosure
 
         given = self._checked(times, "times")
-        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits))
+        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits), self.setup.clock)
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
@@ -133,7 +133,7 @@ class Flow(Immutable):
     def _ball_digits(self, digits: int | None) -> int:
         if digits is None:
             return 15 if self.system.field == RR else int(self.system.field.dps)
-        return whole(digits, "digits", f"the balls' digits are an int, 1 to {MOST_DIGITS}", 1, MOST_DIGITS)
+        return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
     def physical_time(self, tau: Any) -> np.ndarray:
         """t(τ) = ∫_0^τ dτ/g for an array of τ."""

@@ -20,6 +20,14 @@ if TYPE_CHECKING:
 CHUNK = 200_000
 
 
+def _is_a_name(path: Any) -> bool:
+    """Whether the file system can hold such a name: no lone surrogates, no NUL."""
+    try:
+        return b"\0" not in os.fsencode(path)
+    except UnicodeEncodeError:
+        return False
+
+
 def stream(flow: Flow, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
     """What :meth:`integrable.flow.Flow.stream` does."""
     if flow.system.field != RR:
@@ -29,6 +37,8 @@ def stream(flow: Flow, path: str | os.PathLike[str], start: Any, end: Any, count
     if not isinstance(path, (str, os.PathLike)):
         raise ArgumentError(f"path = {shown(path)}: give the path of a .npy file")
     target = Path(path)
+    if not _is_a_name(path) or target.is_dir():
+        raise ArgumentError(f"path = {shown(path)}: give the path of a .npy file")
     if not target.parent.is_dir():
         raise ArgumentError(
             f"path = {str(path)!r}: give a file in a folder that exists; {str(target.parent)!r} does not"

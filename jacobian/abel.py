@@ -84,7 +84,7 @@ class AbelMap(Immutable):
         Points that nearly coincide cost digits, as the roots of u lose them.
         """
         if not isinstance(D, Divisor) or D.jacobian.curve not in (self.curve, self.given):
-            raise CurveMismatch(f"D = {D!r} is not a divisor class of {self.given!r}")
+            raise CurveMismatch(f"D = {shown(D)} is not a divisor class of {self.given!r}")
         image = self.periods.reduce(self._image(self._points(D), self._weight(D)))
         return tuple(self.field.coerce(x) for x in image)
 

@@ -57,11 +57,13 @@ class System(Immutable):
         K = self.field
         tilted = flag(tilted, "tilted")
         gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
-        integrals = self.body.integrals(gamma, M)
-        tolerance = 0 if K.exact else K.eps**0.6
-        square, tilt = integrals.C1, integrals.C2
+        tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(gamma, gamma)
         if _distance(K, square, K.one) > tolerance:
             raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
+        if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
+            raise ArgumentError(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
+        integrals = self.body.integrals(gamma, M)
+        tilt = integrals.C2
         # |M|, whose square may be below the floats
         size = 1 if K.exact else max(integrals.H2**0.5, *map(abs, M))
         if not tilted and _distance(K, tilt, K.zero) > tolerance * size:

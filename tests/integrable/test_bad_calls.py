@@ -7,6 +7,7 @@ from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, r
 from integrable.brackets import image_brackets
 from integrable.orbit import orbit
 from jacobian import CC, GF, ArgumentError, FieldError
+from jacobian.errors import Infeasible
 from tests.messages import assert_says
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -34,6 +35,39 @@ class Raising:
 
 NONE = Raising()
 CASES = {
+    "γ that is zero": (
+        lambda: BALL.state((0, 0, 0), START[1]),
+        ArgumentError,
+        "gamma = (0.0, 0.0, 0.0) ",
+        "a unit vector",
+    ),
+    "g without a value": (
+        lambda: ChaplyginBall((1, 2, 3), 2, field=GF(7)).state((2, 0, 2), (0, 0, 0)),
+        ArgumentError,
+        "gamma = (2, 0, 2): ",
+        "g is infinite",
+    ),
+    "a folder for a stream": (lambda: FLOW.stream("", 0, 1, 5), ArgumentError, "path = '': ", "a .npy file"),
+    "a name that no file has": (
+        lambda: FLOW.stream("\ud800", 0, 1, 5),
+        ArgumentError,
+        "path = '\\ud800': ",
+        "a .npy file",
+    ),
+    "an enclosure far away": (lambda: FLOW.enclosure(-(10**30)), ArgumentError, "times: ", "enclosure_at_tau"),
+    "an enclosure beyond floats": (
+        lambda: TOP.flow(TOP.state(*START)).enclosure_at_tau(1e308),
+        ArgumentError,
+        "tau = 1e+308: ",
+        "a nearer time",
+    ),
+    "digits beyond a memory": (lambda: FLOW.enclosure(1, digits=10**30), ArgumentError, "digits = 1000", "an int"),
+    "a search without an end": (
+        lambda: FLOW.events(lambda gamma, M: gamma[:, 0], 0, 10**9),
+        Infeasible,
+        "start = 0.0, end = 1000000000.0: ",
+        "part by part",
+    ),
     "moments that raise": (lambda: EulerTop(NONE), ArgumentError, "inertia = <raising>: ", "three numbers"),
     "moments without an end": (lambda: EulerTop(iter(int, 1)), ArgumentError, "inertia: more than", "three numbers"),
     "coordinates that raise": (
