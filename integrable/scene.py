@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import ArgumentError, shown, whole
+from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
 
 from .extras import without
@@ -46,7 +46,9 @@ def run(
     if out is not None and not isinstance(out, (str, os.PathLike)):
         raise ArgumentError(f"out = {shown(out)}: give the path of a folder")
     digits = scene.digits if digits is None else digits
-    digits = whole(digits, "digits", "a positive number of decimal digits is needed (15: floats)", 1)
+    if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
+        given = digits if isinstance(digits, str) else shown(digits)
+        raise ArgumentError(f"digits: {given} given; a positive number of decimal digits is needed (15: floats)")
     if scene.finite_field and digits != scene.digits:
         raise ArgumentError(f"digits: {digits} given; an orbit over {scene.finite_field} is exact and has none")
     system, _ = scene.start(digits)

@@ -71,7 +71,8 @@ def bad_argument(rng: Random) -> Case:
         wrong |= {"scene"}
     parts = [f"{x}={rng.choice(_zoo(text, x)) if x in wrong else good(text, owner, x)}" for x in arguments]
     # what the caller's own function raises is the caller's
-    own = (TypeError,) if any(part in ("condition=int", "F=int", "y0=int") for part in parts) else ()
+    callables = {f"{x}={y}" for x in ("condition", "F", "y0") for y in ("int", "step", "J", "H", "L")}
+    own = (TypeError,) if callables & set(parts) else ()
     return case(
         f"{text}({', '.join(parts)})", lambda error: _names(error, wrong | set(arguments)), (JacobianError, *own)
     )
