@@ -45,6 +45,10 @@ DRIFT = 1e-9
 CHUNK = 8192
 # digits with which states are computed that are rounded to floats
 FLOAT_DIGITS = 17
+# what floats may cost where the compiled loops do not carry a motion, half a second either: corners and samples of the
+# torus in interpreted loops, values of 1/g on the way to a time
+MOST_INTERPRETED = 4096
+MOST_RATES = 16_000
 
 
 class Flow(Immutable):
@@ -203,10 +207,11 @@ class Flow(Immutable):
         from integrable.torus_flow import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
 
         try:
-            if self.kernel != "python" and not interpreted():
-                with suppress(NotClosed):
-                    return TorusFlow(self.setup, CompiledLoops())
-            return TorusFlow(self.setup, ReadableLoops(self.setup))
+            if self.kernel == "python" or interpreted():
+                return TorusFlow(self.setup, ReadableLoops(self.setup))
+            with suppress(NotClosed):
+                return TorusFlow(self.setup, CompiledLoops())
+            return TorusFlow(self.setup, ReadableLoops(self.setup), MOST_INTERPRETED)
         except PrecisionLoss:
             return None
 
@@ -262,7 +267,7 @@ class PreciseRows:
         from integrable.precise_flow import PreciseFlow
 
         if self._floats:
-            return PreciseFlow(self._body, self._state, FLOAT_DIGITS)
+            return PreciseFlow(self._body, self._state, FLOAT_DIGITS, most=MOST_RATES)
         return PreciseFlow(self._body, self._state, self._field.dps, self._setup)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -8,7 +8,7 @@ panel grow with its length more slowly than the nodes for its cells.
 from __future__ import annotations
 
 from bisect import bisect_right
-from math import log10
+from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable import flow_kernel
@@ -43,12 +43,13 @@ class PanelClock:
     """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
 
     Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is too
-    uneven for Legendre series of at most 6 nodes a digit.
+    uneven for Legendre series of at most 6 nodes a digit, and where a way takes more than ``most`` values of 1/g.
     """
 
-    def __init__(self, setup: Setup, sign: int) -> None:
+    def __init__(self, setup: Setup, sign: int, most: float = inf) -> None:
         self._setup = setup
         self._sign = sign
+        self._most = most
         self._tolerance = -(setup.digits + 3)
         self._half = setup.reals.number(setup._half_step)
         self._scouts: dict[int, float] = {}
@@ -125,6 +126,9 @@ class PanelClock:
         """The cell in which the clock shows t."""
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
+        if self._ends[-1] <= t:
+            # at the mean rate of the cells that are known
+            self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:
                 self._end(len(self._ends) - 1)
@@ -136,6 +140,8 @@ class PanelClock:
         """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
         if not self._ends:
             self._ends.append(self._half * flow_kernel.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
+        if cell > NEAR_CELLS:
+            self._afford(cell)
         if cell <= NEAR_CELLS or not self._long_panels():
             while len(self._ends) < cell + 2:
                 self._ends.append(self._ends[-1] + 2 * self._half * self._mean(len(self._ends) - 1))
@@ -160,11 +166,22 @@ class PanelClock:
         if not self._far:
             self._far.append(self._end(NEAR_CELLS))
         nodes, weights = self._long_rule()
+        self._afford(NEAR_CELLS + LONG * panels)
         while len(self._far) <= panels:
             centre = NEAR_CELLS + LONG * (len(self._far) - 1) + (LONG + 1) // 2
             values = self._rates_at(self._setup.bare_point(self._sign, centre), nodes)
             total = sum(w * x for w, x in zip(weights, values, strict=True))
             self._far.append(self._far[-1] + LONG * self._half * total)
+
+    def _afford(self, cells: float) -> None:
+        """PrecisionLoss where the clock of so many cells is beyond what it may take."""
+        work = cells * (len(self._long_rule()[0]) / LONG if self._long_panels() else len(self._nodes))
+        if work > self._most:
+            raise PrecisionLoss(
+                f"floats and double-double numbers do not carry this motion, and to {self._setup.digits} digits the "
+                f"way there takes {work:.3g} values of 1/g, where floats take {self._most:.3g}: MP(digits) goes there "
+                "in its time, and nearer times are within reach; other units change nothing"
+            )
 
     def _long_panels(self) -> bool:
         return self._digits_a_node(LONG) > SLOWEST_LONG

@@ -9,7 +9,7 @@ were missing.
 from __future__ import annotations
 
 from contextlib import suppress
-from math import ceil, log, log10
+from math import ceil, inf, log, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable import flow_kernel
@@ -39,12 +39,14 @@ TORUS_FROM = 100
 class Motion:
     """The flow at one internal precision, in bare reals; times and τ are in the units of the setup.
 
-    ``problem`` is what :class:`~integrable.flow_setup.Setup` makes one of more digits from.
+    ``problem`` is what :class:`~integrable.flow_setup.Setup` makes one of more digits from, ``most`` how many values of
+    1/g a time may cost: where that is bounded the torus has been tried.
     """
 
-    def __init__(self, setup: Setup, problem: tuple[Body, Vector, Vector, bool]) -> None:
+    def __init__(self, setup: Setup, problem: tuple[Body, Vector, Vector, bool], most: float = inf) -> None:
         self.setup = setup
         self._problem = problem
+        self._most = most
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
 
@@ -74,16 +76,14 @@ class Motion:
         torus = self._far([t / rate for t in times])
         if torus:
             return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
-        result = []
-        for t in times:
-            if t == 0:
-                result.append(setup.wide.zero)
-                continue
-            sign = -1 if t < 0 else 1
-            cell, x = self._clock(sign).place(setup.reals.number(abs(t)))
+        result = [setup.wide.zero] * len(times)
+        # the farthest first: where that is too far nothing has been computed yet
+        for i in sorted((i for i, t in enumerate(times) if t != 0), key=lambda i: -abs(times[i])):
+            sign = -1 if times[i] < 0 else 1
+            cell, x = self._clock(sign).place(setup.reals.number(abs(times[i])))
             with setup.reals:
                 tau = sign * (2 * cell + x) * setup.reals.number(setup._half_step)
-            result.append(setup.reals.element(setup.wide, tau))
+            result[i] = setup.reals.element(setup.wide, tau)
         return result
 
     def time(self, tau: Any) -> Any:
@@ -107,13 +107,13 @@ class Motion:
 
     def _clock(self, sign: int) -> PanelClock:
         if sign not in self._clocks:
-            self._clocks[sign] = PanelClock(self.setup, sign)
+            self._clocks[sign] = PanelClock(self.setup, sign, self._most)
         return self._clocks[sign]
 
     def _far(self, tau: list[Any]) -> Any:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
-        if max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
+        if self._most < inf or max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
             return None
         if self._torus is None:
             from integrable.torus import MultiprecisionTorusClock
@@ -128,12 +128,16 @@ class Motion:
 
 
 class PreciseFlow:
-    """The motion through a state to ``digits`` digits relative to exact inputs, whatever is lost on the way."""
+    """The motion through a state to ``digits`` digits relative to exact inputs, whatever is lost on the way.
 
-    def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None) -> None:
+    ``most`` is how many values of 1/g a time may cost (:class:`~integrable.panel_clock.PanelClock`).
+    """
+
+    def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None, most: float = inf) -> None:
         self._problem = body, state.gamma, state.M, state.tilted
         self.digits = digits
-        self._motion = Motion(setup or Setup(*self._problem, digits=digits), self._problem)
+        self._most = most
+        self._motion = Motion(setup or Setup(*self._problem, digits=digits), self._problem, most)
         self._witness: Setup | None = None
         self._witnessed = 0.0
 
@@ -193,7 +197,7 @@ class PreciseFlow:
                 f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it "
                 "starts; times nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
-        self._motion = Motion(Setup(*self._problem, digits=digits), self._problem)
+        self._motion = Motion(Setup(*self._problem, digits=digits), self._problem, self._most)
         self._witness, self._witnessed = None, 0.0
 
     def _missing(self, tau: list[Any], points: list[Any]) -> int:

@@ -231,13 +231,14 @@ def _listed(clock: Any) -> Any:
 class TorusFlow:
     """γ and M at any times of a motion, in the user's units, from a :class:`~integrable.flow_setup.Setup`.
 
-    Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g, NotClosed where the
-    loops lose too many digits or a sign (:mod:`integrable.torus_witness`).
+    Raises PrecisionLoss where the torus is not compact, or needs too many cells or samples of 1/g (more than ``most``),
+    NotClosed where the loops lose too many digits or a sign (:mod:`integrable.torus_witness`).
     """
 
-    def __init__(self, setup: Setup, loops: Any) -> None:
+    def __init__(self, setup: Setup, loops: Any, most: int = MOST_SAMPLES) -> None:
         self._setup = setup
         self._loops = loops
+        self._most = most
         row = loops.row
         # the motion in an abscissa of its own
         self.units = units = Units.of(setup)
@@ -254,6 +255,8 @@ class TorusFlow:
         self.sizes, self.turns = self.lattice.cells, self.lattice.turns
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
+        if self.sizes[0] * self.sizes[1] > most:
+            raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._corners()
         if not confirmed(self):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
@@ -411,7 +414,7 @@ class TorusFlow:
         # in slow directions to more digits: they will be divided by its frequency
         slow = [SLOW * abs(float(nu / self._setup.clock)) for nu in self.frequencies]
         noise = tuple(min(self._loops.noise, max(EXTENDED, x)) for x in slow)
-        while sizes[0] * sizes[1] <= MOST_SAMPLES:
+        while sizes[0] * sizes[1] <= self._most:
             grid = spectrum(self._sampled(sizes))
             wanted = needed_sizes(grid, (noise[0], noise[1]))
             if wanted == grid.shape:

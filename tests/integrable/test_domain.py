@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
+from time import process_time
+
 import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, reference
 from integrable.__main__ import main
+from integrable.precise_flow import PreciseFlow
 from integrable.state import State
 from integrable.torus_flow import CompiledLoops, TorusFlow
 from jacobian import MP
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, PrecisionLoss
 
 GAMMA, M = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 ULP = 2.0**-52
@@ -171,6 +175,46 @@ def test_cells_are_few_where_some_branch_points_are_close(name) -> None:
     torus = TorusFlow(setup, CompiledLoops())
     assert torus.lattice.cells[0] * torus.lattice.cells[1] <= 4096
     assert torus.closure < 1e-17
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> None:
+    rng = np.random.default_rng(seed)
+    inertia = rng.permutation([1e-5, 10 ** rng.uniform(-5, 5), 0.99e5])
+    system = ChaplyginBall(tuple(inertia.tolist()), float(10 ** rng.uniform(-6, 8)))
+    _, gamma, M, tilted = random_motion(rng, 4, 4)
+    flow = system.flow(system.state(gamma, M, tilted=tilted))
+    times = rng.uniform(-10, 10, 2) * flow.setup.step_time
+    run = flow.at(times)
+    exact = exact_motion(system, gamma, M, tilted, times)
+    found = np.hstack([run.gamma, run.M / np.linalg.norm(M)])
+    assert np.abs(found - exact).max() < 2e-13
+    flow_of((1, 2, 3), 0.7).at(np.linspace(0, 1e3, 600))
+    began = process_time()
+    with suppress(PrecisionLoss):
+        again = system.flow(system.state(gamma, M, tilted=tilted)).at([*times, *rng.uniform(-1e5, 1e5, 20)])
+        assert np.abs(again.gamma[:2] - exact[:, :3]).max() < 2e-13
+    # seconds to minutes once
+    assert process_time() - began < 10
+
+
+def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
+    """Four branch points within 2e-2 of the fifth's distance, two of them within 1e-8: double-doubles do not close."""
+    system = ChaplyginBall((9.8e4, 1e-5, 0.21), 890)
+    gamma = np.array([-0.304, 0.947, 0.107])
+    M = np.array([-0.609, -0.138, -0.507])
+    gamma /= np.linalg.norm(gamma)
+    flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
+    assert len(flow.at([10.0, 1000.0]).gamma) == 2
+    began = process_time()
+    with pytest.raises(PrecisionLoss, match=r"values of 1/g, where floats take 1\.6e\+04.*MP\(digits\).*nearer times"):
+        flow.at([0.01, 1e9, -1e5])
+    assert process_time() - began < 10
+    # the same to as many digits as are asked for has no such bound
+    with pytest.raises(PrecisionLoss, match=r"floats take 100"):
+        PreciseFlow(system.body, flow.state, 17, most=100).at([1000.0])
+    tau, _ = PreciseFlow(system.body, flow.state, 17).at([10.0])
+    assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
 
 
 def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
