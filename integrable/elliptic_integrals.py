@@ -1,7 +1,8 @@
-"""Incomplete elliptic integrals on arrays of floats or long doubles, by Carlson's duplication.
+"""Incomplete elliptic integrals on arrays of floats or long doubles.
 
-Carlson 1995, *Numerical computation of real or complex elliptic integrals*; the amplitude by descending Landen
-transformations (Abramowitz & Stegun 16.4). Errors are some units in the last place.
+The third kind by duplication (Carlson 1995, *Numerical computation of real or complex elliptic integrals*), the first
+and the amplitude by descending Landen transformations (Abramowitz & Stegun 16.4, 17.6). Errors are some units in the
+last place.
 """
 
 from __future__ import annotations
@@ -15,20 +16,24 @@ Array = Any
 SMALL, TERMS = 1e-3, 8
 
 
-def carlson_f(x: Array, y: Array, z: Array) -> Array:
-    """R_F(x, y, z) = ½∫dt/√((t+x)(t+y)(t+z)) from 0 to ∞, for arguments ≥ 0 of which one at most is 0."""
-    mean = start = (x + y + z) / 3
-    farthest = np.maximum(np.maximum(abs(start - x), abs(start - y)), abs(start - z))
-    bound, scale = (3 * np.finfo(start.dtype).eps) ** (-1 / 6) * farthest, 1.0
-    dx, dy = start - x, start - y
-    while (bound * scale > mean).any():
-        root_x, root_y, root_z = np.sqrt(x), np.sqrt(y), np.sqrt(z)
-        step = root_x * root_y + root_x * root_z + root_y * root_z
-        x, y, z, mean, scale = (x + step) / 4, (y + step) / 4, (z + step) / 4, (mean + step) / 4, scale / 4
-    dx, dy = dx * scale / mean, dy * scale / mean
-    dz = -dx - dy
-    e2, e3 = dx * dy - dz * dz, dx * dy * dz
-    return (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / np.sqrt(mean)
+def first_kind_swing(x: Array, k: Any, missing: Any) -> Array:
+    """F(x | m) − (2K/π)x for k = √(1 − m) > 0, |x| ≤ π/2, to the last digits of itself: it is of the size of m.
+
+    ``missing`` = 1 − k. By descending Landen transformations (Abramowitz & Stegun 17.6), of which only what they change
+    is summed.
+    """
+    one = x.dtype.type(1)
+    a, b, difference, total, weight = one, k * one, missing * one, 0 * x, one
+    while True:
+        s, c = np.sin(x), np.cos(x)
+        change = -np.arctan2(difference * s * c, a * c * c + b * s * s)
+        weight /= 2
+        total = total + weight * change
+        x = 2 * x + change
+        root = np.sqrt(a) + np.sqrt(b)
+        a, b, difference = (a + b) / 2, np.sqrt(a * b), (difference / root) ** 2 / 2
+        if abs(difference) <= np.finfo(x.dtype).eps ** 2 * a:
+            return total / a
 
 
 def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:

@@ -11,7 +11,9 @@ With κ² = 1 − A², of the sign of K, so K = |M|κ/√μ, the other two are a
 
     φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
 
-elliptic integrals of the third and the first kind; τ is the latter. (Chaplygin 1903 integrates the ball with theta
+elliptic integrals of the third and the first kind; τ is the latter. F is its mean (2K/π)θ and a swing P(θ) about it
+of the size of m; where the moments differ by many orders φ turns that much faster than θ, so the mean goes with the
+time itself, and is taken from the start. (Chaplygin 1903 integrates the ball with theta
 functions; with equal moments his curve has a double point, and what is left is this. Derived from γ̇ = γ×ω with the
 integral gM₃; at d = 0 both integrals are elementary and this is the free symmetric top.) A tilted body is brought to
 (γ, M) = 0 by Chaplygin's transformation, whose time is t up to a function of θ: an equation like Kepler's.
@@ -25,7 +27,7 @@ import numpy as np
 
 from integrable.body import Body, Vector
 from integrable.chaplygin_transformation import ChaplyginTransformation
-from integrable.elliptic_integrals import amplitude, carlson_f, carlson_j
+from integrable.elliptic_integrals import amplitude, carlson_j, first_kind_swing
 from integrable.flow_setup import FLOAT_DIGITS
 from integrable.torus_survey import complete
 from jacobian import MP
@@ -136,19 +138,22 @@ class SymmetricFlow:
         """What the states take beside θ and φ, as long doubles."""
         r, r3, delta, ratio, momentum, kappa, size, mu = swing[:8]
         sqrt = self._wide.sqrt
-        # no curve is left at d = 0 and for three equal moments: F is x, and Π with arctan is nothing
+        # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
         self._flat = bool(delta == 0)
-        self._kappa, self._size, self._r3, self._root3 = map(_long, (kappa, size, r3, sqrt(r3)))
+        self._kappa, self._size, self._root3 = map(_long, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(_long, (delta, delta * size * size / mu, sqrt(mu)))
+        # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
+        self._least, self._more = _long(mu if delta > 0 else r), _long(abs(delta) * size * size)
         self._spin, self._across = _long(momentum * kappa / sqrt(mu)), _long(momentum * size / sqrt(mu))
-        # k = √(1 − m), r₃/r, and what F and Π are multiplied with in φ
+        # k = √(1 − m), 1 − k, r₃/r, and what F and Π are multiplied with in φ
         self._modulus, self._thin = sqrt(mu / r), _long(r3 / r)
         self._complement = _long(self._modulus)
+        self._missing = _long(delta * size * size / r / (1 + self._modulus))
         self._first, self._third = kappa * ratio / sqrt(r * r3), kappa * sqrt(r3 / r)
         self._factors = _long(self._first), _long(self._third)
 
     def _phases(self, swing: Swing, a: Any, clock: tuple[Any, Any]) -> None:
-        """The rates of the phases, in turns of θ to a unit of t and of τ, and those of φ to half a turn of θ."""
+        """The rates of the phases, in turns of θ and φ to a unit of t and of τ, and of φ to half a turn of θ."""
         K, pi = self._wide, self._wide.context.pi
         alpha, beta = clock
         # t = (θ − θ₀)α/Ω − β'(G(cos θ) − G(cos θ₀)), in turns: θ/2π − ε·G
@@ -158,43 +163,54 @@ class SymmetricFlow:
         quarter = complete(self._modulus, K.one, K.one, K.one, pi, NEAR)
         self._quarter = _long(quarter)
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
-        advance = -2 * self._first * quarter
+        # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
+        self._advance = -self._first * 2 * quarter / pi
+        self._turning = self._advance * self._rate, self._advance * self._flow_rate
+        self._third_advance = K.zero
         if swing.kappa and not self._flat:
             pole = complete(self._modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
-            advance += (pi if swing.kappa > 0 else -pi) - 2 * self._third * pole
-        self._advance = advance / (2 * pi)
+            self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * self._third * pole) / (2 * pi)
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = np.array([_long(swing.theta - count * pi)])
-        self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._lean(np.cos(x) * (-1) ** count))[0])
-        first = self._first_kind(x)
-        self._flow_start = K.coerce(count) / 2 + _wide(K, (first / (4 * self._quarter))[0])
-        turned = swing.phi / (2 * pi) - count * self._advance
-        self._origin = turned - _wide(K, (self._turned(x, first) / (2 * PI))[0])
+        self._start_lean = self._lean(np.cos(x) * (-1) ** count)
+        self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
+        self._start_swing = self._swing(x)
+        self._flow_start = swing.theta / (2 * pi) + _wide(K, (self._start_swing / (4 * self._quarter))[0])
+        self._origin = swing.phi / (2 * pi) - count * self._third_advance
+        self._origin -= _wide(K, (self._turned(x) / (2 * PI))[0])
 
     # --- at times
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         count, x = self._at_times(times)
-        rows, first = self._rows(count, x)
+        delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
+        _, turns = _turns(times, self._turning[0], self._wide.zero)
+        rows = self._rows(count, x, turns + _long(self._advance) * delay - self._factors[0] * swing / (2 * PI))
         if not self._rolls:
             return rows, times
-        turns = count / Long(2) + first / (4 * self._quarter) - _long(self._flow_start)
-        return rows, (turns / _long(self._flow_rate)).astype(float)
+        gap = (delay + swing / (4 * self._quarter)) / _long(self._flow_rate)
+        return rows, (times * _long(self._rate / self._flow_rate) + gap).astype(float)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
-        return self._rows(*self._at_tau(tau))[0] if self._rolls else self.at(tau)[0]
+        if not self._rolls:
+            return self.at(tau)[0]
+        return self._rows(*self._at_tau(tau), _turns(tau, self._turning[1], self._wide.zero)[1])
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         if not self._rolls:
             return tau
         count, x = self._at_tau(tau)
-        turns = count / Long(2) + x / (2 * PI) - self._kepler * self._lean(np.cos(x) * _sign(count))
-        times: np.ndarray = ((turns - _long(self._start)) / _long(self._rate)).astype(float)
+        gap = (self._swing(x) - self._start_swing) / (4 * self._quarter) + self._delay(count, x)
+        times: np.ndarray = (tau * _long(self._flow_rate / self._rate) - gap / _long(self._rate)).astype(float)
         return times
+
+    def _delay(self, count: np.ndarray, x: Any) -> Any:
+        """What θ/2π has gone since the start beyond its mean, at θ = π·count + x."""
+        return self._kepler * (self._lean(np.cos(x) * _sign(count)) - self._start_lean)
 
     def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(half turns, x) with θ = π·(half turns) + x, |x| ≤ π/2."""
@@ -241,33 +257,32 @@ class SymmetricFlow:
 
     # --- states
 
+    def _swing(self, x: Any) -> Any:
+        """P(x) = F(x | m) − (2K/π)x."""
+        return 0 * x if self._flat else first_kind_swing(x, self._complement, self._missing)
+
     def _first_kind(self, x: Any) -> Any:
         """F(x | m)."""
-        if self._flat:
-            return x
-        s, c, k = np.sin(x), np.cos(x), self._complement
-        return s * carlson_f(c * c, c * c + k * k * s * s, 1 + 0 * s)
+        return 2 * self._quarter / PI * x + self._swing(x)
 
-    def _turned(self, x: Any, first: Any) -> Any:
-        """φ at θ = x, less φ at θ = 0; ``first`` is F(x | m)."""
-        turned = -self._factors[0] * first
+    def _turned(self, x: Any) -> Any:
+        """φ at θ = x, less φ at θ = 0 and what F adds."""
         if self._flat or self._kappa == 0:
-            return turned
+            return 0 * x
         s, c = np.sin(x), np.cos(x)
         k2, n, square = self._complement**2, self._size**2, self._kappa**2
         far = np.maximum(c * c + square * s * s, np.finfo(Long).tiny)
         product = square * n * n * self._thin * s**6
-        third = first + n / 3 * s**3 * carlson_j(c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
-        return turned + np.arctan2(self._kappa * s, c) - self._factors[1] * third
+        third = self._first_kind(x) + n / 3 * s**3 * carlson_j(c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
+        return np.arctan2(self._kappa * s, c) - self._factors[1] * third
 
-    def _rows(self, count: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, Any]:
-        """(γ and M, F(x | m)) at θ = π·count + x."""
-        first = self._first_kind(x)
-        _, turns = _turns(count, self._advance, self._origin)
-        phi = 2 * PI * turns + self._turned(x, first)
+    def _rows(self, count: np.ndarray, x: np.ndarray, turned: Any) -> np.ndarray:
+        """γ and M at θ = π·count + x, where F has turned φ by ``turned`` turns since the start, shape (N, 6)."""
+        _, turns = _turns(count, self._third_advance, self._origin)
+        phi = 2 * PI * (turns + turned) + self._turned(x)
         s, c = (_sign(count) * y for y in (np.sin(x), np.cos(x)))
         p, q, kappa = np.cos(phi), np.sin(phi), self._kappa
-        inverse = np.sqrt(self._r3 + self._delta * (c * c + kappa * kappa * s * s))
+        inverse = np.sqrt(self._least + self._more * (c * c if self._delta > 0 else s * s))
         lean = kappa * self._delta * s / (inverse + self._root3)
         y1, y2 = -lean * c, self._root3 + lean * kappa * s
         gamma = [p * c + q * kappa * s, q * c - p * kappa * s, self._size * s]
@@ -276,7 +291,7 @@ class SymmetricFlow:
         a, b, e, d = self._matrix
         rows = [a * g + b * m for g, m in zip(gamma, M, strict=True)]
         rows += [e * g + d * m for g, m in zip(gamma, M, strict=True)]
-        return np.stack(rows, axis=1).astype(float), first
+        return np.stack(rows, axis=1).astype(float)
 
 
 def _turns(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
