@@ -22,7 +22,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from integrable.tables import aligned
+from integrable.scene.tables import aligned
 from jacobian.terminal import write_anything
 
 

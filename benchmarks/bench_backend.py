@@ -1,7 +1,8 @@
 """The Python kernels beside Cantor on python-flint with the conversions there and back: microseconds for an addition.
 
-What jacobian.flint_cantor.pays decides is read off this table: the last column is Python's time over flint's. Over
-fields of word size both are what a group runs before it changes to compiled code (``python -m benchmarks single``).
+What jacobian.addition.cantor_flint.pays decides is read off this table: the last column is Python's time over flint's.
+Over fields of word size both are what a group runs before it changes to compiled code (``python -m benchmarks
+single``).
 """
 
 from __future__ import annotations
@@ -12,8 +13,8 @@ from random import Random
 from benchmarks.bench_group import FIELDS
 from benchmarks.curves import genuine_curve, microseconds, sum_of_points
 from jacobian import GF
-from jacobian.flint_cantor import FlintCantor, pays
-from jacobian.kernels import python_kernel
+from jacobian.addition.cantor_flint import FlintCantor, pays
+from jacobian.addition.choice import python_kernel
 
 MORE = {"GF(2^521-1)": GF(2**521 - 1), "GF(3^40)": GF(3, 40, (2, 1, *[0] * 38, 1))}
 

@@ -26,7 +26,7 @@ from benchmarks.curves import genuine_curve, microseconds, sum_of_points
 from jacobian import GF
 from jacobian.batch import DivisorArray, set_threads, threads
 from jacobian.batch.genus2_kernels import add_rows, double_rows
-from jacobian.word_arithmetic import Double
+from jacobian.numbers.words import Double
 
 SOURCE = Path(__file__).parent / "c" / "genus2_batch.c"
 PRIMES = {"2^29-3": 2**29 - 3, "2^31-1": 2**31 - 1, "2^49-81": 2**49 - 81, "2^61-1": 2**61 - 1, "2^63-25": 2**63 - 25}
@@ -158,7 +158,7 @@ def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smok
 def _flint(A: DivisorArray, B: DivisorArray) -> float | None:
     """Nanoseconds of python-flint's Cantor for one addition, or None without python-flint."""
     try:
-        from jacobian.flint_cantor import FlintCantor
+        from jacobian.addition.cantor_flint import FlintCantor
     except ImportError:
         return None
     D, E = ((F.u, F.v, F.n) for F in (A[0], B[0]))

@@ -12,8 +12,9 @@ from typing import Any
 
 from benchmarks.classical import classical
 from benchmarks.figures import command, save
-from jacobian import RR, genus2_real, interpolate
-from tests.jacobian.real_rows import DISTANCES, TYPICAL, WORST, Row, rows
+from jacobian import RR
+from jacobian.inexact import composition, genus2_real
+from tests.jacobian.inexact.real_rows import DISTANCES, TYPICAL, WORST, Row, rows
 
 CASES = {
     "near D": "both points of D′ near those of D",
@@ -28,14 +29,14 @@ def by_cramer(row: Row) -> tuple[Any, Any]:
 
 
 def stacked(row: Row) -> tuple[Any, Any]:
-    """Both congruences at once, by orthogonal transformations (jacobian.interpolate)."""
+    """Both congruences at once, by orthogonal transformations (jacobian.inexact.composition)."""
     first, second = (([*map(float, pair[:2]), 1.0], [*map(float, pair[2:])]) for pair in (row.first, row.second))
-    total = interpolate.compose(RR, 2, row.f, first, second)
+    total = composition.compose(RR, 2, row.f, first, second)
     return total.u[:2], total.v
 
 
 def kernel(row: Row) -> tuple[Any, Any]:
-    """The same, unrolled (jacobian.genus2_real)."""
+    """The same, unrolled (jacobian.inexact.genus2_real)."""
     total = genus2_real.add(*(tuple(map(float, part)) for part in (row.f, row.first, row.second)))[0]
     return total[:2], total[2:]
 

@@ -14,8 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from integrable import ChaplyginBall, flow_kernel
-from jacobian import MP, double_double
+from integrable import ChaplyginBall
+from integrable.moving_point import kernel
+from jacobian import MP
+from jacobian.numbers import double_double
 
 REPEATS = 7
 
@@ -40,7 +42,7 @@ def _operations(smoke: bool) -> list[dict[str, object]]:
     """Sums of products and of quotients of arrays that stay in the first cache."""
     import numba
 
-    from jacobian.double_double_compiled import JIT, number, numbers
+    from jacobian.numbers.double_double_compiled import JIT, number, numbers
 
     options = {**JIT, "cache": False}
 
@@ -95,14 +97,14 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     """One moving point plus one translation, with its three pairs."""
     import numba
 
-    from integrable import flow_compiled
-    from jacobian.double_double_compiled import JIT, numbers
+    from integrable.moving_point import compiled
+    from jacobian.numbers.double_double_compiled import JIT, numbers
 
-    numba.extending.register_jitable(flow_kernel.march)
+    numba.extending.register_jitable(kernel.march)
 
     @numba.njit(**{**JIT, "cache": False})
     def march(f, axes, point, step, count, out):  # type: ignore[no-untyped-def]
-        moved = flow_kernel.march(numbers(f), numbers(axes), numbers(point), numbers(step), count)
+        moved = kernel.march(numbers(f), numbers(axes), numbers(point), numbers(step), count)
         for c in range(10):
             numbers(out)[c] = moved[c]
 
@@ -116,20 +118,20 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     packed = [double_double.pack(x) for x in problem]
     exact = [double_double.unpack(x, K.coerce) for x in packed]
     floats = [np.array([float(c) for c in x]) for x in problem]
-    true = flow_kernel.march(*exact, 1)
+    true = kernel.march(*exact, 1)
     out = np.empty((10, 2))
     march(*packed, 1, out)
     error = max(abs(x - y) / abs(y) for x, y in zip(double_double.unpack(out, K.coerce), true, strict=True))
-    from_floats = flow_compiled.march(*floats, 1)
-    rounded = flow_kernel.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
+    from_floats = compiled.march(*floats, 1)
+    rounded = kernel.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
     float_error = max(abs(x - y) / abs(y) for x, y in zip(map(K.coerce, from_floats), rounded, strict=True))
     narrow = MP(32)
     short = [[narrow.coerce(c) for c in x] for x in problem]
     steps = 5 if smoke else 200
     found: list[tuple[str, float, float | None]] = [
-        ("float64", _least(lambda: flow_compiled.march(*floats, count), count, smoke), float(float_error)),
+        ("float64", _least(lambda: compiled.march(*floats, count), count, smoke), float(float_error)),
         ("double-double", _least(lambda: march(*packed, count, out), count, smoke), float(error)),
-        ("mpf, 32 digits, interpreted", _least(lambda: flow_kernel.march(*short, steps), steps, smoke), None),
+        ("mpf, 32 digits, interpreted", _least(lambda: kernel.march(*short, steps), steps, smoke), None),
     ]
     return [
         {"what": "an addition with its pairs", "number": name, "us": us, "error": wrong} for name, us, wrong in found
@@ -139,7 +141,7 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
 FIRST_CALL = """
 from time import perf_counter
 begun = perf_counter()
-from integrable import ChaplyginBall, torus_compiled
+from integrable import ChaplyginBall; import integrable.torus.compiled
 imported = perf_counter()
 ball = ChaplyginBall((1, 2, 3), 0.7)
 ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), kernel="compiled").at_tau([1e4])

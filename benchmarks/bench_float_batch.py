@@ -50,7 +50,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 def _states() -> DivisorArray:
     """The divisor of a step, and states of one motion some steps apart."""
-    from integrable.flow_compiled import march
+    from integrable.moving_point.compiled import march
 
     ball = ChaplyginBall((1, 2, 3), 0.7)
     setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup

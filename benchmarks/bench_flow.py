@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.flow import Flow
-from integrable.precise_flow import PreciseFlow
+from integrable.motion.flow import Flow
+from integrable.motion.precise import PreciseFlow
 from integrable.systems.system import System
 
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]

@@ -11,7 +11,7 @@ from typing import Any
 
 from benchmarks.curves import LARGE_PRIME, genuine_curve, microseconds, sum_of_points
 from jacobian import GF
-from tests.jacobian.flint_cantor import FlintCantor
+from tests.jacobian.addition.flint_cantor import FlintCantor
 
 FIELDS = {
     "GF(2^61-1)": GF(2**61 - 1),

@@ -13,9 +13,10 @@ from typing import Any
 import numpy as np
 
 from benchmarks.curves import genuine_curve, microseconds, sum_of_points
-from jacobian import GF, HyperellipticCurve, cantor
-from jacobian.kernels import python_kernel
-from tests.jacobian.flint_cantor import FlintCantor
+from jacobian import GF, HyperellipticCurve
+from jacobian.addition import cantor
+from jacobian.addition.choice import python_kernel
+from tests.jacobian.addition.flint_cantor import FlintCantor
 
 MERSENNE = (31, 61, 127, 521, 1279, 2203, 4253)
 """Exponents of Mersenne primes."""

@@ -7,9 +7,10 @@ conversions, where it is installed), "explicit" and "Cantor" are in Python, "fli
 from __future__ import annotations
 
 from benchmarks.curves import microseconds
-from jacobian import QQ, HyperellipticCurve, cantor
-from jacobian.kernels import python_kernel
-from tests.jacobian.flint_cantor import FlintCantor
+from jacobian import QQ, HyperellipticCurve
+from jacobian.addition import cantor
+from jacobian.addition.choice import python_kernel
+from tests.jacobian.addition.flint_cantor import FlintCantor
 
 
 def run(smoke: bool) -> list[dict[str, object]]:

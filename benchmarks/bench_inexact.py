@@ -12,7 +12,7 @@ from time import perf_counter
 from typing import Any
 
 from jacobian import RR, HyperellipticCurve, PrecisionLoss
-from tests.jacobian import inexact_oracle as oracle
+from tests.jacobian.inexact import inexact_oracle as oracle
 
 # |x| between powers of ten, all points within a factor of it; points within 1e-8 … 1e-1 of each other
 KINDS = ("every size", "one size", "cluster")

@@ -1,6 +1,6 @@
 """From which genus NUCOMP is faster than Cantor's step-by-step reduction: microseconds for an addition and a doubling.
 
-The constant NUCOMP_GENUS of jacobian/kernels.py is read off this table.
+The constant NUCOMP_GENUS of jacobian/addition/choice.py is read off this table.
 """
 
 from __future__ import annotations
@@ -9,7 +9,8 @@ from functools import partial
 from random import Random
 
 from benchmarks.curves import LARGE_PRIME, genuine_curve, microseconds, sum_of_points
-from jacobian import GF, cantor, nucomp
+from jacobian import GF
+from jacobian.addition import cantor, nucomp
 
 FIELDS = {
     "GF(2^61-1)": GF(2**61 - 1),

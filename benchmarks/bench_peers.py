@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.comparators import METHODS
+from integrable.oracles.methods import METHODS
 from jacobian import MP, RR
 
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]

@@ -11,7 +11,7 @@ from time import perf_counter
 from typing import Any
 
 from jacobian import MP, RR, HyperellipticCurve, poly
-from jacobian.abel import AbelMap, periods, real_periods
+from jacobian.periods.abel import AbelMap, periods, real_periods
 
 ROLLING = ["0.21", "0.36", "0.55", "0.75", "1.4"]
 

@@ -9,7 +9,7 @@ from time import process_time
 from typing import Any
 
 from integrable import load_scene
-from integrable.precise_flow import PreciseFlow
+from integrable.motion.precise import PreciseFlow
 from jacobian import MP
 
 DIGITS = (30, 50, 100, 200, 500, 1000)

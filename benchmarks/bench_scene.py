@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from integrable.report import measure
-from integrable.scene import Times, load_scene
+from integrable.scene.report import measure
+from integrable.scene.run import Times, load_scene
 
 SCENES = ("chaplygin", "euler_top")
 

@@ -16,8 +16,8 @@ from typing import Any
 from benchmarks.bench_group import FIELDS
 from benchmarks.curves import genuine_curve, sum_of_points
 from jacobian import GF
-from jacobian.kernels import is_word_sized, python_kernel
-from tests.jacobian.flint_cantor import FlintCantor
+from jacobian.addition.choice import is_word_sized, python_kernel
+from tests.jacobian.addition.flint_cantor import FlintCantor
 
 SCALAR = (1 << 122) - 0x1_2345_6789_ABCD_EF01
 LENGTHS = (17, 31, 61, 89, 127, 255, 521, 1279)
@@ -72,8 +72,8 @@ def measure(C: Any, rng: Random, smoke: bool) -> dict[str, object]:
 
 def integers(bits: int) -> dict[str, object]:
     """The explicit formulas on ints and on gmpy2's integers, for a prime of this length."""
+    from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
     from jacobian.fields.primality import is_prime
-    from jacobian.genus2_prime import GmpFormulas, PrimeFormulas
 
     p = next(p for p in range((1 << bits) - 1, 0, -2) if is_prime(p))
     C = genuine_curve(GF(p), 2, "ramified", Random(bits))

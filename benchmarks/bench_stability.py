@@ -18,16 +18,18 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-import jacobian.retraction_compiled  # noqa: F401
+import jacobian.inexact.retraction_compiled  # noqa: F401
 from benchmarks.classical import classical
 from benchmarks.figures import command, save
-from integrable import ChaplyginBall, EulerTop, flow_compiled
-from jacobian import MP, genus2_real, retraction
-from jacobian.compiler import njit
-from jacobian.double_double import pack, unpack
-from jacobian.double_double_compiled import JIT as DOUBLE_JIT
-from jacobian.double_double_compiled import numbers
-from jacobian.genus2_compiled import JIT
+from integrable import ChaplyginBall, EulerTop
+from integrable.moving_point import compiled
+from jacobian import MP
+from jacobian.inexact import genus2_real, retraction
+from jacobian.inexact.compiled import JIT
+from jacobian.numbers.compiler import njit
+from jacobian.numbers.double_double import pack, unpack
+from jacobian.numbers.double_double_compiled import JIT as DOUBLE_JIT
+from jacobian.numbers.double_double_compiled import numbers
 
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]
 K = MP(60)
@@ -192,7 +194,7 @@ def _with_signs(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, ...]
     )
     done = 0
     for count in counts:
-        point = flow_compiled.march(f, axes, point, step, count - done)
+        point = compiled.march(f, axes, point, step, count - done)
         done = count
         yield point[:4]
 

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 
-from jacobian.kernels import READY
+from jacobian.addition.choice import READY
 
 ADDITION = """
 from jacobian import GF, HyperellipticCurve

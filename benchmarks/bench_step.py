@@ -8,7 +8,8 @@ from statistics import median
 from time import process_time
 
 from integrable import ChaplyginBall, EulerTop
-from jacobian import MP, genus2_real
+from jacobian import MP
+from jacobian.inexact import genus2_real
 
 GAMMA = tuple(map(Fraction, ("0.48", "0.6", "0.64")))
 MOMENTUM = tuple(map(Fraction, ("0.384", "1.28", "-1.488")))

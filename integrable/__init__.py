@@ -12,25 +12,25 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from integrable.scene import load_scene, run
+    from integrable.deformations.check import Check
+    from integrable.deformations.gyroscopic import Gyroscopic
+    from integrable.deformations.hat import Hat
+    from integrable.deformations.tilde import Tilde
+    from integrable.motion.trajectory import Trajectory
+    from integrable.scene.run import load_scene, run
     from integrable.systems.chaplygin_ball import ChaplyginBall
-    from integrable.systems.check import Check
-    from integrable.systems.deformed import Tilde
     from integrable.systems.euler_top import EulerTop
-    from integrable.systems.gyroscopic import Gyroscopic
-    from integrable.systems.hat import Hat
-    from integrable.trajectory import Trajectory
 
 _HOME = {
     "ChaplyginBall": "integrable.systems.chaplygin_ball",
-    "Check": "integrable.systems.check",
+    "Check": "integrable.deformations.check",
     "EulerTop": "integrable.systems.euler_top",
-    "Gyroscopic": "integrable.systems.gyroscopic",
-    "Hat": "integrable.systems.hat",
-    "Tilde": "integrable.systems.deformed",
-    "Trajectory": "integrable.trajectory",
-    "load_scene": "integrable.scene",
-    "run": "integrable.scene",
+    "Gyroscopic": "integrable.deformations.gyroscopic",
+    "Hat": "integrable.deformations.hat",
+    "Tilde": "integrable.deformations.tilde",
+    "Trajectory": "integrable.motion.trajectory",
+    "load_scene": "integrable.scene.run",
+    "run": "integrable.scene.run",
 }
 
 __all__ = ["ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "Tilde", "Trajectory", "load_scene", "run"]

@@ -10,10 +10,9 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from integrable.scene.file import load_scene, scene_names
 from jacobian.errors import JacobianError
 from jacobian.terminal import write_anything
-
-from .scene_file import load_scene, scene_names
 
 __all__ = ["main"]
 
@@ -99,7 +98,7 @@ def _version() -> str:
 
 
 def _list_scenes() -> None:
-    from .tables import aligned
+    from integrable.scene.tables import aligned
 
     scenes = [load_scene(name) for name in scene_names()]
     rows = [("name", "system", "title"), *((scene.name, scene.system, scene.title) for scene in scenes)]
@@ -107,8 +106,8 @@ def _list_scenes() -> None:
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from .output import portable
-    from .scene import run
+    from integrable.scene.output import portable
+    from integrable.scene.run import run
 
     scene = load_scene(arguments.scene)
     out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name)
@@ -134,8 +133,8 @@ def _formats(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 
 def _report(arguments: argparse.Namespace) -> None:
-    from .study.page import answer
-    from .study.report import report
+    from integrable.study.command import report
+    from integrable.study.page import answer
 
     out = Path(arguments.out or Path("runs") / ("report-quick" if arguments.quick else "report"))
     study = report(

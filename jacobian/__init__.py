@@ -8,8 +8,8 @@
 (1, 0)
 """
 
-from jacobian.curve import HyperellipticCurve
-from jacobian.divisor import Divisor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import AffinePoint, PointAtInfinity
 from jacobian.errors import (
     ArgumentError,
     CurveMismatch,
@@ -25,7 +25,7 @@ from jacobian.errors import (
 )
 from jacobian.fields import CC, GF, MP, QQ, RR, Field
 from jacobian.group import Jacobian
-from jacobian.points import AffinePoint, PointAtInfinity
+from jacobian.law.divisor import Divisor
 
 __all__ = [
     "CC",

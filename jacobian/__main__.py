@@ -19,7 +19,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.parse_args(arguments)
 
     from jacobian.compilation import compile_all
-    from jacobian.compiler import interpreted, look_for_a_place
+    from jacobian.numbers.compiler import interpreted, look_for_a_place
 
     try:
         if interpreted():

@@ -11,7 +11,7 @@ from random import Random
 from time import perf_counter
 
 from jacobian.batch import DivisorArray
-from jacobian.curve import HyperellipticCurve
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields import CC, GF, RR
 
 QUINTIC, SEXTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1]

@@ -5,22 +5,23 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from jacobian import cantor, poly
-from jacobian.curve import HyperellipticCurve, check_curve
-from jacobian.divisor import Divisor
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.addition.choice import Kernel, compiled_kernel, kernel
+from jacobian.addition.ladder import multiple
+from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
-from jacobian.finite_group import FiniteGroup
-from jacobian.kernels import Kernel, compiled_kernel, kernel
-from jacobian.ladder import multiple
+from jacobian.finite.group import FiniteGroup
+from jacobian.law.divisor import Divisor
 
 
 class Jacobian(FiniteGroup):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
-    Exact fields add by the choice of :mod:`jacobian.kernels`, inexact ones by :mod:`jacobian.interpolate`. A ramified
-    model whose equation has formal degree 2g+2 is added on its ``arithmetic_model``; divisors show the curve's own
-    coordinates throughout. On an inert model of odd genus no divisor can be made (NotRepresentable), but the order is
-    known.
+    Exact fields add by the choice of :mod:`jacobian.addition.choice`, inexact ones by
+    :mod:`jacobian.inexact.composition`. A ramified model whose equation has formal degree 2g+2 is added on its
+    ``arithmetic_model``; divisors show the curve's own coordinates throughout. On an inert model of odd genus no
+    divisor can be made (NotRepresentable), but the order is known.
     """
 
     _sum_of: Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
@@ -43,7 +44,7 @@ class Jacobian(FiniteGroup):
         vars(self).update(_sum_of=chosen.sum_of, _double=chosen.double, _multiple=chosen.multiple)
 
     def compile(self) -> None:
-        """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.kernels`).
+        """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.addition.choice`).
 
         That happens by itself after some work; this is for who would rather wait now. ``python -m jacobian compile``
         makes the wait, once and for all, a matter of a second.
@@ -103,18 +104,18 @@ class Jacobian(FiniteGroup):
         NotRepresentable).
         """
         self._check_representable()
-        from jacobian.support import divisor_of_points, repeated
+        from jacobian.law.from_points import divisor_of_points, repeated
 
         points = repeated(points, multiplicities)
         if extension is not None:
-            from jacobian.conjugates import divisor_of_conjugates
+            from jacobian.law.conjugates import divisor_of_conjugates
 
             return divisor_of_conjugates(self, points, extension)
         return divisor_of_points(self, [self.curve.check_point(point) for point in points])
 
     def support(self, D: Divisor, extension: Any = None) -> list[tuple[Any, int]]:
-        """The points of D with multiplicities: see :meth:`jacobian.divisor.Divisor.support`."""
-        from jacobian.conjugates import support
+        """The points of D with multiplicities: see :meth:`jacobian.law.divisor.Divisor.support`."""
+        from jacobian.law.conjugates import support
 
         return support(self._own(D, "D"), extension)
 
@@ -130,14 +131,14 @@ class Jacobian(FiniteGroup):
         ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes.
         """
         self._check_representable()
-        from jacobian.sampling import random_divisor
+        from jacobian.law.sampling import random_divisor
 
         return random_divisor(self, rng)
 
     def points(self) -> Iterable[Divisor]:
         """All classes, over a small finite field, by trying every reduced (u, v, n)."""
         self._check_representable()
-        from jacobian.sampling import all_divisors
+        from jacobian.law.sampling import all_divisors
 
         return all_divisors(self)
 
@@ -241,9 +242,9 @@ class Jacobian(FiniteGroup):
         if self._opposite_to_the_bit(D, E):
             # as in D − D: no matter of precision
             return self.zero()
-        from jacobian import interpolate
+        from jacobian.inexact import composition
 
-        return self._out(interpolate.add(self._model, self._in(D), self._in(E)))
+        return self._out(composition.add(self._model, self._in(D), self._in(E)))
 
     def _opposite_to_the_bit(self, D: Divisor, E: Divisor) -> bool:
         K = self.field
@@ -252,7 +253,7 @@ class Jacobian(FiniteGroup):
         return D.n is None or E.n is None or D.n + E.n == 2 * (self.weight_of_zero or 0) - len(D.u) + 1
 
     def multiply(self, m: int, D: Divisor) -> Divisor:
-        """m·D for any int m, by signed windows (:mod:`jacobian.ladder`), or as one call of compiled code."""
+        """m·D for any int m, by signed windows (:mod:`jacobian.addition.ladder`), or as one call of compiled code."""
         if m < 0:
             return self.multiply(-m, self.negate(D))
         if m == 0:

@@ -1,7 +1,7 @@
 /* Addition of one divisor of y^2 = f(x), deg f <= 6, to N others in complex numbers: the yardstick of
    bench_float_batch.py.
 
-   The formulas of jacobian/genus2_complex.py, written by hand in C, without its units, h or tests of the result. Columns
+   The formulas of jacobian/inexact/genus2_complex.py, written by hand in C, without its units, h or tests of the result. Columns
    of first and out: u0, u1, v0, v1, each N numbers. */
 
 #include <complex.h>

@@ -1,6 +1,6 @@
 /* Addition of one divisor of y^2 = f(x), deg f <= 5, to N others in floats: the yardstick of bench_float_batch.py.
 
-   The formulas of jacobian/genus2_real.py, written by hand in C, without its units, h or tests of the result. Columns of
+   The formulas of jacobian/inexact/genus2_real.py, written by hand in C, without its units, h or tests of the result. Columns of
    first and out: u0, u1, v0, v1, each N numbers. */
 
 #include <math.h>

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.scene.data import FLOAT_DIGITS, Scene
 from jacobian.errors import JacobianError
 
 __all__ = ["DIGITS", "EXPONENTS", "near_additions"]

@@ -12,8 +12,8 @@ from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
 
-from integrable.scene_data import FLOAT_DIGITS, Scene
-from integrable.state import constrained
+from integrable.phase.state import constrained
+from integrable.scene.data import FLOAT_DIGITS, Scene
 
 __all__ = ["SceneInDoubles", "in_doubles"]
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from math import log
 from typing import Any
 
-from integrable.comparators import METHODS, time_scale
-from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.oracles.methods import METHODS, time_scale
+from integrable.scene.data import FLOAT_DIGITS, Scene
 from integrable.study.plan import FLOW, Row
 
 __all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "fitted_slope", "gather"]

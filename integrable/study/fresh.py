@@ -14,7 +14,7 @@ import tempfile
 from time import perf_counter
 from typing import Any
 
-from integrable.comparators import METHODS
+from integrable.oracles.methods import METHODS
 
 __all__ = ["HEAVY", "compilation", "first_use", "left_out"]
 
@@ -26,7 +26,7 @@ _START = """
 import json, sys
 from time import perf_counter
 begun = perf_counter()
-from integrable.scene_file import load_scene
+from integrable.scene.file import load_scene
 scene = load_scene(sys.argv[1])
 system, state = scene.start(15)
 times = scene.times.floats()
@@ -49,7 +49,7 @@ for name in ("gamma", "M", "omega", "integrals", "attitude", "quaternion", "cont
 if scene.rolls_or_spins:
     flow.at_tau([0.0]).times
     flow.residual_growth([100_000])
-from integrable.plot import sphere
+from integrable.scene.plot import sphere
 if scene.rolls_or_spins and len(times) > 2:
     import io
     sphere(trajectory.gamma, trajectory.times, scene.title).savefig(io.BytesIO(), format="png", dpi=200)
@@ -73,7 +73,7 @@ found = {
     "modules": len(sys.modules),
     "heavy": [name for name in %r if name in sys.modules],
 }
-from integrable.study.clocks import clock_of
+from integrable.study.ways import clock_of
 print(json.dumps({**found, "clock": clock_of(flow)}))
 """
 _COMPILED = """
@@ -82,7 +82,7 @@ def once():
     return flow.at(times[:1]).gamma
 """
 _METHOD = """
-from integrable.comparators import METHODS
+from integrable.oracles.methods import METHODS
 def once():
     method = METHODS[%r]
     return method.solve(system, state, times[:1], method.ladder(system, state)[0])

@@ -10,11 +10,11 @@ from collections.abc import Callable
 from time import perf_counter
 from typing import Any
 
-from integrable.comparators import METHODS, time_scale
-from integrable.scene_data import FLOAT_DIGITS, Scene
-from integrable.study.clocks import clock_of
+from integrable.oracles.methods import METHODS, time_scale
+from integrable.scene.data import FLOAT_DIGITS, Scene
 from integrable.study.plan import LIMITS, Row
 from integrable.study.truth import Truth, compute
+from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError
 
 __all__ = ["TooLong", "Unjudged", "measured"]
@@ -51,7 +51,7 @@ def _truth(row: Row, _: Data | None) -> Data:
 
 
 def _floor(row: Row, _: Data | None) -> Data:
-    from integrable.conditioning import conditioning
+    from integrable.motion.conditioning import conditioning
 
     scene = row.scene
     for digits in (FLOAT_DIGITS, 30):
@@ -85,7 +85,7 @@ def _chosen(scene: Scene, digits: int) -> tuple[list[Any], Any]:
     last = scene.steps.count
 
     def motion(system: Any, state: Any, _times: Any) -> Any:
-        from integrable.orbit import orbit
+        from integrable.scene.orbit import orbit
 
         found = orbit(scene.step(system, digits), state, last)
         return found.gamma[-1:], found.M[-1:]
@@ -249,7 +249,7 @@ def _compile(row: Row, _: Data | None) -> Data:
 
 
 def _orbit(row: Row, _: Data | None) -> Data:
-    from integrable.orbit import measure_orbit
+    from integrable.scene.orbit import measure_orbit
 
     report = measure_orbit(row.scene, row.scene.digits, lambda _label: None).report
     assert report is not None, "an orbit that is measured has a report"

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from integrable.scene.tables import aligned, duration, figure
 from integrable.study.findings import SCENE_FLOOR_FACTOR, Behind, SceneFindings
 from integrable.study.plan import LIMITS
-from integrable.tables import aligned, duration, figure
 
 __all__ = ["Study", "answer", "page"]
 
@@ -87,7 +87,8 @@ def page(study: Study) -> str:
         "(γ, M) = 0 hold to rounding; the truth and all that computes in more than doubles therefore start from γ/|γ| "
         "and from M without its part along γ, formed in their own precision. So does the flow in floats, whose set-up "
         "has 45 digits. What computes in doubles starts from the doubles as they are. The floor is eps·conditioning: "
-        "what a change of every input in its last digit does to the state (`integrable.conditioning`). An error below "
+        "what a change of every input in its last digit does to the state (`integrable.motion.conditioning`). "
+        "An error below "
         "the floor is that of a method whose inputs are taken as exact.\n",
         _machine(study),
         _claims(study),

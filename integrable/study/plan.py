@@ -9,10 +9,10 @@ from functools import cached_property
 from hashlib import sha256
 from typing import Any
 
-from integrable.comparators import METHODS
 from integrable.extras import APP, installed
-from integrable.output import portable
-from integrable.scene_data import FLOAT_DIGITS, Scene
+from integrable.oracles.methods import METHODS
+from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.scene.output import portable
 from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp
 from integrable.study.truth import DIGITS, is_divisor_flow
@@ -68,7 +68,7 @@ class Row:
     @cached_property
     def stamp(self) -> str:
         """A hash of all that the result depends on: scene, setting, limits, the code, the version of each library."""
-        from integrable.output import versions
+        from integrable.scene.output import versions
 
         limits = asdict(LIMITS[self.mode])
         parts = [self.scene.describe(), self.kind, self.method, self.setting, self.value, limits, code_stamp()]

@@ -19,7 +19,7 @@ from filelock import FileLock
 
 from integrable.study.plan import Row
 from integrable.study.store import Store
-from jacobian.compiler import NoCacheWarning
+from jacobian.numbers.compiler import NoCacheWarning
 
 __all__ = ["run_rows"]
 
@@ -169,7 +169,7 @@ def _failure(row: Row, error: str, *, stopped: bool = False) -> dict[str, Any]:
 
 
 def _head(row: Row) -> dict[str, Any]:
-    from integrable.output import machine, versions
+    from integrable.scene.output import machine, versions
 
     return {
         "row": {

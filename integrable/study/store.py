@@ -15,13 +15,21 @@ from typing import Any
 
 from filelock import FileLock, Timeout
 
-from integrable.output import OutputFolder, as_json
+from integrable.scene.output import OutputFolder, as_json
 
 __all__ = ["SCHEMA", "Store", "code_stamp"]
 
 SCHEMA = 1
 """Layout of a row's file; raised when a reader of the old layout would misread the new one."""
-_SHOWN_ONLY = ("figures.py", "page.py", "findings.py", "console.py", "__main__.py", "plot.py", "tables.py")
+_SHOWN_ONLY = (
+    "__main__.py",
+    "scene/plot.py",
+    "scene/tables.py",
+    "study/figures.py",
+    "study/findings.py",
+    "study/page.py",
+)
+"""Files of a package that a row does not depend on, by their path in it; a test says that they are there."""
 
 _claims: set[FileLock] = set()
 """Held by this process: a lock that is forgotten would be open again."""
@@ -93,7 +101,8 @@ def code_stamp() -> str:
     for package in (integrable, jacobian):
         root = Path(str(package.__file__)).parent
         for path in sorted(root.rglob("*.py")):
-            if path.name not in _SHOWN_ONLY:
-                digest.update(str(path.relative_to(root)).encode())
+            name = path.relative_to(root).as_posix()
+            if name not in _SHOWN_ONLY:
+                digest.update(name.encode())
                 digest.update(path.read_bytes())
     return digest.hexdigest()[:16]

@@ -9,11 +9,11 @@ from collections.abc import Sequence
 from time import perf_counter
 from typing import Any
 
-from integrable.comparators import time_scale
-from integrable.reference import is_body, taylor
-from integrable.scene_data import FLOAT_DIGITS, Scene
-from integrable.state import State
-from integrable.study.clocks import clock_of
+from integrable.oracles.methods import time_scale
+from integrable.oracles.reference import is_body, taylor
+from integrable.phase.state import State
+from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError, PrecisionLoss
 
 __all__ = ["CHECK_DIGITS", "DIGITS", "Truth", "compute", "is_divisor_flow"]
@@ -105,7 +105,7 @@ def is_divisor_flow(system: Any) -> bool:
 
 def _independent(method: str, system: Any, state: Any, time: Any) -> tuple[Any, Any]:
     """γ and M at one time by an integrator that has nothing in common with the truth."""
-    from integrable.integrated import IntegratedMotion, rates
+    from integrable.deformations.integrated import IntegratedMotion, rates
 
     if method == "mpmath.odefun":
         rate = rates(system)

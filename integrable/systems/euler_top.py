@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.body import Body
+from integrable.phase.body import Body
 from integrable.systems.system import System
 from jacobian import RR
 

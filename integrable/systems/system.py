@@ -1,213 +1,32 @@
-"""What every system on the ball's phase space offers: states, integrals, vector field, divisors, steps and the flow."""
+"""What every system on the ball's phase space offers: steps and the flow."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from integrable.body import Body, Integrals, Vector, cross, triple
-from integrable.state import State
-from jacobian.errors import ArgumentError, FieldError, NotRepresentable, entries, flag, shown
-from jacobian.immutable import Immutable, replaced
+from integrable.phase.space import PhaseSpace
+from integrable.phase.state import State
+from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from integrable.backlund import Translation
-    from integrable.chaplygin_transformation import ChaplyginTransformation
-    from integrable.flow import Flow
-    from integrable.moves import ConicStep, Keyless, Multiplication, Shift
-    from integrable.separation import Separated
-    from jacobian import Divisor, HyperellipticCurve, Jacobian
+    from integrable.motion.flow import Flow
+    from integrable.steps.moves import ConicStep, Keyless, Multiplication, Shift
+    from integrable.steps.translation import Translation
 
 
-class System(Immutable):
-    """A rigid body, by default with (γ, M) = 0. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
-
-    body: Body
-    radius: Any = None
-    """The radius of a ball that was given one, else None: lengths are then in radii."""
-
-    @property
-    def field(self) -> Any:
-        """The field of the coordinates."""
-        return self.body.field
-
-    @property
-    def inertia(self) -> Vector:
-        """Principal moments of inertia I_i."""
-        return self.body.inertia
-
-    @property
-    def d(self) -> Any:
-        """m r², 0 for the Euler top."""
-        return self.body.d
-
-    @property
-    def a(self) -> Vector:
-        """a_i = 1/(I_i + d)."""
-        return self.body.a
-
-    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None, *, tilted: bool = False) -> State:
-        """The State (γ, M), with |γ| = 1 and (γ, M) = 0 checked: exactly over exact fields, to eps^0.6 over inexact
-        ones. ``tilted=True`` allows (γ, M) ≠ 0: divisors, steps and the flow then go through Chaplygin's
-        transformation, which M ∥ γ alone has not.
-
-        ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
-        is none). Raises ArgumentError that names the argument, its value and what would be right.
-        """
-        K = self.field
-        tilted = flag(tilted, "tilted")
-        gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
-        tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(gamma, gamma)
-        if _distance(K, square, K.one) > tolerance:
-            raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
-        if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
-            raise ArgumentError(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
-        integrals = self.body.integrals(gamma, M)
-        tilt = integrals.C2
-        # |M|, whose square may be below the floats
-        size = 1 if K.exact else max(integrals.H2**0.5, *map(abs, M))
-        if not tilted and _distance(K, tilt, K.zero) > tolerance * size:
-            raise ArgumentError(
-                f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
-            )
-        return State(gamma, M, self._root(gamma, g), tilted=tilted)
-
-    def _root(self, gamma: Vector, g: Any) -> Any:
-        """The root of g² that a state over this field carries: None over the reals and at d = 0."""
-        K = self.field
-        if not (K.exact and self.body.rolls):
-            if g is not None:
-                raise ArgumentError(
-                    f"g = {shown(g)}: over {K.name} and at d = {self.d} the root of g² is not a choice, leave g out"
-                )
-            return None
-        from integrable import coordinates
-
-        if g is None:
-            return coordinates.root_of_g(self.body, gamma)
-        g = K.coerce(g, "g")
-        if K.mul(K.mul(g, g), self.body.conformal(gamma)) != K.one:
-            raise ArgumentError(f"g = {g}: g² must be 1/(1 − d(γ, Aγ)) = {K.inv(self.body.conformal(gamma))}")
-        return g
-
-    def integrals(self, state: State) -> Integrals:
-        """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
-        state = self._checked(state)
-        return self.body.integrals(state.gamma, state.M)
-
-    def omega(self, state: State) -> Vector:
-        """The angular velocity ω in the body frame."""
-        state = self._checked(state)
-        return self.body.omega(state.gamma, state.M)
-
-    def vector_field(self, state: State) -> State:
-        """(γ̇, Ṁ) = (γ × ω, M × ω), as a State of derivatives."""
-        omega = self.omega(state)
-        return State(cross(self.field, state.gamma, omega), cross(self.field, state.M, omega))
+class System(PhaseSpace):
+    """A rigid body and its maps. Base of :class:`ChaplyginBall` and :class:`EulerTop`."""
 
     def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
         """The 6×6 matrix of the brackets of (γ, M), for which (γ̇, Ṁ) = g{(γ, M), H1/2}; e*(3) at d = 0.
 
         Also for (γ, M) ≠ 0. NotASquare where g² has no root in the field.
         """
-        from integrable.brackets import ball_matrix
+        from integrable.phase.brackets import ball_matrix
 
         state = self._checked(state)
         return ball_matrix(self.body, state.gamma, state.M, state.g)
-
-    def upright(self, state: State) -> tuple[System, State, ChaplyginTransformation]:
-        """(system, state, transformation): the motion of a tilted state as one with (γ̃, M̃) = 0 on another body.
-
-        ``transformation.invert`` leads back. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
-        roots.
-        """
-        from integrable.chaplygin_transformation import ChaplyginTransformation
-
-        state = self._checked(state)
-        change = ChaplyginTransformation.of(self.body, state.gamma, state.M)
-        return replaced(self, body=change.upright), change.apply(state), change
-
-    def curve(self, h1: Any, h2: Any) -> HyperellipticCurve:
-        """y² = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x·h2 − h1) for values of H1 and H2.
-
-        Genus 2 with one point at infinity for d ≠ 0; genus 1 with two for d = 0. SingularCurve (exact fields) where
-        roots coincide.
-        """
-        from jacobian import HyperellipticCurve
-
-        K = self.field
-        h1, h2 = K.coerce(h1, "h1"), K.coerce(h2, "h2")
-        if h2 == K.zero:
-            raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
-        return HyperellipticCurve(K, self.body.polynomial(h1, h2))
-
-    def group(self, h1: Any, h2: Any) -> Jacobian:
-        """The group that the system moves on: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
-        curve = self.curve(h1, h2)
-        if self.body.rolls:
-            jacobian: Jacobian = curve.jacobian()
-            return jacobian
-        from jacobian.generalized import GeneralizedJacobian
-
-        return GeneralizedJacobian(curve)
-
-    def divisor(self, state: State) -> Divisor:
-        """The divisor (U, V) of a state, in :meth:`group` (of :meth:`upright` for a tilted state).
-
-        NotASquare where g² has no root in the field.
-        """
-        from integrable import coordinates
-
-        state = self._checked(state)
-        if state.tilted:
-            system, plain, _ = self.upright(state)
-            return system.divisor(plain)
-        u, v = coordinates.to_mumford(self.body, coordinates.to_pairs(self.body, state))
-        return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
-
-    def from_divisor(self, D: Divisor, like: State) -> State:
-        """The state with divisor D, of the eight that share it the one with the signs of ``like``.
-
-        Over an exact field ``like`` decides only where D is its own divisor up to signs; elsewhere the field's roots
-        are taken.
-        """
-        from integrable import coordinates
-        from jacobian.divisor import check_divisor
-
-        D, like = check_divisor(D, "D"), self._checked(like)
-        if like.tilted:
-            system, plain, change = self.upright(like)
-            return change.invert(system.from_divisor(D, plain))
-        if len(D.u) != 3:
-            raise NotRepresentable(f"D = {D!r} has weight {len(D.u) - 1}: a state has a divisor of weight two")
-        model = coordinates.to_pairs(self.body, like)
-        pairs = coordinates.pairs_of(self.body, D.jacobian.curve.f, D.u, D.v, model)
-        return coordinates.from_pairs(self.body, pairs)
-
-    def separated(self, state: State) -> Separated:
-        """The canonical coordinates (u, p) of a state (:func:`integrable.separation.to_separated`)."""
-        from integrable import separation
-
-        return separation.to_separated(self.body, self._checked(state))
-
-    def from_separated(self, u: Sequence[Any], p: Sequence[Any], like: State | None = None) -> State:
-        """The state of (u, p), with the signs of ``like`` or the field's.
-
-        See :func:`integrable.separation.from_separated`.
-        """
-        from integrable import separation
-
-        K = self.field
-        (u1, u2), (p1, p2) = _pair(K, u, "u"), _pair(K, p, "p")
-        if like is not None:
-            like = self._checked(like)
-        return separation.from_separated(self.body, separation.Separated((u1, u2), (p1, p2)), like)
-
-    def lifts(self, state: State) -> tuple[State, ...]:
-        """The eight states that share the divisor of a state, itself first."""
-        from integrable import separation
-
-        return separation.lifts(self.body, self._checked(state))
 
     def translation(
         self,
@@ -217,12 +36,12 @@ class System(Immutable):
         multiple: int = 1,
     ) -> Translation:
         """The Bäcklund map D ↦ D + [multiple](Σ (x_k, ±√f(x_k)) − ∞'s) for one or two abscissas (one: d ≠ 0 only):
-        fixed numbers, or functions of (h1, h2) as in :class:`integrable.backlund.Translation`.
+        fixed numbers, or functions of (h1, h2) as in :class:`integrable.steps.translation.Translation`.
 
         Real images need U'(a_i) > 0 at every axis: two points on one oval, two beyond 1/d, a complex-conjugate pair,
         one branch point 1/d, or an even multiple of anything.
         """
-        from integrable.backlund import Translation
+        from integrable.steps.translation import Translation
 
         return Translation(self, points, sheets, signs, multiple)
 
@@ -233,81 +52,37 @@ class System(Immutable):
         return self.translation([self.field.inv(self.d)], signs=signs)
 
     def keyless(self, signs: Sequence[int] | None = None) -> Keyless:
-        """The 2-torsion map in closed form, on (γ, M), for d = 0 too (:class:`integrable.moves.Keyless`)."""
-        from integrable.moves import Keyless
+        """The 2-torsion map in closed form, on (γ, M), for d = 0 too (:class:`integrable.steps.moves.Keyless`)."""
+        from integrable.steps.moves import Keyless
 
         return Keyless(self, signs)
 
     def multiplication(self, factor: int) -> Multiplication:
-        """D ↦ [factor]D (:class:`integrable.moves.Multiplication`)."""
-        from integrable.moves import Multiplication
+        """D ↦ [factor]D (:class:`integrable.steps.moves.Multiplication`)."""
+        from integrable.steps.moves import Multiplication
 
         return Multiplication(self, factor)
 
     def conic(self, x0: Any, y0: Any, sign: int = 1) -> ConicStep:
-        """The step to the parabola through (x0, y0), at d = 0 (:class:`integrable.moves.ConicStep`)."""
-        from integrable.moves import ConicStep
+        """The step to the parabola through (x0, y0), at d = 0 (:class:`integrable.steps.moves.ConicStep`)."""
+        from integrable.steps.moves import ConicStep
 
         return ConicStep(self, x0, y0, sign)
 
     def shift(self, F: Callable[[Any, Any], Any]) -> Shift:
-        """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.moves.Shift`); RR and MP(digits) only."""
-        from integrable.moves import Shift
+        """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.moves.Shift`); RR and MP(digits)
+        only."""
+        from integrable.steps.moves import Shift
 
         return Shift(self, F)
 
     def flow(self, state: State, kernel: str = "auto") -> Flow:
-        """The exact motion through a state, set up once (:class:`integrable.flow.Flow`); RR and MP(digits) only."""
-        from integrable.flow import Flow
+        """The exact motion through a state, set up once (:class:`integrable.motion.flow.Flow`); RR and MP(digits)
+        only."""
+        from integrable.motion.flow import Flow
 
         return Flow(self, self._checked(state), kernel)
 
     def motion_through(self, state: State) -> Flow:
         """What gives the states at physical times, ``.at(times)``: :meth:`flow`; every system has it."""
         return self.flow(state)
-
-    def _checked(self, state: Any) -> State:
-        return check_state(self, state)
-
-    def __repr__(self) -> str:
-        K = self.field
-        numbers = ", ".join(map(str, self.inertia))
-        offset = f", d={self.d}" if self.body.rolls else ""
-        field = "" if K.name == "RR" else f", field={K.name}"
-        return f"{type(self).__name__}(inertia=({numbers}){offset}{field})"
-
-    def _value(self) -> tuple[Any, ...]:
-        return self.body, self.radius
-
-
-def check_state(system: Any, state: Any) -> State:
-    """``state``, or an ArgumentError that says what makes one."""
-    if not isinstance(state, State):
-        raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
-    if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
-        raise FieldError(f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {system!r}")
-    return state
-
-
-def _pair(K: Any, values: Any, argument: str) -> list[Any]:
-    given = entries(values, argument, "a sequence of two numbers")
-    if len(given) != 2:
-        raise ArgumentError(f"{argument} = {shown(values)}: give two numbers")
-    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]
-
-
-def _distance(K: Any, x: Any, y: Any) -> Any:
-    difference = K.sub(x, y)
-    if K.exact:
-        return 0 if K.is_zero(difference) else 1
-    return abs(difference)
-
-
-def _show(vector: Vector) -> str:
-    return "(" + ", ".join(map(str, vector)) + ")"
-
-
-def _precision(K: Any) -> str:
-    if K.exact or K.name == "RR":
-        return ""
-    return f" to {K.name}; give decimal strings rather than floats"

@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 
 from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
-from jacobian.compiler import interpreted
-from jacobian.divisor import Divisor, check_scalar, is_zero_int
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
+from jacobian.law.divisor import Divisor, check_scalar, is_zero_int
+from jacobian.numbers.compiler import interpreted
 
 OK = 0
 """The status of a row that holds a class."""
@@ -60,7 +60,7 @@ class DivisorArray(Immutable):
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`): in genus 2, outside characteristic 2, by explicit formulas with an inversion
     for 256 rows, else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
-    :mod:`jacobian.interpolate`, unrolled. Over other fields it is that of the Jacobian, row by row.
+    :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")

@@ -12,18 +12,18 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.addition.cantor_words import packed_curve
+from jacobian.addition.genus2_words import Quintic, Sextic
 from jacobian.batch import genus2_kernels, row_kernels
 from jacobian.batch.equation import Equation
 from jacobian.batch.multiples import multiply_by_each, multiply_by_one
 from jacobian.batch.threads import in_ranges
-from jacobian.divisor import Divisor
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
-from jacobian.genus2_words import Quintic, Sextic
 from jacobian.group import Jacobian
-from jacobian.table_arithmetic import table_context
-from jacobian.word_arithmetic import Wide32, Wide64, double_context, word_context
-from jacobian.word_cantor import packed_curve
+from jacobian.law.divisor import Divisor
+from jacobian.numbers.tables import table_context
+from jacobian.numbers.words import Wide32, Wide64, double_context, word_context
 
 FAST = 1 << 14
 """Rows that one call of a kernel takes where formulas are explicit."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
-from jacobian.curve import HyperellipticCurve, coefficient
+from jacobian.curve.curve import HyperellipticCurve, coefficient
 
 
 class Equation:

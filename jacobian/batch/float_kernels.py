@@ -1,5 +1,5 @@
 """Compiled loops over divisors of weight 2 in floats and complex numbers: the stable composition of
-:mod:`jacobian.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.genus2_complex`.
+:mod:`jacobian.inexact.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.inexact.genus2_complex`.
 
 The columns are those of :mod:`jacobian.batch.sums`. ``f`` has six coefficients and ``half`` = h/2 three where deg f = 5
 over the floats, else seven and four: numba knows these lengths while it compiles, and leaves the other branch out.
@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from jacobian import genus2_complex, genus2_real
-from jacobian.compiler import njit
-from jacobian.genus2_compiled import JIT
+from jacobian.inexact import genus2_complex, genus2_real
+from jacobian.inexact.compiled import JIT
+from jacobian.numbers.compiler import njit
 
 # the largest remainder f − V² mod U of a sum, beside the size of its terms
 NOISE = 2.0**-36
@@ -99,7 +99,7 @@ def row(block: Any, first: Any, i: Any) -> Any:
     return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]
 
 
-# those of genus2_real are registered by genus2_compiled
+# those of genus2_real are registered by jacobian.inexact.compiled
 _KERNEL: tuple[Any, ...] = (
     genus2_complex.square,
     genus2_complex.phase,

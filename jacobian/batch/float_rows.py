@@ -1,8 +1,8 @@
 """Batches over the floats and the complex numbers in genus 2: compiled sums of divisors of weight 2, the Jacobian's own
 addition for the others.
 
-A sum that :mod:`jacobian.interpolate` cannot decide, or that has a point at infinity of a split model, loses its row,
-not the batch. Importing this module imports numba.
+A sum that :mod:`jacobian.inexact.composition` cannot decide, or that has a point at infinity of a split model, loses
+its row, not the batch. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.addition.ladder import multiple
 from jacobian.batch.sums import FloatSums
-from jacobian.divisor import Divisor
 from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
-from jacobian.ladder import multiple
+from jacobian.law.divisor import Divisor
 
 # what a row is: two points; one point, with the weight 0 or 1 at ∞₊; none, with 0, 1 or 2; no known class
 PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7

@@ -1,4 +1,4 @@
-"""Loops over rows of genus 2: the formulas of :mod:`jacobian.genus2_words`, one inversion for a block of rows.
+"""Loops over rows of genus 2: the formulas of :mod:`jacobian.addition.genus2_words`, one inversion for a block of rows.
 
 A row of the group is a column here: ``x[i, j]`` is the i-th coordinate (u₀, u₁, v₀, v₁) of row j, so that neighbours
 lie in neighbouring words and LLVM can make vector instructions of the loops. A block of BLOCK rows goes through short
@@ -15,11 +15,11 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import register_jitable
 
-from jacobian.compiler import njit
-from jacobian.genus2_words import chord
-from jacobian.genus2_words_compiled import cubic, product, sum_u, sum_v, tangent
-from jacobian.word_arithmetic import canonical, inverse, mul, number
-from jacobian.word_compiled import INLINED
+from jacobian.addition.genus2_words import chord
+from jacobian.addition.genus2_words_compiled import cubic, product, sum_u, sum_v, tangent
+from jacobian.numbers.compiler import njit
+from jacobian.numbers.words import canonical, inverse, mul, number
+from jacobian.numbers.words_compiled import INLINED
 
 JIT = {"nogil": True, "error_model": "numpy"}
 BLOCK = 256

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.ladder import signed_digits
+from jacobian.addition.ladder import signed_digits
 
 
 def multiply_by_one(run: Any, x: Any, m: int) -> Any:

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.divisor import Divisor
 from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor
 
 Rows = Any
 """A numpy array (N,) of Divisors."""

@@ -1,4 +1,4 @@
-"""Loops over rows of any genus: the compiled Cantor of :mod:`jacobian.word_cantor`, and conversions.
+"""Loops over rows of any genus: the compiled Cantor of :mod:`jacobian.addition.cantor_words`, and conversions.
 
 A row is stored as in :mod:`jacobian.batch.genus2_kernels`: column i of ``x`` holds u₀ … u_{g−1} (with the leading 1
 where deg u < g) and v₀ … v_{g−1}; beside it stand its degree and, on a split model, its weight at ∞₊. Importing this
@@ -10,18 +10,18 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import register_jitable
 
-from jacobian import table_compiled, word_compiled  # noqa: F401  # the compiled operations of words and tables
+from jacobian.addition.cantor_words import add_classes, double_class, negate_class, scratch, width
 from jacobian.batch.genus2_kernels import JIT
-from jacobian.compiler import njit
-from jacobian.word_arithmetic import add, canonical, decode, encode, mul, neg, number, sub
-from jacobian.word_cantor import add_classes, double_class, negate_class, scratch, width
+from jacobian.numbers import tables_compiled, words_compiled  # noqa: F401  # the compiled operations of words and tables
+from jacobian.numbers.compiler import njit
+from jacobian.numbers.words import add, canonical, decode, encode, mul, neg, number, sub
 
 register_jitable(width)
 
 
 @register_jitable
 def take(K, g, x, degree, weight, i, a):  # type: ignore[no-untyped-def]  # compiled, as all below
-    """Row i as a class of :mod:`jacobian.word_cantor`."""
+    """Row i as a class of :mod:`jacobian.addition.cantor_words`."""
     d = np.int64(degree[i])
     size = 0
     for k in range(g):

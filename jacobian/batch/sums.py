@@ -3,7 +3,7 @@ loops of :mod:`jacobian.batch.float_kernels`.
 
 A row of the group is a column here, as in :mod:`jacobian.batch.genus2_kernels`: ``x[i, j]`` is the i-th coordinate
 (u₀, u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost,
-are reported, not returned: they are for :mod:`jacobian.interpolate`. Importing this module imports numba.
+are reported, not returned: they are for :mod:`jacobian.inexact.composition`. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ import numpy as np
 from jacobian import poly
 from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
 from jacobian.batch.threads import in_ranges
-from jacobian.compiler import interpreted
-from jacobian.curve import HyperellipticCurve
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
 from jacobian.fields import CC, RR
+from jacobian.numbers.compiler import interpreted
 
 RANGE = 1 << 14
 """Columns that one thread takes at a time."""

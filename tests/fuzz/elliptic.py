@@ -1,4 +1,5 @@
-"""Any top at any time by elliptic functions: :mod:`integrable.elliptic_top`, which imports nothing of the flow."""
+"""Any top at any time by elliptic functions: :mod:`integrable.oracles.elliptic_top`, which imports nothing of the
+flow."""
 
 from __future__ import annotations
 
@@ -25,7 +26,7 @@ class General(Closed):
         self._form = self._made([1] * 7)
 
     def _made(self, factors: Any) -> Any:
-        from integrable.elliptic_top import EllipticTop
+        from integrable.oracles.elliptic_top import EllipticTop
 
         c, k = self.context, [self.context.mpf(float(x)) for x in factors]
         # the same factor for equal moments keeps them equal

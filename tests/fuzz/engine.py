@@ -1,6 +1,6 @@
 """Fuzz of exact arithmetic: sums against a textbook Cantor on python-flint's polynomials, group laws, counting by hand.
 
-The textbook is :mod:`tests.jacobian.flint_cantor`. Everything is exact: wrong is what differs.
+The textbook is :mod:`tests.jacobian.addition.flint_cantor`. Everything is exact: wrong is what differs.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from jacobian.errors import Infeasible, NotRepresentable
 from tests.fuzz.case import Case, Complaint
 from tests.fuzz.curves import Curve, curve_lines, field_of, power_text, random_curve
 from tests.fuzz.run import Suite
-from tests.jacobian.flint_cantor import FlintCantor
+from tests.jacobian.addition.flint_cantor import FlintCantor
 
 F256, F243 = power_text(2, 8), power_text(3, 5)
 SMALL = ("GF(2)", "GF(3)", "GF(5)", "GF(7)", "GF(11)", power_text(2, 2), power_text(2, 3), power_text(3, 2))
@@ -254,7 +254,7 @@ def ray_classes(rng: Random) -> Case:
     K = curve.C.field
     x0 = None if rng.random() < 0.3 else rng.randrange(K.order)
     setup = (
-        curve.setup + f"from jacobian.ray_class import RayClassGroup\nR = RayClassGroup(C, {x0})\n"
+        curve.setup + f"from jacobian.relatives.ray_class import RayClassGroup\nR = RayClassGroup(C, {x0})\n"
         f"a, b, c = (R.random(Random(s)) for s in {[rng.randrange(10**6) for _ in range(3)]})\n"
     )
     m, n = rng.randrange(1000), rng.randrange(1000)
@@ -281,7 +281,7 @@ def generalized(rng: Random) -> Case:
     a, b, c = (rng.randrange(10**6) for _ in range(3))
     m = rng.randrange(2, 6)
     setup = (
-        curve.setup + "from jacobian.generalized import GeneralizedJacobian\nG = GeneralizedJacobian(C)\n"
+        curve.setup + "from jacobian.relatives.glued import GeneralizedJacobian\nG = GeneralizedJacobian(C)\n"
         f"D, E, F = (G.random(Random(s)) for s in ({a}, {b}, {c}))\n"
     )
     checks = ["(D + E) + F == D + (E + F)", "D + E == E + D", "not D - D", f"{m} * D == {m - 1} * D + D"]
@@ -293,7 +293,7 @@ def conics(rng: Random) -> Case:
     curve = random_curve(rng, rng.choice(("GF(11)", "GF(101)", "GF(2**61 - 1)", F256, F243)))
     a, b = rng.randrange(10**6), rng.randrange(10**6)
     setup = (
-        curve.setup + "from jacobian.conic import representative\n"
+        curve.setup + "from jacobian.relatives.conic import representative\n"
         f"D, P, Q = J.random(Random({a})), C.random_point(Random({b})), C.random_point(Random({b + 1}))\n"
         "R = representative(D, P)\n"
     )
@@ -309,7 +309,7 @@ def signed(rng: Random) -> Case:
     f = poly.scale(K, lead, poly.from_roots(K, roots))
     seeds = [rng.randrange(10**6) for _ in range(3)]
     setup = curve_lines(text, f, ()) + (
-        f"from jacobian.lift import SignedGroup\nS = SignedGroup(C, {roots[:3]})\n"
+        f"from jacobian.relatives.signed import SignedGroup\nS = SignedGroup(C, {roots[:3]})\n"
         f"D, E, F = (S.double(S.twist(X.u, X.v)) for X in (J.random(Random(s)) for s in {seeds}))\n"
         "same = lambda X, Y: X[:3] == Y[:3]\n"
     )

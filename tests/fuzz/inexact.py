@@ -245,7 +245,7 @@ def abel(rng: Random) -> Case:
     size = rng.choice((1, 2, 2, 10))
     points = [at.points(at.genus, -size, size) for _ in range(2)]
     setup = (
-        at.setup + "from jacobian.abel import AbelMap\n"
+        at.setup + "from jacobian.periods.abel import AbelMap\n"
         f"A, D, E = AbelMap(C), J.from_points({at.text(points[0])}), J.from_points({at.text(points[1])})\n"
         "far = lambda z: max(abs(x - round(x.real)) for x in A.periods.coordinates(z))\n"
     )

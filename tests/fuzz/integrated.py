@@ -1,5 +1,6 @@
 """Motions by integration of their equations: heyoka's Taylor series in long doubles where it is installed; else the
-compiled Taylor series of :mod:`integrable.taylor_compiled`, which imports nothing of the flow, and SciPy's DOP853.
+compiled Taylor series of :mod:`integrable.oracles.taylor_compiled`, which imports nothing of the flow, and SciPy's
+DOP853.
 
 The equations are written here once more (γ̇ = γ×Ω; the deformations': Tsiganov, Hamiltonian H/2, time of the ball).
 """
@@ -178,7 +179,7 @@ def _by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.n
 
 
 def _by_taylor(inertia: Any, d: Any, gamma: Any, M: Any, wanted: np.ndarray) -> np.ndarray:
-    from integrable.taylor_compiled import compiled_taylor
+    from integrable.oracles.taylor_compiled import compiled_taylor
 
     system, start = SimpleNamespace(inertia=inertia, d=d), SimpleNamespace(gamma=gamma, M=M)
     near, rows = ~np.isnan(wanted), np.full((len(wanted), 6), np.nan)

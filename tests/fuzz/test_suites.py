@@ -5,10 +5,10 @@ import json
 import numpy as np
 import pytest
 
-from integrable.flow import Flow
-from integrable.trajectory import Trajectory
-from jacobian.divisor import Divisor
+from integrable.motion.flow import Flow
+from integrable.motion.trajectory import Trajectory
 from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor
 from tests.fuzz.__main__ import SUITES, main, suite_of
 from tests.fuzz.case import RAW, SLOW, WRONG, Case, Complaint, run
 from tests.fuzz.run import Plan, follow

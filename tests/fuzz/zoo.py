@@ -91,9 +91,9 @@ FIXED = {
 }
 # what no package exports at its top
 IMPORTED = {
-    "RayClassGroup": "jacobian.ray_class",
-    "AbelMap": "jacobian.abel",
-    "GeneralizedJacobian": "jacobian.generalized",
-    "representative": "jacobian.conic",
-    "periods": "jacobian.periods",
+    "RayClassGroup": "jacobian.relatives.ray_class",
+    "AbelMap": "jacobian.periods.abel",
+    "GeneralizedJacobian": "jacobian.relatives.glued",
+    "representative": "jacobian.relatives.conic",
+    "periods": "jacobian.periods.matrix",
 }

@@ -7,12 +7,12 @@ from math import sqrt
 from random import Random
 from typing import Any
 
-from integrable.jets import JetField
-from integrable.state import State
-from integrable.systems.check import Check
-from integrable.systems.deformed import Tilde
-from integrable.systems.gyroscopic import Gyroscopic
-from integrable.systems.hat import Hat
+from integrable.deformations.check import Check
+from integrable.deformations.gyroscopic import Gyroscopic
+from integrable.deformations.hat import Hat
+from integrable.deformations.tilde import Tilde
+from integrable.phase.jets import JetField
+from integrable.phase.state import State
 from jacobian.errors import NotRepresentable
 
 POTENTIAL = (3, 5, 2, 4, 6)

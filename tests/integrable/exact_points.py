@@ -10,8 +10,8 @@ from typing import Any
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.brackets import image_brackets
-from integrable.jets import JetField
+from integrable.phase.brackets import image_brackets
+from integrable.phase.jets import JetField
 from jacobian import GF, NotASquare, NotRepresentable
 from jacobian.errors import ArgumentError, FieldError
 from tests.integrable.exact_states import random_state

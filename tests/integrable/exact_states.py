@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.state import State
+from integrable.phase.state import State
 from jacobian import GF, NotASquare
 
 FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(10007)": lambda: GF(10007), "GF(7^3)": lambda: GF(7, 3)}

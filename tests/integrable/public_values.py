@@ -1,8 +1,8 @@
 """One value of every public class of `integrable`, in floats and multiprecision, for the tests of values."""
 
 from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde, load_scene
-from integrable.conditioning import conditioning
-from integrable.orbit import orbit
+from integrable.motion.conditioning import conditioning
+from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
 
 FIELDS = {"RR": RR, "MP": MP(30)}

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, run
-from integrable.brackets import image_brackets
-from integrable.orbit import orbit
+from integrable.phase.brackets import image_brackets
+from integrable.scene.orbit import orbit
 from jacobian import CC, GF, ArgumentError, FieldError
 from jacobian.errors import Infeasible
 from tests.messages import assert_says

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde
-from integrable.backlund import moving_branch_point
-from integrable.state import State
+from integrable.phase.state import State
+from integrable.steps.translation import moving_branch_point
 from jacobian import MP
 
 K = MP(30)

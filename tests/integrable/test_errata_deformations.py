@@ -6,11 +6,11 @@ from random import Random
 
 import pytest
 
-from integrable.brackets import canonical_matrix, jacobian_matrix, weighted_matrix
-from integrable.isometry import lift, roots
-from integrable.jets import JetField
-from integrable.systems.deformed import Tilde
-from integrable.systems.hat import Hat
+from integrable.deformations.hat import Hat
+from integrable.deformations.tilde import Tilde
+from integrable.phase.brackets import canonical_matrix, jacobian_matrix, weighted_matrix
+from integrable.phase.isometry import lift, roots
+from integrable.phase.jets import JetField
 from jacobian import GF, poly
 from tests.integrable.deformed_systems import SYSTEMS, OverJets
 from tests.integrable.exact_states import random_state, until_defined

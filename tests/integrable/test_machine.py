@@ -12,13 +12,14 @@ from fractions import Fraction
 
 import pytest
 
-from integrable import comparators, scene
 from integrable.__main__ import main
-from integrable.comparators import METHODS
 from integrable.extras import MissingExtraWarning
-from integrable.output import portable
-from integrable.progress import bar_of_pieces
-from integrable.report import measure, pieces_of_work
+from integrable.oracles import methods
+from integrable.oracles.methods import METHODS
+from integrable.scene import run
+from integrable.scene.output import portable
+from integrable.scene.progress import bar_of_pieces
+from integrable.scene.report import measure, pieces_of_work
 from integrable.study.plan import rows_of
 from jacobian import compilation
 from jacobian.__main__ import main as jacobian_main
@@ -167,13 +168,13 @@ SAID = pytest.mark.filterwarnings("always::integrable.extras.MissingExtraWarning
 def test_what_is_not_installed_is_said_before_anything_is_computed(here, monkeypatch, capsys):
     for module in ("scipy", "matplotlib", "tqdm"):
         monkeypatch.setitem(sys.modules, module, None)
-    compute, said = scene._compute, []
+    compute, said = run._compute, []
 
     def computed(*arguments):
         said.append(capsys.readouterr().err)
         return compute(*arguments)
 
-    monkeypatch.setattr(scene, "_compute", computed)
+    monkeypatch.setattr(run, "_compute", computed)
     assert main(["run", "ball.toml", "--progress"]) == 0
     (line,) = said[0].splitlines()
     assert line.startswith(
@@ -191,7 +192,7 @@ def test_what_is_not_installed_is_said_before_anything_is_computed(here, monkeyp
 def test_only_what_a_run_would_use_is_named(here, monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     monkeypatch.setitem(sys.modules, "scipy", None)
-    monkeypatch.setattr(scene, "_compute", lambda *_: (_ for _ in ()).throw(ArgumentError("stop")))
+    monkeypatch.setattr(run, "_compute", lambda *_: (_ for _ in ()).throw(ArgumentError("stop")))
     assert main(["run", "ball.toml", "--no-plots"]) == 2
     assert "matplotlib" not in capsys.readouterr().err
     assert main(["run", "ball.toml", "--quiet"]) == 2
@@ -202,16 +203,16 @@ def test_only_what_a_run_would_use_is_named(here, monkeypatch, capsys):
         ),
         pytest.raises(ArgumentError, match="stop"),
     ):
-        scene.run("ball.toml")
+        run.run("ball.toml")
 
 
 def test_an_integrator_that_is_not_installed_says_what_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy", None)
-    ball, state = scene.load_scene("chaplygin").start(15)
+    ball, state = run.load_scene("chaplygin").start(15)
     with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
         METHODS["SciPy DOP853"].solve(ball, state, [1.0], 1e-6)
     with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
-        comparators.scipy_solution(ball, state, [1.0], method="Radau", rtol=1e-6, atol=1e-6)
+        methods.scipy_solution(ball, state, [1.0], method="Radau", rtol=1e-6, atol=1e-6)
 
 
 @SAID
@@ -224,7 +225,7 @@ def test_a_study_without_the_extras(here, monkeypatch, capsys):
         "integrable: warning: not installed, so left out: SciPy's integrators (scipy), the figures (mat"
     )
     assert (here / "runs" / "report-quick" / "report.md").is_file()
-    rows = rows_of(scene.load_scene("ball.toml"), "ball.toml", "quick")
+    rows = rows_of(run.load_scene("ball.toml"), "ball.toml", "quick")
     assert {"SciPy", "left out"}.isdisjoint({word for row in rows for word in (row.kind, row.method.split()[0])})
 
 
@@ -282,7 +283,7 @@ def test_a_scene_of_a_name_that_windows_forbids(here):
 
 def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
     """Two scenes with one key would show one result for both."""
-    base = scene.load_scene("chaplygin")
+    base = run.load_scene("chaplygin")
     names = ("ä", "ö", "Ball", "ball", "ba ll", "ba_ll", "con", "con.x")
     keys = [row.key for name in names for row in rows_of(replace(base, name=name), name, "quick")]
     assert len({key.lower() for key in keys}) == len(keys)
@@ -315,16 +316,16 @@ def test_the_bar_moves_within_a_piece_of_work(capsys):
 
 
 def test_each_run_of_a_method_is_a_piece_of_its_own(here):
-    asked = scene.load_scene("orbit.toml")
+    asked = run.load_scene("orbit.toml")
     labels = []
-    found = scene._compute(replace(asked, steps=replace(asked.steps, repeat=3)), 15, labels.append)
+    found = run._compute(replace(asked, steps=replace(asked.steps, repeat=3)), 15, labels.append)
     assert found.report.rows[0].runs == 3
     assert len(labels) == 3
 
 
 def test_the_truth_of_many_times_is_many_pieces(here):
     """With mpmath alone it takes half a minute, in which a bar should not stand still."""
-    given = scene.load_scene("ball.toml")
+    given = run.load_scene("ball.toml")
     many = replace(given, times=replace(given.times, given=tuple(range(50))))
     labels = []
     report, _ = measure(many, 20, labels.append)
@@ -335,7 +336,7 @@ def test_the_truth_of_many_times_is_many_pieces(here):
 
 def test_a_reason_is_given_once(here, monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy", None)
-    given = scene.load_scene("ball.toml")
+    given = run.load_scene("ball.toml")
     two = replace(given, report=replace(given.report, tolerances=(Fraction("1e-4"), Fraction("1e-6"))))
     lines = measure(two, 20, lambda _label: None)[0].table().splitlines()
     assert lines.count("SciPy DOP853, tol 1e-4, tol 1e-6: not run: SciPy is not installed") == 1

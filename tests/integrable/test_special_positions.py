@@ -7,10 +7,11 @@ from random import Random
 import numpy as np
 import pytest
 
-from integrable import ChaplyginBall, EulerTop, coordinates
-from integrable.body import cross
-from integrable.brackets import image_brackets
-from integrable.reference import taylor
+from integrable import ChaplyginBall, EulerTop
+from integrable.oracles.reference import taylor
+from integrable.phase import coordinates
+from integrable.phase.body import cross
+from integrable.phase.brackets import image_brackets
 from jacobian import GF, RR, NotASquare, NotRepresentable
 from jacobian.errors import ArgumentError, SingularCurve
 from tests.integrable.deformed_systems import SYSTEMS, OverJets

@@ -33,7 +33,7 @@ def genus_two_rows(fields):
 
 
 def triple(D):
-    """What :mod:`jacobian.cantor` computes with."""
+    """What :mod:`jacobian.addition.cantor` computes with."""
     return D.u, D.v, D.n
 
 

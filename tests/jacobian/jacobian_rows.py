@@ -5,7 +5,7 @@ from functools import cached_property
 from random import Random
 
 from jacobian import GF, QQ, ArgumentError, HyperellipticCurve, poly
-from jacobian.factor import roots
+from jacobian.fields.factor import roots
 
 MERSENNE = 2**61 - 1
 FIELDS = {

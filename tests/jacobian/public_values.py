@@ -3,14 +3,14 @@
 from random import Random
 
 from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
-from jacobian.abel import AbelMap
 from jacobian.batch import DivisorArray
-from jacobian.conic import representative
 from jacobian.fields.residue import ResidueField
-from jacobian.generalized import GeneralizedJacobian
-from jacobian.lift import SignedGroup
-from jacobian.periods import periods, real_periods
-from jacobian.ray_class import RayClassGroup
+from jacobian.periods.abel import AbelMap
+from jacobian.periods.matrix import periods, real_periods
+from jacobian.relatives.conic import representative
+from jacobian.relatives.glued import GeneralizedJacobian
+from jacobian.relatives.ray_class import RayClassGroup
+from jacobian.relatives.signed import SignedGroup
 
 FIELDS = {
     "GF(p)": GF(101),

@@ -16,13 +16,13 @@ from jacobian import (
     NotRepresentable,
     PrecisionLoss,
 )
-from jacobian.abel import AbelMap
 from jacobian.batch import DivisorArray
-from jacobian.conic import representative
-from jacobian.generalized import GeneralizedJacobian
 from jacobian.group import Jacobian
-from jacobian.periods import periods
-from jacobian.ray_class import RayClassGroup
+from jacobian.periods.abel import AbelMap
+from jacobian.periods.matrix import periods
+from jacobian.relatives.conic import representative
+from jacobian.relatives.glued import GeneralizedJacobian
+from jacobian.relatives.ray_class import RayClassGroup
 from tests.messages import assert_says
 
 J = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1]).jacobian()

@@ -4,10 +4,10 @@ import pytest
 
 from jacobian import compilation
 from jacobian.__main__ import main
+from jacobian.addition.calls import context, short_equation
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
-from jacobian.word_kernel import context, short_equation
 
 
 def test_every_kernel_of_single_classes_is_listed():

@@ -12,7 +12,7 @@ import jacobian
 from jacobian import GF, MP, QQ, RR, CurveMismatch, HyperellipticCurve, JacobianError
 from jacobian.batch import DivisorArray
 from jacobian.immutable import Immutable, Record
-from jacobian.ray_class import RayClassGroup
+from jacobian.relatives.ray_class import RayClassGroup
 from tests.jacobian.public_values import FIELDS, curve_over, values_over
 
 VALUES = {f"{name} over {kind}": value for kind, K in FIELDS.items() for name, value in values_over(K).items()}

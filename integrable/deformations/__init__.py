@@ -1,0 +1,1 @@
+"""The tilde, check, hat and gyroscopic pairs: their integrals, steps and motions."""

@@ -1,0 +1,122 @@
+"""What the deformations of the ball and the top share beyond their Hamiltonians: motions, divisors and steps."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.phase.state import State
+from jacobian import RR
+from jacobian.errors import ArgumentError, NotRepresentable
+
+if TYPE_CHECKING:
+    from integrable.deformations.two_curves import TwoPoints
+
+
+class Deformation(Hamiltonian):
+    """A deformation. Base of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
+
+    def flow(self, state: State) -> Any:
+        """The motion through a state as additions on two elliptic curves: the tilde, check and hat pairs without
+        potential (:mod:`integrable.deformations.separated_flow`), the tilde pair at d = 0 in repelling poles b_i > 0
+        alone (:mod:`integrable.deformations.pole_flow`). ArgumentError for the others.
+        """
+        raise ArgumentError(
+            f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
+            "motion_through(state)"
+        )
+
+    def motion_through(self, state: State) -> Any:
+        """What gives the states at physical times, ``.at(times)``: :meth:`flow` where there is one, else the equations
+        of motion integrated (:class:`integrable.deformations.integrated.IntegratedMotion`); ``.method`` says which. RR
+        and MP(digits) only.
+        """
+        state = self._checked(state)
+        if self.separates or self.repels:
+            try:
+                return self.flow(state)
+            except NotRepresentable:
+                # equal moments, K = 0: the equations of motion are regular there
+                pass
+        from integrable.deformations.integrated import IntegratedMotion
+
+        return IntegratedMotion(self, state)
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The two points of a state, one on each elliptic curve (:mod:`integrable.deformations.two_curves`): tilde,
+        check and hat pairs without potential; ArgumentError for the others.
+        """
+        from integrable.deformations import two_curves
+
+        self._check_curves()
+        return two_curves.divisors(self, self._checked(state))
+
+    def from_divisor(self, D: TwoPoints, like: State) -> State:
+        """The state of two points, of the eight that share them the one with the signs of ``like``."""
+        from integrable.deformations import two_curves
+
+        self._check_curves()
+        return two_curves.from_divisors(self, D, self._checked(like))
+
+    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+        """The map that adds a point of fixed abscissa on each curve
+        (:class:`integrable.deformations.two_curves.CurveTranslation`): Poisson, it preserves H and K.
+        """
+        from integrable.deformations.two_curves import CurveTranslation
+
+        self._check_curves()
+        return CurveTranslation(self, points, sheets, multiple)
+
+    def _check_curves(self) -> None:
+        if not self.separates:
+            raise ArgumentError(
+                f"{self!r}: divisors and steps are those of the two curves of a tilde, check or hat pair without "
+                "potential"
+            )
+
+
+class IsometricDeformation(Deformation):
+    """A pair on e*(3), d = 0, isometric to the tilde pair of A⁻¹: base of :class:`Check` and :class:`Hat`."""
+
+    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
+        self._build(inertia, 0, potential, field)
+
+    @property
+    def separates(self) -> bool:
+        return self.potential is None
+
+    def flow(self, state: State) -> Any:
+        """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
+        if not self.separates:
+            return super().flow(state)
+        from integrable.deformations.separated_flow import IsometricFlow
+
+        return IsometricFlow(self, self._checked(state))
+
+    def curves_of(self) -> Any:
+        return self.isometry()[2]
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The two points of a state on the curves of the tilde pair of A⁻¹; NotASquare where the lift is not over the
+        field.
+        """
+        from integrable.deformations.two_curves import lifted
+
+        self._check_curves()
+        points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
+        return points
+
+    def from_divisor(self, D: TwoPoints, like: State) -> State:
+        from integrable.deformations.two_curves import lifted, unlifted
+
+        self._check_curves()
+        return unlifted(self, self.curves_of().from_divisor(D, lifted(self, self._checked(like))))
+
+    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on
+        its line."""
+        from integrable.deformations.two_curves import IsometricStep
+
+        self._check_curves()
+        return IsometricStep(self, self.curves_of().translation(points, sheets, multiple))

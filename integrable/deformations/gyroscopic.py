@@ -1,0 +1,42 @@
+"""The gyroscopic deformation, d = 0: terms linear in M from the parabola P = V + cU."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.deformations.deformation import Deformation
+from integrable.deformations.hamiltonian import Potential, Scalars, combination, product
+from jacobian import RR
+from jacobian.immutable import replaced
+
+
+class Gyroscopic(Deformation):
+    """H = m1 − s·m2 + cη + c²s/4, K = (m2 + c²/4)(−ξ² + cη^∨ + c²σ/4) + m1(cη + c²(2s − tr A)/4), with a_i = 1/I_i.
+
+    η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ); ``c`` is any constant, and c = 0 is the tilde pair with K = −K̃.
+    """
+
+    def __init__(self, inertia: Sequence[Any], c: Any, *, field: Any = RR) -> None:
+        self._build(inertia, 0, None, field)
+        self.c = field.coerce(c, "c")
+
+    def over(self, field: Any) -> Any:
+        return replaced(super().over(field), c=field.coerce(self.c, "c"))
+
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+        """(H, K)."""
+        c = self._constants(0)(self.c)
+        quarter = c * c / 4
+        energy = q.m1 - q.s * q.m2 + c * q.eta + quarter * q.s
+        first = (q.m2 + quarter) * (c * q.eta_dual - q.xi * q.xi + quarter * q.sigma)
+        return energy, first + q.m1 * (c * q.eta + quarter * (2 * q.s - q.e1))
+
+    def motion(self, q: Scalars) -> tuple[Any, Any]:
+        """Ω = AM − sM + (c/2)γ × Aγ, Ṁ = M × Ω + γ × [−m2·Aγ + (c/2)(Aγ × M + A(M × γ)) + (c²/4)Aγ]."""
+        c = self._constants(0)(self.c)
+        half = c / 2
+        omega = combination((1, q.AM), (-q.s, q.M), (half, product(q.gamma, q.Ag)))
+        turned = [a * x for a, x in zip(q.a, product(q.M, q.gamma), strict=True)]
+        pull = combination((c * c / 4 - q.m2, q.Ag), (half, product(q.Ag, q.M)), (half, turned))
+        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))

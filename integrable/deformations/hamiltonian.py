@@ -1,0 +1,335 @@
+"""What the deformations of the ball and the top share: states, integrals, brackets, equations of motion.
+
+A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, quadratic in M up to a potential, with a
+second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, the orientation and
+time of the ball's own (:mod:`integrable.phase.brackets`). Formulas are written with operators and run on floats, mpf,
+and over exact fields on :class:`integrable.phase.jets.Jet`. (Tsiganov, "Integrable discretization and deformation of
+the nonholonomic Chaplygin ball", with the corrections of docs/errata.md.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from integrable.phase.body import Body
+from integrable.phase.jets import JetField
+from integrable.phase.space import check_state
+from integrable.phase.state import State
+from integrable.systems.chaplygin_ball import ChaplyginBall
+from jacobian import RR
+from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.immutable import Immutable, replaced
+
+
+class DeformedIntegrals(NamedTuple):
+    """C1 = (γ, γ), C2 = (γ, M), and the deformation's H and K."""
+
+    C1: Any
+    C2: Any
+    H: Any
+    K: Any
+
+
+class Scalars:
+    """The functions of (γ, M) that the Hamiltonians are made of, each computed on first use."""
+
+    def __init__(self, a: Sequence[Any], d: Any, gamma: Sequence[Any], M: Sequence[Any]) -> None:
+        self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
+        a1, a2, a3 = self.a
+        self.e1, self.e2, self.e3 = a1 + a2 + a3, a1 * a2 + a2 * a3 + a3 * a1, a1 * a2 * a3
+        self.dual = (a2 * a3, a3 * a1, a1 * a2)
+
+    @cached_property
+    def squares(self) -> tuple[Any, ...]:
+        """γ_i²."""
+        return tuple(x * x for x in self.gamma)
+
+    @cached_property
+    def s(self) -> Any:
+        """(γ, Aγ)."""
+        return dot(self.a, self.squares)
+
+    @cached_property
+    def q2(self) -> Any:
+        """(Aγ, Aγ)."""
+        return sum(a * a * x for a, x in zip(self.a, self.squares, strict=True))
+
+    @cached_property
+    def sigma(self) -> Any:
+        """(γ, A^∨γ)."""
+        return dot(self.dual, self.squares)
+
+    @cached_property
+    def m1(self) -> Any:
+        """(M, AM)."""
+        return sum(a * m * m for a, m in zip(self.a, self.M, strict=True))
+
+    @cached_property
+    def m2(self) -> Any:
+        """(M, M) = H2."""
+        return dot(self.M, self.M)
+
+    @cached_property
+    def xi(self) -> Any:
+        """(γ, AM)."""
+        return dot(self.AM, self.gamma)
+
+    @cached_property
+    def zeta(self) -> Any:
+        """(γ, A^∨M)."""
+        return sum(a * x * m for a, x, m in zip(self.dual, self.gamma, self.M, strict=True))
+
+    @cached_property
+    def eta(self) -> Any:
+        """(M, γ × Aγ)."""
+        return dot(self.M, product(self.gamma, self.Ag))
+
+    @cached_property
+    def eta_dual(self) -> Any:
+        """(M, γ × A^∨γ)."""
+        return dot(self.M, product(self.gamma, [a * x for a, x in zip(self.dual, self.gamma, strict=True)]))
+
+    @cached_property
+    def Ag(self) -> tuple[Any, ...]:
+        """Aγ."""
+        return tuple(a * x for a, x in zip(self.a, self.gamma, strict=True))
+
+    @cached_property
+    def AM(self) -> tuple[Any, ...]:
+        """AM."""
+        return tuple(a * x for a, x in zip(self.a, self.M, strict=True))
+
+    @cached_property
+    def tau(self) -> Any:
+        """tr A − s."""
+        return self.e1 - self.s
+
+    @cached_property
+    def t2(self) -> Any:
+        """q2 − s²."""
+        return self.q2 - self.s * self.s
+
+    @cached_property
+    def G(self) -> Any:
+        """g² = 1/(1 − ds)."""
+        return 1 / (1 - self.d * self.s)
+
+    @cached_property
+    def kappa(self) -> Any:
+        """G(s − d·q2) = tr A − u1 − u2."""
+        return self.G * (self.s - self.d * self.q2)
+
+    @cached_property
+    def H1(self) -> Any:
+        """(ω, M) = m1 + dGξ²."""
+        return self.m1 + self.d * self.G * self.xi * self.xi
+
+    def axes(self) -> list[tuple[Any, Any, Any, Any]]:
+        """(a_i, a_j, a_k, γ_i²) for every axis."""
+        return [(self.a[i], self.a[i - 2], self.a[i - 1], self.squares[i]) for i in range(3)]
+
+
+class Potential(NamedTuple):
+    """The five parameters of a potential: ``a`` and ``b`` of its polynomial part, ``poles`` of the terms in 1/γ_i²."""
+
+    a: Any
+    b: Any
+    poles: tuple[Any, Any, Any]
+
+
+class Hamiltonian(Immutable):
+    """A Hamiltonian of the family: its states, integrals and equations of motion. Base of
+    :class:`integrable.deformations.deformation.Deformation`.
+    """
+
+    rigid: ChaplyginBall
+    potential: Potential | None = None
+
+    def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
+        self.rigid = ChaplyginBall(inertia, d, field=field)
+        self.potential = None if potential is None else _potential(field, potential)
+
+    @property
+    def body(self) -> Body:
+        """The body whose a_i = 1/(I_i + d) the Hamiltonian is made of."""
+        return self.rigid.body
+
+    @property
+    def field(self) -> Any:
+        """The field of the coordinates."""
+        return self.rigid.field
+
+    @property
+    def a(self) -> Any:
+        """a_i = 1/(I_i + d)."""
+        return self.rigid.a
+
+    @property
+    def d(self) -> Any:
+        """d of the bracket."""
+        return self.rigid.d
+
+    def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None) -> State:
+        """The State (γ, M), |γ| = 1 and (γ, M) = 0 checked as by :meth:`System.state`."""
+        return self.rigid.state(gamma, M, g)
+
+    def over(self, field: Any) -> Any:
+        """The same Hamiltonian over another field that takes its numbers."""
+        rigid, potential = ChaplyginBall(self.body.inertia, self.d, field=field), self.potential
+        if potential is not None:
+            potential = _potential(field, (potential.a, potential.b, *potential.poles))
+        return replaced(self, rigid=rigid, potential=potential)
+
+    def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
+        """The 6×6 matrix of the brackets of (γ, M), that of the ball."""
+        return self.rigid.poisson(self._checked(state))
+
+    def integrals(self, state: State) -> DeformedIntegrals:
+        """C1, C2, H and K; NotRepresentable where the potential is infinite (γ_i = 0 with a pole there)."""
+        K, state = self.field, self._checked(state)
+        wrap = self._constants(0)
+        with _Infinite():
+            energy, second = self.pair(
+                self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M)), self._terms(wrap)
+            )
+        if K.exact:
+            energy, second = energy.value, second.value
+        return DeformedIntegrals(K.dot(state.gamma, state.gamma), K.dot(state.gamma, state.M), energy, second)
+
+    def vector_field(self, state: State) -> State:
+        """(γ̇, Ṁ), as a State of derivatives."""
+        state = self._checked(state)
+        wrap = self._constants(0)
+        q = self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M))
+        omega, momentum = self.motion(q)
+        rate = product(q.gamma, omega)
+        if self.potential is not None:
+            slope = [wrap(x) for x in self._slope(state)]
+            momentum = [m + x / 2 for m, x in zip(momentum, product(q.gamma, slope), strict=True)]
+        if self.field.exact:
+            rate, momentum = ([x.value for x in v] for v in (rate, momentum))
+        return State(tuple(rate), tuple(momentum))
+
+    def flow(self, state: State) -> Any:
+        """The motion through a state, where its curves are known."""
+        raise NotImplementedError
+
+    def divisor(self, state: State) -> Any:
+        """The two points of a state, one on each elliptic curve."""
+        raise NotImplementedError
+
+    def from_divisor(self, D: Any, like: State) -> State:
+        """The state of two points, of the eight that share them the one with the signs of ``like``."""
+        raise NotImplementedError
+
+    @property
+    def repels(self) -> bool:
+        """Whether the potential is one of repelling poles alone whose :meth:`flow` is known."""
+        return False
+
+    @property
+    def separates(self) -> bool:
+        """Whether there is no potential, and :meth:`divisor` and :meth:`translation` know the separated curves."""
+        return False
+
+    def curves_of(self) -> Any:
+        """The tilde pair whose curves the motion is on: the system itself, or the tilde pair of A⁻¹."""
+        return self
+
+    def isometry(self) -> tuple[Any, Any, Any]:
+        """(B², m, system) with H = m·H̃ of that tilde pair at the lift of B: check and hat pairs."""
+        raise ArgumentError(f"{self!r}: no isometry is known")
+
+    def _checked(self, state: Any) -> State:
+        return check_state(self, state)
+
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+        """(H, K) of operator numbers."""
+        raise NotImplementedError
+
+    def motion(self, q: Scalars) -> tuple[Any, Any]:
+        """(Ω, Ṁ) without the potential: γ̇ = γ × Ω, Ω = ½∂H/∂M."""
+        raise NotImplementedError
+
+    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+        """V(γ), H with the potential less H without."""
+        raise ArgumentError(f"potential = {shown(potential)}: {type(self).__name__} has none")
+
+    # --- inside
+
+    def _constants(self, directions: int) -> Any:
+        """Elements of the field as numbers with operators."""
+        K = self.field
+        return JetField(K, directions).constant if K.exact or directions else lambda x: x
+
+    def scalars(self, wrap: Any, gamma: Any, M: Any) -> Scalars:
+        """The :class:`Scalars` of γ and M, the body's constants taken along by ``wrap``."""
+        return Scalars([wrap(x) for x in self.a], wrap(self.d), tuple(gamma), tuple(M))
+
+    def _terms(self, wrap: Any) -> Potential | None:
+        if self.potential is None:
+            return None
+        a, b, poles = self.potential
+        return Potential(wrap(a), wrap(b), tuple(map(wrap, poles)))
+
+    def _slope(self, state: State) -> tuple[Any, ...]:
+        """∂V/∂γ."""
+        K = self.field
+        jets = JetField(K, 3)
+        zero = jets.constant(K.zero)
+        terms = self._terms(jets.constant)
+        assert terms is not None
+        with _Infinite():
+            energy = self.potential_energy(
+                self.scalars(jets.constant, jets.variables(state.gamma), (zero, zero, zero)), terms
+            )
+        return jets.coerce(energy).slopes
+
+    def __repr__(self) -> str:
+        extra = "" if self.potential is None else f", potential={tuple(self.potential)}"
+        return f"{type(self).__name__}(inertia={self.rigid.inertia}, d={self.d}{extra}, field={self.field.name})"
+
+
+def poles(q: Scalars, potential: Potential, term: Any) -> Any:
+    """Σ b_i·term(a_i, a_j, a_k)/γ_i² over the axes with b_i ≠ 0."""
+    total = 0 * q.s
+    for b, (a, a2, a3, square) in zip(potential.poles, q.axes(), strict=True):
+        if b != 0 * q.s:
+            total = total + b * term(a, a2, a3) / square
+    return total
+
+
+def dot(x: Sequence[Any], y: Sequence[Any]) -> Any:
+    """Σ x_i y_i."""
+    return sum(a * b for a, b in zip(x, y, strict=True))
+
+
+def product(x: Sequence[Any], y: Sequence[Any]) -> list[Any]:
+    """x × y."""
+    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
+
+
+def combination(*terms: tuple[Any, Sequence[Any]]) -> list[Any]:
+    """Σ c·v of pairs (c, v)."""
+    return [sum(c * v[i] for c, v in terms) for i in range(3)]
+
+
+class _Infinite:
+    """Division by a vanishing γ_i or s becomes a named error."""
+
+    def __enter__(self) -> None:
+        return None
+
+    def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
+        if kind is not None and issubclass(kind, ZeroDivisionError):
+            raise NotRepresentable("the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes")
+
+
+def _potential(field: Any, values: Sequence[Any]) -> Potential:
+    given = list(values) if isinstance(values, (list, tuple)) else []
+    if len(given) != 5:
+        raise ArgumentError(f"potential = {shown(values)}: give five numbers (a, b, b_1, b_2, b_3)")
+    a, b, *rest = (field.coerce(x, f"potential[{i}]") for i, x in enumerate(given))
+    return Potential(a, b, tuple(rest))

@@ -1,0 +1,199 @@
+"""The flow of the tilde pair at d = 0 in repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0: two elliptic curves again.
+
+With h1 = m1 + Σb_i(a_j + a_k − s)/γ_i² and h2 = m2 + Σb_i/γ_i² the state is a divisor (U, V) of y² = f(x) = φ(x)(h1 −
+xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i); the other roots ũ_k of f − V² separate: λ_k = h1 − ũ_kh2 are
+constant, H = λ1 + λ2, K = −λ1λ2, and ũ_k' = −V(ũ_k), where ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic: Z
+= λ_kũ_k + const moves by the addition of (℘(t), ℘'(t)) on Y² = 4Z³ − g2Z − g3. Since V(a_i)² = −4b_ic_i² < 0 where γ_i
+= 0, no γ_i changes its sign. (The tilde pair's 2-torsion map, taken on the curve with poles;
+tests/integrable/deformations/test_separations.py has the exact identities.)
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.deformations.deformed_flow import DeformedFlow, Separated
+from integrable.deformations.oval import laurent
+from integrable.phase.body import cross
+from integrable.phase.state import State
+from jacobian import poly
+from jacobian.errors import NotRepresentable
+
+OVAL = 1e-9
+
+
+class PoleFlow(DeformedFlow):
+    """The motion through a state, over RR or MP(digits): get it from ``system.flow``.
+
+    NotRepresentable where moments are equal, a λ_k vanishes, or the ovals of ũ1 and ũ2 meet (|M| is infinite where ũ1 =
+    ũ2: the motion ends in finite time).
+    """
+
+    def _moving(self, system: Any, state: State) -> Separated:
+        return CubicMotion(system, state)
+
+
+class CubicMotion(Separated):
+    """The motion over the numbers of ``system``."""
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
+        if any(c == 0 for c in system.body.differences):
+            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+        K, self._poles = system.field, system.potential.poles
+        self._phi: poly.Poly = (K.coerce(-4),)
+        for e in system.a:
+            self._phi = poly.mul(K, self._phi, (e, -K.one))
+        self._pairs = [poly.mul(K, (system.a[i - 2], -K.one), (system.a[i - 1], -K.one)) for i in range(3)]
+        self._well: poly.Poly = (K.zero,) * 3
+        for b, c, pair in zip(self._poles, system.body.differences, self._pairs, strict=True):
+            self._well = poly.add(K, self._well, poly.scale(K, 4 * b * c, pair))
+        self._signs = [1 if x > 0 else -1 for x in state.gamma]
+        u, rate, self._lambdas = self._separated(state)
+        one, two = self._lambdas
+        self.sizes = abs(one) + abs(two), abs(one * two)
+        self._curves = [self._curve(*row) for row in zip(u, rate, self._lambdas, strict=True)]
+        low, high = self._curves[0].oval, self._curves[1].oval
+        if min(low[1], high[1]) - max(low[0], high[0]) > -OVAL * abs(u[0] - u[1]):
+            raise NotRepresentable(
+                f"the ovals of ũ1 and ũ2, {_interval(low)} and {_interval(high)}, meet: the motion ends where they do"
+            )
+
+    def turns(self, tau: Any) -> Any:
+        return abs(tau) / min(curve.period for curve in self._curves)
+
+    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+        return self._state(*(curve.moved(tau) for curve in self._curves))
+
+    def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:
+        """ũ_k, their rates and λ_k."""
+        K, a = self.system.field, self.system.a
+        squares = [x * x for x in state.gamma]
+        s = K.dot(a, squares)
+        h1 = sum(x * m * m for x, m in zip(a, state.M, strict=True))
+        h1 = h1 + sum(b * (a[i - 2] + a[i - 1] - s) / squares[i] for i, b in enumerate(self._poles))
+        h2 = K.dot(state.M, state.M) + sum(b / x for b, x in zip(self._poles, squares, strict=True))
+        w = cross(K, state.gamma, state.M)
+        U, V = (K.zero,) * 3, (K.zero,) * 3
+        for x, y, pair in zip(state.gamma, w, self._pairs, strict=True):
+            U, V = poly.add(K, U, poly.scale(K, x * x, pair)), poly.add(K, V, poly.scale(K, 2 * x * y, pair))
+        quotient = self._cofactor(h1, h2, U, V[:2])
+        u = _quadratic_roots(K, quotient)
+        return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
+
+    def _cofactor(self, h1: Any, h2: Any, U: poly.Poly, V: poly.Poly) -> poly.Poly:
+        """(f − V²)/U for the quadratic U."""
+        K = self.system.field
+        f = poly.sub(K, poly.mul(K, self._phi, (h1, -h2)), self._well)
+        return poly.quotient(K, poly.sub(K, f, poly.mul(K, V, V)), U)
+
+    def _curve(self, u: Any, rate: Any, value: Any) -> _Cubic:
+        K = self.system.field
+        if abs(value) <= 64 * K.eps * max(map(abs, self._lambdas)):
+            raise NotRepresentable(f"λ = {self._lambdas}: K vanishes, and one of the two curves degenerates")
+        cubic = poly.sub(K, poly.scale(K, value, self._phi), self._well)
+        return _Cubic(K, cubic, value, u, rate)
+
+    def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
+        """(γ, M) from (ũ, ũ') on both curves."""
+        K, one, two = self.system.field, *self._lambdas
+        (u1, y1), (u2, y2) = first, second
+        h2 = (one - two) / (u2 - u1)
+        slope = (y2 - y1) / (u2 - u1)
+        V = (slope * u1 - y1, -slope)
+        U = self._cofactor(one + u1 * h2, h2, (u1 * u2, -u1 - u2, K.one), V)
+        gamma, w = [], []
+        for i, (a, c) in enumerate(zip(self.system.a, self.system.body.differences, strict=True)):
+            square = poly.evaluate(K, U, a) / (U[2] * c)
+            x = self._signs[i] * abs(square) ** (K.one / 2)
+            gamma.append(x)
+            w.append((V[0] + V[1] * a) / (2 * c * x))
+        return gamma, list(cross(K, (w[0], w[1], w[2]), (gamma[0], gamma[1], gamma[2])))
+
+
+class _Cubic:
+    """The motion u' = y on y² = q(u), q of degree 3, leading coefficient 4λ, along the bounded oval of its start.
+
+    ``oval`` are the ends of the oval, ``period`` is that of the motion.
+    """
+
+    def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
+        self._field, self._scale = K, scale
+        self._shift = q[2] / 12
+        # Z = λu + shift, Y = λu': Y² = 4Z³ − g2Z − g3
+        self._g2 = 12 * self._shift * self._shift - scale * q[1]
+        # at u = 0, Z = shift: λ²q(0) = 4Z³ − g2Z − g3
+        self._g3 = (4 * self._shift * self._shift - self._g2) * self._shift - scale * scale * q[0]
+        self._start = scale * u + self._shift, scale * rate
+        self._series = laurent(K, self._g2, self._g3)
+        z = self._roots(u)
+        first, second = sorted((x - self._shift) / scale for x in z[:2])
+        self.oval = first, second
+        if not first - abs(u) * OVAL <= u <= second + abs(u) * OVAL:
+            raise self._unbounded(u)
+        self.period = K.context.pi / K.context.agm((z[2] - z[0]) ** (K.one / 2), (z[2] - z[1]) ** (K.one / 2))
+
+    def _roots(self, u: Any) -> list[Any]:
+        """The real roots of 4Z³ − g2Z − g3, ascending: by cos 3θ (Viète)."""
+        K = self._field
+        if self._g2 <= 0 or 27 * self._g3 * self._g3 >= self._g2**3:
+            raise self._unbounded(u)
+        turn = K.context.acos(self._g3 * (27 / self._g2**3) ** (K.one / 2)) / 3
+        radius = (self._g2 / 3) ** (K.one / 2)
+        return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
+
+    @staticmethod
+    def _unbounded(u: Any) -> NotRepresentable:
+        return NotRepresentable(
+            f"ũ = {float(u):g} is not on a bounded oval of its curve: the motion ends in finite time"
+        )
+
+    def moved(self, t: Any) -> tuple[Any, Any]:
+        """(u, u') a time t later."""
+        rest = t - self._field.context.nint(t / self.period) * self.period
+        x, y = self._added(*self._translation(rest)) if rest else self._start
+        return (x - self._shift) / self._scale, y / self._scale
+
+    def _added(self, x: Any, y: Any) -> tuple[Any, Any]:
+        """The start (Z, Y) moved by (x, y), without the differences of large numbers that its chord has at small t:
+        symmetric functions over (x − Z)² and (x − Z)³.
+        """
+        (z, v), g2, g3 = self._start, self._g2, self._g3
+        gap = x - z
+        total = (2 * x * z - g2 / 2) * (x + z) - g3 - y * v
+
+        def cubic(x: Any, z: Any) -> Any:
+            return (6 * x + 2 * z) * z * z - (x + 3 * z) * g2 / 2 - 2 * g3
+
+        return total / (2 * gap**2), (v * cubic(z, x) - y * cubic(x, z)) / (2 * gap**3)
+
+    def _translation(self, v: Any) -> tuple[Any, Any]:
+        """(℘(v), ℘'(v)), |v| at most half a period: the Laurent series at v/2^m, then m doublings."""
+        K, halvings = self._field, 0
+        size = max(abs(self._g2) ** (K.one / 2), abs(self._g3) ** (K.one / 3), abs(self._shift))
+        while v * v * size > 1 / K.coerce(16):
+            v, halvings = v / 2, halvings + 1
+        square, value, slope = v * v, K.zero, K.zero
+        for n in reversed(range(len(self._series))):
+            value = value * square + self._series[n]
+            slope = slope * square + (2 * n + 2) * self._series[n]
+        x, y = 1 / square + square * value, -2 / (square * v) + v * slope
+        for _ in range(halvings):
+            half = (6 * x * x - self._g2 / 2) / y
+            double = half * half / 4 - 2 * x
+            x, y = double, -(y + half * (double - x))
+        return x, y
+
+
+def _interval(oval: tuple[Any, Any]) -> str:
+    return f"[{float(oval[0]):.6g}, {float(oval[1]):.6g}]"
+
+
+def _quadratic_roots(K: Any, quotient: poly.Poly) -> list[Any]:
+    """The roots of a quadratic, ascending."""
+    half, last = -quotient[1] / (2 * quotient[2]), quotient[0] / quotient[2]
+    square = half * half - last
+    if square <= 0:
+        raise NotRepresentable("ũ1 = ũ2: the two curves are one")
+    gap = square ** (K.one / 2)
+    return [half - gap, half + gap]

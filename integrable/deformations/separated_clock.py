@@ -1,0 +1,321 @@
+"""Physical time along a tilde flow at d ≠ 0, t = ∫dτ/g, at any distance: a Fourier series on the torus of two ovals.
+
+g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends on z_k(θ_k) alone, even and periodic in the phases θ_k = 2π(τ + since_k)/T_k. With
+1/g = Σ c_mn cos mθ1 cos nθ2, t(τ) is a mean rate times τ and a sum of sines, and τ(t) a Newton iteration. Where mΩ1 +
+nΩ2 almost vanishes (a resonance) a mode is integrated as one that grows with τ, so that no small divisor is met.
+Coefficients are integers in units of 2^−bits: numpy multiplies matrices of them.
+"""
+
+from __future__ import annotations
+
+from math import ceil, isqrt, log
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
+
+if TYPE_CHECKING:
+    from integrable.deformations.oval import Oval
+    from integrable.deformations.separated_flow import OvalMotion
+
+GUARD_BITS = 30
+MOST_MODES = 1 << 16
+"""Of a series of USUAL_BITS, fewer where they are longer: a second of set-up."""
+USUAL_BITS = 256
+# modes beyond those that their decay alone leads to expect
+MARGIN = 6
+# transforms that are sums as they stand
+SHORT = 8
+# modes that are slower than this part of their terms are resonant
+RESONANT = 10
+ROUNDS = 200
+ROUGH_ROUNDS = 20
+
+
+class SeparatedClock:
+    """t(τ) and τ(t) of one motion to ``digits`` digits of its longer period.
+
+    PrecisionLoss where 1/g needs too many modes.
+    """
+
+    def __init__(self, motion: OvalMotion, digits: int) -> None:
+        self.digits = digits
+        self._motion = motion
+        K = motion.field
+        curves = motion.curves
+        self._since = [curve.since_low() for curve in curves]
+        self._periods = [curve.period for curve in curves]
+        # time is counted in the faster one's radians
+        self._unit = 2 * K.context.pi / min(self._periods)
+        self._slow = [min(self._periods) / period for period in self._periods]
+        spread = max(self._periods) / min(self._periods) / motion.pace(*_highest(motion))
+        self._bits = ceil(3.33 * digits) + GUARD_BITS + ceil(float(K.context.log(spread, 2)))
+        self._noise = K.coerce(10) ** -digits
+        sizes = self._sizes()
+        while True:
+            table = self._transformed(*sizes)
+            sizes, grown = self._grown(table), sizes
+            if sizes == grown:
+                break
+        self._keep(table)
+        least, most = motion.pace(*_highest(motion)), motion.pace(*_lowest(motion))
+        # with room for rounding
+        self._least, self._most = least * (1 - 1e-9), most * (1 + 1e-9)
+        self._origin = self._exact(self._phases(K.zero))[0]
+
+    # --- τ(t)
+
+    def tau(self, t: Any) -> Any:
+        """τ at a physical time t of either sign."""
+        if t == 0:
+            return t
+        K = self._motion.field
+        t = t * self._unit
+        # dt/dτ = 1/g lies between these
+        bounds = low, high = sorted((t / self._most, t / self._least))
+        x = t / self._mean
+        rough = True
+        for k in range(ROUNDS):
+            phases = self._phases(x)
+            rate = self._rate(phases)
+            miss = self._mean * x + self._slowly(x) - t
+            miss += K.coerce(self._swing(phases)) if rough else self._exact(phases)[0] - self._origin
+            if miss > 0:
+                high = min(high, x)
+            else:
+                low = max(low, x)
+            step = miss / K.coerce(rate)
+            x = x - step
+            inside, small = low <= x <= high, self._noise * (1 + abs(x))
+            if not inside:
+                x = (low + high) / 2
+            if rough:
+                if k >= ROUGH_ROUNDS or (inside and abs(step) <= 1e-7):
+                    # floats may have taken the wrong side
+                    rough, (low, high) = False, bounds
+            # the rate is that of a float, and its own change smaller than the step
+            elif (inside and abs(step) * 1e-6 <= small) or high - low <= small:
+                return x / self._unit
+        raise PrecisionLoss(f"times: the flow's own time at t = {float(t / self._unit):g} has not converged")
+
+    def defect(self, tau: Any, rate: Any) -> Any:
+        """The relative difference of 1/g of the series at τ and ``rate``."""
+        _, found = self._exact(self._phases(tau * self._unit))
+        return abs(found / rate - 1)
+
+    # --- the series
+
+    def _phases(self, x: Any) -> list[Any]:
+        """θ_k in turns, between −1/2 and 1/2, at a scaled τ."""
+        tau = x / self._unit
+        turns = [(tau + since) / period for since, period in zip(self._since, self._periods, strict=True)]
+        return [n - self._motion.field.context.nint(n) for n in turns]
+
+    def _rate(self, phases: list[Any]) -> float:
+        """1/g in floats."""
+        (c1, _), (c2, _) = (_turns(float(x), n) for x, n in zip(phases, self._shape, strict=True))
+        return float(c1 @ self._float_rate @ c2)
+
+    def _swing(self, phases: list[Any]) -> float:
+        """The sum of sines less its value at the start, in floats."""
+        (c1, s1), (c2, s2) = (_turns(float(x), n) for x, n in zip(phases, self._shape, strict=True))
+        return float(s1 @ self._float_even @ c2 + c1 @ self._float_odd @ s2) - float(self._origin)
+
+    def _exact(self, phases: list[Any]) -> tuple[Any, Any]:
+        """(the sum of sines, 1/g) in wide numbers."""
+        (c1, s1), (c2, s2) = (self._circle(x, n) for x, n in zip(phases, self._shape, strict=True))
+        unit = self._motion.field.context.ldexp(1, -3 * self._bits)
+        swing = s1 @ (self._even @ c2) + c1 @ (self._odd @ s2)
+        return swing * unit, (c1 @ (self._table @ c2)) * unit
+
+    def _circle(self, turns: Any, count: int) -> tuple[np.ndarray, np.ndarray]:
+        """cos and sin of 0, θ, 2θ, … as integers."""
+        context, bits = self._motion.field.context, self._bits
+        with context.workprec(bits + GUARD_BITS):
+            c, s = (int(context.ldexp(f(2 * turns), bits + GUARD_BITS)) for f in (context.cospi, context.sinpi))
+        x, y = 1 << (bits + GUARD_BITS), 0
+        cosines, sines = [], []
+        for _ in range(count):
+            cosines.append(x >> GUARD_BITS)
+            sines.append(y >> GUARD_BITS)
+            x, y = (x * c - y * s) >> (bits + GUARD_BITS), (x * s + y * c) >> (bits + GUARD_BITS)
+        return np.array(cosines, dtype=object), np.array(sines, dtype=object)
+
+    def _slowly(self, x: Any) -> Any:
+        """The resonant modes' part of t at a scaled τ."""
+        context = self._motion.field.context
+        total = x * 0
+        for value, speed, phase in self._resonant:
+            half = speed * x / 2
+            total += value * context.cos(phase + half) * (x * context.sin(half) / half if half else x)
+        return total
+
+    # --- set-up
+
+    def _sizes(self) -> tuple[int, int]:
+        """How many modes either phase takes: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
+
+        z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does: on the
+        second curve, z < 0 is as far as the pole; on the first one, it is between that and the real axis.
+        """
+        motion, d = self._motion, self._motion.system.d
+        one, two = motion.curves
+        share = motion.weights[1] / motion.weights[0]
+        zero = -(1 + share * (1 + d * _lowest(motion)[1])) / d
+        heights = one.imaginary_half(zero * one.mu), two.imaginary_half(None)
+        strips = [2 * motion.field.context.pi * x / period for x, period in zip(heights, self._periods, strict=True)]
+        rows, columns = (int(self.digits * log(10) / float(x)) + MARGIN for x in strips)
+        return self._possible(rows, columns)
+
+    def _possible(self, rows: int, columns: int) -> tuple[int, int]:
+        rows, columns = _smooth(rows), _smooth(columns)
+        if rows * columns * max(self._bits, USUAL_BITS) > MOST_MODES * USUAL_BITS:
+            raise self._too_many(rows, columns)
+        return rows, columns
+
+    def _too_many(self, rows: int, columns: int) -> PrecisionLoss:
+        return PrecisionLoss(
+            f"times: 1/g takes a series of {rows} × {columns} modes for {self.digits} digits; fewer digits, times "
+            "nearer to 0, or at_tau (the flow's own time) are within reach"
+        )
+
+    def _transformed(self, rows: int, columns: int) -> np.ndarray:
+        """c_mn as integers in units of 2^−bits, shape (rows + 1, columns + 1)."""
+        motion, bits = self._motion, self._bits
+        parts = []
+        for curve, weight, n in zip(motion.curves, motion.weights, (rows, columns), strict=True):
+            heights = _heights(curve, n)
+            parts.append([int(motion.field.context.ldexp(weight * (1 + motion.system.d * z), bits)) for z in heights])
+        one = 1 << (3 * bits)
+        values = np.array([[isqrt(one // (x + y)) for y in parts[1]] for x in parts[0]], dtype=object)
+        for n in (rows, columns):
+            values = self._cosines(values, n).T
+        return values
+
+    def _cosines(self, values: np.ndarray, count: int) -> np.ndarray:
+        """Σ of c_k cos(πjk/n) = values_j, j, k = 0 … n, along the first axis."""
+        # transforms of even real columns are real: two of them are one complex one
+        width = (values.shape[1] + 1) // 2
+        real, imaginary = values[:, :width], values[:, width:]
+        if imaginary.shape[1] < width:
+            imaginary = np.concatenate([imaginary, 0 * values[:, :1]], axis=1)
+        circle = self._circle(self._motion.field.one / (2 * count), 2 * count)
+        real, imaginary = (np.concatenate([x, x[-2:0:-1]]) for x in (real, imaginary))
+        parts = _fourier(real, imaginary, circle, self._bits)
+        result: np.ndarray = np.concatenate([x[: count + 1] for x in parts], axis=1)[:, : values.shape[1]] // count
+        result[[0, -1]] = result[[0, -1]] // 2
+        return result
+
+    def _grown(self, table: np.ndarray) -> tuple[int, int]:
+        """The size of a table whose last modes are noise, else a larger one."""
+        rows, columns = (n - 1 for n in table.shape)
+        least = int(self._noise * abs(table[0, 0]))
+        if abs(table[-1 - rows // 16 :]).max() > least:
+            rows += rows // 4 + 1
+        if abs(table[:, -1 - columns // 16 :]).max() > least:
+            columns += columns // 4 + 1
+        return self._possible(rows, columns)
+
+    def _keep(self, table: np.ndarray) -> None:
+        """The tables of the sums: swings c/(mΩ1 + nΩ2) of the sines, and the resonant modes apart."""
+        motion, bits = self._motion, self._bits
+        context = motion.field.context
+        self._mean = motion.field.coerce(int(table[0, 0])) * context.ldexp(1, -bits)
+        least = int(self._noise * abs(table[0, 0])) >> 4
+        loud = abs(table) > least
+        rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + 1 for k in range(2))
+        table = table[:rows, :columns]
+        self._shape, self._table = (rows, columns), table
+        even = np.full((rows, columns), 0, dtype=object)
+        odd = even.copy()
+        first, second = (int(context.ldexp(x, 2 * bits)) for x in self._slow)
+        self._resonant = []
+        for m in range(rows):
+            for n in range(columns):
+                value = int(table[m, n])
+                if (m, n) == (0, 0) or abs(value) <= least:
+                    continue
+                # cos mθ1 cos nθ2 is a mean of cos(mθ1 ± nθ2)
+                for sign in (1, -1) if m and n else (1,):
+                    share = value // 2 if m and n else value
+                    speed = m * first + sign * n * second
+                    if abs(speed) << RESONANT < m * first + n * second:
+                        self._resonant.append(self._mode(share, m, sign * n))
+                        continue
+                    swing = (share << (2 * bits)) // speed
+                    even[m, n] += swing
+                    odd[m, n] += sign * swing
+        self._even, self._odd = even, odd
+        self._float_rate, self._float_even, self._float_odd = (_floats(x, bits) for x in (table, even, odd))
+
+    def _mode(self, value: int, m: int, n: int) -> tuple[Any, Any, Any]:
+        """(coefficient, speed in scaled τ, phase at τ = 0) of a mode."""
+        context = self._motion.field.context
+        speed = m * self._slow[0] + n * self._slow[1]
+        turns = [since / period for since, period in zip(self._since, self._periods, strict=True)]
+        phase = 2 * context.pi * (m * turns[0] + n * turns[1])
+        return self._motion.field.coerce(value) * context.ldexp(1, -self._bits), speed, phase
+
+
+def _floats(table: np.ndarray, bits: int) -> np.ndarray:
+    """Integers in units of 2^−bits as floats."""
+    # beyond the range of floats
+    dropped = max(0, bits - 200)
+    result: np.ndarray = (table >> dropped).astype(float) * 0.5 ** (bits - dropped)
+    return result
+
+
+def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
+    """cos and sin of 0, θ, 2θ, … in floats."""
+    angles = 2 * np.pi * turns * np.arange(count)
+    return np.cos(angles), np.sin(angles)
+
+
+def _highest(motion: OvalMotion) -> list[Any]:
+    """z_k on the ovals where g is largest."""
+    return [max(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+
+
+def _lowest(motion: OvalMotion) -> list[Any]:
+    """z_k where g is least."""
+    return [min(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+
+
+def _heights(curve: Oval, count: int) -> list[Any]:
+    """z at the phases πj/count, j = 0 … count, wide: half a period in that many additions."""
+    K = curve.field
+    reals = BareReals(K.context.prec + GUARD_BITS)
+    step, r = reals.row(curve.translation(curve.period / (2 * count))), reals.row(curve.at_low())
+    ends, scale = reals.row(x / curve.mu for x in curve.e), reals.number(curve.mu)
+    heights = []
+    with reals:
+        for _ in range(count + 1):
+            i = min((curve.low, curve.middle), key=lambda n: abs(r[n]))
+            heights.append(ends[i] + curve.signs[i] * r[i] * r[i] / scale)
+            r = reals.plain_row(curve.added(r, step))
+    return list(reals.elements(K, heights))
+
+
+def _smooth(count: int) -> int:
+    """The next number of the form 5, 6, 7 or 8 times a power of 2."""
+    power = 1 << max(0, (count - 1).bit_length() - 3)
+    return -(-count // power) * power
+
+
+def _fourier(real: np.ndarray, imaginary: np.ndarray, circle: Any, bits: int) -> tuple[np.ndarray, np.ndarray]:
+    """Σ x_j e^(−2πijk/n) along the first axis of integers (Cooley & Tukey 1965); ``circle`` are the cosines and sines
+    of the multiples of a turn by 1/(a multiple of n), in units of 2^−bits.
+    """
+    cosines, sines = circle
+    n, stride = len(real), len(cosines) // len(real)
+    if n % 2 or n <= SHORT:
+        k = np.arange(n)
+        turns = np.outer(k, k) % n * stride
+        c, s = cosines[turns], sines[turns]
+        return (c @ real + s @ imaginary) >> bits, (c @ imaginary - s @ real) >> bits
+    even, odd = (_fourier(real[i::2], imaginary[i::2], circle, bits) for i in range(2))
+    c, s = (x[: n // 2 * stride : stride, None] for x in circle)
+    x, y = (c * odd[0] + s * odd[1]) >> bits, (c * odd[1] - s * odd[0]) >> bits
+    return np.concatenate([even[0] + x, even[0] - x]), np.concatenate([even[1] + y, even[1] - y])

@@ -1,0 +1,263 @@
+"""The geodesic flows of the tilde, check and hat pairs: two elliptic curves, and an addition on each.
+
+In ũ_k, the roots of Σ w_i²/(x − a_i), w = γ × M, the flow of H = λ1 + λ2 separates: ũ_k' = y_k, y_k² = λ_kφ(ũ_k), φ(x)
+= 4(dx − 1)Π(a_i − x), with λ_k constant, λ1 > 0 > λ2, and ' = d/dτ, dτ = g dt. Z = μ_k·ũ/(1 − dũ), μ_k = λ_kΠ(1 −
+da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the motion is an addition
+(:mod:`integrable.deformations.oval`): any τ costs one addition on each curve. (The separation: Tsiganov.)
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from integrable.deformations.deformed_flow import DeformedFlow, Separated, integrals_missing, motion_of
+from integrable.deformations.oval import Oval, root
+from integrable.motion.precise import digits_of
+from integrable.phase.body import cross
+from integrable.phase.isometry import lift, roots
+from integrable.phase.state import State
+from jacobian.errors import ArgumentError, NotRepresentable
+
+if TYPE_CHECKING:
+    from integrable.deformations.separated_clock import SeparatedClock
+
+
+class SeparatedFlow(DeformedFlow):
+    """The motion of a tilde pair without potential through a state: get it from ``system.flow``.
+
+    At d ≠ 0 physical times are read off a Fourier series on the torus (:mod:`integrable.deformations.separated_clock`).
+    NotRepresentable where moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
+    """
+
+    def _moving(self, system: Any, state: State) -> Separated:
+        return OvalMotion(system, state)
+
+    def translated(self, roots_of: Any) -> State:
+        """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
+        μ_k/I_i) and how many times, or None.
+        """
+        while True:
+            motion: Any = self._motion
+            moved = motion.translated(roots_of)
+            missing = integrals_missing(motion.system, motion.start, motion.sizes, [moved], self._asked)
+            if missing <= 0:
+                break
+            self._more_digits(motion.field.dps + min(missing, motion.field.dps))
+        row = motion_of(self.system.field, None, [], [moved])
+        x, m = row.gamma[0].tolist(), row.M[0].tolist()
+        return State((x[0], x[1], x[2]), (m[0], m[1], m[2]))
+
+
+class IsometricFlow(DeformedFlow):
+    """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
+
+    def _moving(self, system: Any, state: State) -> Separated:
+        return LiftedMotion(system, state)
+
+
+class OvalMotion(Separated):
+    """The motion of a tilde pair over the numbers of ``system``."""
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
+        body, K = system.body, system.field
+        if any(c == 0 for c in body.differences):
+            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+        h2 = K.dot(state.M, state.M)
+        if h2 == 0:
+            raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
+        H, second = system.integrals(state)[2:]
+        self.lambdas = _eigenvalues(K, H, second)
+        if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
+            raise NotRepresentable(f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates")
+        self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
+        self._weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
+        spin = root(K, h2)
+        e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
+        gaps, turns = _separated(body, e, slope)
+        product = body.contact[0] * body.contact[1] * body.contact[2]
+        self.curves = [
+            _oval(body, value * product, row, turn) for value, row, turn in zip(self.lambdas, gaps, turns, strict=True)
+        ]
+        self._signs, self._side = _signs(self.curves, e, slope), 1
+        found = self._state(*(curve.start for curve in self.curves))[0]
+        self._side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
+
+    def turns(self, tau: Any) -> Any:
+        return abs(tau) / min(curve.period for curve in self.curves)
+
+    def most_tau(self, t: Any) -> Any:
+        # 1/g² is least where γ is along the axis of the least moment
+        return t / root(self.field, min(self.system.body.contact))
+
+    def tau(self, times: list[Any], digits: int) -> list[Any]:
+        return [self._clock(digits).tau(t) for t in times]
+
+    def clock_missing(self, tau: Any, digits: int) -> int:
+        rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))
+        return digits_of(self._clock(digits).defect(tau, rate)) + digits
+
+    def _clock(self, digits: int) -> SeparatedClock:
+        from integrable.deformations.separated_clock import SeparatedClock
+
+        if self._clocks is None or self._clocks.digits < digits:
+            self._clocks = SeparatedClock(self, digits)
+        return self._clocks
+
+    _clocks: SeparatedClock | None = None
+
+    @cached_property
+    def weights(self) -> tuple[Any, Any]:
+        """Of 1 + dz_k in g²: both positive, with the sum 1."""
+        one, two = self.lambdas
+        return one / (one - two), -two / (one - two)
+
+    def pace(self, first: Any, second: Any) -> Any:
+        """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
+        one, two = self.weights
+        d = self.system.d
+        return 1 / root(self.field, one * (1 + d * first) + two * (1 + d * second))
+
+    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+        return self._state(*(curve.moved(tau) for curve in self.curves))
+
+    def translated(self, roots_of: Any) -> tuple[list[Any], list[Any]]:
+        """The row of :meth:`SeparatedFlow.translated`."""
+        moved = []
+        for k, curve in enumerate(self.curves):
+            found = roots_of(k, self.field, curve.mu, curve.e)
+            point = curve.start
+            for _ in range(0 if found is None else found[1]):
+                point = curve.added(point, found[0])
+            moved.append(point)
+        return self._state(*moved)
+
+    def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
+        """(γ, M) from the roots R_i on both curves."""
+        body, K = self.system.body, self.field
+        one, two = self.curves
+        e = [s * c * x * y for s, c, x, y in zip(self._signs, self._weights, first, second, strict=True)]
+        length = root(K, K.dot(e, e))
+        f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
+        # ũ2 − ũ1: of both sides of the middle axis, a sum
+        middle = self._middle
+        gap = f[0] * f[1] * (first[middle] ** 2 / abs(one.mu) + second[middle] ** 2 / abs(two.mu))
+        scale = 2 * length * f[0] * f[1] / (one.mu * two.mu * gap)
+        n = []
+        for i in range(3):
+            j, k = (i + 1) % 3, (i + 2) % 3
+            left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
+            right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
+            divisor = self._signs[i] * self._weights[i] * body.differences[i]
+            n.append(scale * body.contact[i] * (left - right) / divisor)
+        e = [x / length for x in e]
+        square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
+        lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
+        gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
+        size = self._side * root(K, K.dot(gamma, gamma))
+        gamma = [x / size for x in gamma]
+        momentum = self._side * root(K, (self.lambdas[0] - self.lambdas[1]) / gap)
+        x1, x2, x3 = (momentum * x for x in e)
+        return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
+
+
+class LiftedMotion(Separated):
+    """The motion of a check or hat pair over the numbers of ``system``: that of a tilde pair, lifted."""
+
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.start = system, state
+        K = system.field
+        squares, self._pace, tilde = system.isometry()
+        self._roots = roots(K, squares)
+        self._back = [1 / b for b in self._roots]
+        gamma, M = lift(K, self._roots, state.gamma, state.M)
+        self._tilde = OvalMotion(tilde, State(gamma, M))
+        self.sizes = abs(self._pace) * self._tilde.sizes[0], abs(system.integrals(state).K)
+
+    def turns(self, tau: Any) -> Any:
+        return self._tilde.turns(self._pace * tau)
+
+    def state(self, tau: Any) -> tuple[Any, Any]:
+        gamma, M = self._tilde.state(self._pace * tau)
+        return lift(self.field, self._back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
+
+
+def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
+    """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2: the smaller from the larger."""
+    spread = root(K, H * H + 4 * abs(second))
+    if H >= 0:
+        one = (H + spread) / 2
+        return one, -second / one
+    two = (H - spread) / 2
+    return -second / two, two
+
+
+def _rate(system: Any, state: State) -> State:
+    """(γ, M)' in the time of the flow."""
+    rate = system.vector_field(state)
+    slow = system.body.conformal(state.gamma) ** (system.field.one / 2)
+    return State(tuple(slow * x for x in rate.gamma), tuple(slow * x for x in rate.M))
+
+
+def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[Any]]:
+    """w = γ × M, and |M|·(w/|M|)'."""
+    w = cross(K, state.gamma, state.M)
+    moved = [x + y for x, y in zip(cross(K, rate.gamma, state.M), cross(K, state.gamma, rate.M), strict=True)]
+    growth = sum(x * y for x, y in zip(state.M, rate.M, strict=True)) / h2
+    return list(w), [x - growth * y for x, y in zip(moved, w, strict=True)]
+
+
+def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int]]:
+    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'.
+
+    From roots in x − a_middle and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_ie_i²: differences of near numbers would cost
+    half the digits of √|ũ_k − a_i| at a turning point.
+    """
+    K, c = body.field, body.differences
+    low, middle, high = sorted(range(3), key=lambda i: body.a[i])
+
+    def apart(i: int, j: int) -> Any:
+        return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
+
+    below, above = apart(middle, low), apart(high, middle)
+    total = e[high] ** 2 * below - e[low] ** 2 * above + e[middle] ** 2 * (below - above)
+    product = abs(c[middle]) * e[middle] ** 2
+    larger = (abs(total) + root(K, total * total + 4 * product)) / 2
+    smaller = product / larger if larger else larger
+    first, second = (larger, smaller) if total >= 0 else (smaller, larger)
+    gaps = [[K.zero] * 3, [K.zero] * 3]
+    gaps[0][middle], gaps[1][middle] = -first, second
+    gaps[0][high], gaps[1][low] = -first - above, second + below
+    gaps[0][low] = c[low] * e[low] ** 2 / gaps[1][low]
+    gaps[1][high] = c[high] * e[high] ** 2 / gaps[0][high]
+    turns = []
+    for k in range(2):
+        change = sum(x * y * gaps[k][i - 2] * gaps[k][i - 1] for i, (x, y) in enumerate(zip(e, slope, strict=True)))
+        # U'(ũ_k)ũ_k' = −change, and U' has the sign of ũ_k − ũ_other
+        turns.append(1 if (change >= 0) == (k == 0) else -1)
+    return gaps, turns
+
+
+def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> Oval:
+    """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
+    K = body.field
+    # from the least of them: 1 − dũ = (1 − da_i) − d(ũ − a_i)
+    slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
+    sizes = [root(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
+    return Oval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
+
+
+def _signs(curves: list[Oval], e: Any, slope: Any) -> list[int]:
+    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i or, where that may be rounding, from its derivative."""
+    one, two = curves
+    result = []
+    for i in range(3):
+        j, k = i - 2, i - 1
+        p, q = one.start, two.start
+        match = p[i] * q[i] * e[i]
+        if abs(e[i]) < 1e-10:
+            match = (one.signs[i] * p[j] * p[k] * q[i] + two.signs[i] * q[j] * q[k] * p[i]) * slope[i]
+        result.append(1 if match > 0 else -1)
+    return result

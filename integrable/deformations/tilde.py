@@ -1,0 +1,109 @@
+"""The tilde pair: what the 2-torsion map makes of the ball's integrals, with its five-parameter potentials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.deformations.deformation import Deformation
+from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
+from integrable.phase.state import State
+from jacobian import RR
+
+
+class Tilde(Deformation):
+    """H = λ1 + λ2, K = −λ1λ2, λ_k = H1 − ũ_kH2 at the abscissas of the image of a state under :meth:`System.torsion`.
+
+    H = m1 − s·m2 + 2dGξ² and K = Gξ²(H2 − dH1), d ≥ 0. ``potential`` = (a, b, b_1, b_2, b_3) adds, at d = 0,
+    as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i², and at d ≠ 0 aG + b(G³ − TG²) + Σb_i(a_j + a_k − 2κ)/(Gγ_i²), T =
+    Σ1/(1 − da_i). (Tsiganov, tH1 and tK1, with the corrections of docs/errata.md, items 17 to 21.)
+    """
+
+    def __init__(
+        self, inertia: Sequence[Any], d: Any = 0, *, potential: Sequence[Any] | None = None, field: Any = RR
+    ) -> None:
+        self._build(inertia, d, potential, field)
+
+    @property
+    def separates(self) -> bool:
+        return self.potential is None
+
+    @property
+    def repels(self) -> bool:
+        if self.potential is None or self.body.rolls or self.field.characteristic:
+            return False
+        zero = self.field.zero
+        return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
+
+    def flow(self, state: State) -> Any:
+        """The motion as additions on the curves y² = 4λ_k(dx − 1)Π(a_i − x), a :class:`SeparatedFlow`; in repelling
+        poles b_i > 0 alone, at d = 0, on cubics, a :class:`integrable.deformations.pole_flow.PoleFlow`. ArgumentError
+        elsewhere.
+        """
+        if self.repels:
+            from integrable.deformations.pole_flow import PoleFlow
+
+            self.integrals(state)
+            return PoleFlow(self, state)
+        if not self.separates:
+            return super().flow(state)
+        from integrable.deformations.separated_flow import SeparatedFlow
+
+        return SeparatedFlow(self, self._checked(state))
+
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+        """(H, K)."""
+        square = q.xi * q.xi
+        energy = q.m1 - q.s * q.m2 + 2 * q.d * q.G * square
+        if potential is None:
+            return energy, q.G * square * (q.m2 - q.d * q.H1)
+        energy = energy + self.potential_energy(q, potential)
+        second = _rolling(q, potential) if self.body.rolls else _free(q, potential)
+        return energy, second
+
+    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+        """V(γ)."""
+        a, b, _ = potential
+        if not self.body.rolls:
+            terms = poles(q, potential, lambda _, a2, a3: a2 + a3 - 2 * q.s)
+            return a * q.s + b * (q.s - q.e1) * q.s * q.s + terms
+        trace = sum(1 / (1 - q.d * x) for x in q.a)
+        terms = poles(q, potential, lambda _, a2, a3: (a2 + a3 - 2 * q.kappa) / q.G)
+        return a * q.G + b * (q.G - trace) * q.G * q.G + terms
+
+    def motion(self, q: Scalars) -> tuple[Any, Any]:
+        """Ω = AM − sM + 2dGξAγ, Ṁ = M × Ω + γ × [dGξ(AM + sM) − m2·Aγ]."""
+        spin = q.d * q.G * q.xi
+        omega = combination((1, q.AM), (-q.s, q.M), (2 * spin, q.Ag))
+        pull = combination((spin, q.AM), (spin * q.s, q.M), (-q.m2, q.Ag))
+        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+
+
+def _free(q: Scalars, potential: Potential) -> Any:
+    """K at d = 0."""
+    a, b, _ = potential
+    first = q.m2 - a - b * (q.s * q.s - q.e1 * q.s - q.sigma) + poles(q, potential, lambda *_: 1)
+    return first * (q.xi * q.xi - poles(q, potential, lambda _, a2, a3: (q.s - a2) * (q.s - a3)))
+
+
+def _rolling(q: Scalars, potential: Potential) -> Any:
+    """K at d ≠ 0."""
+    (a, b, _), d, G = potential, q.d, q.G
+    inverse = [1 / (1 - d * x) for x in q.a]
+    trace, whole = sum(inverse), inverse[0] * inverse[1] * inverse[2]
+    first = poles(q, potential, lambda _, a2, a3: (a2 + a3 - q.kappa) / G)
+    second = poles(q, potential, lambda *_: 1 / G)
+    rest = poles(q, potential, lambda _, a2, a3: (q.kappa - a2) * (q.kappa - a3) / G)
+    depth = a + b * (G * G - trace * G - (1 - d * q.kappa) * whole)
+
+    def well(a1: Any, a2: Any, a3: Any) -> Any:
+        pair = 1 / (1 - d * a2) + 1 / (1 - d * a3)
+        return a + b * (G * G - G * pair - pair / (1 - d * a1))
+
+    square = q.xi * q.xi
+    return (
+        (q.m2 + second) * (G * square - d * G * q.t2 * q.H1 - rest)
+        + d * G * q.eta * q.eta * (q.H1 + first)
+        - d * G * G * square * depth
+        - d * G * q.t2 * poles(q, potential, well)
+    )

@@ -1,0 +1,312 @@
+"""A state of the tilde pair as two points, one on each of its elliptic curves, and the maps that add points there.
+
+ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
+= λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are
+ordered by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. Roots that are needed: those of the
+quadratic of ũ, and back from the points the signs of w_i and of g. (Tsiganov's separation.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from operator import index
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from integrable.phase import coordinates
+from integrable.phase.body import cross, square_root
+from integrable.phase.isometry import lift, roots
+from integrable.phase.jets import Jet
+from integrable.phase.state import State
+from integrable.steps.step import Step, checked_multiple, checked_signs
+from jacobian import HyperellipticCurve, poly
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, shown
+from jacobian.fields.quadratic import quadratic_roots
+
+if TYPE_CHECKING:
+    from integrable.deformations.deformation import Deformation
+    from jacobian import Divisor
+
+
+class TwoPoints(NamedTuple):
+    """A divisor on each of the two elliptic curves of a state."""
+
+    first: Divisor
+    second: Divisor
+
+
+class _Image(NamedTuple):
+    """What a state becomes: ũ, y = dũ/dτ and λ of both curves, and (w_i, N_i), w_iN_i = V(a_i)/c_i, V(ũ_k) = y_k."""
+
+    u: list[Any]
+    y: list[Any]
+    lambdas: list[Any]
+    pairs: tuple[coordinates.Pair, ...]
+
+
+def divisors(system: Deformation, state: State) -> TwoPoints:
+    """The two points of a state of a tilde pair without potential.
+
+    NotASquare where ũ1, ũ2 or g are not in the field, NotRepresentable where moments are equal, ũ1 = ũ2, or K = 0.
+    """
+    image = _image(system, state)
+    points = []
+    for u, y, value in zip(image.u, image.y, image.lambdas, strict=True):
+        K, mu = system.field, _mu(system, value)
+        slow = K.sub(K.one, K.mul(system.d, u))
+        if slow == K.zero:
+            raise NotRepresentable(f"ũ = {u} = 1/d: the point is at infinity")
+        z, v = K.div(K.mul(mu, u), slow), K.div(K.mul(mu, y), K.mul(slow, slow))
+        points.append(curve(system, mu).jacobian().from_points([(z, v)]))
+    return TwoPoints(*points)
+
+
+def from_divisors(system: Deformation, points: TwoPoints, like: State) -> State:
+    """The state of two points, with the signs of ``like`` (over an exact field: the field's roots, or those of
+    ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
+    """
+    if not isinstance(points, TwoPoints):
+        raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
+    K, body = system.field, system.body
+    model = _image(system, like)
+    u, y, lambdas = [], [], []
+    for name, D in zip(points._fields, points, strict=True):
+        if len(D.u) != 2:
+            raise NotRepresentable(f"{name} = {D!r} is the point at infinity: no state has it")
+        mu = _mu_of(system, D.jacobian.curve.f)
+        z, v = K.neg(D.u[0]), poly.evaluate(K, D.v, K.zero)
+        rest = K.add(mu, K.mul(system.d, z))
+        u.append(K.div(z, rest))
+        slow = K.div(mu, rest)
+        y.append(K.div(K.mul(v, K.mul(slow, slow)), mu))
+        lambdas.append(K.div(mu, _contact(system)))
+    gap = K.sub(u[1], u[0])
+    h2 = K.div(K.sub(lambdas[0], lambdas[1]), gap)
+    if h2 == K.zero:
+        raise NotRepresentable("λ1 = λ2: the two curves are one, and M is not determined")
+    h1 = K.add(lambdas[0], K.mul(u[0], h2))
+    slope = K.div(K.sub(y[1], y[0]), gap)
+    v = (K.sub(y[0], K.mul(slope, u[0])), slope)
+    quadratic = (K.mul(u[0], u[1]), K.neg(K.add(u[0], u[1])), K.one)
+    square = poly.mul(K, poly.trim(K, v), poly.trim(K, v)) if K.exact else poly.mul(K, v, v)
+    cofactor = poly.quotient(K, poly.sub(K, body.polynomial(h1, h2), square), quadratic)
+    pairs = []
+    for a, c, known in zip(system.a, body.differences, model.pairs, strict=True):
+        w2, product = (K.div(poly.evaluate(K, p, a), c) for p in (quadratic, v))
+        other = K.neg(K.div(poly.evaluate(K, cofactor, a), K.mul(c, h2)))
+        pairs.append(coordinates.root_pair(K, K.mul(w2, h2), product, other, known))
+    return _state(system, pairs, u, h1, h2, like)
+
+
+def curve(system: Deformation, mu: Any) -> HyperellipticCurve:
+    """Y² = 4Π(Z − μ/I_i)."""
+    K = system.field
+    f: poly.Poly = (poly.integer(K, 4),)
+    for moment in system.body.inertia:
+        f = poly.mul(K, f, (K.neg(K.div(mu, moment)), K.one))
+    return HyperellipticCurve(K, f)
+
+
+def _contact(system: Deformation) -> Any:
+    K, r = system.field, system.body.contact
+    return K.mul(r[0], K.mul(r[1], r[2]))
+
+
+def _mu(system: Deformation, value: Any) -> Any:
+    K = system.field
+    if value == K.zero:
+        raise NotRepresentable("λ = 0: K vanishes, and one of the two curves degenerates")
+    return K.mul(value, _contact(system))
+
+
+def _mu_of(system: Deformation, f: poly.Poly) -> Any:
+    """μ of the curve 4Π(Z − μ/I_i) = f: from Σ1/I, or where that vanishes in the field from ΣI and f's lower end."""
+    K, inertia = system.field, system.body.inertia
+    four, total = poly.integer(K, 4), K.dot([K.inv(x) for x in inertia], (K.one,) * 3)
+    if not K.is_zero(total):
+        return K.neg(K.div(f[2], K.mul(four, total)))
+    if len(f) < 2 or K.is_zero(f[1]):
+        raise NotRepresentable(f"Σ1/I and ΣI vanish in {K.name}: the curve does not tell its μ")
+    return K.neg(K.mul(K.div(f[0], f[1]), K.dot(inertia, (K.one,) * 3)))
+
+
+def _image(system: Deformation, state: State) -> _Image:
+    K, body, a = system.field, system.body, system.a
+    if any(c == K.zero for c in body.differences):
+        raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+    h1, h2 = body.integrals(state.gamma, state.M)[2:]
+    if h2 == K.zero:
+        raise ArgumentError("M = (0, 0, 0): at rest; the curves need M ≠ 0")
+    w = cross(K, state.gamma, state.M)
+    squares = [K.div(K.mul(x, x), h2) for x in w]
+    total = K.dot(squares, [K.add(a[i - 2], a[i - 1]) for i in range(3)])
+    u = quadratic_roots(K, K.neg(total), K.neg(K.dot(squares, [K.mul(a[i - 2], a[i - 1]) for i in range(3)])))
+    if not u:
+        raise NotASquare(f"ũ1 and ũ2 are conjugate over {K.name}: the two curves are not defined there")
+    if len(u) == 1:
+        raise NotRepresentable(f"ũ1 = ũ2 = {u[0]}: the two curves are one")
+    lambdas = [K.sub(h1, K.mul(x, h2)) for x in u]
+    order = [0, 1] if _first(K, *lambdas) else [1, 0]
+    u, lambdas = [u[k] for k in order], [lambdas[k] for k in order]
+    pairs = _pairs(system, state, w, h2)
+    y = []
+    for x in u:
+        terms = [K.mul(K.sub(x, a[i - 2]), K.sub(x, a[i - 1])) for i in range(3)]
+        y.append(K.dot([K.mul(*pair) for pair in pairs], terms))
+    return _Image(u, y, lambdas, pairs)
+
+
+def _first(K: Any, x: Any, y: Any) -> bool:
+    """Whether λ = x belongs to the first curve: the larger of the two, over an exact field the first in its keys."""
+    if not K.exact:
+        return bool(x > y)
+    while isinstance(x, Jet):
+        K, x, y = K.base, x.value, y.value
+    return bool(K.key(x) < K.key(y))
+
+
+def _pairs(system: Deformation, state: State, w: Any, h2: Any) -> tuple[coordinates.Pair, ...]:
+    """(w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i with (w, N) = 0."""
+    K, body = system.field, system.body
+    g = K.one
+    if body.rolls:
+        g = coordinates.root_of_g(body, state.gamma) if state.g is None else state.g
+    scaled = [K.mul(K.add(g, g), K.mul(r, x)) for r, x in zip(body.contact, state.gamma, strict=True)]
+    lean = K.div(K.dot(w, scaled), h2)
+    return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))
+
+
+def _state(system: Deformation, pairs: Any, u: Any, h1: Any, h2: Any, like: State) -> State:
+    K, body = system.field, system.body
+    w, n = (tuple(column) for column in zip(*pairs, strict=True))
+    over = [K.div(x, r) for x, r in zip(w, body.contact, strict=True)]
+    lean = K.div(K.dot(over, n), K.dot(over, w))
+    g = K.one
+    if body.rolls:
+        above = K.sub(h2, K.mul(body.d, h1))
+        below = K.mul(h2, K.mul(*(K.sub(K.one, K.mul(body.d, x)) for x in u)))
+        g = square_root(K, K.div(above, below), "g²")
+        if like.g is not None and K.neg(g) == like.g:
+            g = K.neg(g)
+    half = K.inv(K.add(g, g))
+    x1, x2, x3 = (K.mul(half, K.div(K.sub(K.mul(lean, x), y), r)) for x, y, r in zip(w, n, body.contact, strict=True))
+    gamma = (x1, x2, x3)
+    return State(gamma, cross(K, w, gamma), g if like.g is not None else None)
+
+
+class CurveTranslation(Step):
+    """The map that adds [multiple](x_k, ±) to the point of each curve: ``points`` = (x1, x2), abscissas on the line of
+    ũ, None for a curve that is left alone.
+
+    It preserves λ1 and λ2, so H and K, and the bracket, for it is the time-2F'(λ) map of F = δ√λ on each curve, δ
+    fixed. It commutes with the flow in τ. Over RR and MP the signs of γ are those of the continuous family from the
+    identity; over exact fields they are the field's. NotASquare where the image is not over the field: over the reals
+    take x_k with μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
+    """
+
+    def __init__(
+        self, system: Deformation, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+    ) -> None:
+        self.system = system
+        given = list(points) if isinstance(points, (list, tuple)) else []
+        if len(given) != 2 or given == [None, None]:
+            raise ArgumentError(
+                f"points = {shown(points)}: give two abscissas, one for each curve, None for no addition"
+            )
+        K = system.field
+        self.points = tuple(None if x is None else K.coerce(x, f"points[{k}]") for k, x in enumerate(given))
+        self.sheets = checked_signs(sheets, 2, "sheets")
+        self.multiple = checked_multiple(multiple)
+
+    def __repr__(self) -> str:
+        return f"<addition of {self.multiple}·{self.points} on the curves of {self.system!r}>"
+
+    def __mul__(self, m: int) -> CurveTranslation:
+        return CurveTranslation(self.system, self.points, self.sheets, self.multiple * index(m))
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> CurveTranslation:
+        return self * -1
+
+    def over(self, system: Any) -> CurveTranslation:
+        return CurveTranslation(system, self.points, self.sheets, self.multiple)
+
+    def __call__(self, state: State) -> State:
+        """The image of a state."""
+        if self.system.field.exact:
+            here = self.system.divisor(state)
+            return self.system.from_divisor(TwoPoints(*map(self._sum, range(2), here)), like=state)
+        return self.system.flow(state).translated(self._roots)
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The divisors that are added on the curves of a state."""
+        return TwoPoints(*(self._sum(k, D) - D for k, D in enumerate(self.system.divisor(state))))
+
+    def _sum(self, k: int, D: Divisor) -> Divisor:
+        x, K, jacobian = self.points[k], self.system.field, D.jacobian
+        if x is None:
+            return D
+        z = self._height(K, _mu_of(self.system, jacobian.curve.f), x)
+        y = square_root(K, poly.evaluate(K, jacobian.curve.f, z), f"points[{k}]: the square of the ordinate")
+        return D + self.multiple * jacobian.from_points([(z, y if self.sheets[k] > 0 else K.neg(y))])
+
+    def _height(self, K: Any, mu: Any, x: Any) -> Any:
+        below = K.sub(K.one, K.mul(K.coerce(self.system.d), x))
+        if below == K.zero:
+            raise ArgumentError(f"points: x = {x} = 1/d is the point at infinity, which adds nothing; give None")
+        return K.div(K.mul(mu, x), below)
+
+    def _roots(self, k: int, K: Any, mu: Any, e: Sequence[Any]) -> tuple[list[Any], int] | None:
+        """The roots √(Z' − e_i) of the point of curve k in wide numbers, the first with the sign of the sheet, and how
+        many times it is added; None where nothing is.
+        """
+        x = self.points[k]
+        if x is None:
+            return None
+        z = self._height(K, mu, K.coerce(x))
+        if any(z < value for value in e):
+            raise NotASquare(
+                f"points[{k}] = {x}: the image of a state is not real; take x with Z = μx/(1 − dx) ≥ μ/I_i, here Z = "
+                f"{float(z):g} and the largest μ/I_i = {float(max(e)):g}"
+            )
+        turn = self.sheets[k] * (1 if self.multiple > 0 else -1)
+        # all three change sign with the ordinate, as for the translation by a negative time
+        return [-turn * (z - value) ** (K.one / 2) for value in e], abs(self.multiple)
+
+
+class IsometricStep(Step):
+    """A step of the tilde pair of A⁻¹ taken over to a check or hat pair by the lift of B."""
+
+    def __init__(self, system: Deformation, step: CurveTranslation) -> None:
+        self.system = system
+        self.step = step
+
+    def __repr__(self) -> str:
+        return f"<{self.step!r} on {self.system!r}>"
+
+    def __neg__(self) -> IsometricStep:
+        return IsometricStep(self.system, -self.step)
+
+    def __mul__(self, m: int) -> IsometricStep:
+        return IsometricStep(self.system, self.step * m)
+
+    __rmul__ = __mul__
+
+    def over(self, system: Any) -> IsometricStep:
+        return IsometricStep(system, self.step.over(system.curves_of()))
+
+    def __call__(self, state: State) -> State:
+        """The image of a state; NotASquare where √a_i or |Bγ| is not in the field."""
+        return unlifted(self.system, self.step(lifted(self.system, state)))
+
+
+def lifted(system: Deformation, state: State) -> State:
+    """The state of the tilde pair of A⁻¹ that belongs to one of a check or hat pair."""
+    K = system.field
+    return State(*lift(K, roots(K, system.isometry()[0]), state.gamma, state.M))
+
+
+def unlifted(system: Deformation, state: State) -> State:
+    """The inverse of :func:`lifted`."""
+    K = system.field
+    return State(*lift(K, [K.inv(x) for x in roots(K, system.isometry()[0])], state.gamma, state.M))

@@ -1,0 +1,54 @@
+"""A run beside the same run at more digits: how many digits of every state agree."""
+
+from __future__ import annotations
+
+from math import floor
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.motion.precise import PreciseFlow, digits_of
+from jacobian import MP, RR
+from jacobian.errors import PrecisionLoss, whole
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    from integrable.motion.flow import Flow
+    from integrable.motion.trajectory import Trajectory
+
+# digits by which the second run is wider, and its least number of digits
+WIDER = 15
+LEAST = 30
+FLOAT_DIGITS = 15
+# digits that agree unless more are asked for: all but the last few bits
+SLACK = 1
+FLOAT_SLACK = 3
+
+
+def certified(flow: Flow, times: Any, digits: int | None) -> Trajectory:
+    """The states at physical times, with ``error`` and ``digits``: see :meth:`integrable.motion.flow.Flow.certify`."""
+    field = flow.system.field
+    own = FLOAT_DIGITS if field == RR else field.dps
+    wanted = own - (FLOAT_SLACK if field == RR else SLACK) if digits is None else digits
+    wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
+    run = flow.at(times)
+    more = max(own + WIDER, LEAST)
+    finer = PreciseFlow(flow.system.body, flow.state, more)
+    K = MP(more)
+    # the times of the run, not those given: they are the same numbers
+    _, points = finer.at([K.coerce(t) for t in run.times])
+    errors = []
+    for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer.vectors(points), strict=True):
+        size = max(map(abs, true_M))
+        near = max(abs(K.coerce(x) - y) for x, y in zip(gamma, true_gamma, strict=True))
+        far = max(abs(K.coerce(x) - y) for x, y in zip(M, true_M, strict=True)) / size
+        errors.append(max(near, far))
+    agree = [min(more, floor(-digits_of(e))) for e in errors]
+    for i, agreeing in enumerate(agree):
+        if agreeing < wanted:
+            raise PrecisionLoss(
+                f"times[{i}] = {run.times[i]}: computed with {own} and with {more} digits the states agree to "
+                f"{agreeing} digits, not to {wanted}; use more digits"
+            )
+    error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
+    return replaced(run, error=error, digits=np.array(agree, dtype=int))

@@ -1,0 +1,207 @@
+"""Where a rolling body touches the plane.
+
+The centre moves with the velocity r·ω×γ, and the point of contact stays below it. In the axes of space of
+:mod:`integrable.phase.attitude`, x along the horizontal part M − cγ of the momentum (c = (γ, M), of length m) and y = z
+× x,
+
+    ẋ = r(ω, γ×M)/m,    ẏ = −r(H1 − c·n)/m,    n = (γ, ω).
+
+On the mean ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0); the rest
+is bounded, an integral of a function with mean 0. Two equal moments make it a function of the state
+(:mod:`integrable.motion.contact_symmetric`), three make it 0.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import pairwise
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.moving_point.legendre import legendre_rule
+from integrable.phase.body import cross
+from integrable.steps.guard_digits import onto_constraints, widened
+from integrable.torus.panel_calculus import integrals
+from integrable.torus.panels import Panels
+from jacobian import RR
+from jacobian.errors import NotRepresentable, PrecisionLoss
+
+if TYPE_CHECKING:
+    from integrable.motion.flow import Flow
+    from integrable.motion.integral import TorusIntegral
+    from integrable.motion.trajectory import Trajectory
+
+# a panel is so many basic steps long
+PANEL_STEPS = 5
+# panels from which on the torus costs less than integrating along the way
+FAR = 50
+# so many take about a second: of states that the torus gives, and of those that come one by one
+MOST_PANELS, MOST_PRECISE = 4000, 60
+# beyond which multiprecision takes minutes
+MOST_GAUSS = 200
+# what states near the start, made in floats, are good for
+TOLERANCE = 1e-13
+# γ × M loses digits where it is this much smaller than M
+PARALLEL = 30
+# nodes of an interval, for each digit, beyond which the velocity counts as not smooth
+MOST_NODES = 20
+
+
+def positions(run: Trajectory) -> np.ndarray:
+    """(x, y) of the contact point at the times of a run, shape (N, 2), (0, 0) at t = 0; in the unit of the radius where
+    the ball was given one, else in radii.
+
+    NotRepresentable for a body that does not roll, PrecisionLoss where the path is neither near nor on a torus.
+    """
+    flow, system = run.flow, run.flow.system
+    if not system.body.rolls:
+        raise NotRepresentable(f"{system!r} turns about a fixed point: it has no point of contact with a plane")
+    rolling = Rolling(flow)
+    path = rolling.bounded(run)
+    path[:, 1] -= rolling.drift * run.times
+    path[(run.tau == 0) | (run.times == 0)] = 0 * rolling.drift
+    return path if system.radius is None else system.radius * path
+
+
+class Rolling:
+    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` how many digits γ × M has lost."""
+
+    def __init__(self, flow: Flow) -> None:
+        self.flow = flow
+        setup, field = flow.setup, flow.system.field
+
+        def numbers(*values: Any) -> np.ndarray:
+            return np.array([field.coerce(float(x) if field == RR else x) for x in values])
+
+        system = widened(flow.system, setup.wide)
+        body, state = system.body, onto_constraints(system, flow.state)
+        c, (h1, h2) = system.integrals(state)[1], system.integrals(state)[2:]
+        length = setup.wide.sqrt(sum(x * x for x in cross(setup.wide, state.gamma, state.M)))
+        middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
+        self._different = numbers(
+            *((body.inertia[middle] - x) * body.a[middle] * a for x, a in zip(body.inertia, body.a, strict=True))
+        )
+        self._contact, self._start = numbers(*body.contact), [numbers(*v)[None] for v in (state.gamma, state.M)]
+        self.loss = float(setup.wide.sqrt(h2) / length)
+        self._tilt, rest = None, setup.wide.one
+        if setup.tilt:
+            k, s, p, upright = setup.tilt.k, setup.tilt.s, setup.tilt.p, setup.tilt.upright
+            rest = upright.d / body.d
+            self._tilt = numbers(p, p * k, -s * setup.tilt.shift, s, c / (length * p)), numbers(*upright.contact)
+        self.drift, self._length, self._base = numbers(h1 * rest / length, length, body.a[middle] * c)
+
+    def bounded(self, run: Trajectory) -> np.ndarray:
+        """The bounded part of (x, y) in radii at the times of a run, shape (N, 2)."""
+        moments = self.flow.system.inertia
+        if len(set(moments)) == 1:
+            return np.zeros((len(run.tau), 2), dtype=run.tau.dtype)
+        if len(set(moments)) == 2:
+            from integrable.motion.contact_symmetric import SymmetricPath
+
+            path = SymmetricPath(self.flow)
+            return path.at(run.gamma, run.M) - path.at(*self._start)
+        return self._integrated(run)
+
+    def rates(self, rows: np.ndarray) -> np.ndarray:
+        """The derivatives of the bounded part by τ, dt = dτ/g, at states γ and M side by side: shape (N, 2).
+
+        From A less its value on one axis, by which ẋ is multiplied with (M, γ×M) = (γ, γ×M) = 0: the a_i of heavy
+        bodies hardly differ. n less its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
+        """
+        body, gamma, M = self.flow.system.body, rows[:, :3], rows[:, 3:]
+        w = np.cross(gamma, M)
+        slowness = np.sum(self._contact * gamma * gamma, axis=1)
+        n = (self._base + np.sum(self._different * gamma * M, axis=1)) / slowness
+        along = np.sum(self._different * M * w, axis=1) + body.d * n * np.sum(self._different * gamma * w, axis=1)
+        x = along * slowness**0.5 / self._length
+        if self._tilt is None:
+            return np.stack([x, 0 * x], axis=1)
+        (p, turn, shift, s, lean), contact = self._tilt
+        gamma, M = p * gamma + turn * M, shift * gamma + s * M
+        y = lean * np.sum(self._different * gamma * M, axis=1) / np.sum(contact * gamma * gamma, axis=1) ** 0.5
+        return np.stack([x, y], axis=1)
+
+    def _integrated(self, run: Trajectory) -> np.ndarray:
+        flow, tau = self.flow, run.tau
+        length = PANEL_STEPS * flow.setup.step_length / flow.setup.clock
+        count = int(max(map(abs, tau), default=0) / length)
+        if flow.system.field != RR:
+            self._bound(count, MOST_GAUSS)
+            return self._by_gauss(tau, length)
+        if count > FAR:
+            torus = flow.contact_on_torus
+            if torus:
+                return torus.at(run)
+            quick = flow._torus is not None and flow._torus.compiled
+            self._bound(count, MOST_PANELS if quick else MOST_PRECISE)
+        found = np.zeros((len(tau), 2))
+        for sign in (1, -1):
+            chosen = np.flatnonzero(sign * tau > 0)
+            if len(chosen):
+                later = np.abs(tau[chosen])
+                along = partial(self._at, sign)
+                panels = Panels(along, 0.0, float(later.max()), float(length), TOLERANCE, self.noise)
+                found[chosen] = sign * integrals(panels, later)
+        return found
+
+    @property
+    def noise(self) -> np.ndarray:
+        """What rounding of states makes of :meth:`rates`, about: near M ∥ γ it is larger than what is left of them."""
+        body, (h1, h2) = self.flow.system.body, self.flow.system.integrals(self.flow.state)[2:]
+        size, spread, x, y = h2**0.5, float(np.abs(self._different).max()), 0.0, 0.0
+        if size > PARALLEL * self._length:
+            x = spread * size * (size + body.d * (h1 / min(body.inertia)) ** 0.5) / self._length
+        if self._tilt is not None:
+            (p, turn, shift, s, lean), contact = self._tilt
+            y = abs(lean) * spread * (p + abs(turn) * size) * (abs(shift) + s * size) / min(contact) ** 0.5
+        return 8 * RR.eps * np.array([x, y])
+
+    def _bound(self, count: int, most: int) -> None:
+        if count > most:
+            raise PrecisionLoss(
+                f"contact: over {self.flow.system.field.name} the velocity has no Fourier series on a torus of this "
+                f"motion, and is integrated over {most} panels only, not over {count}: ask for times nearer to 0"
+            )
+
+    def _at(self, sign: int, tau: np.ndarray) -> np.ndarray:
+        run = self.flow.at_tau(sign * tau)
+        return self.rates(np.hstack([run.gamma, run.M]))
+
+    def _by_gauss(self, tau: np.ndarray, length: Any) -> np.ndarray:
+        """In multiprecision: Gauss–Legendre between 0, the ends of the panels and the values of τ."""
+        K = self.flow.system.field
+        ends = {K.zero, *tau}
+        for sign in (1, -1):
+            count = int(max((sign * t for t in tau), default=0) / length)
+            ends |= {K.coerce(sign * (k + 1) * length) for k in range(count)}
+        cuts = sorted(ends)
+        parts = [self._gauss(a, b) for a, b in pairwise(cuts)]
+        sums = np.cumsum([np.array([K.zero, K.zero]), *parts], axis=0)
+        place = {t: k for k, t in enumerate(cuts)}
+        return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
+
+    def _gauss(self, first: Any, last: Any) -> np.ndarray:
+        """∫ over one interval, with as many nodes as make the Legendre series end."""
+        K = self.flow.system.field
+        half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
+        while True:
+            nodes, rows, _ = legendre_rule(K, count)
+            series = np.array(rows, dtype=object) @ self._at(1, np.array([middle + half * x for x in nodes]))
+            if np.abs(series[-2:]).max() * half <= K.eps * self.loss * max(1, np.abs(series).max() * half):
+                result: np.ndarray = 2 * half * series[0]
+                return result
+            count = 3 * count // 2
+            if count > MOST_NODES * K.dps:
+                raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
+
+
+def on_torus(flow: Flow) -> TorusIntegral | None:
+    """The bounded part along the flow in floats, None where the motion is no line on a compact torus."""
+    from integrable.motion.integral import TorusIntegral
+
+    torus, rolling = flow._torus, Rolling(flow)
+    try:
+        return TorusIntegral(torus, rolling.rates, rolling.noise) if torus else None
+    except PrecisionLoss:
+        return None

@@ -1,0 +1,70 @@
+"""Which bodies and states a flow over RR takes: the one place that says so (docs/flow.md, "The domain of floats").
+
+Inside, the torus in double-double numbers or the closed form of equal moments answers; outside, branch points are
+closer together than the digits of the set-up, or numbers leave the range of floats, and the call is refused at once.
+Over MP(digits) nothing is refused here: digits are added as they are needed, what they do not carry is a
+PrecisionLoss.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from integrable.motion.symmetric import symmetry_axis
+from jacobian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from integrable.phase.state import State
+    from integrable.systems.system import System
+
+LARGEST = 1e100
+"""Moments, d and |M| are at most this, and at least one over it: their products stay in the range of floats."""
+WIDEST = 1e10
+"""The largest moment over the least, where three differ."""
+HEAVIEST = 1e16
+"""d over the least moment, where three differ."""
+LIGHTEST = 1e-50
+"""d over the largest moment, where d ≠ 0 and three differ."""
+NEAREST = 1e-18
+"""What the largest and the least moment differ by, over the largest plus d, where they differ."""
+
+_UNITS = "; use other units of mass, length or time, or MP(digits)"
+
+
+def check_domain(system: System, state: State) -> None:
+    """ArgumentError where a flow over RR does not take a body or a state: the argument, its value and what helps."""
+    named = [*((f"inertia[{i}]", x) for i, x in enumerate(system.inertia)), ("d", system.d)]
+    for name, x in (*named, *((f"M[{i}]", x) for i, x in enumerate(state.M))):
+        if abs(x) > LARGEST:
+            raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
+    for name, x in (*named, ("max(|M|)", max(map(abs, state.M)))):
+        if 0 < x < 1 / LARGEST:
+            raise ArgumentError(f"{name} = {x}: floats take {1 / LARGEST:.0e} or more here{_UNITS}")
+    if symmetry_axis(system.inertia) is None:
+        _check_shape(system)
+
+
+def _check_shape(system: System) -> None:
+    """The ratios of the moments and d of a body whose moments all differ."""
+    inertia, d = system.inertia, system.d
+    least, most = min(inertia), max(inertia)
+    if most > WIDEST * least:
+        raise ArgumentError(
+            f"inertia = {inertia}: the moments have the ratio {most / least:.1e}, floats take up to {WIDEST:.0e} where "
+            "three differ; use MP(digits), or moments of which two are equal"
+        )
+    if d > HEAVIEST * least:
+        raise ArgumentError(
+            f"d = {d} with inertia = {inertia}: d is {d / least:.1e} of the least moment, floats take up to "
+            f"{HEAVIEST:.0e}; use MP(digits), or moments of which two are equal"
+        )
+    if 0 < d < LIGHTEST * most:
+        raise ArgumentError(
+            f"d = {d} with inertia = {inertia}: d is {d / most:.1e} of the largest moment, floats take 0 or "
+            f"{LIGHTEST:.0e} and more; use d = 0, from which no state can be told"
+        )
+    if most - least < NEAREST * (most + d):
+        raise ArgumentError(
+            f"inertia = {inertia} with d = {d}: the moments differ by {(most - least) / (most + d):.1e} of the largest "
+            f"plus d, floats take {NEAREST:.0e} and more; use equal moments, or MP(digits)"
+        )

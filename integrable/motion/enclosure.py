@@ -1,0 +1,330 @@
+"""States with proven bounds: the flow in ball arithmetic (:mod:`integrable.moving_point.balls`), every truncation
+bounded.
+
+At a given τ a state is one addition of T(τ), the 2^k-fold of a translation near the identity. Physical time is a sum of
+Gauss–Legendre rules on panels whose error is bounded by Trefethen (2008, theorem 4.5) from a bound of 1/g on a disc of
+complex τ; that disc comes from Picard's theorem for the differential equations of the moving point, which are
+polynomials. A given t is then inverted with dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact;
+γ is divided by |γ|, and M (of an upright state) loses its part along γ.
+"""
+
+from __future__ import annotations
+
+import sys
+from math import ceil
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from mpmath import mag
+
+from integrable.motion.precise import PreciseFlow
+from integrable.moving_point import kernel
+from integrable.moving_point.balls import BallField, BallTranslations, arithmetic, is_bounded
+from integrable.moving_point.problem import MotionProblem, vectors
+from integrable.moving_point.setup import opposite
+from integrable.moving_point.translations import Translations
+from integrable.phase.body import Body
+from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.immutable import Record
+from jacobian.numbers.long_reals import BareReals
+
+if TYPE_CHECKING:
+    from integrable.phase.state import State
+
+# sum of the semi-axes of the ellipse of a panel, in half panels
+ELLIPSE = 3
+# bits that balls lose in one addition, about
+LOST = 14
+# bits for the complex discs, where bounds need few
+BOUND_BITS = 64
+MOST_ATTEMPTS = 8
+MOST_PANELS = 100_000
+# beyond, steps are counted in numbers that floats do not hold
+MOST_DOUBLINGS = 1000
+
+
+class Enclosure(Record):
+    """Balls that contain the motion: ``gamma`` and ``M`` of shape (N, 3), ``tau`` and ``times`` of shape (N,).
+
+    Entries are ``flint.arb``. ``times`` is None where τ was given and d ≠ 0. ``radius`` is the largest radius of every
+    row, shape (N,), M relative to |M|; a float, rounded up (2.2e-308 for all below).
+    """
+
+    def __init__(self, times: Any, rows: list[tuple[Any, Any, Any, float]]) -> None:
+        self.times = None if times is None else _array(times)
+        self.tau = _array([row[0] for row in rows])
+        self.gamma = np.array([row[1] for row in rows], dtype=object).reshape(len(rows), 3)
+        self.M = np.array([row[2] for row in rows], dtype=object).reshape(len(rows), 3)
+        self.radius = np.array([row[3] for row in rows], dtype=float)
+
+    def __len__(self) -> int:
+        return len(self.tau)
+
+    def _value(self) -> tuple[Any, ...]:
+        # balls are equal for flint where they are points, and flint does not pickle them
+        balls = (
+            None if a is None else tuple(map(_ends, a.ravel())) for a in (self.times, self.tau, self.gamma, self.M)
+        )
+        return (*balls, tuple(self.radius.tolist()))
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, self._value()
+
+
+def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
+    """The motion at physical times; ``clock``: how many of the flow's units a unit of time is."""
+    arithmetic()
+    farthest = max(map(abs, times), default=0)
+    # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
+    if body.rolls and farthest * clock > MOST_PANELS:
+        raise ArgumentError(
+            f"times: enclosing physical time at {farthest} takes {float(farthest * clock):.2g} panels, more than "
+            f"{MOST_PANELS}; enclosure_at_tau has no such limit"
+        )
+    starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
+    rows = [
+        _narrow(body, state, digits, tau, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
+        for t, tau in zip(times, starts, strict=True)
+    ]
+    return Enclosure(_exact(times), rows)
+
+
+def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
+    """The motion at values of τ."""
+    arithmetic()
+    rows = [
+        _narrow(body, state, digits, t, lambda motion, t=t: motion.field.coerce(t) * motion.problem.clock) for t in tau
+    ]
+    return Enclosure(None if body.rolls else _exact(tau), rows)
+
+
+def _exact(times: list[Any]) -> list[Any]:
+    return list(BareReals(64, "python-flint").row(float(t) if isinstance(t, float) else t for t in times))
+
+
+def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tuple[Any, Any, Any, float]:
+    """(τ, γ, M, radius) of one row, at a precision raised until the radius is at most 10^(−digits)."""
+    # by exponents: the product may be beyond the floats
+    doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
+    if doublings > MOST_DOUBLINGS:
+        raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
+    bits = ceil(3.33 * (digits + 6) + LOST * doublings)
+    for _ in range(MOST_ATTEMPTS):
+        motion = BallMotion(body, state, bits, digits)
+        with motion.reals:
+            try:
+                scaled = place(motion)
+                gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.matrix)
+                found = [*gamma, *(x / motion.problem.momentum for x in M)]
+            except PrecisionLoss:
+                found = []
+            if found and is_bounded(found):
+                radius = max(x.rad() for x in found).abs_upper()
+                if radius * motion.field.coerce(10) ** digits < 1:
+                    return scaled / motion.problem.clock, gamma, M, _rounded_up(radius)
+        bits = bits * 3 // 2 + 64
+    raise PrecisionLoss(
+        f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
+    )
+
+
+def _rounded_up(radius: Any) -> float:
+    return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
+
+
+class BallMotion:
+    """The flow of one body and state in balls of ``bits`` bits; to be used inside ``with motion.reals``."""
+
+    def __init__(self, body: Body, state: State, bits: int, digits: int) -> None:
+        self._flint = arithmetic()
+        self.reals = BareReals(bits, "python-flint")
+        self._digits = digits
+        with self.reals:
+            K = self.field = BallField(self.reals)
+            (g1, g2, g3), (m1, m2, m3) = (map(K.coerce, v) for v in (state.gamma, state.M))
+            moved = Body.make(body.inertia, body.d, K)
+            problem = self.problem = MotionProblem(moved, (g1, g2, g3), (m1, m2, m3), state.tilted)
+            self.matrix = None if problem.tilt is None else problem.tilt.inverse_matrix()
+            middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
+            plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
+            self._translations = BallTranslations(problem, plain)
+            # an exact 0 would let the kernel take a branch for degenerate positions that is no identity
+            tiny = self._flint.arb(0, K.one / 2**bits)
+            self._start = tuple(x + tiny for x in problem.start)
+
+    def point(self, tau: Any) -> tuple[Any, ...]:
+        """The moving point at a ball τ, in the flow's units."""
+        middle = tau.mid()
+        point = self._start
+        if middle != 0:
+            step = self._translations.near(middle)
+            point = kernel.carried(self.problem.f, self.problem.axes, self._start, step)
+        return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
+
+    def _spread(self, point: Any, width: Any) -> tuple[Any, ...]:
+        """The moving point at all times within ``width`` of those of ``point``: mean values, on a box from Picard."""
+        arb = self._flint.arb
+        sizes = [width * (1.1 * abs(x).abs_upper() + 2.0**-20) for x in self._velocity(point)]
+        for _ in range(MOST_ATTEMPTS):
+            box = [x + arb(0, s) for x, s in zip(point, sizes, strict=True)]
+            reach = [(width * abs(x)).abs_upper() for x in self._velocity(box)]
+            if all(a <= b for a, b in zip(reach, sizes, strict=True)):
+                return tuple(x + arb(0, r) for x, r in zip(point, reach, strict=True))
+            sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
+        raise PrecisionLoss("a time is not known well enough to enclose the state there: use more digits")
+
+    def tau_at(self, t: Any, guess: Any) -> Any:
+        """τ, in the flow's units, at the physical time t (an exact ball), by a guess for it in the user's units."""
+        problem = self.problem
+        target = self.field.coerce(t) * problem.clock
+        if not problem.tilt and problem.d == 0:
+            return target
+        tau = (self.field.coerce(guess) * problem.clock).mid()
+        if t == 0:
+            return self.field.zero
+        rest = target - self.time(tau)
+        width = abs(rest).abs_upper() * 4
+        for _ in range(MOST_ATTEMPTS):
+            around = tau + self._flint.arb(0, width)
+            rate = kernel.rate_at(problem.axes, self.point(around))
+            step = rest / rate
+            # t(τ) increases, and over this ball by more than the rest
+            if rate > 0 and abs(step).abs_upper() < width:
+                return tau + step
+            width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
+        raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
+
+    def time(self, tau: Any) -> Any:
+        """∫_0^τ dτ/g for an exact τ ≠ 0."""
+        sign = 1 if tau > 0 else -1
+        half = float(self._disc(self._start, 1.0)) * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
+        while True:
+            panels = ceil(abs(float(tau)) / (2 * half))
+            if panels > MOST_PANELS:
+                raise ArgumentError(
+                    f"times: enclosing physical time there takes {panels} panels, more than {MOST_PANELS}; "
+                    "enclosure_at_tau has no such limit"
+                )
+            found = self._quadrature(tau / (2 * panels), panels, sign)
+            if found is not None:
+                return found
+            half *= 0.7
+
+    def _quadrature(self, half: Any, panels: int, sign: int) -> Any:
+        """The integral over ``panels`` panels of half length |half|; None where a disc is too small for its ellipse."""
+        axes, f, arb = self.problem.axes, self.problem.f, self._flint.arb
+        count = 2 * ceil(((self._digits + 8) / 0.954 + 3) / 2)
+        rule = [arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
+        nodes = [(self._translations.near(half * x), w) for x, w in rule]
+        nodes += [(opposite(step), w) for step, w in nodes]
+        needed = abs(half) * (ELLIPSE + 1 / ELLIPSE) / 2
+        disc, total = 1.0, self.field.zero
+        for k in range(panels):
+            centre = self.point((2 * k + 1) * half)
+            if not is_bounded(centre):
+                raise PrecisionLoss("a panel of physical time has no bound at this precision: use more digits")
+            disc, bound = self._bounded_disc(centre, 1.3 * disc, needed)
+            if not disc >= needed:
+                return None
+            error = bound * 64 / 15 / (1 - arb(ELLIPSE) ** -2) * arb(ELLIPSE) ** (2 - 2 * count)
+            total += sum((w * kernel.clock_rate(f, axes, centre, step) for step, w in nodes), arb(0, error))
+        return abs(half) * total * sign
+
+    # --- a disc of complex τ on which the motion is analytic
+
+    def _disc(self, point: Any, start: float) -> float:
+        """The radius of a disc of complex τ around a point's on which Picard's theorem gives the motion."""
+        return self._bounded_disc(point, start, 0)[0]
+
+    def _bounded_disc(self, point: Any, start: float, enough: Any) -> tuple[float, Any]:
+        """(radius, bound of |1/g|) of such a disc, the first radius found from ``start`` down; (0, None) for none that
+        reaches ``enough``.
+        """
+        acb, arb = self._flint.acb, self._flint.arb
+        with self.reals.at(BOUND_BITS):
+            speed = [abs(x).abs_upper() for x in self._velocity(point)]
+            radius = min(start, 1.0)
+            while radius > 1e-6 and not radius < enough:
+                sizes = [radius * (1.5 * x + 0.01) for x in speed]
+                for _ in range(6):
+                    box = [acb(x + arb(0, s), arb(0, s)) for x, s in zip(point, sizes, strict=True)]
+                    reach = [radius * x.abs_upper() for x in self._velocity(box)]
+                    if all(a <= b for a, b in zip(reach, sizes, strict=True)):
+                        bound = self._rate_bound(box)
+                        if bound is not None:
+                            return radius, bound
+                        break
+                    sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
+                radius *= 0.85
+        return 0.0, None
+
+    def _velocity(self, point: Any) -> list[Any]:
+        """d/dτ of a moving point.
+
+        U' = v1·U − (x + u1)V, 2V' = (x + u1)W − s·U with W = (f − V²)/U and s the quotient of (x + u1)W by U; at the
+        branch point α, 2σ' = v1σ − (α + u1)ν and 2ν' = −s(α)σ − v1ν.
+        """
+        f = self.problem.f
+        u0, u1, v0, v1, *pairs = point
+        w2 = f[4] - u1 * f[5]
+        w1 = f[3] - u1 * w2 - u0 * f[5]
+        w0 = f[2] - v1 * v1 - u1 * w1 - u0 * w2
+        s0 = w1 - u0 * f[5]
+        velocity = [
+            v1 * u0 - u1 * v0,
+            -v0,
+            (u1 * w0 - s0 * u0) / 2,
+            (w0 + u1 * w1 - s0 * u1 - w2 * u0) / 2,
+        ]
+        alphas = self.problem.axes[:3]
+        velocity += [(v1 * x - (a + u1) * y) / 2 for a, x, y in zip(alphas, pairs[:3], pairs[3:], strict=True)]
+        velocity += [
+            -(((f[5] * a + w2) * a + s0) * x + v1 * y) / 2 for a, x, y in zip(alphas, pairs[:3], pairs[3:], strict=True)
+        ]
+        return velocity
+
+    def _rate_bound(self, box: Any) -> Any:
+        """A bound of |1/g| on a box of complex moving points, None where none is seen."""
+        a1, a2, a3 = self.problem.axes[:3]
+        x1, x2, x3, y1, y2, y3 = box[4:]
+        square = (x1 * x1 + x2 * x2 + x3 * x3).real
+        if not square > 0:
+            return None
+        lean = (a3 - a2) * y1 * x2 * x3 + (a1 - a3) * y2 * x3 * x1 + (a2 - a1) * y3 * x1 * x2
+        alpha, beta = self.problem.axes[6:]
+        bound = (abs(alpha) + abs(beta) * lean.abs_upper()) / square.sqrt()
+        return bound.abs_upper() if bound.is_finite() else None
+
+
+def _ends(ball: Any) -> tuple[Any, ...]:
+    """The midpoint and the radius of a ball, each as mantissa and exponent."""
+    return tuple(tuple(map(int, x.man_exp())) for x in (ball.mid(), ball.rad()))
+
+
+def _ball(flint: Any, middle: Any, radius: Any) -> Any:
+    """The ball of :func:`_ends`. flint rounds a radius that it is given up to 30 bits, exact or not."""
+    mantissa, exponent = radius
+    shift = 30 - mantissa.bit_length()
+    for less in (1, 0):
+        ball = flint.arb(middle, flint.arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
+        if ball is not None and ball.rad() == flint.arb(radius):
+            return ball
+    return flint.arb(middle, flint.arb(radius))
+
+
+def _rebuilt(times: Any, tau: Any, gamma: Any, M: Any, radius: Any) -> Enclosure:
+    flint = arithmetic()
+
+    def balls(values: Any) -> list[Any]:
+        with BareReals(64, "python-flint").at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
+            return [_ball(flint, *value) for value in values]
+
+    vectors = (balls(values) for values in (gamma, M))
+    rows = zip(balls(tau), *(zip(*[iter(v)] * 3, strict=True) for v in vectors), radius, strict=True)
+    return Enclosure(None if times is None else balls(times), list(rows))
+
+
+def _array(values: list[Any]) -> np.ndarray:
+    result = np.empty(len(values), dtype=object)
+    result[:] = values
+    return result

@@ -1,0 +1,307 @@
+"""The exact flow: time is addition on the Jacobian.
+
+D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Tsiganov's Abel quadratures; formulas.md, section
+3). On a compact torus any τ and any physical time t = ∫dτ/g is two additions away from a table
+(:mod:`integrable.torus.access`); near the start a few additions in floats do without compiling
+(:mod:`integrable.motion.near`); what floats or the torus do not carry, and multiprecision, is computed with as many
+digits as it takes (:mod:`integrable.motion.precise`).
+"""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.motion.domain import check_domain
+from integrable.motion.trajectory import Trajectory
+from integrable.moving_point.setup import Setup
+from jacobian import RR
+from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
+from jacobian.fields.multiprecision import MOST_DIGITS
+from jacobian.immutable import Immutable
+from jacobian.numbers.compiler import interpreted
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from integrable.motion.enclosure import Enclosure
+    from integrable.motion.integral import TorusIntegral
+    from integrable.motion.near import SteppedFlow
+    from integrable.motion.precise import PreciseFlow
+    from integrable.motion.symmetric import SymmetricFlow
+    from integrable.phase.state import State
+    from integrable.systems.system import System
+    from integrable.torus.access import TorusFlow
+
+KERNELS = ("auto", "python", "compiled")
+# from this many times on, loading the compiled loops pays
+COMPILE_FROM = 500
+# states whose integrals differ from those of the start by this part are refused; so many are looked at together
+DRIFT = 1e-9
+CHUNK = 8192
+# digits with which states are computed that are rounded to floats
+FLOAT_DIGITS = 17
+# what floats may cost where the compiled loops do not carry a motion, half a second either: corners and samples of the
+# torus in interpreted loops, values of 1/g on the way to a time
+MOST_INTERPRETED = 4096
+MOST_RATES = 16_000
+
+
+class Flow(Immutable):
+    """The motion through one state. Get one from ``system.flow(state)``.
+
+    ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
+    the amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done when it is needed, once;
+    :meth:`at` and :meth:`at_tau` may be called any number of times.
+    """
+
+    def __init__(self, system: System, state: State, kernel: str = "auto") -> None:
+        kernel = one_of(kernel, "kernel", KERNELS, f"choose one of {', '.join(map(repr, KERNELS))}")
+        if kernel == "compiled" and system.field != RR:
+            raise ArgumentError(
+                f"kernel = 'compiled' with field = {system.field.name}: compiled loops exist for RR only"
+            )
+        self.system = system
+        self.state = state
+        self.kernel = kernel
+        if system.field == RR:
+            check_domain(system, state)
+        if state.tilted:
+            # M ∥ γ is refused in the precision of the state
+            system.upright(state)
+        # made here, so that what it refuses is refused at once
+        _ = self.setup
+
+    @cached_property
+    def setup(self) -> Setup:
+        """What the motion is computed from."""
+        return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
+
+    def at(self, times: Any) -> Trajectory:
+        """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,)."""
+        given = self._checked(times, "times")
+        rows, tau = self._motion(given, clock=True).at(given)
+        return Trajectory(self, given, tau, self._trusted(rows))
+
+    def at_tau(self, tau: Any) -> Trajectory:
+        """The states at values of the flow's own time τ, dτ = g dt (τ = t for the Euler top)."""
+        given = self._checked(tau, "tau")
+        rows = self._motion(given).at_tau(given)
+        return Trajectory(self, None if self.system.body.rolls else given, given, self._trusted(rows))
+
+    def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
+        """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64
+        rows (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
+
+        The file appears when it is complete. Floats only (ArgumentError); otherwise raises what :meth:`at` raises.
+        """
+        from integrable.motion.stream import stream
+
+        stream(self, path, start, end, count)
+
+    def certify(self, times: Any, digits: int | None = None) -> Trajectory:
+        """The states at physical times as :meth:`at` gives them, each compared with a run at more digits.
+
+        The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
+        digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
+        default all but one of MP(digits), 12 of RR. This compares two computations; what bounds the error rigorously is
+        :meth:`enclosure`.
+        """
+        from integrable.motion.certificate import certified
+
+        return certified(self, times, digits)
+
+    def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
+        """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
+
+        Needs python-flint. The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost
+        of a time grows with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were
+        found. (:mod:`integrable.motion.enclosure`)
+        """
+        from integrable.motion.enclosure import enclosure
+
+        given = self._checked(times, "times")
+        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits), self.setup.clock)
+
+    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
+        """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
+        from integrable.motion.enclosure import enclosure_at_tau
+
+        given = self._checked(tau, "tau")
+        return enclosure_at_tau(self.system.body, self.state, list(given), self._ball_digits(digits))
+
+    def _ball_digits(self, digits: int | None) -> int:
+        if digits is None:
+            return 15 if self.system.field == RR else int(self.system.field.dps)
+        return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
+
+    def physical_time(self, tau: Any) -> np.ndarray:
+        """t(τ) = ∫_0^τ dτ/g for an array of τ."""
+        given = self._checked(tau, "tau")
+        if not self.system.body.rolls:
+            return given
+        times: np.ndarray = self._motion(given, clock=True).times(given)
+        return times
+
+    def events(
+        self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Any, end: Any, direction: int = 0
+    ) -> Trajectory:
+        """The states between two physical times at which ``condition`` changes sign, in order of time.
+
+        ``condition`` takes γ and M, both of shape (N, 3), and gives N numbers, smooth in them: ``lambda gamma, M:
+        gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 keeps its rising zeros, −1 the falling ones. Zeros without a change
+        of sign may be missed. ArgumentError for times that don't ascend and values of another shape, PrecisionLoss for
+        a condition that is not smooth. (:mod:`integrable.motion.events`)
+        """
+        from integrable.motion.events import events
+
+        return events(self, condition, start, end, direction)
+
+    def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
+        """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
+        from integrable.motion.residual import residual_growth
+
+        return residual_growth(self.setup, counts, self.kernel)
+
+    # --- inside
+    # -----------------------------------------------------------------------------------------------------------------
+
+    def _motion(self, times: np.ndarray, clock: bool = False) -> Any:
+        """What computes the states at these times, with ``at``, ``at_tau`` and ``times``; ``clock``: physical ones."""
+        if self.system.field != RR:
+            return self._precise
+        if self._symmetric:
+            return self._symmetric
+        if self.kernel != "compiled" and len(times) < COMPILE_FROM:
+            stepped = self._stepped
+            if stepped.carries(times, clock) and (stepped.keeps_time or not clock):
+                return stepped
+        return self._torus or self._precise
+
+    @cached_property
+    def _precise(self) -> PreciseRows:
+        return PreciseRows(self)
+
+    @cached_property
+    def _symmetric(self) -> SymmetricFlow | None:
+        """None where three moments differ."""
+        from integrable.motion.symmetric import SymmetricFlow, symmetry_axis
+
+        if symmetry_axis(self.system.inertia) is None:
+            return None
+        return SymmetricFlow(self.system, self.state)
+
+    @cached_property
+    def _stepped(self) -> SteppedFlow:
+        from integrable.motion.near import SteppedFlow
+
+        return SteppedFlow(self.setup)
+
+    @cached_property
+    def _torus(self) -> TorusFlow | None:
+        """None where the torus is not compact, or nearly so that its corners lose too many digits."""
+        from integrable.torus.access import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
+
+        try:
+            if self.kernel == "python" or interpreted():
+                return TorusFlow(self.setup, ReadableLoops(self.setup))
+            with suppress(NotClosed):
+                return TorusFlow(self.setup, CompiledLoops())
+            return TorusFlow(self.setup, ReadableLoops(self.setup), MOST_INTERPRETED)
+        except PrecisionLoss:
+            return None
+
+    @cached_property
+    def contact_on_torus(self) -> TorusIntegral | None:
+        """What :attr:`Trajectory.contact` is far from the start, kept from one run to the next."""
+        from integrable.motion.contact import on_torus
+
+        return on_torus(self)
+
+    def _checked(self, values: Any, argument: str) -> np.ndarray:
+        """A one-dimensional array of finite numbers."""
+        field = self.system.field
+        quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
+        if quick and np.isfinite(values).all():
+            # a copy: the times of a result do not change with the caller's array
+            return np.array(values)
+        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
+        return np.array(items, dtype=np.float64 if field == RR else object)
+
+    def _trusted(self, rows: np.ndarray) -> np.ndarray:
+        """The states, once their integrals have been compared with those of the start: PrecisionLoss where they differ.
+
+        Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
+        level set.
+        """
+        if rows.dtype == object:
+            # the precise flow has done so, and with more digits
+            return rows
+        for first in range(0, len(rows), CHUNK):
+            drift = integrals_drift(self, rows[first : first + CHUNK])
+            with np.errstate(invalid="ignore"):
+                wrong = np.flatnonzero(~(drift <= DRIFT))
+            if len(wrong):
+                row = int(wrong[0])
+                raise PrecisionLoss(
+                    f"row {first + row}: H1 and H2 are off by {float(drift[row]):.1e} of their size: the motion there "
+                    f"is beyond {self.system.field.name}; use more digits"
+                )
+        return rows
+
+
+class PreciseRows:
+    """The flow to as many digits as it takes, its states rounded to the field of the system."""
+
+    def __init__(self, flow: Flow) -> None:
+        self._field = flow.system.field
+        self._body, self._state, self._setup = flow.system.body, flow.state, flow.setup
+        self._floats = self._field == RR
+
+    @cached_property
+    def _flow(self) -> PreciseFlow:
+        from integrable.motion.precise import PreciseFlow
+
+        if self._floats:
+            return PreciseFlow(self._body, self._state, FLOAT_DIGITS, most=MOST_RATES)
+        return PreciseFlow(self._body, self._state, self._field.dps, self._setup)
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        tau, points = self._flow.at(times.tolist())
+        return self._vectors(points), self._rounded(tau)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        return self._vectors(self._flow.at_tau(tau.tolist()))
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        return self._rounded(self._flow.times(tau.tolist()))
+
+    def _vectors(self, points: Any) -> np.ndarray:
+        rows = [(*gamma, *M) for gamma, M in self._flow.vectors(points)]
+        return self._rounded(rows).reshape(-1, 6)
+
+    def _rounded(self, values: Any) -> np.ndarray:
+        if self._floats:
+            return np.array(values, dtype=np.float64)
+        result: np.ndarray = np.frompyfunc(self._field.coerce, 1, 1)(np.array(values, dtype=object))
+        return result
+
+
+def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
+    """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
+    body, (_, _, h1, h2) = flow.system.body, flow.system.integrals(flow.state)
+    gamma, M = rows[:, :3], rows[:, 3:]
+    moved = np.array(body.a) * M
+    found2 = np.einsum("ij,ij->i", M, M)
+    found1 = np.einsum("ij,ij->i", moved, M)
+    if body.rolls:
+        spin = np.einsum("ij,ij->i", gamma, moved)
+        found1 += body.d * spin * spin / (gamma * gamma @ np.array(body.contact))
+    return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))

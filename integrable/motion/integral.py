@@ -1,0 +1,74 @@
+"""Integrals along a motion of functions of its state with mean 0, at any time: a Fourier series on the torus."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from integrable.torus.series import TorusSeries, needed_sizes, spectrum
+from jacobian.errors import PrecisionLoss
+
+if TYPE_CHECKING:
+    from integrable.motion.trajectory import Trajectory
+    from integrable.torus.access import TorusFlow
+
+FIRST_SIZE = 32
+# of states that cost microseconds, and of interpreted ones
+MOST_SAMPLES, MOST_INTERPRETED = 1 << 18, 1 << 12
+# relative: modes below this are rounding
+NOISE = 1e-15
+TINY = 1e-300
+
+
+class TorusIntegral:
+    """∫_0^τ F dτ for F with mean 0, F = ``function`` of states (γ and M side by side, shape (N, 6)), of shape (N, m).
+
+    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m)
+    is what rounding makes of F. PrecisionLoss where no grid of at most MOST_SAMPLES points resolves
+    F.
+    """
+
+    def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], least: np.ndarray) -> None:
+        self._flow = flow
+        self._doubled = [2 if np.prod(row) < 0 else 1 for row in flow.turns]
+        sizes = FIRST_SIZE, FIRST_SIZE
+        while sizes[0] * sizes[1] <= (MOST_SAMPLES if flow.compiled else MOST_INTERPRETED):
+            phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
+            grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
+            samples = function(flow.at_phases(grid)).reshape(*sizes, -1)
+            grids = [spectrum(part) for part in np.moveaxis(samples, -1, 0)]
+            noises = [
+                max(NOISE, x / max(np.abs(grid).max(), x, TINY)) for x, grid in zip(least.tolist(), grids, strict=True)
+            ]
+            wanted = [
+                needed_sizes(grid, (x, x)) for x, grid in zip(noises, grids, strict=True) if grid.any() and x < 1 / 64
+            ]
+            if not wanted:
+                break
+            larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
+            if larger == sizes:
+                break
+            sizes = larger
+        else:
+            raise PrecisionLoss(f"a grid of {sizes[0]} × {sizes[1]} is needed for an integral on the torus")
+        first, second = (x / n for x, n in zip(flow.frequencies, self._doubled, strict=True))
+        self._series = [
+            TorusSeries(grid, (first, second), noise=max(x, flow.closure))
+            for x, grid in zip(noises, grids, strict=True)
+        ]
+
+    def at(self, run: Trajectory) -> np.ndarray:
+        """The integrals at the times of a run, shape (N, m); the phases do not lose what a rounded τ has lost."""
+        clock, flow = self._flow.clock, self._flow
+        if run.given_in_tau or clock is None:
+            whole, rates, rest = run.tau, flow.frequencies, np.zeros(len(run))
+        else:
+            whole, rates, rest = run.times, clock.pace, clock.at(run.times)[2]
+        phases = []
+        for n, rate, nu in zip(self._doubled, rates, flow.frequencies, strict=True):
+            # wide numbers: the fractions of many turns
+            turns = [x * rate / n for x in whole.tolist()]
+            phases.append(np.array([float(x - int(x)) for x in turns]) + rest * float(nu / n))
+        return np.stack([series.at(*phases) for series in self._series], axis=1)

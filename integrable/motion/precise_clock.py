@@ -1,0 +1,258 @@
+"""Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
+
+A *cell* is the basic step around a multiple of it; there 1/g is kept as a Legendre series, from which t and its inverse
+are read. Far from the start cells are taken nine at a time, by a rule that knows only their integral: the nodes for a
+panel grow with its length more slowly than the nodes for its cells.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from math import inf, log10
+from typing import TYPE_CHECKING, Any
+
+from integrable.moving_point import kernel
+from integrable.moving_point.legendre import doubling_precisions, gauss_legendre, legendre_transform
+from integrable.moving_point.setup import opposite
+from integrable.moving_point.translations import Translations
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+# cells of a long panel (odd, so that it is centred at a cell), and cells before the first of them
+LONG = 9
+NEAR_CELLS = 27
+# a rule of floats that shows how fast Legendre coefficients fall, for a cell and for a long panel
+SCOUTS = (24, 80)
+SCOUT_BITS = 240
+# a part of 1/g that varies less than this is measured in as many bits
+FLAT = 1e-6
+SAMPLES = range(0, 512, 61)
+# decimal digits a coefficient, below which long panels are not used
+SLOWEST_LONG = 0.12
+KEPT_SERIES = 4096
+
+
+class Unresolved(ArithmeticError):
+    """A cell whose Legendre series has not converged."""
+
+
+class PanelClock:
+    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
+
+    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is too
+    uneven for Legendre series of at most 6 nodes a digit, and where a way takes more than ``most`` values of 1/g.
+    """
+
+    def __init__(self, setup: Setup, sign: int, most: float = inf) -> None:
+        self._setup = setup
+        self._sign = sign
+        self._most = most
+        self._tolerance = -(setup.digits + 3)
+        self._half = setup.reals.number(setup._half_step)
+        self._scouts: dict[int, float] = {}
+        self._use(self._node_count(self._digits_a_node(1)))
+        self._long: tuple[list[Any], list[Any]] | None = None
+        self._far: list[Any] = []
+
+    def place(self, t: Any) -> tuple[int, Any]:
+        """The place at which the clock shows t ≥ 0."""
+        return self._resolved(lambda: self._inverse(t))
+
+    def time(self, cell: int, x: Any) -> Any:
+        """What the clock shows at a place."""
+        return self._resolved(lambda: self._time(cell, x))
+
+    def _resolved(self, compute: Any) -> Any:
+        """The result, with more nodes if a cell on the way needs them."""
+        while True:
+            try:
+                with self._setup.reals:
+                    return compute()
+            except Unresolved:
+                self._use(2 * (len(self._nodes) * 5 // 8) + 8)
+
+    def _use(self, count: int) -> None:
+        """Start again with ``count`` nodes a cell."""
+        setup = self._setup
+        if count > max(64, 6 * setup.digits):
+            raise PrecisionLoss(
+                f"1/g is not resolved by {6 * setup.digits} nodes a step: the moments or d differ too much for this "
+                "clock"
+            )
+        x, self._rows = legendre_transform(setup.reals, count)
+        self._nodes = self._translations(setup.translations, x, 1)
+        self._series: dict[int, list[Any]] = {}
+        self._means: dict[int, Any] = {}
+        # t at the upper end of cell −1, 0, 1, …
+        self._ends: list[Any] = []
+        self._far = []
+
+    def _translations(self, translations: Translations, nodes: list[Any], length: int) -> list[Any]:
+        """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
+        with translations.reals:
+            half = translations.half_step * (length * self._sign)
+            outer = [translations.near(half * x) for x in nodes[: len(nodes) // 2]]
+            return outer + [opposite(step) for step in outer[::-1]]
+
+    # --- the integral
+
+    def _time(self, cell: int, x: Any) -> Any:
+        series = self._coefficients(cell)
+        whole = kernel.integrate_series(series, -1 + 0 * x)[0]
+        return self._end(cell - 1) + self._half * (kernel.integrate_series(series, x)[0] - whole)
+
+    def _inverse(self, t: Any) -> tuple[int, Any]:
+        cell = self._cell(t)
+        series = self._coefficients(cell)
+        base = kernel.integrate_series(series, -1 + 0 * t)[0]
+        target = (t - self._end(cell - 1)) / self._half + base
+        reals, floats, goal = self._setup.reals, [float(c) for c in series[:40]], float(target)
+        x = goal / floats[0]
+        for _ in range(12):
+            x = max(-1.0, min(1.0, x))
+            angle, rate = kernel.integrate_series(floats, x)
+            x -= (angle - goal) / rate
+        place = reals.number(max(-1.0, min(1.0, x)))
+        # 40 coefficients may be fewer than a float's digits need
+        for _ in range(len(doubling_precisions(reals.bits, 16))):
+            angle, rate = kernel.integrate_series(series, place)
+            place -= (angle - target) / rate
+        return cell, place
+
+    def _cell(self, t: Any) -> int:
+        """The cell in which the clock shows t."""
+        while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
+            self._end(len(self._ends) - 1)
+        if self._ends[-1] <= t:
+            # at the mean rate of the cells that are known
+            self._afford(float(t / self._ends[-1]) * len(self._ends))
+        if self._ends[-1] > t or not self._far_reaches(t):
+            while self._ends[-1] <= t:
+                self._end(len(self._ends) - 1)
+            return max(0, bisect_right(self._ends, t) - 1)
+        first = NEAR_CELLS + LONG * (bisect_right(self._far, t) - 1) + 1
+        return next((cell for cell in range(first, first + LONG - 1) if self._end(cell) > t), first + LONG - 1)
+
+    def _end(self, cell: int) -> Any:
+        """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
+        if not self._ends:
+            self._ends.append(self._half * kernel.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
+        if cell > NEAR_CELLS:
+            self._afford(cell)
+        if cell <= NEAR_CELLS or not self._long_panels():
+            while len(self._ends) < cell + 2:
+                self._ends.append(self._ends[-1] + 2 * self._half * self._mean(len(self._ends) - 1))
+            return self._ends[cell + 1]
+        panels, rest = divmod(cell - NEAR_CELLS, LONG)
+        self._wind(panels)
+        total = self._far[panels]
+        for inner in range(cell - rest + 1, cell + 1):
+            total += 2 * self._half * self._mean(inner)
+        return total
+
+    def _far_reaches(self, t: Any) -> bool:
+        """Wind the long panels beyond t; False where there are none."""
+        if not self._long_panels():
+            return False
+        while not self._far or self._far[-1] <= t:
+            self._wind(len(self._far))
+        return True
+
+    def _wind(self, panels: int) -> None:
+        """t at the ends of that many long panels, after the near cells."""
+        if not self._far:
+            self._far.append(self._end(NEAR_CELLS))
+        nodes, weights = self._long_rule()
+        self._afford(NEAR_CELLS + LONG * panels)
+        while len(self._far) <= panels:
+            centre = NEAR_CELLS + LONG * (len(self._far) - 1) + (LONG + 1) // 2
+            values = self._rates_at(self._setup.bare_point(self._sign, centre), nodes)
+            total = sum(w * x for w, x in zip(weights, values, strict=True))
+            self._far.append(self._far[-1] + LONG * self._half * total)
+
+    def _afford(self, cells: float) -> None:
+        """PrecisionLoss where the clock of so many cells is beyond what it may take."""
+        work = cells * (len(self._long_rule()[0]) / LONG if self._long_panels() else len(self._nodes))
+        if work > self._most:
+            raise PrecisionLoss(
+                f"floats and double-double numbers do not carry this motion, and to {self._setup.digits} digits the "
+                f"way there takes {work:.3g} values of 1/g, where floats take {self._most:.3g}: MP(digits) goes there "
+                "in its time, and nearer times are within reach; other units change nothing"
+            )
+
+    def _long_panels(self) -> bool:
+        return self._digits_a_node(LONG) > SLOWEST_LONG
+
+    def _long_rule(self) -> tuple[list[Any], list[Any]]:
+        """Nodes as translations, and weights, of a long panel."""
+        if self._long is None:
+            x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
+            self._long = self._translations(self._setup.translations, x, LONG), weights
+        return self._long
+
+    # --- one cell
+
+    def _rates_at(self, point: Any, nodes: list[Any]) -> list[Any]:
+        f, axes = self._setup.bare_problem
+        return [kernel.clock_rate(f, axes, point, step) for step in nodes]
+
+    def _mean(self, cell: int) -> Any:
+        """The mean of 1/g over a cell."""
+        if cell not in self._means:
+            values = self._rates_at(self._setup.bare_point(self._sign, cell), self._nodes)
+            self._means[cell] = self._setup.reals.plain(sum(c * x for c, x in zip(self._rows[0], values, strict=True)))
+        return self._means[cell]
+
+    def _coefficients(self, cell: int) -> list[Any]:
+        """The Legendre series of 1/g over a cell; Unresolved where its end is too large."""
+        if cell not in self._series:
+            plain = self._setup.reals.plain
+            values = self._rates_at(self._setup.bare_point(self._sign, cell), self._nodes)
+            series = [plain(sum(c * x for c, x in zip(row, values, strict=True))) for row in self._rows]
+            if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** self._tolerance:
+                raise Unresolved
+            if len(self._series) >= KEPT_SERIES:
+                self._series.clear()
+            self._series[cell] = series
+        return self._series[cell]
+
+    # --- how many nodes
+
+    def _node_count(self, rate: float) -> int:
+        """An even number of nodes that bring the digits of the setup when each brings ``rate`` of them."""
+        return 2 * int(0.525 * (self._setup.digits + 6) / rate) + 8
+
+    def _digits_a_node(self, length: int) -> float:
+        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst: from floats."""
+        if length not in self._scouts:
+            self._scouts[length] = self._scouted(length, SCOUTS[length > 1])
+        return self._scouts[length]
+
+    def _scouted(self, length: int, count: int) -> float:
+        sizes = self._coefficient_sizes(length, count, float)
+        if max(sizes[1:]) < FLAT:
+            # what floats would not tell from rounding
+            sizes = self._coefficient_sizes(length, count, self._setup.reals.plain)
+            sizes = [size / max(sizes[1:]) for size in sizes] if any(sizes[1:]) else sizes
+        last = max((k for k in range(1, count) if sizes[k] > 1e-12), default=1)
+        return -log10(max(sizes[last], 1e-12)) / last
+
+    def _coefficient_sizes(self, length: int, count: int, number: Any) -> list[float]:
+        """The largest Legendre coefficients of 1/g over some panels, relative to the first, computed in ``number``."""
+        setup, reals = self._setup, BareReals(SCOUT_BITS)
+        translations = Translations(reals, setup._f, setup._axes, setup._half_step)
+        x, rows = legendre_transform(reals, count)
+        nodes = [tuple(map(number, step)) for step in self._translations(translations, x, length)]
+        matrix = [[number(c) for c in row] for row in rows]
+        f, axes = (tuple(map(number, row)) for row in setup.bare_problem)
+        sizes = [0.0] * count
+        for cell in SAMPLES:
+            with setup.reals.at(SCOUT_BITS):
+                point = tuple(map(number, setup.bare_point(self._sign, cell)))
+                values = [kernel.clock_rate(f, axes, point, step) for step in nodes]
+                series = [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
+            sizes = [max(a, b / series[0]) for a, b in zip(sizes, series, strict=True)]
+        return sizes

@@ -1,0 +1,54 @@
+"""How far a moving point is from its curve after many additions, one after the other."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.moving_point import kernel as flow_kernel
+from jacobian import RR
+from jacobian.errors import entries, shown, whole
+from jacobian.numbers.compiler import interpreted
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+# from this many additions on, loading or making the compiled loop pays
+COMPILE_FROM = 100_000
+# a minute of compiled additions
+MOST_COUNT = 100_000_000
+
+
+def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, Any]]:
+    """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
+    wanted = f"a sequence of ints ≥ 0, {MOST_COUNT} at most,"
+    given = entries(counts, "counts", wanted)
+    counts = [
+        whole(n, f"counts = {shown(given)}: counts[{i}]", f"{wanted} is needed", 0, MOST_COUNT)
+        for i, n in enumerate(given)
+    ]
+    compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
+    march: Any = flow_kernel.march
+    inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])
+    if compiled and setup.work is RR and not interpreted():
+        from integrable.moving_point import compiled as flow_compiled
+
+        march, inputs = flow_compiled.march, map(np.array, inputs)
+    f, axes, point, step = inputs
+    rows, done = [], 0
+    for count in sorted(counts):
+        point = march(f, axes, point, step, count - done)
+        done = count
+        rows.append((count, residual(setup.f, point)))
+    return rows
+
+
+def residual(f: Any, point: Any) -> Any:
+    """|f − V² mod U| over the size of f, for a moving point."""
+    u0, u1, v0, v1 = point[:4]
+    rest = [f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]]
+    for k in range(5, 1, -1):
+        rest[k - 1] -= u1 * rest[k]
+        rest[k - 2] -= u0 * rest[k]
+    return max(abs(rest[0]), abs(rest[1])) / max(abs(c) for c in f)

@@ -1,0 +1,343 @@
+"""The motion of a body with two or three equal moments in closed form, rolling or not, at any time.
+
+Let axis 3 be the one of the other moment, a its two equal a_i, r_i = 1 − d·a_i, δ = d(a₃ − a) = r − r₃ and (γ, M) = 0.
+gM₃ = K is constant, and γ₃ swings like a pendulum of small amplitude at *physical* times:
+
+    γ₃ = A sin θ,  θ̇ = Ω = a|M|√(r₃/μ),  μ = r − δA²,  g⁻² = r − δγ₃².
+
+With κ² = 1 − A², of the sign of K, so K = |M|κ/√μ, the other two are an ellipse that turns by an angle φ(t):
+
+    γ₁ + iγ₂ = e^{iφ}(cos θ − iκ sin θ),  M₁ + iM₂ = e^{iφ}(A|M|/√μ)(i√r₃ + κδ sin θ(−cos θ + iκ sin θ)/(1/g + √r₃)),
+
+    φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
+
+elliptic integrals of the third and the first kind; τ is the latter. F is its mean (2K/π)θ and a swing P(θ) about it
+of the size of m; where the moments differ by many orders φ turns that much faster than θ, so the mean goes with the
+time itself, and is taken from the start. (Chaplygin 1903 integrates the ball with theta
+functions; with equal moments his curve has a double point, and what is left is this. Derived from γ̇ = γ×ω with the
+integral gM₃; at d = 0 both integrals are elementary and this is the free symmetric top.) A tilted body is brought to
+(γ, M) = 0 by Chaplygin's transformation, whose time is t up to a function of θ: an equation like Kepler's.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from integrable.moving_point.elliptic_integrals import amplitude, carlson_j, first_kind_swing
+from integrable.moving_point.setup import FLOAT_DIGITS
+from integrable.phase.body import Body, Vector
+from integrable.phase.upright import ChaplyginTransformation
+from integrable.torus.survey import complete
+from jacobian import MP
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.double_double import split
+
+if TYPE_CHECKING:
+    from integrable.phase.state import State
+    from integrable.systems.system import System
+
+Long = np.longdouble
+# more turns than this leave no digits of a float behind
+MOST_TURNS = 2.0**50
+# splits a float into two of half its digits (Dekker 1971)
+HALVER = 134217729.0
+# the complete integrals end where this, squared, is nothing
+NEAR = 1e-22
+# Newton's steps for the phase of a tilted body, bisections among them
+PASSES = 80
+
+
+def symmetry_axis(inertia: Vector) -> int | None:
+    """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
+    return next((i for i in range(3) if inertia[i - 1] == inertia[i - 2]), None)
+
+
+class Swing(NamedTuple):
+    """The numbers of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
+
+    r: Any
+    r3: Any
+    delta: Any
+    ratio: Any
+    momentum: Any
+    kappa: Any
+    size: Any
+    mu: Any
+    rate: Any
+    theta: Any
+    phi: Any
+
+    @staticmethod
+    def of(body: Body, gamma: Vector, M: Vector) -> Swing:
+        """Those of an upright state; the axes in the order (equal, equal, other)."""
+        K = body.field
+        (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
+        ratio = (body.inertia[0] - body.inertia[2]) * a3
+        delta = body.d * a * ratio
+        momentum, across = K.sqrt(K.dot(M, M)), g1 * m2 - g2 * m1
+        square = K.dot(body.contact, [x * x for x in gamma])
+        spin = m3 * m3 / square
+        rest = momentum * momentum - spin * delta
+        kappa2, size2 = spin * r3 / rest, max((m1 * m1 + m2 * m2 - spin * delta * g3 * g3) / rest, K.zero)
+        mu = r3 + delta * kappa2 if delta > 0 else r - delta * size2
+        kappa, size = K.sqrt(kappa2) * (1 if m3 > 0 else -1), K.sqrt(size2)
+        rate = a * momentum * K.sqrt(r3 / mu)
+        atan2 = K.context.atan2
+        theta = atan2(g3, a * across / rate) if size else K.zero
+        # the ellipse before it turns, of γ and of M/|M|: the larger tells φ
+        c, s, root3 = K.context.cos(theta), K.context.sin(theta), K.sqrt(r3)
+        lean = kappa * delta * s / (K.sqrt(square) + root3)
+        scale = size / K.sqrt(mu)
+        found, before = (g1, g2), (c, -kappa * s)
+        if c * c + kappa2 * s * s < 0.5:
+            found, before = (m1, m2), (-scale * lean * c, scale * (root3 + lean * kappa * s))
+        phi = atan2(found[1], found[0]) - atan2(before[1], before[0])
+        return Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, phi)
+
+
+class SymmetricFlow:
+    """γ and M at any times, in floats, from a state of a body that has a :func:`symmetry_axis`.
+
+    What is the same at all times is computed in extended precision; phases are reduced in two floats, the rest is done
+    in long doubles. PrecisionLoss beyond 2^50 turns.
+    """
+
+    def __init__(self, system: System, state: State) -> None:
+        K = self._wide = MP(FLOAT_DIGITS)
+        axis = symmetry_axis(system.inertia)
+        assert axis is not None
+        self._rolls = system.body.rolls
+        order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+        # columns of γ and M in the order of the user's axes
+        self._columns = [order.index(i) for i in range(3)]
+        inertia, *vectors = ([v[i] for i in order] for v in (system.inertia, state.gamma, state.M))
+        body, gamma, M, clock = self._upright(Body.make(inertia, system.d, K), *vectors, tilted=state.tilted)
+        swing = Swing.of(body, gamma, M)
+        self._shape(swing)
+        self._phases(swing, body.a[0], clock)
+
+    def _upright(self, body: Body, gamma: Any, M: Any, *, tilted: bool) -> tuple[Body, Vector, Vector, tuple[Any, Any]]:
+        """The body, γ and M with |γ| = 1 and (γ, M) = 0 to the last digit, and (α, β) of dt/dt̃ = α + βñ."""
+        K = self._wide
+        gamma, M = (tuple(map(K.coerce, v)) for v in (gamma, M))
+        length = K.sqrt(K.dot(gamma, gamma))
+        gamma = tuple(x / length for x in gamma)
+        clock, matrix = (K.one, K.zero), (K.one, K.zero, K.zero, K.one)
+        if tilted:
+            tilt = ChaplyginTransformation.of(body, gamma, M)
+            body, (gamma, M) = tilt.upright, tilt.apply_vectors(gamma, M)
+            clock, matrix = tilt.clock(), tilt.inverse_matrix()
+        lean = K.dot(gamma, M)
+        M = tuple(m - lean * x for m, x in zip(M, gamma, strict=True))
+        self._matrix = [_long(x) for x in matrix]
+        return body, gamma, M, clock
+
+    def _shape(self, swing: Swing) -> None:
+        """What the states take beside θ and φ, as long doubles."""
+        r, r3, delta, ratio, momentum, kappa, size, mu = swing[:8]
+        sqrt = self._wide.sqrt
+        # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
+        self._flat = bool(delta == 0)
+        self._kappa, self._size, self._root3 = map(_long, (kappa, size, sqrt(r3)))
+        self._delta, self._bulge, self._root_mu = map(_long, (delta, delta * size * size / mu, sqrt(mu)))
+        # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
+        self._least, self._more = _long(mu if delta > 0 else r), _long(abs(delta) * size * size)
+        self._spin, self._across = _long(momentum * kappa / sqrt(mu)), _long(momentum * size / sqrt(mu))
+        # k = √(1 − m), 1 − k, r₃/r, and what F and Π are multiplied with in φ
+        self._modulus, self._thin = sqrt(mu / r), _long(r3 / r)
+        self._complement = _long(self._modulus)
+        self._missing = _long(delta * size * size / r / (1 + self._modulus))
+        self._first, self._third = kappa * ratio / sqrt(r * r3), kappa * sqrt(r3 / r)
+        self._factors = _long(self._first), _long(self._third)
+
+    def _phases(self, swing: Swing, a: Any, clock: tuple[Any, Any]) -> None:
+        """The rates of the phases, in turns of θ and φ to a unit of t and of τ, and of φ to half a turn of θ."""
+        K, pi = self._wide, self._wide.context.pi
+        alpha, beta = clock
+        # t = (θ − θ₀)α/Ω − β'(G(cos θ) − G(cos θ₀)), in turns: θ/2π − ε·G
+        spin = swing.momentum * swing.kappa / K.sqrt(swing.mu)
+        self._kepler = _long(beta * spin * a * swing.ratio * swing.size / (2 * pi * alpha))
+        self._rate = swing.rate / (2 * pi * alpha)
+        quarter = complete(self._modulus, K.one, K.one, K.one, pi, NEAR)
+        self._quarter = _long(quarter)
+        self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
+        # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
+        self._advance = -self._first * 2 * quarter / pi
+        self._turning = self._advance * self._rate, self._advance * self._flow_rate
+        self._third_advance = K.zero
+        if swing.kappa and not self._flat:
+            pole = complete(self._modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
+            self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * self._third * pole) / (2 * pi)
+        # where they are at time 0
+        count = int(K.context.nint(swing.theta / pi))
+        x = np.array([_long(swing.theta - count * pi)])
+        self._start_lean = self._lean(np.cos(x) * (-1) ** count)
+        self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
+        self._start_swing = self._swing(x)
+        self._flow_start = swing.theta / (2 * pi) + _wide(K, (self._start_swing / (4 * self._quarter))[0])
+        self._origin = swing.phi / (2 * pi) - count * self._third_advance
+        self._origin -= _wide(K, (self._turned(x) / (2 * PI))[0])
+
+    # --- at times
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        count, x = self._at_times(times)
+        delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
+        _, turns = _turns(times, self._turning[0], self._wide.zero)
+        rows = self._rows(count, x, turns + _long(self._advance) * delay - self._factors[0] * swing / (2 * PI))
+        if not self._rolls:
+            return rows, times
+        gap = (delay + swing / (4 * self._quarter)) / _long(self._flow_rate)
+        return rows, (times * _long(self._rate / self._flow_rate) + gap).astype(float)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        if not self._rolls:
+            return self.at(tau)[0]
+        return self._rows(*self._at_tau(tau), _turns(tau, self._turning[1], self._wide.zero)[1])
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        if not self._rolls:
+            return tau
+        count, x = self._at_tau(tau)
+        gap = (self._swing(x) - self._start_swing) / (4 * self._quarter) + self._delay(count, x)
+        times: np.ndarray = (tau * _long(self._flow_rate / self._rate) - gap / _long(self._rate)).astype(float)
+        return times
+
+    def _delay(self, count: np.ndarray, x: Any) -> Any:
+        """What θ/2π has gone since the start beyond its mean, at θ = π·count + x."""
+        return self._kepler * (self._lean(np.cos(x) * _sign(count)) - self._start_lean)
+
+    def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(half turns, x) with θ = π·(half turns) + x, |x| ≤ π/2."""
+        whole, rest = _turns(times, self._rate, self._start)
+        low, high = rest - self._farthest_lean, rest + self._farthest_lean
+        y = rest.copy()
+        for _ in range(PASSES if self._kepler else 0):
+            c, s = np.cos(2 * PI * y), np.sin(2 * PI * y)
+            gap = y - self._kepler * self._lean(c) - rest
+            low, high = np.where(gap > 0, low, y), np.where(gap > 0, y, high)
+            slope = 1 + 2 * PI * self._kepler * s / (self._root_mu * np.sqrt(1 + self._bulge * c * c))
+            better = y - gap / slope
+            better = np.where((better < low) | (better > high), (low + high) / 2, better)
+            done = np.abs(better - y).max(initial=0) <= 4 * np.finfo(Long).eps
+            y = better
+            if done:
+                break
+        half = np.rint(2 * y)
+        return 2 * whole + half.astype(float), PI * (2 * y - half)
+
+    @property
+    def _farthest_lean(self) -> Any:
+        """A bound of what θ/2π differs by from its mean."""
+        return abs(self._kepler) * self._lean(np.ones(1, Long))[0]
+
+    def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """As :meth:`_at_times`."""
+        whole, rest = _turns(tau, self._flow_rate, self._flow_start)
+        half = np.rint(2 * rest)
+        v = (2 * rest - half) * 2 * self._quarter
+        k = self._complement
+        x = amplitude(v, k) if k <= 1 else PI / 2 - amplitude(k * (self._quarter - v), 1 / k)
+        # one step of Newton, for what the transformations have rounded
+        x = x - (self._first_kind(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
+        return 2 * whole + half.astype(float), x
+
+    def _lean(self, c: Any) -> Any:
+        """G(c) = ∫_0^c du/√(μ + δA²u²)."""
+        y = self._bulge * c * c
+        far = np.sqrt(np.maximum(abs(y), Long(1e-9)))
+        long = np.arcsinh(far) / far if self._bulge > 0 else np.arcsin(np.minimum(far, 1)) / far
+        short = 1 - y / 6 + 3 * y * y / 40
+        return c / self._root_mu * np.where(abs(y) < 1e-9, short, long)
+
+    # --- states
+
+    def _swing(self, x: Any) -> Any:
+        """P(x) = F(x | m) − (2K/π)x."""
+        return 0 * x if self._flat else first_kind_swing(x, self._complement, self._missing)
+
+    def _first_kind(self, x: Any) -> Any:
+        """F(x | m)."""
+        return 2 * self._quarter / PI * x + self._swing(x)
+
+    def _turned(self, x: Any) -> Any:
+        """φ at θ = x, less φ at θ = 0 and what F adds."""
+        if self._flat or self._kappa == 0:
+            return 0 * x
+        s, c = np.sin(x), np.cos(x)
+        k2, n, square = self._complement**2, self._size**2, self._kappa**2
+        far = np.maximum(c * c + square * s * s, np.finfo(Long).tiny)
+        product = square * n * n * self._thin * s**6
+        third = self._first_kind(x) + n / 3 * s**3 * carlson_j(c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
+        return np.arctan2(self._kappa * s, c) - self._factors[1] * third
+
+    def _rows(self, count: np.ndarray, x: np.ndarray, turned: Any) -> np.ndarray:
+        """γ and M at θ = π·count + x, where F has turned φ by ``turned`` turns since the start, shape (N, 6)."""
+        _, turns = _turns(count, self._third_advance, self._origin)
+        phi = 2 * PI * (turns + turned) + self._turned(x)
+        s, c = (_sign(count) * y for y in (np.sin(x), np.cos(x)))
+        p, q, kappa = np.cos(phi), np.sin(phi), self._kappa
+        inverse = np.sqrt(self._least + self._more * (c * c if self._delta > 0 else s * s))
+        lean = kappa * self._delta * s / (inverse + self._root3)
+        y1, y2 = -lean * c, self._root3 + lean * kappa * s
+        gamma = [p * c + q * kappa * s, q * c - p * kappa * s, self._size * s]
+        M = [self._across * (p * y1 - q * y2), self._across * (q * y1 + p * y2), self._spin * inverse]
+        gamma, M = ([v[i] for i in self._columns] for v in (gamma, M))
+        a, b, e, d = self._matrix
+        rows = [a * g + b * m for g, m in zip(gamma, M, strict=True)]
+        rows += [e * g + d * m for g, m in zip(gamma, M, strict=True)]
+        return np.stack(rows, axis=1).astype(float)
+
+
+def _turns(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
+    """(whole turns, the rest in [−½, ½]) of values·rate + start, floats and long doubles; rate and start are wide."""
+    # in a unit in which the rate is about 1: its parts and those of the products are floats
+    exponent = 0 if rate == 0 else int(np.frexp(float(rate))[1])
+    high, low = split(rate * rate.context.mpf(2) ** -exponent)
+    with np.errstate(over="ignore"):
+        scaled = np.ldexp(values, exponent)
+    if not np.abs(scaled).max(initial=0) < MOST_TURNS:
+        farthest = float(np.abs(values).max())
+        raise PrecisionLoss(
+            f"time {farthest}: {farthest * float(rate):.1e} turns of a phase are more than the {MOST_TURNS:.1e} "
+            "whose fractions double-double numbers hold; use more digits"
+        )
+    product = scaled * high
+    x, y = (_halves(scaled), _halves(np.float64(high)))
+    error = ((x[0] * y[0] - product) + x[0] * y[1] + x[1] * y[0]) + x[1] * y[1]
+    whole = np.rint(product)
+    rest = (product - whole).astype(Long) + error + scaled.astype(Long) * low + _long(start)
+    more = np.rint(rest)
+    return whole + more.astype(float), rest - more
+
+
+def _halves(x: Any) -> tuple[Any, Any]:
+    """x as a sum of two floats of half its digits."""
+    high = HALVER * x - (HALVER * x - x)
+    return high, x - high
+
+
+def _sign(count: np.ndarray) -> np.ndarray:
+    """(−1)^count."""
+    sign: np.ndarray = 1.0 - 2.0 * (count % 2)
+    return sign
+
+
+def _long(x: Any) -> Any:
+    """A wide number as a long double."""
+    high, low = split(x)
+    return Long(high) + Long(low)
+
+
+def _wide(K: Any, x: Any) -> Any:
+    """A long double as a wide number."""
+    high = float(x)
+    return K.coerce(high) + K.coerce(float(x - high))
+
+
+PI = _long(MP(FLOAT_DIGITS).context.pi)

@@ -1,0 +1,156 @@
+"""Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry a bound of their error.
+
+Every formula of the kernel holds exactly for exact points of the curve, in each of its branches; so it maps balls
+around such points to balls around the result, whichever branch a comparison of balls takes. Where a divisor is a ball
+around 0 the result has no bound, which :func:`is_bounded` tells. What is truncated is bounded here: the power series
+by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from integrable.moving_point.kernel import abel_sums, carried, conjugate_points
+from integrable.moving_point.translations import Translations, series_of
+from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.fields.inexact import InexactField
+
+if TYPE_CHECKING:
+    from integrable.moving_point.problem import MotionProblem
+
+
+MOST_TRIALS = 12
+
+
+def arithmetic() -> Any:
+    """The module ``flint``; ArgumentError where python-flint is not installed."""
+    try:
+        import flint
+    except ImportError:
+        raise ArgumentError(
+            "enclosures need ball arithmetic: install python-flint (pip install jacobian-integrable[flint])"
+        ) from None
+    return flint
+
+
+class BallField(InexactField):
+    """Real balls as a field, at the precision of flint's context; numbers given count as exact."""
+
+    name = "balls"
+
+    def __init__(self, reals: Any) -> None:
+        self._reals = reals
+        self.zero, self.one = reals.number(0), reals.number(1)
+        self.eps = self.one * 2.0**-50
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """The ball of radius 0 around a number; a ball itself."""
+        return self._reals.number(value)
+
+    def sqrt(self, x: Any) -> Any:
+        """√x."""
+        return x.sqrt()
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+
+def is_bounded(values: Sequence[Any]) -> bool:
+    """Whether every ball has a finite radius."""
+    return all(x.is_finite() for x in values)
+
+
+def around(middle: Any, radius: Any) -> Any:
+    """A ball that contains all numbers within an upper bound of ``radius`` of those in ``middle``."""
+    flint = arithmetic()
+    bound = radius.abs_upper()
+    return middle + flint.arb(0, bound)
+
+
+class BallTranslations:
+    """T(eps) of a motion, enclosed."""
+
+    def __init__(self, problem: MotionProblem, plain: Translations) -> None:
+        self._plain = plain
+        one = problem.field.one
+        self.f = problem.f
+        self.axes = (*problem.axes[:3], one, one, one, one, problem.field.zero)
+        size = len(plain.series)
+        self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
+        # the distance to the nearest branch point, from below
+        self._nearest = min(x.abs_lower() for x in problem.branch_points)
+
+    def near(self, eps: Any) -> tuple[Any, ...]:
+        """T(eps) for a ball eps that does not contain 0."""
+        plain = self._plain
+        doublings, term_bits = plain.plan(eps.mid())
+        small = eps / 2**doublings
+        size = plain.terms(plain.reals.bits, term_bits)
+        m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
+        roots = list(self._roots[:size])
+        # the terms left out, of (m+√r)^k + (m−√r)^k in the even sum and of S_k in the odd one
+        roots[0] = around(roots[0], tail)
+        roots[1] = around(roots[1], tail / reach)
+        step = conjugate_points(roots, self.f[0], self.axes, small, m, r)
+        for _ in range(doublings):
+            step = carried(self.f, self.axes, step, step)
+        return step
+
+    def _zero(self, m: Any, r: Any, eps: Any, size: int) -> tuple[Any, Any, Any, Any]:
+        """(m, r) enclosed; Σ(k+1)⁴q^k of the terms left out; a bound of |m| + √|r|."""
+        target = self.f[0] * eps * eps / 4
+        noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
+        radii = [abs(x).abs_upper() * noise for x in (m, r)]
+        for _ in range(MOST_TRIALS):
+            box = [around(x, radius) for x, radius in zip((m, r), radii, strict=True)]
+            reach = (abs(box[0]) + abs(box[1]).sqrt()).abs_upper()
+            tail = self._tail(reach, size)
+            value = self._system(m, r, target, size, tail, reach)[:2]
+            *slope, phi = self._system(box[0], box[1], target, size, tail, reach)[2:]
+            new = _krawczyk(value, slope, (m, r), [y - x for x, y in zip((m, r), box, strict=True)])
+            if phi > 0 and all(y.contains_interior(x) for x, y in zip(new, box, strict=True)):
+                return new[0], new[1], tail, reach
+            radii = [3 * abs(y - x).abs_upper() + 2 * radius for x, y, radius in zip((m, r), new, radii, strict=True)]
+        raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
+
+    def _system(self, m: Any, r: Any, target: Any, size: int, tail: Any, reach: Any) -> tuple[Any, ...]:
+        """r·phi² − target, psi, their derivatives (by m and r, first and second), and phi.
+
+        With |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k) the terms left out of phi, psi and their derivatives
+        by m and r are at most ``tail`` times 1, R, 1/R, 1, 1/R², 1/R.
+        """
+        sums = abel_sums(self._series[:size], m, r)
+        weights = (1, 1 / reach, 1 / (reach * reach), reach, 1, 1 / reach)
+        phi, phi_m, phi_r, psi, psi_m, psi_r = (around(x, tail * w) for x, w in zip(sums, weights, strict=True))
+        return (
+            r * phi * phi - target,
+            psi,
+            2 * r * phi * phi_m,
+            phi * phi + 2 * r * phi * phi_r,
+            psi_m,
+            psi_r,
+            phi,
+        )
+
+    def _tail(self, reach: Any, size: int) -> Any:
+        """Σ_{k ≥ size} (k+1)⁴(reach/nearest)^k, from above."""
+        q = (reach / self._nearest).abs_upper()
+        ratio = q * (size + 2) ** 4 / (size + 1) ** 4
+        if not ratio < 1:
+            raise PrecisionLoss("a translation could not be enclosed: its series was not seen to converge")
+        return (q**size * (size + 1) ** 4 / (1 - ratio)).abs_upper()
+
+
+def _krawczyk(value: Any, slope: Any, point: Any, apart: Any) -> list[Any]:
+    """x − Y·F(x) + (1 − Y·J)(box − x) with Y about the inverse of J: inside the box, it holds the only zero there."""
+    a, b, c, d = (x.mid() for x in slope)
+    det = a * d - b * c
+    rows = [[(x / det).mid() for x in row] for row in ((d, -b), (-c, a))]
+    new = []
+    for i, (p, q) in enumerate(rows):
+        rest = [-(p * slope[k] + q * slope[2 + k]) for k in range(2)]
+        rest[i] += 1
+        new.append(point[i] - (p * value[0] + q * value[1]) + rest[0] * apart[0] + rest[1] * apart[1])
+    return new

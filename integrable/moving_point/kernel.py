@@ -1,0 +1,388 @@
+"""The inner steps of the exact flow, on bare reals: written so that numba can compile them as they stand.
+
+A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
+the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
+*translation* is the same with κ_i = 1. All is in the flow's units (:mod:`integrable.moving_point.setup`). Numbers are
+``float`` or ``mpf``; sequences may be lists, tuples or numpy rows; ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β) with the
+clock (α + βñ)/g̃ of a tilted body (:meth:`integrable.phase.upright.ChaplyginTransformation.clock`), else (1, 0).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.inexact.genus2_real import add, chord, root
+from jacobian.inexact.retraction import retracted
+
+Real = Any
+Row = Any
+# terms after which a series inside its reach adds nothing to a float
+FLOAT_TERMS = 48
+
+
+def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
+    """The moving point after the addition of a translation, its pairs settled on the divisor."""
+    # the divisor's own noise grows with the size of the translation's coefficients
+    return settled(f, axes, carried(f, axes, point, step), 0.003 * max(1, step[0] * step[0], step[1] * step[1]))
+
+
+def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
+    """The divisor sum, and the lift law on every pair."""
+    divisor, (q, l1, l0, k0, m0, n1, n0, j0) = add(
+        (f[0], f[1], f[2], f[3], f[4], f[5]),
+        (point[0], point[1], point[2], point[3]),
+        (step[0], step[1], step[2], step[3]),
+    )
+    x1, y1 = pair(axes[0], axes[3], point[4], point[7], step[4], step[7], q, l1, l0, k0, m0, n1, n0, j0)
+    x2, y2 = pair(axes[1], axes[4], point[5], point[8], step[5], step[8], q, l1, l0, k0, m0, n1, n0, j0)
+    x3, y3 = pair(axes[2], axes[5], point[6], point[9], step[6], step[9], q, l1, l0, k0, m0, n1, n0, j0)
+    return divisor[0], divisor[1], divisor[2], divisor[3], x1, x2, x3, y1, y2, y3
+
+
+def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
+    """The point with every pair moved towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
+    b0, b1, c0, c1 = point[0], point[1], point[2], point[3]
+    w2 = f[4] - b1 * f[5]
+    w1 = f[3] - b1 * w2 - b0 * f[5]
+    w0 = f[2] - c1 * c1 - b1 * w1 - b0 * w2
+    a = axes[0]
+    x1, y1 = settle(
+        point[4], point[7], axes[3], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
+    )
+    a = axes[1]
+    x2, y2 = settle(
+        point[5], point[8], axes[4], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
+    )
+    a = axes[2]
+    x3, y3 = settle(
+        point[6], point[9], axes[5], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
+    )
+    return b0, b1, c0, c1, x1, x2, x3, y1, y2, y3
+
+
+def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:
+    """One Gauss–Newton step of :func:`settled` for one pair.
+
+    ``trust`` is the squared ratio of the noise of U, V, W to that of the lift law, which wins where κ is small (equal
+    moments).
+    """
+    e1, e2, e3 = u - kappa * sigma * sigma, v - kappa * sigma * nu, -w - kappa * nu * nu
+    k2, s2, n2 = 2 * kappa * kappa, sigma * sigma, nu * nu
+    m11, m12, m22 = k2 * (2 * s2 + n2) + trust, k2 * sigma * nu, k2 * (s2 + 2 * n2) + trust
+    r1, r2 = 2 * kappa * (sigma * e1 + nu * e2), 2 * kappa * (sigma * e2 + nu * e3)
+    scale = 1 / (m11 * m22 - m12 * m12)
+    return sigma + (m22 * r1 - m12 * r2) * scale, nu + (m11 * r2 - m12 * r1) * scale
+
+
+def pair(
+    a: Real,
+    kappa: Real,
+    sigma: Real,
+    nu: Real,
+    sigma2: Real,
+    nu2: Real,
+    q: Real,
+    l1: Real,
+    l0: Real,
+    k0: Real,
+    m0: Real,
+    n1: Real,
+    n0: Real,
+    j0: Real,
+) -> tuple[Real, Real]:
+    """(σ'', ν'') at the branch point a, from the transfer polynomials of the sum.
+
+    Either factor gives it, one by division through σ', the other through κσ: together they never divide by a small
+    number unless both points are at the same branch point.
+    """
+    # the rounding noise of the second row grows with ν', which is large near the identity
+    weight = 1 / max(1, nu2 * nu2)
+    x, y = sigma2, kappa * sigma
+    scale = 1 / (l1 * (x * x + weight * y * y))
+    y *= weight
+    slope, n, m = l1 * a, n1 * a, l1 * a + m0
+    new_sigma = x * (q * nu + (l0 + slope) * sigma) + y * (q * nu2 + (k0 + slope) * sigma2)
+    new_nu = x * ((n0 + n) * sigma + m * nu) + y * ((j0 + n) * sigma2 + m * nu2)
+    return new_sigma * scale, new_nu * scale
+
+
+def rate_at(axes: Row, point: Row) -> Real:
+    """1/g at a moving point: 1/√Σσ², and for a tilted body (α + βΣ(α_k − α_j)ν_iσ_jσ_k)/√Σσ²."""
+    x1, x2, x3 = point[4], point[5], point[6]
+    rate = 1 / root(x1 * x1 + x2 * x2 + x3 * x3)
+    if axes[7] == 0:
+        return rate
+    lean = (axes[2] - axes[1]) * point[7] * x2 * x3
+    lean += (axes[0] - axes[2]) * point[8] * x3 * x1
+    lean += (axes[1] - axes[0]) * point[9] * x1 * x2
+    return (axes[6] + axes[7] * lean) * rate
+
+
+def clock_rate(f: Row, axes: Row, point: Row, step: Row) -> Real:
+    """1/g after the addition of a translation; for an upright body the sum itself is not needed, only the chord."""
+    if axes[7] != 0:
+        return rate_at(axes, carried(f, axes, point, step))
+    q, l1, l0 = chord(
+        (f[0], f[1], f[2], f[3], f[4], f[5]),
+        (point[0], point[1], point[2], point[3]),
+        (step[0], step[1], step[2], step[3]),
+    )
+    k0 = l0 + (point[1] - step[1]) * l1
+    total = 0 * l1
+    for i in range(3):
+        x, y = step[4 + i], axes[3 + i] * point[4 + i]
+        slope = l1 * axes[i]
+        weight = 1 / max(1, step[7 + i] * step[7 + i])
+        sigma = x * (q * point[7 + i] + (l0 + slope) * point[4 + i]) + weight * y * (q * step[7 + i] + (k0 + slope) * x)
+        sigma /= x * x + weight * y * y
+        total += sigma * sigma
+    return abs(l1) / root(total)
+
+
+def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passes: int) -> Row:
+    """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0, for eps inside the radius of the series.
+
+    ``series`` and ``roots`` are the power series of 1/√(f/f0) and √(f/f0) about x = 0. All is computed relative to eps,
+    so that no digit is lost as eps → 0; eps itself must not be 0.
+    """
+    m, r = estimate(series, f0, eps)
+    m, r = centre(series, f0, eps, m, r, passes)
+    return conjugate_points(roots, f0, axes, eps, m, r)
+
+
+def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
+    """(m, r) of T(eps) to start Newton from: to leading order in eps, and for mpf to the digits of a float.
+
+    (Compiled code has floats only and a shorter version of its own, in :mod:`integrable.moving_point.compiled`.)
+    """
+    r = f0 * eps * eps / 4
+    m = -series[1] * r / 3
+    if isinstance(eps, float) or abs(eps) < 1e-100:
+        return m, r
+    # in a unit in which the terms of the series stay in the range of floats
+    unit = 1 / abs(series[1])
+    floats, scale = [], 1
+    for coefficient in series[:FLOAT_TERMS]:
+        floats.append(float(coefficient * scale))
+        scale *= unit
+    rough, square = centre(floats, float(f0), float(eps / unit), float(m / unit), float(r / unit**2), 6)
+    return rough * unit, square * unit * unit
+
+
+def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> tuple[Real, Real]:
+    """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
+    target = f0 * eps * eps / 4
+    for _ in range(passes):
+        # r·phi² = target and psi = 0
+        phi, phi_m, phi_r, psi, psi_m, psi_r = abel_sums(series, m, r)
+        first = r * phi * phi - target
+        first_m, first_r = 2 * r * phi * phi_m, phi * phi + 2 * r * phi * phi_r
+        det = first_m * psi_r - first_r * psi_m
+        m, r = m - (first * psi_r - first_r * psi) / det, r - (first_m * psi - first * psi_m) / det
+    return m, r
+
+
+def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real, Real, Real]:
+    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r, each followed by its
+    derivatives with respect to m and r.
+    """
+    phi, psi = 0 * r, 0 * r
+    phi_m, phi_r, psi_m, psi_r = phi, phi, phi, phi
+    c = m * m - r
+    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r) and its derivatives, by S_{j+1} = 2m·S_j − c·S_{j−1}
+    s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
+    for k in range(len(series)):
+        s2 = 2 * m * s1 - c * s0
+        d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
+        e2 = 2 * m * e1 + s0 - c * e0
+        weight = series[k] / (k + 1)
+        phi += weight * s1
+        phi_m += weight * d1
+        phi_r += weight * e1
+        weight = series[k] / (k + 2)
+        psi += weight * s2
+        psi_m += weight * d2
+        psi_r += weight * e2
+        s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
+    return phi, phi_m, phi_r, psi, psi_m, psi_r
+
+
+def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:
+    """The translation with points at m ± √r, as a moving point with κ = 1."""
+    # ±√(f/f0) at the two points: half their sum over √r, and half their difference
+    c = m * m - r
+    s0, s1, c0, c1 = 0 * r, 1 + 0 * r, 2 + 0 * r, 2 * m
+    even, odd = 0 * r, 0 * r
+    for k in range(len(roots)):
+        even += roots[k] * c0
+        odd += roots[k] * s0
+        s0, s1, c0, c1 = s1, 2 * m * s1 - c * s0, c1, 2 * m * c1 - c * c0
+    phi = root(f0 * eps * eps / (4 * r))
+    t1 = phi / eps * even
+    t0 = 2 * r * phi / eps * odd - t1 * m
+    x1, x2, x3 = axes[0] - m, axes[1] - m, axes[2] - m
+    r1, r2, r3 = root(x1 * x1 - r), root(x2 * x2 - r), root(x3 * x3 - r)
+    return (c, -2 * m, t0, t1, r1, r2, r3, (t0 + t1 * axes[0]) / r1, (t0 + t1 * axes[1]) / r2, (t0 + t1 * axes[2]) / r3)
+
+
+def integrate_series(coefficients: Row, x: Real) -> tuple[Real, Real]:
+    """(∫_0^x, value at x) of a Legendre series on [−1, 1]."""
+    value, total = coefficients[0] + 0 * x, coefficients[0] * x
+    p0, p1 = 1 + 0 * x, x
+    # P_k at 0, to make the integral vanish there
+    z0, z1 = 1 + 0 * x, 0 * x
+    for k in range(1, len(coefficients)):
+        p2 = ((2 * k + 1) * x * p1 - k * p0) / (k + 1)
+        z2 = -k * z0 / (k + 1)
+        value += coefficients[k] * p1
+        total += coefficients[k] * ((p2 - p0) - (z2 - z0)) / (2 * k + 1)
+        p0, p1, z0, z1 = p1, p2, z1, z2
+    return total, value
+
+
+def moving_point(row: Row) -> Row:
+    """The ten numbers of a row as a tuple, the form that :func:`shift` returns."""
+    return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
+
+
+def reach(f: Row, axes: Row, start: Row, counts: Row, table: Row, steps: int) -> Row:
+    """The moving point after ``steps`` ≥ 0 basic steps, by few additions: ``table[k]`` is the translation by
+    ``counts[k]`` steps.
+
+    The largest that fits is taken first; ``counts`` ascends from 1.
+    """
+    point = moving_point(start)
+    for k in range(len(table) - 1, -1, -1):
+        while steps >= counts[k]:
+            point = shift(f, axes, point, table[k])
+            steps -= counts[k]
+    return point
+
+
+def rates(f: Row, axes: Row, point: Row, nodes: Row, out: Row) -> None:
+    """1/g at the quadrature nodes around a moving point, into ``out``."""
+    for i in range(len(nodes)):
+        out[i] = clock_rate(f, axes, point, nodes[i])
+
+
+def wind(
+    f: Row,
+    axes: Row,
+    counts: Row,
+    table: Row,
+    nodes: Row,
+    left: Row,
+    right: Row,
+    first: int,
+    stack: Row,
+    ends: Row,
+    carry: Row,
+    high: Row,
+    low: Row,
+) -> None:
+    """Continue the clock: ``high[i] + low[i]`` becomes the physical time at step first + i, for i = 0 … len(high) − 1.
+
+    Every step is one addition to a point that few additions made (those of :func:`reach`), so its error does not grow
+    with its number. ``stack[k]`` is the point of the last step with the places below k set to zero, and ``ends[k]`` the
+    step at which that changes. ``left`` and ``right`` are the quadrature weights of the two halves of a step; ``carry``
+    holds (high, low, right half) at step first − 1 and is updated. The times are sums of two floats (Knuth's two-sum):
+    a plain sum would lose digits step by step.
+    """
+    values = [carry[0]] * len(nodes)
+    total, rest, half = carry[0], carry[1], carry[2]
+    for i in range(len(high)):
+        level = 0
+        while level + 1 < len(table) and ends[level + 1] == first + i:
+            level += 1
+        point = shift(f, axes, stack[level], table[level])
+        for k in range(level, -1, -1):
+            for c in range(10):
+                stack[k][c] = point[c]
+            ends[k] = first + i + counts[k]
+            if k + 1 < len(table):
+                ends[k] = min(ends[k], ends[k + 1])
+        rates(f, axes, point, nodes, values)
+        before, after = 0 * half, 0 * half
+        for n in range(len(values)):
+            before += left[n] * values[n]
+            after += right[n] * values[n]
+        increment = half + before
+        new = total + increment
+        part = new - total
+        rest += (total - (new - part)) + (increment - part)
+        total = new
+        half = after
+        high[i], low[i] = total, rest
+    carry[0], carry[1], carry[2] = total, rest, half
+
+
+def state_at_time(
+    f: Row,
+    axes: Row,
+    start: Row,
+    counts: Row,
+    table: Row,
+    nodes: Row,
+    legendre: Row,
+    series: Row,
+    roots: Row,
+    half_step: Real,
+    passes: int,
+    sign: int,
+    step: int,
+    rest: Real,
+    rest_next: Real,
+) -> tuple[Row, Real]:
+    """The moving point at a physical time between basic steps ``step`` and ``step + 1``, and the flow's own time there
+    in half steps.
+
+    ``rest`` ≥ 0 and ``rest_next`` ≤ 0 are that time less the times of the two steps. 1/g is a Legendre series on one
+    step.
+    """
+    point = reach(f, axes, start, counts, table, step)
+    values = [rest] * len(nodes)
+    coefficients = [rest] * len(nodes)
+    one = 1 + 0 * rest
+    target = rest / half_step
+    for attempt in range(2):
+        rates(f, axes, point, nodes, values)
+        for k in range(len(nodes)):
+            total = 0 * rest
+            for n in range(len(nodes)):
+                total += legendre[k][n] * values[n]
+            coefficients[k] = total
+        if attempt == 1 or target <= integrate_series(coefficients, one)[0]:
+            break
+        # the time lies in the half that belongs to the next step
+        step += 1
+        target = rest_next / half_step
+        point = reach(f, axes, start, counts, table, step)
+    x = target / coefficients[0]
+    for _ in range(passes + 8):
+        x = max(-one, min(one, x))
+        angle, rate = integrate_series(coefficients, x)
+        x -= (angle - target) / rate
+    return offset_point(f, axes, point, series, roots, half_step, passes, sign * x), 2 * step + x
+
+
+def offset_point(f: Row, axes: Row, point: Row, series: Row, roots: Row, half_step: Real, passes: int, x: Real) -> Row:
+    """The moving point x half-steps away, |x| ≤ 1: one addition of a translation near the identity."""
+    if abs(x) < 1e-100:
+        return point
+    return shift(f, axes, point, near_identity(series, roots, f[0], axes, half_step * x, passes))
+
+
+def march(f: Row, axes: Row, point: Row, step: Row, count: int) -> Row:
+    """``count`` additions of the same translation, one after the other.
+
+    Every 16 of them the divisor is put back on the curve and the pairs on the divisor: what rounding takes off it would
+    grow, for some translations exponentially (:mod:`jacobian.inexact.retraction`).
+    """
+    moved = moving_point(point)
+    for i in range(count):
+        moved = carried(f, axes, moved, step)
+        if i % 16 == 15:
+            u0, u1, v0, v1 = retracted((f[0], f[1], f[2], f[3], f[4], f[5]), (moved[0], moved[1], moved[2], moved[3]))
+            moved = (u0, u1, v0, v1, moved[4], moved[5], moved[6], moved[7], moved[8], moved[9])
+            moved = settled(f, axes, moved, 0.003)
+    return moved

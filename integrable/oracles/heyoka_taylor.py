@@ -1,0 +1,65 @@
+"""heyoka's Taylor integrator (Biscani and Izzo 2021) on balls and tops, in double or extended precision.
+
+heyoka compiles the equations when the integrator is built: that belongs to the set-up. It is an optional dependency,
+``pip install 'jacobian-integrable[peers]'``, imported on first use.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any
+
+import numpy as np
+
+from integrable.oracles.reference import Solution, body_equations
+
+__all__ = ["heyoka_run"]
+
+
+def heyoka_run(
+    system: Any, state: Any, tolerance: float, *, extended: bool = False
+) -> Callable[[Iterable[Any]], Solution]:
+    """times ↦ Solution by an integrator built here; ``extended``: in long double. ``evaluations`` counts steps.
+
+    Extended results come as float64 too, γ and M rounded at the end; inputs of more than 15 digits are taken to all
+    that a long double holds. The run raises RuntimeError where heyoka stops.
+    """
+    import heyoka
+
+    number: Any = _long_double if extended else float
+    moments, d = [number(x) for x in system.inertia], number(system.d)
+    kind: Any = np.longdouble if extended else float
+    start = np.array([number(x) for x in (*state.gamma, *state.M)], dtype=kind)
+    variables = heyoka.make_vars("x1", "x2", "x3", "m1", "m2", "m3")
+    rates = body_equations(moments, d)(variables)
+    integrator = heyoka.taylor_adaptive(
+        list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=kind, time=number(0)
+    )
+
+    def run(times: Iterable[Any]) -> Solution:
+        wanted = np.array([number(t) for t in times], dtype=kind)
+        rows = np.empty((len(wanted), 6))
+        steps = 0
+        for sign in (1, -1):
+            chosen = np.flatnonzero(sign * wanted > 0)
+            if not len(chosen):
+                continue
+            chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
+            grid, back = np.unique(np.abs(wanted[chosen]), return_inverse=True)
+            integrator.time = number(0)
+            integrator.state[:] = start
+            outcome, *_, count, _, values = integrator.propagate_grid(np.concatenate([[number(0)], sign * grid]))
+            if outcome != heyoka.taylor_outcome.time_limit:
+                raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
+            rows[chosen] = values[1:][back]
+            steps += int(count)
+        rows[wanted == 0] = start
+        return Solution(rows[:, :3], rows[:, 3:], steps)
+
+    return run
+
+
+def _long_double(x: Any) -> Any:
+    """A float or a number of more digits as a long double."""
+    high = float(x)
+    return np.longdouble(high) + np.longdouble(float(x - high))

@@ -1,0 +1,297 @@
+"""Independent oracles: the equations of motion integrated as ordinary differential equations.
+
+    γ̇ = γ×ω,   Ṁ = M×ω,   ω = A M + d n A γ,   n = g²(γ, A M),   g⁻² = Σ I_k a_k γ_k²   (at |γ| = 1)
+
+with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here: what these two agree on with the divisor
+flow, two unrelated computations agree on. :func:`dop853` is what a user of SciPy would run, :func:`scipy_solution` the
+same with its other integrators; :func:`taylor` is a Taylor-series integrator of any number of digits. Systems with
+other equations than the ball's, which have a ``vector_field`` but no moments of inertia of their own, are integrated
+by :func:`scipy_solution` from that field.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterable, Sequence
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from integrable.extras import needed
+from jacobian.errors import ArgumentError
+
+__all__ = [
+    "Body",
+    "Solution",
+    "Start",
+    "body_equations",
+    "dop853",
+    "equations",
+    "is_body",
+    "odefun",
+    "right_hand_side",
+    "scipy_solution",
+    "taylor",
+]
+
+
+class Body(Protocol):
+    """What an oracle needs of a body: three moments of inertia and d = m r² (0 for the Euler top)."""
+
+    @property
+    def inertia(self) -> Sequence[Any]: ...
+    @property
+    def d(self) -> Any: ...
+
+
+class Start(Protocol):
+    """What an oracle needs of a state: γ and M, three components each."""
+
+    @property
+    def gamma(self) -> Sequence[Any]: ...
+    @property
+    def M(self) -> Sequence[Any]: ...
+
+
+class Solution(NamedTuple):
+    """γ and M, one row per requested time, in the order of the request, and the work that was done."""
+
+    gamma: np.ndarray
+    M: np.ndarray
+    evaluations: int
+    """Right-hand sides, for Taylor series expansions, for closed forms points."""
+
+
+def is_body(system: Any) -> bool:
+    """Whether a system has the ball's (or top's) equations: it then has moments of inertia and d of its own."""
+    return hasattr(system, "inertia") and hasattr(system, "d")
+
+
+def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:
+    """The six equations of the ball as y ↦ ẏ, y = (γ1, γ2, γ3, M1, M2, M3), in the numbers that are given."""
+    i1, i2, i3 = inertia
+    a1, a2, a3 = 1 / (i1 + d), 1 / (i2 + d), 1 / (i3 + d)
+    q1, q2, q3 = i1 * a1, i2 * a2, i3 * a3
+
+    def rates(y: Sequence[Any]) -> list[Any]:
+        x1, x2, x3, m1, m2, m3 = y
+        k1, k2, k3 = a1 * m1, a2 * m2, a3 * m3
+        dn = d * (x1 * k1 + x2 * k2 + x3 * k3) / (q1 * x1 * x1 + q2 * x2 * x2 + q3 * x3 * x3)
+        w1, w2, w3 = k1 + dn * a1 * x1, k2 + dn * a2 * x2, k3 + dn * a3 * x3
+        return [
+            x2 * w3 - x3 * w2,
+            x3 * w1 - x1 * w3,
+            x1 * w2 - x2 * w1,
+            m2 * w3 - m3 * w2,
+            m3 * w1 - m1 * w3,
+            m1 * w2 - m2 * w1,
+        ]  # fmt: skip
+
+    return rates
+
+
+def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
+    """y ↦ ẏ for any system of this package, in the numbers of its field.
+
+    A body's are written out (:func:`body_equations`); any other system gives its ``vector_field``, called with copies
+    of ``state``.
+    """
+    if is_body(system):
+        return body_equations(system.inertia, system.d)
+
+    def rates(y: Sequence[Any]) -> list[Any]:
+        rate = system.vector_field(dataclasses.replace(state, gamma=tuple(y[:3]), M=tuple(y[3:])))
+        return [*rate.gamma, *rate.M]
+
+    return rates
+
+
+def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any], list[float]]:
+    """The ball's six equations as ``f(t, y)`` for SciPy, in plain floats."""
+    rates = body_equations([float(moment) for moment in inertia], float(d))
+    return lambda _time, y: rates(y.tolist())
+
+
+def dop853(body: Body, state: Start, times: Iterable[float], *, rtol: float, atol: float) -> Solution:
+    """The motion in double precision by SciPy's DOP853 (Hairer, Nørsett & Wanner 1993), started at time 0.
+
+    Times may be in any order and of either sign. ``rtol`` and ``atol`` go to SciPy as they are. Raises
+    RuntimeError with SciPy's message when the integrator gives up.
+    """
+    return scipy_solution(body, state, times, method="DOP853", rtol=rtol, atol=atol)
+
+
+def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: str, rtol: float, atol: Any) -> Solution:
+    """The motion of any system by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
+
+    ``atol`` may be six numbers, one for each component.
+    """
+    needed("scipy", f"SciPy's {method}")
+    from scipy.integrate import solve_ivp
+
+    wanted = np.asarray([float(time) for time in times])
+    start = np.array([float(x) for x in (*state.gamma, *state.M)])
+    if is_body(system):
+        rates = right_hand_side(system.inertia, system.d)
+    else:
+        field = equations(system, state)
+        rates = lambda _time, y: field(y.tolist())  # noqa: E731
+    rows = np.empty((len(wanted), 6))
+    evaluations = 0
+    for sign in (1.0, -1.0):
+        mask = wanted * sign > 0
+        if not mask.any():
+            continue
+        knots, back = np.unique(sign * wanted[mask], return_inverse=True)
+        span = (0.0, sign * knots[-1])
+        solution = solve_ivp(rates, span, start, method=method, t_eval=sign * knots, rtol=rtol, atol=atol)
+        if not solution.success:
+            raise RuntimeError(
+                f"{method} stopped at t = {solution.t[-1] if len(solution.t) else 0.0}: {solution.message}"
+            )
+        rows[mask] = solution.y.T[back]
+        evaluations += int(solution.nfev)
+    rows[wanted == 0] = start
+    return Solution(rows[:, :3], rows[:, 3:], evaluations)
+
+
+def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
+    """The motion by Taylor series in multiprecision, started at time 0: arrays of mpf, dtype object.
+
+    The order follows from ``digits`` and each step from the size of the last two coefficients (Jorba & Zou
+    2005), so that a step neglects about 10^-(digits+5); over short times the result is good to 10^-digits.
+    ``body`` and ``state`` may hold mpf, decimal strings, fractions or floats; floats are taken as they are.
+    Work grows as (number of steps) · digits², a step being about a fifth of the distance to the nearest singularity
+    in complex time. Times may be in any order and of either sign.
+    """
+    if digits < 1:
+        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
+    import mpmath
+
+    context = mpmath.MPContext()
+    context.dps = digits + 12
+    series = _Series(context, [_number(context, x) for x in body.inertia], _number(context, body.d), digits)
+    wanted = [_number(context, time) for time in times]
+    start = [_number(context, x) for x in (*state.gamma, *state.M)]
+    rows: list[list[Any]] = [start] * len(wanted)
+    for sign in (1, -1):
+        order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
+        series.follow(start, order, wanted, sign, rows)
+    table = np.array(rows, dtype=object).reshape(len(rows), 6)
+    return Solution(table[:, :3], table[:, 3:], series.expansions)
+
+
+def odefun(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:
+    """The motion by :func:`mpmath.odefun` at ``digits`` digits: what a user of mpmath would run.
+
+    Arrays of mpf, dtype object; ``evaluations`` counts right-hand sides, which it takes with many times the digits (it
+    differentiates by differences): numbers of a fixed precision would not do.
+    """
+    if digits < 1:
+        raise ArgumentError(f"digits: {digits} given; a positive number of decimal digits is needed")
+    import mpmath
+
+    context = mpmath.MPContext()
+    context.dps = digits
+    start = [_number(context, x) for x in (*state.gamma, *state.M)]
+    rates = body_equations([_number(context, x) for x in body.inertia], _number(context, body.d))
+    evaluations = 0
+
+    def counted(_time: Any, y: Any) -> list[Any]:
+        nonlocal evaluations
+        evaluations += 1
+        return rates(y)
+
+    wanted = [_number(context, time) for time in times]
+    rows: list[list[Any]] = [start] * len(wanted)
+    for sign in (1, -1):
+        order = sorted((i for i in range(len(wanted)) if sign * wanted[i] > 0), key=lambda i: abs(wanted[i]))
+        # odefun goes forwards only
+        solution = context.odefun(lambda t, y, s=sign: [s * x for x in counted(t, y)], context.zero, start)
+        for i in order:
+            rows[i] = list(solution(abs(wanted[i])))
+    table = np.array(rows, dtype=object).reshape(len(rows), 6)
+    return Solution(table[:, :3], table[:, 3:], evaluations)
+
+
+def _number(context: Any, value: Any) -> Any:
+    """``value`` as an mpf of ``context``: strings (also "1/3"), fractions and foreign mpf included."""
+    if isinstance(value, str) and "/" in value:
+        above, below = value.split("/")
+        return context.mpf(above) / context.mpf(below)
+    if hasattr(value, "numerator") and not isinstance(value, int):
+        return context.mpf(int(value.numerator)) / context.mpf(int(value.denominator))
+    return context.mpf(value)
+
+
+class _Series:
+    """Power series of the motion about a point, and the steps taken with them."""
+
+    def __init__(self, context: Any, inertia: list[Any], d: Any, digits: int) -> None:
+        self.context, self.d = context, d
+        self.a = [1 / (moment + d) for moment in inertia]
+        self.q = [moment * a for moment, a in zip(inertia, self.a, strict=True)]
+        self.tolerance = context.mpf(10) ** -(digits + 5)
+        self.order = int(1.16 * (digits + 5)) + 4  # ½ ln(1/tolerance), Jorba & Zou's optimal order
+        self.expansions = 0
+
+    def follow(self, y: list[Any], order: list[int], wanted: list[Any], sign: int, rows: list[list[Any]]) -> None:
+        """Fill ``rows[i]`` for i in ``order`` (times away from 0, in the direction ``sign``), starting with y at 0."""
+        now = self.context.zero
+        pending = list(reversed(order))
+        while pending:
+            series = self.expand(y)
+            step = self.step(series)
+            while pending and abs(wanted[pending[-1]]) <= now + step:
+                i = pending.pop()
+                rows[i] = self.evaluate(series, wanted[i] - sign * now)
+            if pending:
+                y = self.evaluate(series, sign * step)
+                now += step
+
+    def expand(self, y: list[Any]) -> list[list[Any]]:
+        """Taylor coefficients of the six components at y, orders 0 to ``self.order``."""
+        self.expansions += 1
+        dot, a, d = self.context.fdot, self.a, self.d
+        x, m = [[value] for value in y[:3]], [[value] for value in y[3:]]
+        w: list[list[Any]] = [[], [], []]
+        above: list[Any] = []  # (γ, AM)
+        below: list[Any] = []  # g⁻² = Σ I a γ²
+        ratio: list[Any] = []  # n
+        for k in range(self.order):
+            rx = [c[::-1] for c in x]
+            above.append(sum(a[i] * dot(m[i], rx[i]) for i in range(3)))
+            below.append(sum(self.q[i] * dot(x[i], rx[i]) for i in range(3)))
+            ratio.append((above[k] - (dot(ratio, below[:0:-1]) if k else 0)) / below[0])
+            for i in range(3):
+                w[i].append(a[i] * (m[i][k] + d * dot(ratio, rx[i])))
+            rw = [c[::-1] for c in w]
+            for vector in (x, m):
+                rate = [
+                    dot(vector[i - 2], rw[i - 1]) - dot(vector[i - 1], rw[i - 2]) for i in range(3)
+                ]  # (i−2, i−1) is the cyclic pair (j, k) that follows i
+                for i in range(3):
+                    vector[i].append(rate[i] / (k + 1))
+        return x + m
+
+    def step(self, series: list[list[Any]]) -> Any:
+        """The step whose last terms fall below the tolerance, relative to γ and M each."""
+        radius = None
+        for vector in (series[:3], series[3:]):
+            scale = max(abs(c[0]) for c in vector)
+            for k in (self.order - 1, self.order):
+                size = max(abs(c[k]) for c in vector)
+                if size:
+                    bound = (self.tolerance * scale / size) ** (self.context.one / k)
+                    radius = bound if radius is None else min(radius, bound)
+        return self.context.inf if radius is None else radius
+
+    def evaluate(self, series: list[list[Any]], time: Any) -> list[Any]:
+        """The six components at ``time`` from the centre of the expansion."""
+        values = []
+        for component in series:
+            value = self.context.zero
+            for coefficient in reversed(component):
+                value = value * time + coefficient
+            values.append(value)
+        return values

@@ -1,0 +1,68 @@
+"""One-step methods with a fixed step, followed to times in any order: the driver of the comparators in plain Python."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from fractions import Fraction
+from math import floor
+from typing import Any
+
+import numpy as np
+
+from integrable.oracles.reference import Solution
+from jacobian.errors import ArgumentError
+
+__all__ = ["follow", "solution_of", "split_times"]
+
+Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
+"""(y, h, memory) ↦ (y after a step of h, what helps the next step of the same h, evaluations); memory None: nothing."""
+
+
+def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: Any) -> Solution:
+    """(γ, M) at ``times`` by steps of ``step`` from time 0, forwards and backwards.
+
+    A time that is not a multiple of the step is reached by a shorter step from the last whole one, which is not gone on
+    from: the error at a time does not depend on what other times were asked for. Numbers are floats, or mpf of one
+    context.
+    """
+    first, wanted = list(start), list(times)
+    rows: list[list[Any]] = [first] * len(wanted)
+    evaluations = 0
+    for sign in (1, -1):
+        y, memory, done = first, None, 0
+        for i, count, rest in split_times(wanted, step, sign):
+            while done < count:
+                y, memory, work = advance(y, sign * step, memory)
+                done += 1
+                evaluations += work
+            rows[i] = y
+            if rest:
+                rows[i], _, work = advance(y, sign * rest, None)
+                evaluations += work
+    return solution_of(rows, evaluations)
+
+
+def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, Any]]:
+    """(index, whole steps, rest) of the times of one sign, by size; floats are divided without rounding.
+
+    ArgumentError unless the step is positive.
+    """
+    if not step > 0:
+        raise ArgumentError(f"step = {step}: give a positive step")
+    found = []
+    for i, time in enumerate(times):
+        if sign * time > 0:
+            if isinstance(step, float):
+                count, rest = divmod(abs(Fraction(time)), Fraction(step))
+                found.append((i, count, float(rest)))
+            else:
+                count = floor(abs(time) / step)
+                found.append((i, count, abs(time) - count * step))
+    return sorted(found, key=lambda entry: entry[1:])
+
+
+def solution_of(rows: list[list[Any]], evaluations: int) -> Solution:
+    """Rows of six numbers as a Solution: float64 arrays for floats, object arrays for mpf."""
+    kind = np.float64 if all(isinstance(x, float) for row in rows for x in row) else object
+    table = np.array(rows, dtype=kind).reshape(len(rows), 6)
+    return Solution(table[:, :3], table[:, 3:], evaluations)

@@ -1,0 +1,1 @@
+"""States and their coordinates: bodies, (γ, M), pairs of divisors, separated variables, brackets."""

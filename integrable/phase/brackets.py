@@ -1,0 +1,242 @@
+"""Poisson structures of the ball and the top, and how to test them.
+
+The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov's chap-br have the
+opposite ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
+
+    {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
+
+at d = 0 the Lie–Poisson bracket of e*(3) reversed. On (u1, u2, p1, p2) a bracket is {u_i, p_j} = w_iδ_ij: w = 1 the
+canonical one, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
+
+Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. Functions
+of a state are taken as f(system, state), functions of a tuple of coordinates as f(field, point): they must compute with
+the field or system that they are given.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from integrable.phase import coordinates
+from integrable.phase.body import Body, Vector, cross
+from integrable.phase.jets import JetField
+from integrable.phase.state import State
+from jacobian.errors import ArgumentError, shown
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    from integrable.systems.system import System
+
+Matrix = tuple[tuple[Any, ...], ...]
+# weights of a central difference quotient of sixth order
+STENCIL = ((1, 45), (2, -9), (3, 1))
+STENCIL_SCALE = 60
+
+
+def ball_matrix(body: Body, gamma: Vector, M: Vector, g: Any = None) -> Matrix:
+    """The 6×6 matrix of brackets of (γ1, γ2, γ3, M1, M2, M3) at any (γ, M), e*(3) at d = 0.
+
+    ``g`` is the root of g² (by default the field's own; NotASquare where there is none).
+    """
+    K, zero = body.field, body.field.zero
+    turn, spin = gamma, M
+    if body.rolls:
+        g = coordinates.root_of_g(body, gamma) if g is None else g
+        tilt = K.dot([K.mul(a, x) for a, x in zip(body.a, gamma, strict=True)], M)
+        lean = K.mul(K.mul(body.d, g), tilt)
+        turn = tuple(K.div(x, g) for x in gamma)
+        spin = tuple(K.sub(K.div(m, g), K.mul(lean, x)) for m, x in zip(M, gamma, strict=True))
+    upper, lower = _skew(K, turn), _skew(K, spin)
+    return (*((zero, zero, zero, *row) for row in upper), *((*a, *b) for a, b in zip(upper, lower, strict=True)))
+
+
+def weighted_matrix(K: Any, weights: Sequence[Any]) -> Matrix:
+    """{u_i, p_j} = w_iδ_ij as a 4×4 matrix on (u1, u2, p1, p2)."""
+    (first, second), zero = weights, K.zero
+    minus = K.neg(first), K.neg(second)
+    return (
+        (zero, zero, first, zero),
+        (zero, zero, zero, second),
+        (minus[0], *[zero] * 3),
+        (zero, minus[1], zero, zero),
+    )
+
+
+def canonical_matrix(K: Any) -> Matrix:
+    """{u_i, p_j} = δ_ij."""
+    return weighted_matrix(K, (K.one, K.one))
+
+
+def _skew(K: Any, x: Vector) -> Matrix:
+    """−ε_ijk x_k."""
+    zero, (x1, x2, x3) = K.zero, x
+    return ((zero, K.neg(x3), x2), (x3, zero, K.neg(x1)), (K.neg(x2), x1, zero))
+
+
+# --- derivatives
+
+
+def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[Any]], point: Sequence[Any]) -> Matrix:
+    """The rows ∂f_i/∂x_k at ``point`` of f(field, x): exact over an exact field, else of sixth order in eps^(1/7)."""
+    if K.exact:
+        jets = JetField(K, len(point))
+        return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
+    step = K.coerce(K.eps) ** K.div(K.one, K.coerce(7))
+    columns = [_difference(lambda x: function(K, x), tuple(point), k, step) for k in range(len(point))]
+    return tuple(zip(*columns, strict=True))
+
+
+def _difference(function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...], k: int, step: Any) -> Any:
+    total: list[Any] | None = None
+    for count, weight in STENCIL:
+        shift = count * step * max(1, abs(point[k]))
+        ahead, behind = (function((*point[:k], point[k] + s, *point[k + 1 :])) for s in (shift, -shift))
+        terms = [weight * (a - b) for a, b in zip(ahead, behind, strict=True)]
+        total = terms if total is None else [x + y for x, y in zip(total, terms, strict=True)]
+    assert total is not None
+    scale = STENCIL_SCALE * step * max(1, abs(point[k]))
+    return [x / scale for x in total]
+
+
+def over(system: System, field: Any) -> Any:
+    """The same system with its body over another field, such as jets over its own."""
+    if hasattr(system, "over"):
+        return system.over(field)
+    return replaced(system, body=replace(system.body, field=field))
+
+
+def on_leaf(system: System, like: State, gamma: Vector, M: Vector) -> State:
+    """(γ, M) moved to the values of C1 and C2 of ``like``, to first order, with the root g on the side of ``like``.
+
+    A function extended off its symplectic leaf by this map has the same brackets as before, for C1 and C2 are Casimirs.
+    """
+    K = system.field
+    base = K.base if isinstance(K, JetField) else K
+    one, tilt = base.dot(like.gamma, like.gamma), base.dot(like.gamma, like.M)
+    square = K.dot(gamma, gamma)
+    nearby = K.add(K.one, K.div(K.sub(one, square), K.add(one, one)))
+    scale = nearby if K.exact else K.sqrt(K.div(one, square))
+    x1, x2, x3 = (K.mul(scale, x) for x in gamma)
+    gamma = (x1, x2, x3)
+    rest = K.div(K.sub(tilt, K.dot(gamma, M)), one)
+    m1, m2, m3 = (K.add(m, K.mul(rest, x)) for m, x in zip(M, gamma, strict=True))
+    if like.g is None or not isinstance(K, JetField):
+        return State(gamma, (m1, m2, m3), like.g, like.tilted)
+    return State(gamma, (m1, m2, m3), K.sqrt(K.inv(system.body.conformal(gamma)), like.g), like.tilted)
+
+
+def differential(system: System, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
+    """The rows ∂f_i/∂(γ, M) at ``state`` of f(system, state), along its symplectic leaf."""
+
+    def of_point(field: Any, point: tuple[Any, ...]) -> Sequence[Any]:
+        moved = over(system, field)
+        gamma, M = point[:3], point[3:]
+        return function(moved, on_leaf(moved, state, gamma, M))
+
+    return jacobian_matrix(system.field, of_point, (*state.gamma, *state.M))
+
+
+def bracket(system: System, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Any:
+    """{F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
+    rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
+    return pushed(system.field, rows, system.poisson(state))[0][1]
+
+
+def pushed(K: Any, rows: Matrix, matrix: Matrix) -> Matrix:
+    """J Π Jᵀ for the rows of J: the brackets of the functions that the rows are differentials of."""
+    left = [[K.dot(row, column) for column in zip(*matrix, strict=True)] for row in rows]
+    return tuple(tuple(K.dot(first, second) for second in rows) for first in left)
+
+
+def image_brackets(system: System, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
+    """(brackets of the image of (γ, M) under a step, the matrix of :meth:`System.poisson` at the image).
+
+    A Poisson map makes them equal. ``step(system, state)`` or a step with ``.over(system)``, as in
+    :mod:`integrable.steps.translation`.
+    """
+
+    state = system._checked(state)
+    if not (hasattr(step, "over") or callable(step)):
+        raise ArgumentError(f"step = {shown(step)}: give a Step or a function of (system, state)")
+
+    def image(moved: Any, x: State) -> Sequence[Any]:
+        y = step.over(moved)(x) if hasattr(step, "over") else step(moved, x)
+        return (*y.gamma, *y.M)
+
+    brackets = pushed(system.field, differential(system, image, state), system.poisson(state))
+    target = step(state) if hasattr(step, "over") else step(system, state)
+    return brackets, system.poisson(target)
+
+
+# --- identities of a structure
+
+
+def jacobi_defects(
+    K: Any, matrix: Callable[[Any, tuple[Any, ...]], Matrix], point: Sequence[Any]
+) -> dict[tuple[int, int, int], Any]:
+    """Σ_cyclic {x_i, {x_j, x_k}} at ``point`` for i < j < k: all zero for a Poisson structure."""
+    size = len(point)
+    entries = [(j, k) for j in range(size) for k in range(size)]
+    rows = jacobian_matrix(K, lambda field, x: [matrix(field, x)[j][k] for j, k in entries], point)
+    slopes = dict(zip(entries, rows, strict=True))
+    values = matrix(K, tuple(point))
+    return {
+        (i, j, k): K.add(
+            K.add(K.dot(values[i], slopes[j, k]), K.dot(values[j], slopes[k, i])), K.dot(values[k], slopes[i, j])
+        )
+        for i in range(size)
+        for j in range(i + 1, size)
+        for k in range(j + 1, size)
+    }
+
+
+def conformal_field(system: System, state: State) -> tuple[Any, ...]:
+    """g{x, H1/2} for x = (γ, M): the vector field of the motion in its conformally Hamiltonian form."""
+    K = system.field
+    (row,) = differential(system, lambda s, x: (s.integrals(x).H1,), state)
+    g = K.one if not system.body.rolls else root(system, state)
+    scale = K.div(g, K.add(K.one, K.one))
+    return tuple(K.mul(scale, K.dot(line, row)) for line in system.poisson(state))
+
+
+def root(system: System, state: State) -> Any:
+    """The root g of g² = 1/(1 − d(γ, Aγ)) of a state."""
+    return coordinates.root_of_g(system.body, state.gamma) if state.g is None else state.g
+
+
+def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
+    """div(g·(γ × ω, M × ω))/g at any (γ, M): zero, for g dγ dM is an invariant measure (Chaplygin 1903).
+
+    Rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
+    """
+    K = body.field
+
+    def motion(field: Any, point: tuple[Any, ...]) -> Sequence[Any]:
+        moved = replace(body, field=field)
+        x, m = point[:3], point[3:]
+        omega = _omega(moved, x, m)
+        return (*cross(field, x, omega), *cross(field, m, omega))
+
+    point = (*gamma, *M)
+    rows = jacobian_matrix(K, motion, point)
+    trace = K.dot([row[i] for i, row in enumerate(rows)], (K.one,) * 6)
+    (slope,) = jacobian_matrix(K, lambda field, x: (_inverse_square(replace(body, field=field), x[:3]),), point)
+    change = K.dot(slope, motion(K, point))
+    two = K.add(K.one, K.one)
+    return K.sub(trace, K.div(change, K.mul(two, _inverse_square(body, gamma))))
+
+
+def _inverse_square(body: Body, gamma: Sequence[Any]) -> Any:
+    """1 − d(γ, Aγ) off the sphere too."""
+    K = body.field
+    return K.sub(K.one, K.mul(body.d, K.dot(body.a, [K.mul(x, x) for x in gamma])))
+
+
+def _omega(body: Body, gamma: Sequence[Any], M: Sequence[Any]) -> Vector:
+    K = body.field
+    moved = [K.mul(a, x) for a, x in zip(body.a, M, strict=True)]
+    spin = K.mul(body.d, K.div(K.dot(gamma, moved), _inverse_square(body, gamma)))
+    w1, w2, w3 = (K.add(x, K.mul(spin, K.mul(a, y))) for x, a, y in zip(moved, body.a, gamma, strict=True))
+    return w1, w2, w3

@@ -1,0 +1,33 @@
+"""The isometries that make the d = 0 geodesic flows of the tilde, check and hat pairs one family.
+
+The lift of γ ↦ γ' = Bγ/|Bγ| to (γ, M) = 0 is M' = Bγ × B⁻¹(M × γ), a canonical map. With a' = 1/a (moments I'_i = a_i):
+B² = A^∨ takes the hat pair of A to e3 times the tilde pair of A⁻¹, B² = A the check pair to −e3 times it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.phase.body import Vector, cross, square_root
+from jacobian.errors import NotRepresentable
+
+
+def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
+    """(γ', M') under the diagonal matrix B, undone by the lift of B⁻¹. NotASquare where |Bγ| is not in the field,
+    NotRepresentable where it is zero there.
+    """
+    K = field
+    turned = (K.mul(B[0], gamma[0]), K.mul(B[1], gamma[1]), K.mul(B[2], gamma[2]))
+    length = square_root(K, K.dot(turned, turned), "|Bγ|²")
+    if length == K.zero:
+        raise NotRepresentable(f"|Bγ|² = 0 over {K.name}: γ has no image")
+    w = cross(K, M, gamma)
+    image = (K.div(turned[0], length), K.div(turned[1], length), K.div(turned[2], length))
+    return image, cross(K, turned, (K.div(w[0], B[0]), K.div(w[1], B[1]), K.div(w[2], B[2])))
+
+
+def roots(field: Any, squares: Sequence[Any]) -> Vector:
+    """The diagonal of B from that of B²."""
+    x, y, z = (square_root(field, value, "B²") for value in squares)
+    return x, y, z

@@ -1,0 +1,162 @@
+"""Separating coordinates: (γ, M) ↔ (u, p) ↔ (q, p_q) at (γ, M) = 0, u and p canonical: {u_i, p_j} = δ_ij.
+
+u1, u2 are the roots of U and y_k = V(u_k) = φ(u_k)p_k with φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x) (Tsiganov's
+coordinates; sphero-conical at d = 0). q = du/(1 − du) are the roots of Σ γ_i²/(x − d/I_i), Chaplygin's own coordinates
+of 1903, which do not exist at d = 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+from integrable.phase import coordinates
+from integrable.phase.body import Body
+from integrable.phase.state import State
+from jacobian import poly
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
+from jacobian.fields.quadratic import quadratic_roots
+
+Two = tuple[Any, Any]
+
+
+class Separated(NamedTuple):
+    """Two coordinates and their conjugate momenta."""
+
+    u: Two
+    p: Two
+
+
+def phi(body: Body, x: Any) -> Any:
+    """φ(x) = 4(dx − 1)(a1 − x)(a2 − x)(a3 − x)."""
+    K = body.field
+    value = K.mul(poly.integer(K, 4), K.sub(K.mul(body.d, x), K.one))
+    for a in body.a:
+        value = K.mul(value, K.sub(a, x))
+    return value
+
+
+def to_separated(body: Body, state: State) -> Separated:
+    """(u, p) of a state; u1 < u2 over the reals, in the order of the field's root elsewhere.
+
+    NotASquare where u1, u2 are not in the field; NotRepresentable where u1 = u2 or a γ_i vanishes (some u_k = a_i,
+    whose momentum is infinite): the divisor and the pairs are regular there.
+    """
+    u, v = coordinates.to_mumford(body, coordinates.to_pairs(body, state))
+    return of_mumford(body, u, v)
+
+
+def of_mumford(body: Body, u: poly.Poly, v: poly.Poly) -> Separated:
+    """(u, p) of a divisor of weight two; raises as :func:`to_separated`."""
+    return of_roots(body.field, u, v, lambda x: phi(body, x))
+
+
+def of_roots(K: Any, u: poly.Poly, v: poly.Poly, phi: Callable[[Any], Any]) -> Separated:
+    """The roots of u and the momenta v(u_k)/φ(u_k); raises as :func:`to_separated`."""
+    first, second = _roots(K, u)
+    p = []
+    for x in (first, second):
+        scale = phi(x)
+        if scale == K.zero:
+            raise NotRepresentable(f"u = {x} is a branch point: its momentum p = y/φ(u) does not exist there")
+        p.append(K.div(poly.evaluate(K, v, x), scale))
+    return Separated((first, second), (p[0], p[1]))
+
+
+def _roots(K: Any, u: poly.Poly) -> Two:
+    """The two roots of a monic quadratic polynomial."""
+    if not K.exact:
+        square = u[1] * u[1]
+        discriminant = square - 4 * u[0]
+        if discriminant <= 16 * K.eps * (square + 4 * abs(u[0])):
+            raise NotRepresentable("u1 = u2 to rounding: their momenta do not exist; use the divisor")
+    roots = quadratic_roots(K, u[1], K.neg(u[0]))
+    if len(roots) == 1:
+        raise NotRepresentable(f"u1 = u2 = {roots[0]}: their momenta do not exist; use the divisor")
+    if not roots:
+        raise NotASquare(f"u = {poly.text(K, u)} has no roots in {K.name}: u1 and u2 are conjugate; use the divisor")
+    return (min(roots), max(roots)) if not K.exact else (roots[0], roots[1])
+
+
+def to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
+    """(U, V) with roots u_k and V(u_k) = φ(u_k)p_k; NotRepresentable where u1 = u2."""
+    K, ((u1, u2), _) = body.field, point
+    if u1 == u2:
+        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there; use the divisor")
+    y1, y2 = (K.mul(phi(body, x), p) for x, p in zip(*point, strict=True))
+    slope = K.div(K.sub(y1, y2), K.sub(u1, u2))
+    v = (K.sub(y1, K.mul(slope, u1)), slope)
+    return (K.mul(u1, u2), K.neg(K.add(u1, u2)), K.one), poly.trim(K, v) if K.exact else v
+
+
+def integrals(body: Body, point: Separated) -> Two:
+    """(H1, H2) of (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2."""
+    K, ((u1, u2), _) = body.field, point
+    if u1 == u2:
+        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there; use the divisor")
+    first, second = (K.mul(phi(body, x), K.mul(p, p)) for x, p in zip(*point, strict=True))
+    h2 = K.div(K.sub(second, first), K.sub(u1, u2))
+    return K.add(first, K.mul(u1, h2)), h2
+
+
+def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
+    """The state of (u, p): of the eight that share it the one with the signs of ``like``, or with the field's roots.
+
+    NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
+    where u1 = u2 or moments coincide.
+    """
+    K = body.field
+    u, v = to_mumford(body, point)
+    f = body.polynomial(*integrals(body, point))
+    model = ((K.one, K.zero),) * len(coordinates.branch_points(body))
+    if like is not None:
+        model = coordinates.to_pairs(body, like)
+    return coordinates.from_pairs(body, coordinates.pairs_of(body, f, u, v, model))
+
+
+def to_chaplygin(body: Body, point: Separated) -> Separated:
+    """(q, p_q): q = du/(1 − du), p_q = p·du/dq, again canonical; ArgumentError at d = 0."""
+    K = body.field
+    _check_rolling(body)
+    q, p = [], []
+    for x, momentum in zip(*point, strict=True):
+        rest = K.sub(K.one, K.mul(body.d, x))
+        if rest == K.zero:
+            raise NotRepresentable(f"u = {x} = 1/d: q is infinite")
+        q.append(K.div(K.mul(body.d, x), rest))
+        p.append(K.div(K.mul(momentum, K.mul(rest, rest)), body.d))
+    return Separated((q[0], q[1]), (p[0], p[1]))
+
+
+def from_chaplygin(body: Body, point: Separated) -> Separated:
+    """(u, p) of (q, p_q): u = q/(d(q + 1)); ArgumentError at d = 0."""
+    K = body.field
+    _check_rolling(body)
+    u, p = [], []
+    for x, momentum in zip(*point, strict=True):
+        rest = K.add(K.one, x)
+        if rest == K.zero:
+            raise NotRepresentable(f"q = {x}: u is infinite")
+        u.append(K.div(x, K.mul(body.d, rest)))
+        p.append(K.mul(momentum, K.mul(body.d, K.mul(rest, rest))))
+    return Separated((u[0], u[1]), (p[0], p[1]))
+
+
+def _check_rolling(body: Body) -> None:
+    if not body.rolls:
+        raise ArgumentError("d = 0: Chaplygin's q need d ≠ 0; use (u, p), which stay finite")
+
+
+def lifts(body: Body, state: State) -> tuple[State, ...]:
+    """The eight states (s_iγ_i, s_js_kM_i), s_i = ±1, that share the divisor and (u, p) of a state, itself first."""
+    K = body.field
+
+    def turned(x: Any, sign: int) -> Any:
+        return x if sign > 0 else K.neg(x)
+
+    result = []
+    for s in [(i, j, k) for i in (1, -1) for j in (1, -1) for k in (1, -1)]:
+        x, y, z = (turned(x, sign) for x, sign in zip(state.gamma, s, strict=True))
+        m = [turned(x, s[(i + 1) % 3] * s[(i + 2) % 3]) for i, x in enumerate(state.M)]
+        result.append(State((x, y, z), (m[0], m[1], m[2]), state.g))
+    return tuple(result)

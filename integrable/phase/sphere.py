@@ -1,0 +1,105 @@
+"""The free motion on the sphere and the other equivalence of divisors: conics through plane points (d = 0).
+
+H1 = (M, M) and H2 = −(M, AM) in the coordinates (u, p) of :mod:`integrable.phase.separation` at d = 0; here φ(x) =
+4Π(a_i − x), y_k = φ(u_k)p_k and y² = f(x) = φ(x)(H1·x + H2), so that V is minus that of :meth:`System.divisor`.
+(Tsiganov, "Integrable discretization …", section 4.1.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.phase.separation import Separated, of_roots
+from jacobian import HyperellipticCurve, poly
+from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.relatives.conic import Representative
+
+Divisor = tuple[poly.Poly, poly.Poly]
+
+
+def phi(K: Any, a: Sequence[Any]) -> poly.Poly:
+    """φ(x) = 4Π(a_i − x), ascending."""
+    value: poly.Poly = (poly.integer(K, 4),)
+    for e in a:
+        value = poly.mul(K, value, (e, K.neg(K.one)))
+    return value
+
+
+def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
+    """The line through (u_k, φ(u_k)p_k), of length 2; NotRepresentable where u1 = u2."""
+    (u1, u2), _ = point
+    if u1 == u2:
+        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there")
+    y1, y2 = (K.mul(poly.evaluate(K, phi(K, a), x), p) for x, p in zip(*point, strict=True))
+    slope = K.div(K.sub(y1, y2), K.sub(u1, u2))
+    return K.sub(y1, K.mul(slope, u1)), slope
+
+
+def integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
+    """(H1, H2) with φ(u_k)p_k² = H1·u_k + H2."""
+    (u1, u2), _ = point
+    first, second = (K.mul(poly.evaluate(K, phi(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
+    h1 = K.div(K.sub(first, second), K.sub(u1, u2))
+    return h1, K.sub(first, K.mul(h1, u1))
+
+
+def conic_sum(K: Any, f: poly.Poly, divisor: Divisor, x0: Any, y0: Any) -> Divisor:
+    """(Ũ, Ṽ) = ((P² − f)/U made monic, −P mod Ũ) for P = V + cU through (x0, y0); x0 = None: c = y0.
+
+    For Mumford data of N points on y² = f(x), deg f = 2N (:meth:`jacobian.relatives.conic.Representative.step`). It
+    preserves {u_i, p_j} = (u_i − x0)δ_ij, y = φp, for constant y0. NotRepresentable where U(x0) = 0.
+    """
+    image = Representative(HyperellipticCurve(K, f), *divisor).step(x0, y0)
+    return image.u, image.v
+
+
+def conic(K: Any, a: Sequence[Any], point: Separated, x0: Any, y0: Any) -> Separated:
+    """The image of (u, p) under :func:`conic_sum`; NotASquare where ũ1, ũ2 are not in the field."""
+    (u1, u2), _ = point
+    h1, h2 = integrals(K, a, point)
+    f = poly.mul(K, phi(K, a), (h2, h1))
+    u = (K.mul(u1, u2), K.neg(K.add(u1, u2)), K.one)
+    image, v = conic_sum(K, f, (u, momentum_line(K, a, point)), x0, y0)
+    return of_roots(K, image, v, lambda x: poly.evaluate(K, phi(K, a), x))
+
+
+def rho(K: Any, point: Separated) -> Separated:
+    """ρ: (u, p) ↦ (u, u·p), which takes the canonical bracket to W: {u_i, u_jp_j} = u_iδ_ij."""
+    (u1, u2), (p1, p2) = point
+    return Separated((u1, u2), (K.mul(u1, p1), K.mul(u2, p2)))
+
+
+def rho_inverse(K: Any, point: Separated) -> Separated:
+    """(u, p) ↦ (u, p/u); NotRepresentable at u_k = 0."""
+    (u1, u2), (p1, p2) = point
+    if K.zero in (u1, u2):
+        raise NotRepresentable("u_k = 0: ρ has no inverse there")
+    return Separated((u1, u2), (K.div(p1, u1), K.div(p2, u2)))
+
+
+def hat(K: Any, a: Sequence[Any], point: Separated) -> Separated:
+    """(û, p̂) = ρ⁻¹ ∘ (conic through (0, 0)) ∘ ρ: canonical again, p̂ = −ℓ(û)/φ(û), ℓ the line of (u_k, φ_kp_k)."""
+    return rho_inverse(K, conic(K, a, rho(K, point), K.zero, K.zero))
+
+
+def hat_eigenvalues(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
+    """ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
+    first, second = (
+        K.mul(K.mul(x, poly.evaluate(K, phi(K, a), x)), K.mul(p, p)) for x, p in zip(*hat(K, a, point), strict=True)
+    )
+    return first, second
+
+
+def metric(K: Any, a: Sequence[Any], u: Sequence[Any]) -> tuple[Any, Any]:
+    """The diagonal (ĝ_11, ĝ_22) of the quadratic form ν1 + ν2 = Σ ĝ_kk p_k²; ArgumentError where an a_i = 0."""
+    if K.zero in a:
+        raise ArgumentError(f"a = {tuple(a)}: the metric needs a_i ≠ 0")
+    u1, u2 = u
+    mixed = K.mul(K.mul(u1, u2), K.dot([K.inv(e) for e in a], (K.one,) * 3))
+    result = []
+    for x, other in ((u1, u2), (u2, u1)):
+        size = K.sub(K.add(K.add(x, x), other), mixed)
+        value = K.mul(K.mul(poly.evaluate(K, phi(K, a), x), x), size)
+        result.append(K.div(value, K.sub(x, other)))
+    return result[0], result[1]

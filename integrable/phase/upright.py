@@ -1,0 +1,140 @@
+"""Chaplygin's linear change of (γ, M) that takes any (γ, M) ≠ 0 to (γ̃, M̃) = 0 on another body.
+
+    γ̃ = p(γ + kM),  M̃ = s(M − dkH1γ),  d̃ = d(1 + kc),  Ĩ_i = I_i − dkc,     c = (γ, M),
+    s = (1 + dk²H1)^(−1/2),  p = ((1 + kc)(1 + dk²H1))^(−1/2),  c·d·H1·k² − (H2 − dH1)k − c = 0.
+
+The a_i = 1/(I_i + d), H1 and the time τ of the flow (dτ = g dt) are the same on both sides. Over the reals k is the
+root with −1 < kc ≤ 0, continuous from k = 0 at c = 0. At d = 0, γ̃ is the unit vector of γ − (c/H2)M and M̃ = M.
+(Chaplygin 1903; the constants are checked exactly in tests/integrable/phase/test_identities_tilted.py.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+from integrable.phase.body import Body, Vector, cross, square_root
+from integrable.phase.state import State
+from jacobian.errors import NotRepresentable
+
+
+@dataclass(frozen=True)
+class ChaplyginTransformation:
+    """The change of variables at one value of (c, H1, H2): :meth:`of` makes it, :meth:`apply` and :meth:`invert` are
+    inverse to each other on all states with these integrals.
+
+    ``body`` is the given body, ``upright`` the one on which (γ̃, M̃) = 0.
+    """
+
+    body: Body
+    upright: Body
+    k: Any
+    s: Any
+    p: Any
+    shift: Any
+    """d·k·H1."""
+
+    @staticmethod
+    def of(body: Body, gamma: Vector, M: Vector) -> ChaplyginTransformation:
+        """The transformation at the integrals of (γ, M), |γ| = 1.
+
+        Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p is not in the field.
+        """
+        K = body.field
+        integrals = body.integrals(gamma, M)
+        w = cross(K, gamma, M)
+        square = K.dot(w, w)
+        # at M ∥ γ, k = −1/c
+        if K.zero == integrals.H2 or not (K.exact or square > (16 * K.eps) ** 2 * integrals.H2):
+            raise _parallel(integrals.C2)
+        k, rest = _root(body, integrals, square)
+        if rest == K.zero:
+            raise _parallel(integrals.C2)
+        shift = K.mul(body.d, K.mul(k, integrals.H1))
+        turn = K.mul(k, integrals.C2)
+        stretch = K.add(K.one, K.mul(k, shift))
+        s = K.inv(square_root(K, stretch, "1 + dk²H1"))
+        p = K.mul(s, K.inv(square_root(K, rest, "1 + kc")))
+        d = K.mul(body.d, rest)
+        less = K.mul(body.d, turn)
+        moments = tuple(K.sub(moment, less) for moment in body.inertia)
+        return ChaplyginTransformation(body, Body.make(moments, d, K), k, s, p, shift)
+
+    def apply(self, state: State) -> State:
+        """(γ, M) ↦ (γ̃, M̃), with g̃ = g/(s(1 − dkn)) where the state carries g."""
+        K = self.body.field
+        gamma, M = self.apply_vectors(state.gamma, state.M)
+        g = None if state.g is None else K.div(state.g, K.mul(self.s, self._slip(state.gamma, state.M)))
+        return State(gamma, M, g)
+
+    def apply_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
+        """γ̃ = p(γ + kM), M̃ = s(M − dkH1γ)."""
+        K = self.body.field
+        tilde = tuple(K.mul(self.p, K.add(x, K.mul(self.k, y))) for x, y in zip(gamma, M, strict=True))
+        momentum = tuple(K.mul(self.s, K.sub(y, K.mul(self.shift, x))) for x, y in zip(gamma, M, strict=True))
+        return (tilde[0], tilde[1], tilde[2]), (momentum[0], momentum[1], momentum[2])
+
+    def invert(self, state: State) -> State:
+        """(γ̃, M̃) ↦ (γ, M), a tilted State."""
+        K = self.body.field
+        gamma, M = self.invert_vectors(state.gamma, state.M)
+        g = None if state.g is None else K.mul(state.g, K.mul(self.s, self._slip(gamma, M)))
+        return State(gamma, M, g, tilted=True)
+
+    def invert_vectors(self, gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
+        """γ = s²(γ̃/p − kM̃/s), M = s²(M̃/s + dkH1·γ̃/p)."""
+        K = self.body.field
+        a, b, c, d = self.inverse_matrix()
+        back = tuple(K.add(K.mul(a, x), K.mul(b, y)) for x, y in zip(gamma, M, strict=True))
+        momentum = tuple(K.add(K.mul(c, x), K.mul(d, y)) for x, y in zip(gamma, M, strict=True))
+        return (back[0], back[1], back[2]), (momentum[0], momentum[1], momentum[2])
+
+    def inverse_matrix(self) -> tuple[Any, Any, Any, Any]:
+        """(a, b, c, d) with γ = aγ̃ + bM̃, M = cγ̃ + dM̃."""
+        K = self.body.field
+        upright = K.div(K.mul(self.s, self.s), self.p)
+        return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
+
+    def clock(self) -> tuple[Any, Any]:
+        """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): physical time on the transformed motion, t = ∫dτ/g.
+
+        α = s and β = dks²/p, from dt̃/dt = s(1 − dkn) and ω = ω̃ dt̃/dt.
+        """
+        K = self.body.field
+        return self.s, K.div(K.mul(K.mul(self.body.d, self.k), K.mul(self.s, self.s)), self.p)
+
+    def _slip(self, gamma: Vector, M: Vector) -> Any:
+        """1 − dkn, n = (γ, ω)."""
+        K = self.body.field
+        return K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
+
+
+def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
+    """(k, 1 + kc), k = −2c/((H2 − dH1) + √((H2 − dH1)² + 4c²dH1)), ``square`` = |γ × M|².
+
+    Over an exact field the other root where the sum in the denominator vanishes.
+    """
+    K, (_, c, h1, h2) = body.field, integrals
+    if not body.rolls:
+        return K.neg(K.div(c, h2)), K.div(square, h2)
+    rolling, two = K.mul(body.d, h1), K.add(K.one, K.one)
+    rest, double = K.sub(h2, rolling), K.mul(two, c)
+    root = square_root(K, K.add(K.mul(rest, rest), K.mul(K.mul(double, double), rolling)), "(H2 − dH1)² + 4c²dH1")
+    total = K.add(rest, root)
+    if K.exact and total == K.zero:
+        total = K.sub(rest, root)
+    if total == K.zero:
+        raise _parallel(c)
+    k = K.neg(K.div(double, total))
+    below = K.sub(rest, K.mul(double, c))
+    if K.exact or below > 0:
+        return k, K.add(K.one, K.mul(k, c))
+    # (below + root)(root − below) = 4c²|γ × M|²: no cancellation near M ∥ γ
+    return k, double * double * square / ((root - below) * total)
+
+
+def _parallel(c: Any) -> NotRepresentable:
+    return NotRepresentable(
+        f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "
+        "momentum of the free top of moments I_i + d instead (Ṁ = M × AM for g²M, g constant)"
+    )

@@ -1,0 +1,1 @@
+"""Runs described as TOML: read, run, reported, drawn."""

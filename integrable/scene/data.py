@@ -1,0 +1,259 @@
+"""What a scene is: a system, a start, times or steps, what is wanted of them. Frozen, numbers as exact fractions."""
+
+from __future__ import annotations
+
+import dataclasses
+import re
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from fractions import Fraction
+from typing import Any
+
+from jacobian.errors import ArgumentError, whole
+
+__all__ = ["FLOAT_DIGITS", "MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
+
+FLOAT_DIGITS = 15
+"""Up to this many digits a run is in floats, above it in multiprecision."""
+MOST_STEPS = 10_000_000
+"""Of an orbit, whose states are all kept."""
+
+SYSTEMS = {
+    "chaplygin_ball": "ChaplyginBall",
+    "euler_top": "EulerTop",
+    "tilde": "Tilde",
+    "check": "Check",
+    "hat": "Hat",
+    "gyroscopic": "Gyroscopic",
+}
+"""The systems of scenes, and their classes in :mod:`integrable`."""
+
+
+@dataclass(frozen=True)
+class Times:
+    """Physical times: a list as given, or ``count`` times spaced from ``first`` to ``until``.
+
+    Listed times are exact at any number of digits; spaced times are floats, the same floats at any number of digits.
+    """
+
+    given: tuple[Fraction, ...] = ()
+    first: Fraction = Fraction(0)
+    until: Fraction = Fraction(0)
+    count: int = 0
+    spacing: str = "linear"
+
+    def floats(self) -> list[float]:
+        """The times as floats."""
+        if self.given:
+            return [float(time) for time in self.given]
+        steps = max(self.count - 1, 1)
+        if self.spacing == "linear":
+            return [float(self.first + (self.until - self.first) * k / steps) for k in range(self.count)]
+        ratio, first = float(self.until / self.first), float(self.first)
+        return [*(first * ratio ** (k / steps) for k in range(self.count - 1)), float(self.until)]
+
+    def at(self, digits: int) -> list[Any]:
+        """The times as numbers of a run at ``digits`` digits."""
+        if digits <= FLOAT_DIGITS:
+            return self.floats()
+        exact = self.given or [Fraction(time) for time in self.floats()]
+        number = _numbers(digits)
+        return [number(time) for time in exact]
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What the report is to hold: costs of both methods, the truth to hold them against, and repeats of each timing."""
+
+    digits: tuple[int, ...]
+    tolerances: tuple[Fraction, ...]
+    truth_digits: int
+    check_time: Fraction
+    repeat: int
+    steps: tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class Map:
+    """One map of ``[steps]``: its kind, and the arguments of the method of that name, without those left out."""
+
+    kind: str
+    arguments: tuple[tuple[str, Any], ...] = ()
+
+    def of(self, system: Any, number: Callable[[Fraction], Any]) -> Any:
+        """The map on a system whose numbers are written by ``number``."""
+        method = getattr(system, self.kind, None)
+        if method is None:
+            raise ArgumentError(f'kind: "{self.kind}" given, which {type(system).__name__} has not')
+        given = dict(self.arguments)
+        if "conjugate" in given:
+            re_part, im_part = map(number, given.pop("conjugate"))
+            unit = getattr(getattr(system.field, "context", None), "j", 1j)
+            given["points"] = (re_part + unit * im_part, re_part - unit * im_part)
+        if "weights" in given:
+            first, second = map(number, given.pop("weights"))
+            given["F"] = lambda h1, h2: first * h1 + second * h2
+        return method(**{key: _as_numbers(value, number) for key, value in given.items()})
+
+
+@dataclass(frozen=True)
+class Steps:
+    """An orbit: the composition of ``maps``, the first of them done first, ``count`` times; and what to measure."""
+
+    maps: tuple[Map, ...]
+    count: int
+    digits: tuple[int, ...]
+    truth_digits: int
+    repeat: int
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A run described as data: read from TOML by :mod:`integrable.scene.file`, run by :func:`integrable.run`."""
+
+    name: str
+    title: str
+    description: str
+    system: str
+    inertia: tuple[Fraction, ...]
+    d: Fraction | None
+    mass: Fraction | None
+    radius: Fraction | None
+    gamma: tuple[Fraction, ...]
+    M: tuple[Fraction, ...]
+    times: Times = Times()
+    digits: int = FLOAT_DIGITS
+    report: Comparison | None = None
+    pictures: tuple[str, ...] = ()
+    sphere: Times | None = None
+    tilted: bool = False
+    """Whether (γ, M) may differ from 0."""
+    potential: tuple[Fraction, ...] | None = None
+    """The five parameters of the potential of a deformation."""
+    c: Fraction | None = None
+    """The constant of the gyroscopic deformation."""
+    steps: Steps | None = None
+    """An orbit of a map instead of a motion: ``times`` is empty then."""
+    finite_field: str = ""
+    """The field of an exact orbit, such as ``"GF(2^61-1)"``; empty: floats or multiprecision."""
+    place: str = "scene"
+    """What error messages call the scene: the file it came from."""
+
+    @property
+    def rolls_or_spins(self) -> bool:
+        """Whether the system is the ball or the top, not a deformation."""
+        return self.system in ("chaplygin_ball", "euler_top")
+
+    def body(self, digits: int) -> Any:
+        """The system, in floats up to 15 digits, in multiprecision above; over a finite field whatever the digits.
+
+        ArgumentError if there is no such body.
+        """
+        import integrable
+
+        number = self._numbers(digits)
+        given = {"d": self.d, "mass": self.mass, "radius": self.radius, "c": self.c}
+        shape = {key: number(value) for key, value in given.items() if value is not None}
+        if self.potential is not None:
+            shape["potential"] = tuple(map(number, self.potential))
+        with self._placed("[body]"):
+            field = self._field(digits)
+            kind = getattr(integrable, SYSTEMS[self.system])
+            return kind(inertia=tuple(map(number, self.inertia)), field=field, **shape)
+
+    def start(self, digits: int) -> tuple[Any, Any]:
+        """The system and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""
+        body, number = self.body(digits), self._numbers(digits)
+        extra = {"tilted": True} if self.tilted else {}
+        with self._placed("[start]"):
+            return body, body.state(tuple(map(number, self.gamma)), tuple(map(number, self.M)), **extra)
+
+    def step(self, system: Any, digits: int) -> Any:
+        """The map of ``steps`` on a system made by :meth:`body` at these digits; ArgumentError if there is none."""
+        assert self.steps is not None, "the scene has no [steps]"
+        result = None
+        with self._placed("[steps] maps:"):
+            for one in self.steps.maps:
+                step = one.of(system, self._numbers(digits))
+                result = step if result is None else step @ result
+        return result
+
+    def _field(self, digits: int) -> Any:
+        return finite_field(self.finite_field) if self.finite_field else _field(digits)
+
+    def _numbers(self, digits: int) -> Callable[[Fraction], Any]:
+        digits = whole(digits, "digits", "give an int ≥ 1, a number of decimal digits (15: floats)", 1)
+        return _elements(self._field(digits)) if self.finite_field else _numbers(digits)
+
+    def describe(self) -> dict[str, Any]:
+        """The scene as plain data: fractions as strings such as "7/10"."""
+        content = dataclasses.asdict(self)
+        del content["place"]
+        if self.steps is not None:
+            content["steps"]["maps"] = [{"kind": one.kind, **dict(one.arguments)} for one in self.steps.maps]
+        return {key: _plain(value) for key, value in content.items()}
+
+    @contextmanager
+    def _placed(self, table: str) -> Iterator[None]:
+        try:
+            yield
+        except ArgumentError as error:
+            raise ArgumentError(f"{self.place}: {table} {error}") from error
+
+
+_FINITE_FIELD = re.compile(r"GF\((\d{1,40})(?:\^(\d{1,4})([+-]\d{1,40})?)?\)")
+
+
+def finite_field(name: str) -> Any:
+    """The field written GF(p), GF(p^k) or GF(2^k-c), the last a prime; ArgumentError for anything else."""
+    from jacobian import GF
+
+    found = _FINITE_FIELD.fullmatch(name.replace(" ", ""))
+    if found is None:
+        raise ArgumentError(f'field: "{name}" given; GF(101), GF(2^61-1) or GF(7^3) would be one')
+    base, power, offset = int(found[1]), int(found[2] or 1), int(found[3] or 0)
+    return GF(base**power + offset) if offset else GF(base, power)
+
+
+def _elements(K: Any) -> Callable[[Fraction], Any]:
+    """How a finite field writes a fraction: the ints 0 … q − 1 are its elements, others lie in the prime field."""
+    from jacobian import poly
+
+    def number(value: Fraction) -> Any:
+        if value.denominator == 1 and 0 <= value < K.order:
+            return K.coerce(int(value))
+        below = poly.integer(K, value.denominator)
+        if below == K.zero:
+            raise ArgumentError(f"{value} has a denominator that is zero in {K.name}")
+        return K.div(poly.integer(K, value.numerator), below)
+
+    return number
+
+
+def _as_numbers(value: Any, number: Callable[[Fraction], Any]) -> Any:
+    if isinstance(value, Fraction):
+        return number(value)
+    return [_as_numbers(item, number) for item in value] if isinstance(value, tuple) else value
+
+
+def _field(digits: int) -> Any:
+    from jacobian import MP, RR
+
+    return RR if digits <= FLOAT_DIGITS else MP(digits)
+
+
+def _numbers(digits: int) -> Callable[[Fraction], Any]:
+    """How a run at ``digits`` digits writes a fraction."""
+    if digits <= FLOAT_DIGITS:
+        return float
+    context = _field(digits).context
+    return lambda value: context.mpf(value.numerator) / context.mpf(value.denominator)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Fraction):
+        return str(value)
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    return [_plain(item) for item in value] if isinstance(value, list | tuple) else value

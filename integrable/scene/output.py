@@ -1,0 +1,158 @@
+"""The folder a run writes to, tried before the run and never left with half a file in it; and the JSON of a result."""
+
+from __future__ import annotations
+
+import json
+import os
+import platform
+import tempfile
+from importlib import metadata
+from pathlib import Path
+from typing import Any
+
+from integrable.scene.data import Scene
+from jacobian.errors import ArgumentError
+
+__all__ = ["SCHEMA", "OutputFolder", "as_json", "machine", "portable", "result", "versions"]
+
+SCHEMA = 1
+"""Version of the layout of ``result.json``; raised when a reader of the old layout would misread the new one."""
+
+
+class OutputFolder:
+    """A folder that files are written to, each one complete or not at all.
+
+    Entering makes the folder and tries to write in it: ArgumentError if that fails. Folders it made are removed
+    again when the block is left by an exception, unless something was written there.
+    """
+
+    def __init__(self, path: str | Path) -> None:
+        self.path = Path(path)
+        self._made: list[Path] = []
+
+    def __enter__(self) -> OutputFolder:
+        try:
+            missing = [folder for folder in (self.path, *self.path.parents) if not folder.exists()]
+            for folder in reversed(missing):
+                folder.mkdir(exist_ok=True)
+                self._made.append(folder)
+            with tempfile.TemporaryFile(dir=self.path):
+                pass
+        except OSError as error:
+            self._remove_made()
+            raise _unwritable(self.path, error) from None
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None:
+            self._remove_made()
+
+    def _remove_made(self) -> None:
+        for folder in reversed(self._made):
+            try:
+                folder.rmdir()
+            except OSError:  # not empty: somebody's files are in it
+                return
+
+    def write_text(self, name: str, text: str) -> Path:
+        """Write a text file, UTF-8, in one move."""
+        # a file's name that is not in the terminal's encoding holds its bytes as surrogates
+        return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
+
+    def write_bytes(self, name: str, content: bytes) -> Path:
+        """Write a file under a temporary name in the same folder, then rename it to ``name``."""
+        try:
+            handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(content)
+                os.chmod(temporary, 0o666 & ~_umask())
+                os.replace(temporary, self.path / name)
+            except BaseException:
+                os.unlink(temporary)
+                raise
+        except OSError as error:
+            raise _unwritable(self.path / name, error) from error
+        return self.path / name
+
+
+def portable(name: str) -> str:
+    """A name of a file or folder that every system takes: itself, where it is one (Windows is the strictest)."""
+    safe = "".join("_" if c in '<>:"/\\|?*' or ord(c) < 32 else c for c in name).rstrip(". ")
+    return f"_{safe}" if safe.partition(".")[0].strip().lower() in _RESERVED else safe
+
+
+_RESERVED = {"", "con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", "lpt") for n in range(10))}
+
+
+def _unwritable(path: Path, error: OSError) -> ArgumentError:
+    why = error.strerror or str(error)
+    return ArgumentError(f'out: "{path}" cannot be written: {why}; a folder to write in is needed')
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def result(scene: Scene, digits: int, trajectory: Any, curve: Any) -> dict[str, Any]:
+    """Everything a run found, ready for JSON: the trajectory, the report, the curve on the sphere, and where it ran.
+
+    Floats stay numbers; multiprecision numbers are decimal strings.
+    """
+    return {
+        "schema": SCHEMA,
+        "scene": scene.describe(),
+        "versions": versions(),
+        "machine": machine(),
+        "digits": digits,
+        "trajectory": _arrays(trajectory, ("times" if scene.steps is None else "steps", "gamma", "M")),
+        "report": trajectory.report.as_dict() if trajectory.report is not None else None,
+        "sphere": _arrays(curve, ("times", "gamma")) if curve is not None and scene.steps is None else None,
+    }
+
+
+def as_json(content: dict[str, Any]) -> str:
+    """``content`` as JSON, one line for each top-level key; NaN and infinities are refused with ValueError."""
+    entries = (
+        f"{json.dumps(key)}: {json.dumps(value, ensure_ascii=False, allow_nan=False)}" for key, value in content.items()
+    )
+    return "{\n" + ",\n".join(entries) + "\n}\n"
+
+
+def _arrays(trajectory: Any, names: tuple[str, ...]) -> dict[str, Any]:
+    return {name: _plain(getattr(trajectory, name)) for name in names}
+
+
+def _plain(values: Any) -> Any:
+    if hasattr(values, "tolist"):
+        values = values.tolist()
+    if isinstance(values, list | tuple):
+        return [_plain(value) for value in values]
+    return values if isinstance(values, int | float) else str(values)
+
+
+def versions() -> dict[str, str | None]:
+    """The versions of Python, of this package and of the libraries that a result may depend on, None: not installed."""
+    versions: dict[str, str | None] = {"python": platform.python_version()}
+    for package in ("jacobian-integrable", "numpy", "numba", "scipy", "mpmath", "matplotlib", "gmpy2", "heyoka"):
+        try:
+            versions[package] = metadata.version(package)
+        except metadata.PackageNotFoundError:
+            versions[package] = None
+    return versions
+
+
+def machine() -> dict[str, Any]:
+    """Operating system, processor and number of cores."""
+    model = platform.processor()
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+    except OSError:
+        lines = []
+    for line in lines:
+        if line.startswith("model name"):
+            model = line.partition(":")[2].strip()
+            break
+    return {"system": platform.platform(), "processor": model, "cores": os.cpu_count()}

@@ -1,0 +1,282 @@
+"""Pictures of a run: error against run time, γ on the sphere, growth of the residual, error along an orbit.
+
+Figures are made with matplotlib's objects, without pyplot and without any global state, and returned as the bytes of a
+PNG or SVG file. Colours are from Okabe & Ito (2008), told apart by readers of any colour vision; every series also has
+a marker or a label of its own.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from matplotlib import rc_context
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
+
+from integrable.scene.tables import DOP853
+from jacobian.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from integrable.scene.data import Scene
+    from integrable.scene.orbit import OrbitReport
+    from integrable.scene.rows import Report, Row
+
+__all__ = ["FORMATS", "draw", "orbit_error", "residual_growth", "sphere", "work_precision"]
+
+FORMATS = ("png", "svg")
+_BLUE, _ORANGE, GREY, INK = "#0072B2", "#D55E00", "#8a8a8a", "#222222"
+STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
+WIDTH = 7.2  # inches: the text width of a page
+
+
+def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
+    """The picture of that name as the bytes of a file of that format; ``curve`` is a trajectory or orbit for the
+    sphere.
+    """
+    if suffix not in FORMATS:
+        raise ArgumentError(f'format: "{suffix}" given; one of {", ".join(FORMATS)} is needed')
+    with rc_context(STYLE):
+        if picture == "sphere":
+            gamma, times = np.asarray(curve.gamma, dtype=float), np.asarray(curve.times, dtype=float)
+            figure = sphere(gamma, times, scene.title, dots=curve.times.dtype.kind == "i")
+        elif report is None:
+            raise ArgumentError(f'pictures: "{picture}" given, which shows the report; there is none')
+        else:
+            figure = _OF_THE_REPORT[picture](report)
+        content = io.BytesIO()
+        metadata = {"Date": None} if suffix == "svg" else None
+        figure.savefig(content, format=suffix, dpi=200, metadata=metadata)
+    return content.getvalue()
+
+
+def new_figure(width: float, height: float) -> Figure:
+    figure = Figure(figsize=(width, height), layout="constrained")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+def work_precision(report: Report) -> Figure:
+    """Run time against the error of γ, both logarithmic: down and left is better.
+
+    Filled marks are whole runs; an open mark is the same run without its set-up.
+    """
+    figure = new_figure(WIDTH, 4.6)
+    axes = figure.add_subplot()
+    flow = [row for row in report.rows if row.method != DOP853 and row.error_gamma]
+    other = [row for row in report.rows if row.method == DOP853 and row.error_gamma]
+    for rows, colour, marker, side in ((other, _ORANGE, "s", 1), (flow, _BLUE, "o", -1)):
+        if rows:
+            _series(axes, rows, colour, marker, side)
+    first, last, count = report.times
+    if report.floor and report.floor[0]:
+        _mark_floor(axes, flow + other, report.floor[0])
+    axes.set(xscale="log", yscale="log", xlabel="run time, seconds", ylabel="largest error of γ")
+    axes.margins(x=0.16, y=0.08)
+    decades(axes)
+    if axes.has_data() and flow + other:
+        axes.legend(loc="best", frameon=False, fontsize=9)
+    axes.set_title(f"{report.title}\n{count} times, t = {first:g} … {last:g}", fontsize=10.5, loc="left")
+    axes.annotate(
+        "better",
+        (0.035, 0.04),
+        xycoords="axes fraction",
+        xytext=(0.115, 0.135),
+        textcoords="axes fraction",
+        arrowprops={"arrowstyle": "-|>", "color": INK},
+        fontsize=9,
+    )
+    return figure
+
+
+def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
+    axes.axhline(floor, color=GREY, linewidth=1, linestyle=(0, (4, 3)), zorder=1)
+    words: dict[str, Any] = {"fontsize": 8.5, "color": "#5a5a5a", "textcoords": "offset points"}
+    left = _on_the_right(rows, floor)
+    place: dict[str, Any] = {
+        "xy": (0 if left else 1, floor),
+        "xycoords": ("axes fraction", "data"),
+        "xytext": (4 if left else -4, -4),
+        "ha": "left" if left else "right",
+        "va": "top",
+    }
+    axes.annotate(f"inputs rounded to doubles: {floor:.0e}", **place, **words)
+
+
+def _on_the_right(rows: list[Row], floor: float) -> bool:
+    """Whether the marks nearest to the line of rounding are in the right half of the picture."""
+    times = [row.total for row in rows if row.total]
+    near = min(rows, key=lambda row: abs(np.log10((row.error_gamma or 1) / floor)), default=None)
+    return near is not None and near.total is not None and near.total**2 > min(times) * max(times)
+
+
+def _series(axes: Any, rows: list[Row], colour: str, marker: str, side: int) -> None:
+    """One method: its runs joined by a line, each with its setting to the right or to the left of it."""
+    rows = sorted(rows, key=lambda row: -(row.error_gamma or 0))
+    times, errors = [row.total for row in rows], [row.error_gamma for row in rows]
+    axes.plot(times, errors, color=colour, marker=marker, markersize=6, linewidth=1.4, label=rows[0].method, zorder=3)
+    inner = [row for row in rows if row.evaluation is not None]
+    if inner:
+        for row in inner:
+            axes.plot([row.evaluation, row.total], [row.error_gamma] * 2, color=colour, linewidth=0.8, zorder=2)
+        open_marks = {"marker": marker, "markersize": 6, "markerfacecolor": "white", "markeredgecolor": colour}
+        axes.plot(
+            [row.evaluation for row in inner],
+            [row.error_gamma for row in inner],
+            linestyle="none",
+            label="the same without its set-up",
+            zorder=2.5,
+            **open_marks,
+        )
+    for row in rows:
+        left = row.total if row.evaluation is None else row.evaluation
+        # legible across the line of the floor
+        behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
+        text = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
+        if side > 0:
+            place: dict[str, Any] = {"xytext": (7, 0), "ha": "left", "va": "bottom"}
+        elif row.digits is not None and row.digits <= 15:  # above the mark
+            place = {"xytext": (-3, 6), "ha": "right", "va": "bottom"}
+        else:  # below the mark, clear of the line from above
+            place = {"xytext": (-3, -6), "ha": "right", "va": "top"}
+        axes.annotate(row.setting, (row.total if side > 0 else left, row.error_gamma), **place, **text)
+
+
+def decades(axes: Any, most: int = 8) -> None:
+    """Ticks at decades, thinned to what fits, at ``most`` so many upwards, and a faint grid at them."""
+    for axis, (low, high), fit in ((axes.xaxis, axes.get_xlim(), 8), (axes.yaxis, axes.get_ylim(), most)):
+        decades = np.log10(high / low)
+        stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= fit)
+        axis.set_major_locator(LogLocator(base=10.0**stride, numticks=20))
+        axis.set_minor_locator(LogLocator(base=10.0, subs=(1.0,) if stride > 1 else range(2, 10), numticks=200))
+        within = np.floor(np.log10(high)) < np.ceil(np.log10(low))
+        axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}") if within else NullFormatter())
+    axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
+    axes.set_axisbelow(True)
+    axes.spines[["top", "right"]].set_visible(False)
+
+
+def sphere(gamma: np.ndarray, times: np.ndarray, title: str, dots: bool = False) -> Figure:
+    """γ on the unit sphere, shape (N, 3): orthographic views along one axis, of the front half and of the back half.
+
+    The axis is the one γ comes nearest to, so that the curve does not crowd at the rim. ``dots`` for an orbit, whose
+    ``times`` are numbers of steps: its points are not joined.
+    """
+    figure = new_figure(WIDTH, 3.9)
+    left, right = figure.subplots(1, 2)
+    depth = int(np.argmax((gamma**2).mean(axis=0)))
+    across, up = (depth + 1) % 3, (depth + 2) % 3
+    segments = np.stack([gamma[:-1], gamma[1:]], axis=1)
+    middle = segments[:, :, depth].mean(axis=1)
+    for axes, sign in ((left, 1.0), (right, -1.0)):
+        mirror = np.array([sign, 1.0])  # the back half is seen from behind
+        seen = middle * sign >= 0
+        _globe(axes, sign, depth)
+        if dots:
+            seen = gamma[:, depth] * sign >= 0
+            points = gamma[seen][:, [across, up]] * mirror
+            colours = {"c": times[seen], "cmap": "cividis", "vmin": float(times.min()), "vmax": float(times.max())}
+            image = axes.scatter(points[:, 0], points[:, 1], s=9, linewidths=0, zorder=3, **colours)
+        else:
+            image = LineCollection(
+                segments[seen][:, :, [across, up]] * mirror, cmap="cividis", linewidths=0.9, capstyle="round", zorder=3
+            )
+            image.set_array(times[:-1][seen])
+            image.set_clim(float(times.min()), float(times.max()))
+            axes.add_collection(image)
+        if gamma[0, depth] * sign >= 0:
+            start = gamma[0, [across, up]] * mirror
+            axes.plot(*start, marker="o", color=_ORANGE, markersize=7, markeredgecolor="white", zorder=4)
+            words = {
+                "fontsize": 9.5,
+                "color": _ORANGE,
+                "zorder": 5,
+                "bbox": {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8},
+            }
+            axes.annotate("start", start, xytext=(7, 6), textcoords="offset points", **words)
+    figure.suptitle(f"γ on the sphere: {title}", fontsize=10.5)
+    figure.colorbar(image, ax=[left, right], shrink=0.72, aspect=24, pad=0.02).ax.set_title(
+        "step" if dots else "t", fontsize=10
+    )
+    return figure
+
+
+def _globe(axes: Any, sign: float, depth: int) -> None:
+    """A disc with faint parallels and meridians about the axis of sight, and where the other two axes come out."""
+    angle = np.linspace(0, 2 * np.pi, 361)
+    for latitude in (30, 60):
+        radius = np.cos(np.radians(latitude))
+        axes.plot(radius * np.cos(angle), radius * np.sin(angle), color="#dddddd", linewidth=0.6, zorder=1)
+    for longitude in np.radians(np.arange(0, 180, 30)):
+        x, y = np.cos(longitude), np.sin(longitude)
+        axes.plot([-x, x], [-y, y], color="#dddddd", linewidth=0.6, zorder=1)
+    axes.plot(np.cos(angle), np.sin(angle), color=INK, linewidth=1, zorder=2)
+    axes.plot(0, 0, marker="+", color=INK, markersize=6, zorder=2)
+    along, across, up = ("γ₁γ₂γ₃"[2 * k : 2 * k + 2] for k in (depth, (depth + 1) % 3, (depth + 2) % 3))
+    axes.annotate(across if sign > 0 else f"−{across}", (1.03, 0), va="center", ha="left", fontsize=9)
+    axes.annotate(up, (0, 1.03), va="bottom", ha="center", fontsize=9)
+    name = f"front: {along} ≥ 0" if sign > 0 else f"back: {along} ≤ 0, seen from behind"
+    axes.annotate(name, (0, -1.05), va="top", ha="center", fontsize=9)
+    axes.set(xlim=(-1.16, 1.16), ylim=(-1.2, 1.14), aspect="equal")
+    axes.set_axis_off()
+
+
+def residual_growth(report: Report) -> Figure:
+    """How far rounding takes a divisor off its curve, against the number of additions, with slopes ½ and 1."""
+    figure = new_figure(4.8, 3.4)
+    axes = figure.add_subplot()
+    steps = np.array([pair[0] for pair in report.residual_growth], dtype=float)
+    residual = np.array([pair[1] for pair in report.residual_growth], dtype=float)
+    shown = residual > 0
+    axes.plot(steps[shown], residual[shown], color=_BLUE, marker="o", markersize=5, linewidth=1.4, zorder=3)
+    if shown.any():
+        anchor, span = residual[shown][0], steps[shown] / steps[shown][0]
+        for power, name in ((0.5, "∝ √steps"), (1.0, "∝ steps")):
+            line = anchor * span**power
+            axes.plot(steps[shown], line, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
+            axes.annotate(
+                name, (steps[shown][-1], line[-1]), xytext=(4, 0), textcoords="offset points", fontsize=8.5, va="center"
+            )
+    axes.set(xscale="log", yscale="log", xlabel="successive additions", ylabel="|V² − f mod U| / scale")
+    axes.margins(x=0.08, y=0.1)
+    decades(axes)
+    axes.set_title("residual of the curve, floats", fontsize=10.5, loc="left")
+    return figure
+
+
+def orbit_error(report: OrbitReport) -> Figure:
+    """The largest error of γ up to each step of an orbit, one line for each cost, both axes logarithmic."""
+    figure = new_figure(WIDTH, 3.8)
+    axes = figure.add_subplot()
+    colours = (_BLUE, _ORANGE, "#009E73", "#CC79A7", INK)
+    for k, row in enumerate(report.rows):
+        steps = np.array([n for n, _ in row.growth], dtype=float)
+        # the drawn value is the largest so far, so that a chance hit does not look like a recovery
+        error = np.maximum.accumulate(np.array([e for _, e in row.growth]))
+        shown = (steps > 0) & (error > 0)
+        if shown.any():
+            colour = colours[k % len(colours)]
+            axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
+            words: dict[str, Any] = {
+                "textcoords": "offset points",
+                "fontsize": 8.5,
+                "color": colour,
+                "va": "center",
+            }
+            axes.annotate(row.setting, (steps[shown][-1], error[shown][-1]), xytext=(5, 0), **words)
+    axes.set(xscale="log", yscale="log", xlabel="steps", ylabel="largest error of γ so far")
+    axes.margins(x=0.12, y=0.1)
+    decades(axes)
+    axes.set_title(f"{report.title}\n{report.count} steps of {report.map}", fontsize=10.5, loc="left", wrap=True)
+    return figure
+
+
+_OF_THE_REPORT: dict[str, Callable[[Any], Figure]] = {
+    "work_precision": work_precision,
+    "residual_growth": residual_growth,
+    "orbit_error": orbit_error,
+}

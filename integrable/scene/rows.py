@@ -1,0 +1,149 @@
+"""What the report of a run holds: rows of error against run time, the check of the truth, and their table."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+from integrable.scene.tables import aligned, duration, figure
+
+__all__ = ["INTEGRALS", "Report", "Row", "TruthCheck", "report_table"]
+
+INTEGRALS = ("C1", "C2", "H1", "H2")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One method at one cost. Times in seconds; ``setup``, ``evaluation`` are None where a method has no such part."""
+
+    method: str
+    setting: str
+    digits: int | None = None
+    tolerance: float | None = None
+    error_gamma: float | None = None
+    error_M: float | None = None
+    drift: dict[str, float] | None = None
+    setup: float | None = None
+    evaluation: float | None = None
+    total: float | None = None
+    runs: int = 0
+    evaluations: int | None = None
+    """Right-hand sides, for an ordinary integrator."""
+    note: str = ""
+    """Why there are no figures, if there are none."""
+
+
+@dataclass(frozen=True)
+class TruthCheck:
+    """The truth against an integrator that shares no code with it: largest differences of γ and M/|M| at ``time``."""
+
+    digits: int
+    time: float
+    error_gamma: float
+    error_M: float
+    seconds: float
+
+    @property
+    def agrees(self) -> bool:
+        """Whether the two agree to within ten digits of the precision of both."""
+        return max(self.error_gamma, self.error_M) < 10.0 ** -(self.digits - 10)
+
+
+@dataclass(frozen=True)
+class Report:
+    """Error against run time for one scene.
+
+    ``residual_growth`` holds pairs (number of successive additions, |V²−f mod U|/scale after them).
+    """
+
+    title: str
+    times: tuple[float, float, int]
+    """First and last time, and how many."""
+    repeat: int
+    rows: tuple[Row, ...]
+    truth: TruthCheck
+    residual_growth: tuple[tuple[int, float], ...]
+    integrals: tuple[str, ...] = INTEGRALS
+    against: str = "divisor flow"
+    """What the truth was computed by."""
+    floor: tuple[float, float] | None = None
+    """What inputs rounded to doubles alone do to γ and to M/|M| (:mod:`integrable.motion.conditioning`); None where the
+    motion itself is integrated.
+    """
+
+    def table(self) -> str:
+        """The report as plain text, at most 100 columns wide."""
+        return report_table(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as plain data for JSON."""
+        return asdict(self) | {"truth_agrees": self.truth.agrees}
+
+
+def _at_most(difference: float, digits: int) -> str:
+    """A difference between numbers of so many digits, which cannot be told from zero below their last digit."""
+    last = 10.0**-digits
+    return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
+
+
+def _head(integrals: Sequence[str]) -> tuple[str, ...]:
+    return ("method", "setting", "error γ", "error M", *(f"Δ{x}" for x in integrals), "set-up", "evaluate", "total")
+
+
+def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
+    drift = row.drift or {}
+    drifts = (figure(drift.get(name), 1) for name in integrals)
+    times = map(duration, (row.setup, row.evaluation, row.total))
+    return (row.method, row.setting, figure(row.error_gamma), figure(row.error_M), *drifts, *times)
+
+
+_ORACLES = {
+    "divisor flow": "a Taylor-series integrator",
+    "elliptic curves": "the equations of motion",
+    "extrapolation": "the same at 10 more",
+}
+
+
+def _notes(report: Report) -> list[str]:
+    """Why rows have no figures, each reason once."""
+    settings: dict[tuple[str, str], list[str]] = {}
+    for row in report.rows:
+        if row.note:
+            settings.setdefault((row.method, row.note), []).append(row.setting)
+    return [f"{method}, {', '.join(those)}: {note}" for (method, note), those in settings.items()]
+
+
+def _floor(report: Report) -> list[str]:
+    if report.floor is None:
+        return []
+    gamma, M = map(figure, report.floor)
+    return [f"Rounding the inputs to doubles alone, eps·conditioning: {gamma} in γ, {M} in M."]
+
+
+def report_table(report: Report) -> str:
+    """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
+    first, last, count = report.times
+    check = report.truth
+    first_of, second_of = report.integrals[2:]
+    verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
+    lines = [
+        report.title,
+        f"{count} times from {first:g} to {last:g}; run times are medians of up to {report.repeat} runs",
+        "",
+        *aligned([_head(report.integrals), *(_cells(row, report.integrals) for row in report.rows)], left=2),
+        *_notes(report),
+        "",
+        "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
+        f"|γ|², (γ,M)/|M|, {first_of} and {second_of} (relative) from the exact start.",
+        *_floor(report),
+        f"Errors are against the {report.against} at {check.digits} digits, held once against "
+        f"{_ORACLES[report.against]}",
+        f"at t = {check.time:g}: they differ by {_at_most(check.error_gamma, check.digits)} in γ and "
+        f"{_at_most(check.error_M, check.digits)} in M.{verdict}",
+    ]
+    if report.residual_growth:
+        counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]
+        growth = [("steps", *counts), ("residual", *(figure(value) for _, value in report.residual_growth))]
+        lines += ["", "|V²−f mod U| / scale after a number of successive additions, in floats", *aligned(growth)]
+    return "\n".join(lines)

@@ -1,0 +1,133 @@
+"""A run described as data, and the running of it: what a scene does not ask for is neither computed nor imported."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from integrable.extras import without
+from integrable.scene.data import FLOAT_DIGITS, Comparison, Map, Scene, Steps, Times
+from integrable.scene.file import load_scene, scene_names
+from integrable.scene.progress import bar_of_pieces
+from jacobian.errors import ArgumentError, shown
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    from integrable.scene.rows import Report
+
+__all__ = ["Comparison", "Map", "Scene", "Steps", "Times", "load_scene", "run", "scene_names"]
+
+
+def run(
+    scene: Scene | str | Path,
+    *,
+    digits: int | None = None,
+    out: str | Path | None = None,
+    progress: bool = False,
+    pictures: bool = True,
+    formats: tuple[str, ...] = ("png",),
+) -> Any:
+    """Run a scene (or load and run it): a Trajectory or Motion at the scene's times, an Orbit for steps; with
+    ``.report`` if the scene asks for one, an Orbit always.
+
+    ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
+    ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
+    tried before anything is computed. ``progress`` draws a bar on stderr. What needs a library that is not installed is
+    left out, and a MissingExtraWarning says so before anything is computed.
+    """
+    if not isinstance(scene, (Scene, str, os.PathLike)):
+        raise ArgumentError(f"scene = {shown(scene)}: give a Scene, the name of one or the path of a .toml file")
+    if not isinstance(scene, Scene):
+        scene = load_scene(scene)
+    if out is not None and not isinstance(out, (str, os.PathLike)):
+        raise ArgumentError(f"out = {shown(out)}: give the path of a folder")
+    digits = scene.digits if digits is None else digits
+    if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
+        given = digits if isinstance(digits, str) else shown(digits)
+        raise ArgumentError(f"digits: {given} given; a positive number of decimal digits is needed (15: floats)")
+    if scene.finite_field and digits != scene.digits:
+        raise ArgumentError(f"digits: {digits} given; an orbit over {scene.finite_field} is exact and has none")
+    system, _ = scene.start(digits)
+    if scene.steps is not None:
+        scene.step(system, digits)
+    drawn = pictures and out is not None and bool(scene.pictures)
+    missing = without(_uses(scene, drawn, progress))
+    pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
+    if out is None:
+        with _ticks(progress, scene, digits) as tick:
+            return _compute(scene, digits, tick)
+    from integrable.scene.output import OutputFolder
+
+    with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
+        trajectory = _compute(scene, digits, tick)
+        _write(scene, digits, trajectory, folder, pictures, formats)
+        return trajectory
+
+
+def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
+    """What a run uses of the libraries that need not be installed."""
+    uses = {
+        "scipy": "the rows of SciPy's DOP853" if scene.report is not None and scene.report.tolerances else "",
+        "matplotlib": "the pictures" if drawn else "",
+        "tqdm": "the progress bar" if progress else "",
+    }
+    return {module: what for module, what in uses.items() if what}
+
+
+def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
+    if scene.report is not None:
+        from integrable.scene.report import measure
+
+        report, trajectory = measure(scene, digits, tick)
+        return replaced(trajectory, report=report)
+    if scene.steps is not None:
+        from integrable.scene.orbit import measure_orbit
+
+        return measure_orbit(scene, digits, tick)
+    tick(f"{digits} digits")
+    system, state = scene.start(digits)
+    return system.motion_through(state).at(scene.times.at(digits))
+
+
+@contextmanager
+def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str], None]]:
+    """A function to call before each piece of work, with its name; it moves a bar if there is one."""
+    if not progress:
+        yield lambda _label: None
+        return
+    total = 1
+    if scene.report is not None:
+        from integrable.scene.report import pieces_of_work
+
+        total = pieces_of_work(scene, digits)
+    elif scene.steps is not None:
+        from integrable.scene.orbit import pieces_of_orbit
+
+        total = pieces_of_orbit(scene, digits)
+    with bar_of_pieces(scene.name, total) as tick:
+        yield tick
+
+
+def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bool, formats: tuple[str, ...]) -> None:
+    from integrable.scene.output import as_json, result
+
+    report: Report | None = trajectory.report
+    curve = None
+    if "sphere" in scene.pictures and pictures:
+        curve = trajectory
+        if scene.steps is None:
+            shown = scene.sphere or scene.times
+            system, state = scene.start(FLOAT_DIGITS)
+            curve = system.motion_through(state).at(shown.floats())
+    folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
+    if report is not None:
+        folder.write_text("report.txt", report.table() + "\n")
+    if pictures:
+        from integrable.scene.plot import draw
+
+        for picture in scene.pictures:
+            for suffix in formats:
+                folder.write_bytes(f"{picture}.{suffix}", draw(picture, suffix, scene, report, curve))

@@ -1,0 +1,142 @@
+"""Steps in more digits than those of their field: for maps that lose digits on the way, though their images are sound.
+
+A translation next to the identity has coefficients 1/η, one next to a branch point an ordinate y = √f(x') that f's
+rounding reaches, a multiple loses digits at every doubling. The map itself is none the worse for it: computed with
+guard digits and rounded once, its image is right to rounding × the map's own conditioning.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import ceil, isfinite, log10
+from typing import TYPE_CHECKING, Any
+
+from integrable.phase.body import Body
+from integrable.phase.state import State
+from jacobian import MP
+from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
+from jacobian.fields.inexact import InexactField
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    from integrable.phase.upright import ChaplyginTransformation
+    from integrable.steps.step import Step
+    from integrable.systems.system import System
+
+MOST_CONDITION = 30
+"""Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
+LARGEST = 1e300
+ATTEMPTS = 3
+FLOAT_DIGITS = 16
+
+
+def drift(system: System, image: State, state: State) -> Any:
+    """The larger relative difference of H1 and H2 between two states."""
+    after, before = system.integrals(image)[2:], system.integrals(state)[2:]
+    return max(abs(x - y) / (abs(y) or 1) for x, y in zip(after, before, strict=True))
+
+
+def check_integrals(step: Step, image: State, state: State) -> None:
+    """PrecisionLoss where H1 or H2 of an image is off by more than eps^0.575 of its size (10⁻⁹ in floats)."""
+    lost = drift(step.system, image, state)
+    if not lost <= step.system.field.eps**0.575:
+        C1, C2 = step.system.integrals(state)[:2]
+        raise PrecisionLoss(
+            f"{step!r}: H1 and H2 of the image are off by {float(lost):.1e} of their size; the state has (γ, γ) − 1 = "
+            f"{float(C1 - 1):.1e}, (γ, M) = {float(C2):.1e}; give a state made by system.state, or use more digits"
+        )
+
+
+def with_enough_digits(step: Step, state: State) -> State:
+    """The image of a state under ``step.plain``: in the numbers of the field where :meth:`Step.condition` says that
+    they are enough and H1 and H2 agree, else with guard digits; PrecisionLoss where H1 or H2 is not that of the state.
+    """
+    K = step.system.field
+    if step.guarded or not isinstance(K, InexactField):
+        return step.plain(state)
+    image = step.plain(state) if step.condition(state) <= MOST_CONDITION else None
+    if image is None or not drift(step.system, image, state) <= K.eps**0.77:
+        try:
+            image = in_wider_numbers(step, state)[0]
+        except NotASquare:
+            # in the numbers of the field where they refuse it too: those are the user's
+            step.plain(state)
+            raise
+    check_integrals(step, image, state)
+    return image
+
+
+def body_condition(system: System) -> float:
+    """What is lost where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
+    K, body = system.field, system.body
+    low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
+    spread = (body.inertia[high] - body.inertia[low]) * body.a[high]
+    return float(1 / max(spread, K.eps))
+
+
+def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
+    """What Chaplygin's transformation of a state and back may lose to cancellation."""
+    K = change.body.field
+    M = change.apply_vectors(state.gamma, state.M)[1]
+    size, upright = (K.sqrt(K.dot(v, v)) for v in (state.M, M))
+    a, b, c, d = map(abs, change.inverse_matrix())
+    there = max(change.p * (1 + abs(change.k) * size), change.s * (size + abs(change.shift)) / upright)
+    return float(there * max(a + b * upright, (c + d * upright) / size))
+
+
+def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
+    """The states after 1, …, ``count`` steps, rounded to the field of the step at the end only.
+
+    The digits are chosen from :meth:`Step.condition`, and doubled where H1 and H2 say that they were too few;
+    PrecisionLoss where that does not help either.
+    """
+    K = step.system.field
+    for last, digits in _digits(K, step.condition(state)):
+        system = widened(step.system, MP(digits))
+        moved, start = step.wider(system), onto_constraints(system, state)
+        states = [start]
+        try:
+            for _ in range(count):
+                states.append(moved(states[-1]))
+        except (NotRepresentable, PrecisionLoss):
+            # too few digits look like a special position
+            if last:
+                raise
+            continue
+        lost = max(drift(system, image, start) for image in states[1:])
+        if lost <= K.eps**1.5:
+            return [_rounded(K, image) for image in states[1:]]
+    raise PrecisionLoss(f"{step!r}: H1 and H2 are off by {float(lost):.1e} of their size even over {system.field.name}")
+
+
+def widened(system: System, field: Any) -> System:
+    """The same system, the numbers of its body taken exactly, over a field of more digits."""
+    body = system.body
+    return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
+
+
+def onto_constraints(system: System, state: State) -> State:
+    """The state in the numbers of a wider field: (γ, γ) = 1 and (γ, M) = 0 there, not only to the digits it came with.
+
+    A divisor that is off its curve by the rounding of a state moves by that times the condition of the step.
+    """
+    K = system.field
+    gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
+    size = K.sqrt(K.dot(gamma, gamma))
+    g1, g2, g3 = (x / size for x in gamma)
+    tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
+    m1, m2, m3 = (y - tilt * x for x, y in zip((g1, g2, g3), M, strict=True))
+    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
+
+
+def _rounded(field: Any, state: State) -> State:
+    (g1, g2, g3), (m1, m2, m3) = (tuple(map(field.coerce, v)) for v in (state.gamma, state.M))
+    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
+
+
+def _digits(field: Any, condition: float) -> Iterator[tuple[bool, int]]:
+    """(whether it is the last, digits): those of the field and those that the condition costs, twice, 4 and 8 times."""
+    own = getattr(field, "dps", FLOAT_DIGITS)
+    lost = log10(condition) if isfinite(condition) else log10(LARGEST)
+    first = ceil(2 * (own + lost))
+    return ((k == ATTEMPTS - 1, first << k) for k in range(ATTEMPTS))

@@ -1,0 +1,293 @@
+"""Maps that do not add a divisor of fixed points: multiples of the state's own divisor, the keyless map in closed form,
+the walk along a conic's pencil, and time shifts.
+
+Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` is said with each, and tested by
+:func:`integrable.phase.brackets.image_brackets`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, Self
+
+from integrable.phase import coordinates
+from integrable.phase.body import Body, cross, square_root
+from integrable.phase.jets import JetField, apply
+from integrable.phase.state import State
+from integrable.steps.extrapolation import extrapolated
+from integrable.steps.guard_digits import LARGEST, body_condition, tilt_condition, with_enough_digits
+from integrable.steps.step import Step, checked_signs
+from jacobian import MP, RR, poly
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_of, shown, whole
+from jacobian.fields.inexact import InexactField
+from jacobian.immutable import replaced
+from jacobian.relatives.signed import Pair, SignedDivisor, SignedGroup
+
+if TYPE_CHECKING:
+    from integrable.systems.system import System
+
+
+class Move(Step):
+    """A step that is defined at (γ, M) = 0; a tilted state goes through Chaplygin's transformation and back."""
+
+    def __call__(self, state: State) -> State:
+        """The image of a state; over RR and MP with guard digits where :meth:`condition` or its H1 and H2 ask for them.
+
+        PrecisionLoss where those are not the state's (to 10⁻⁹ in floats).
+        """
+        return with_enough_digits(self, self.system._checked(state))
+
+    def over(self, system: Any) -> Self:
+        """The same map on the same system over another field."""
+        return replaced(self, system=system)
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
+        if not self.system._checked(state).tilted:
+            return self._image(state)
+        system, plain, change = self.system.upright(state)
+        image: State = change.invert(self.over(system)._image(plain))
+        return image
+
+    def condition(self, state: State) -> float:
+        """By how much rounding grows: what the map itself loses, times that of Chaplygin's transformation."""
+        state = self.system._checked(state)
+        if not state.tilted:
+            return self._condition(state)
+        system, plain, change = self.system.upright(state)
+        return tilt_condition(change, state) * self.over(system)._condition(plain)
+
+    def _condition(self, state: State) -> float:
+        return 1.0
+
+    def _image(self, state: State) -> State:
+        raise NotImplementedError
+
+
+class Multiplication(Move):
+    """D ↦ [ℓ]D, ℓ times the state's own divisor: it multiplies the bracket by ℓ.
+
+    An odd ℓ has its image over the same field. An even one needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k),
+    whose product is −1 times a square if the 1 − d·a_i are squares: never over the reals (NotASquare), where
+    :meth:`System.divisor` is what can be multiplied.
+    """
+
+    def __init__(self, system: System, factor: int) -> None:
+        self.factor = whole(factor, "factor", "a divisor is multiplied by an int")
+        if self.factor == 0:
+            raise ArgumentError("factor = 0: the zero divisor belongs to no state")
+        self.system = system
+
+    def _condition(self, state: State) -> float:
+        # a divisor is added to itself: partial sums are anywhere
+        return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
+
+    def __repr__(self) -> str:
+        return f"<multiplication by {self.factor} on {self.system!r}>"
+
+    def _image(self, state: State) -> State:
+        """The image; NotASquare where it is not over the field, NotRepresentable at equal moments or low weight."""
+        system, body, K = self.system, self.system.body, self.system.field
+        kappas = coordinates.kappas(body)
+        if any(kappa == K.zero for kappa in kappas):
+            raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
+        pairs = coordinates.to_pairs(body, state)
+        u, v = coordinates.to_mumford(body, pairs)
+        group = SignedGroup(system.curve(*system.integrals(state)[2:]), coordinates.branch_points(body))
+        image = group.multiple(self.factor, SignedDivisor(u, v, pairs, kappas)).pairs
+        if self.factor % 2 == 0:
+            roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)]
+            image = tuple((K.div(x, r), K.div(y, r)) for (x, y), r in zip(image, roots, strict=True))
+        return coordinates.from_pairs(body, image)
+
+
+class Keyless(Move):
+    """Tsiganov's map chap-keyless in closed form: e = (γ × M)/|M|, γ̃_i = σ_ie_i/(g̃r_i), M̃ = |M| γ̃ × (σ_i g r_iγ_i).
+
+    On divisors it is the addition of the branch point (1/d, 0), as :meth:`System.torsion`; at d = 0, where that point
+    is at infinity, γ̃ = γ × M/|M|, M̃ = M. It preserves the bracket and has B² = (−γ, M).
+    """
+
+    def __init__(self, system: System, signs: Sequence[int] | None = None) -> None:
+        self.system = system
+        self.signs = checked_signs(signs, 3, "signs")
+
+    def __repr__(self) -> str:
+        return f"<keyless map on {self.system!r}>"
+
+    def _image(self, state: State) -> State:
+        """The image; NotASquare where |M|, a √(1 − d·a_i) or g̃ is not in the field."""
+        system, body, K = self.system, self.system.body, self.system.field
+        gamma, M = state.gamma, state.M
+        h2 = system.integrals(state).H2
+        _check_moving(K, h2)
+        size = square_root(K, h2, "H2 = |M|²")
+        axes = [K.div(self._signed(s, x), size) for s, x in zip(self.signs, cross(K, gamma, M), strict=True)]
+        turned = [self._signed(s, x) for s, x in zip(self.signs, gamma, strict=True)]
+        if not body.rolls:
+            x = (axes[0], axes[1], axes[2])
+            return State(x, self._momentum(size, x, turned))
+        roots = [square_root(K, r, f"1 − d·a_{i + 1}") for i, r in enumerate(body.contact)]
+        g = coordinates.root_of_g(body, gamma) if state.g is None else state.g
+        # (H2 − dH1)/(g²H2Π(1 − da_i)) as a sum, which does not cancel on thin bodies
+        g_image = square_root(K, K.dot(axes, [K.div(e, r) for e, r in zip(axes, body.contact, strict=True)]), "g̃²")
+        x1, x2, x3 = (K.div(e, K.mul(g_image, r)) for e, r in zip(axes, roots, strict=True))
+        scaled = [K.mul(K.mul(g, r), x) for r, x in zip(roots, turned, strict=True)]
+        return State((x1, x2, x3), self._momentum(size, (x1, x2, x3), scaled), None if state.g is None else g_image)
+
+    def _signed(self, sign: int, x: Any) -> Any:
+        return x if sign > 0 else self.system.field.neg(x)
+
+    def _momentum(self, size: Any, gamma: Any, other: Any) -> Any:
+        K = self.system.field
+        m1, m2, m3 = (K.mul(size, x) for x in cross(K, gamma, (other[0], other[1], other[2])))
+        return m1, m2, m3
+
+
+class ConicStep(Move):
+    """The step along the pencil y = V(x) + cU(x) to the parabola through a plane point (x0, y0), at d = 0.
+
+    (U, V) goes to ((P² − f)/U made monic, −P), P = V + cU: the class on the curve stays, and γ turns about M: γ̃ = (2γ×M
+    + cγ)/s, M̃ = M, s² = c² + 4H2. For y0 a constant or a function of x0·H2 − H1 it multiplies {u_i, p_j} = (u_i −
+    x0)δ_ij by 1, the bracket W for x0 = 0; for x0 = None, the point at infinity, y0 is c and the canonical bracket is
+    preserved.
+    """
+
+    def __init__(self, system: System, x0: Any, y0: Any, sign: int = 1) -> None:
+        if system.body.rolls:
+            raise ArgumentError(f"d = {system.d}: the parabolas of a conic step are the pencil of the curve at d = 0")
+        K = system.field
+        self.system = system
+        self.x0 = None if x0 is None else K.coerce(x0, "x0")
+        self.y0 = y0 if callable(y0) else K.coerce(y0, "y0")
+        self.sign = one_of(sign, "sign", (1, -1), "the sign of the root s is 1 or -1")
+
+    def __repr__(self) -> str:
+        return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
+
+    def _condition(self, state: State) -> float:
+        """Of c, as far as it matters beside √H2."""
+        system, K = self.system, self.system.field
+        if self.x0 is None or not isinstance(K, InexactField):
+            return 1.0
+        u, v = coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state))
+        h1, h2 = system.integrals(state)[2:]
+        _check_moving(K, h2)
+        y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
+        below = poly.evaluate(K, u, self.x0)
+        lost_above = abs(y0) + sum(abs(c * self.x0**i) for i, c in enumerate(v))
+        lost_below = sum(abs(c * self.x0**i) for i, c in enumerate(u)) * abs(y0 - poly.evaluate(K, v, self.x0))
+        size = abs(below) * h2**0.5 + abs(y0 - poly.evaluate(K, v, self.x0))
+        return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
+
+    def _image(self, state: State) -> State:
+        """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) = 0."""
+        system, K = self.system, self.system.field
+        pairs = coordinates.to_pairs(system.body, state)
+        h1, h2 = system.integrals(state)[2:]
+        _check_moving(K, h2)
+        c = self._coefficient(coordinates.to_mumford(system.body, pairs), h1, h2)
+        s = square_root(K, K.add(K.mul(c, c), K.mul(poly.integer(K, 4), h2)), "c² + 4H2")
+        s = s if self.sign > 0 else K.neg(s)
+        x1, x2, x3 = (K.div(K.add(nu, K.mul(c, sigma)), s) for sigma, nu in pairs[:3])
+        return State((x1, x2, x3), state.M)
+
+    def _coefficient(self, divisor: tuple[poly.Poly, poly.Poly], h1: Any, h2: Any) -> Any:
+        K, (u, v) = self.system.field, divisor
+        y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
+        if self.x0 is None:
+            return y0
+        below = poly.evaluate(K, u, self.x0)
+        if below == K.zero:
+            raise NotRepresentable(f"x0 = {self.x0} is the abscissa of a point of the divisor: no parabola passes both")
+        return K.div(K.sub(y0, poly.evaluate(K, v, self.x0)), below)
+
+
+class Shift(Move):
+    """The time-1 map of the Hamiltonian F(H1, H2) for the bracket of :meth:`System.poisson`, in the flow's own time τ.
+
+    F is written with operators: ``lambda h1, h2: h1 * h2``; its derivatives are taken by jets. F = H1/2 is the motion
+    for τ = 1. On divisors the map adds T with (Σ∫dx/y, Σ∫x dx/y) = (2∂F/∂H1, −2∂F/∂H2); it preserves the bracket and
+    commutes with the motion in τ and with every other shift. Over RR and MP only, by extrapolation of the equations of
+    the pairs to the precision of the field (Gragg 1965; Bulirsch and Stoer 1966).
+    """
+
+    def __init__(self, system: System, F: Callable[[Any, Any], Any]) -> None:
+        if system.field.exact:
+            raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
+        if not callable(F):
+            raise ArgumentError(f"F = {shown(F)}: give a function of H1 and H2, such as lambda h1, h2: h1 / 2")
+        self.system = system
+        self.F = F
+
+    def __repr__(self) -> str:
+        return f"<time shift on {self.system!r}>"
+
+    def __neg__(self) -> Shift:
+        return Shift(self.system, lambda h1, h2: -self.F(h1, h2))
+
+    def _image(self, state: State) -> State:
+        """The image of a state."""
+        system = self.system
+        h1, h2 = system.integrals(state)[2:]
+        jets = JetField(system.field, 2)
+        first, second = jets.coerce(self.F(*jets.variables((h1, h2)))).slopes
+        pairs = coordinates.to_pairs(system.body, state)
+        return coordinates.from_pairs(system.body, self._flow(pairs, h1, h2, 2 * first, 2 * second))
+
+    def divisor(self, state: State) -> Any:
+        """T on the curve of a state."""
+        D = self.system.divisor(state)
+        # the integrals of the image differ in the last digit: on the curve of the state
+        u, v = coordinates.to_mumford(self.system.body, coordinates.to_pairs(self.system.body, self(state)))
+        return D.jacobian.from_mumford(u, v) - D
+
+    def _flow(self, pairs: tuple[Pair, ...], h1: Any, h2: Any, first: Any, second: Any) -> tuple[Pair, ...]:
+        """The pairs after time 1, with guard digits on the way."""
+        K = self.system.field
+        wide = MP(30 if K == RR else K.dps + 15)
+        body = Body.make(self.system.inertia, self.system.d, wide)
+        f = body.polynomial(wide.coerce(h1), wide.coerce(h2))
+        directions = wide.coerce(first), wide.coerce(second)
+
+        def rate(y: list[Any]) -> list[Any]:
+            return pair_rates(body, f, y, *directions)
+
+        y = [wide.coerce(x) for pair in pairs for x in pair]
+        scale = max(map(abs, y))
+        count = 1 + int(2 * max(map(abs, rate(y))) / scale)
+        tolerance = K.eps * scale / 64
+        for _ in range(count):
+            found = extrapolated(rate, y, wide.one / count, tolerance)
+            if found is None:
+                raise PrecisionLoss(
+                    f"a time shift has not converged to {float(tolerance):.1e}: shift by less, or over more digits"
+                )
+            y = found[0]
+        rounded = [K.coerce(x) for x in y]
+        return tuple((rounded[2 * i], rounded[2 * i + 1]) for i in range(3))
+
+
+def pair_rates(body: Any, f: poly.Poly, y: Sequence[Any], first: Any, second: Any) -> list[Any]:
+    """d/ds of (σ1, ν1, …, ν3) along (Σdu/y, Σu du/y) = (first, −second)·ds, rational in the pairs and f.
+
+    From U' = (V(x)U(0) − V(0)U(x))/x for (1, 0) and U' = V for (0, −1), each with V² + UW = f kept.
+    """
+    K = body.field
+    pairs = tuple((y[2 * i], y[2 * i + 1]) for i in range(3))
+    u, v = coordinates.to_mumford(body, pairs)
+    w = poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
+    lead = w[3] if len(w) == 4 else K.zero
+    # the quotient of W by U
+    line = (w[2] - lead * u[1], lead)
+    rates = []
+    for a, (sigma, nu) in zip(body.a, pairs, strict=True):
+        turn = first * (nu * u[0] - sigma * v[0]) / a + second * nu
+        back = first * ((w[0] * sigma + v[0] * nu) / a + u[0] * lead * sigma) + second * (line[0] + line[1] * a) * sigma
+        rates += [turn / 2, back / 2]
+    return rates
+
+
+def _check_moving(K: Any, h2: Any) -> None:
+    if h2 == K.zero:
+        raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")

@@ -1,0 +1,94 @@
+"""What every map of states is: it is called on a state, moves to another field, and composes with ``@``."""
+
+from __future__ import annotations
+
+from numbers import Real
+from typing import TYPE_CHECKING, Any
+
+from jacobian.errors import ArgumentError, entries, shown, whole
+from jacobian.immutable import Immutable, replaced
+
+if TYPE_CHECKING:
+    from integrable.phase.state import State
+
+
+class Step(Immutable):
+    """A map of the states of one system: ``step(state)``; ``second @ first`` is the composition."""
+
+    system: Any
+    guarded = False
+    """Whether it runs on guard digits of another step, which looks at what comes out."""
+
+    def __call__(self, state: State) -> State:
+        """The image of a state."""
+        raise NotImplementedError
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
+        raise NotImplementedError
+
+    def over(self, system: Any) -> Step:
+        """The same map on the same system over another field, such as jets over its own."""
+        return replaced(self, system=system)
+
+    def wider(self, system: Any) -> Step:
+        """The same map over a field of more digits, its own numbers taken for what they stand for, such as 1/d."""
+        return replaced(self.over(system), guarded=True)
+
+    def condition(self, state: State) -> float:
+        """By how much rounding in the arithmetic of a step may grow; digits are added where it is large."""
+        return 1.0
+
+    def __matmul__(self, first: Any) -> Composition:
+        if not isinstance(first, Step):
+            return NotImplemented
+        return Composition(self, first)
+
+
+class Composition(Step):
+    """``second`` after ``first``: it preserves what both preserve, and the factors of their brackets multiply."""
+
+    def __init__(self, second: Step, first: Step) -> None:
+        if second.system != first.system:
+            raise ArgumentError(f"steps of two systems do not compose: {second.system!r} and {first.system!r}")
+        self.system = first.system
+        self.second = second
+        self.first = first
+
+    def __repr__(self) -> str:
+        return f"{self.second!r} @ {self.first!r}"
+
+    def __call__(self, state: State) -> State:
+        return self.second(self.first(state))
+
+    def over(self, system: Any) -> Composition:
+        return Composition(self.second.over(system), self.first.over(system))
+
+    def wider(self, system: Any) -> Composition:
+        return Composition(self.second.wider(system), self.first.wider(system))
+
+    def condition(self, state: State) -> float:
+        return max(self.second.condition(state), self.first.condition(state))
+
+    def __neg__(self) -> Composition:
+        """The inverse, where both have one."""
+        return Composition(-self.first, -self.second)  # type: ignore[operator]
+
+
+def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
+    """``count`` signs, all 1 for None, or an ArgumentError that names ``argument``."""
+    if values is None:
+        return (1,) * count
+    wanted = f"a sequence of {count} signs, each 1 or -1"
+    given = entries(values, argument, wanted)
+    if len(given) != count or not all(isinstance(x, Real) and x in (1, -1) for x in given):
+        raise ArgumentError(f"{argument} = {shown(given)}: {wanted} is needed")
+    return tuple(given)
+
+
+def checked_multiple(m: Any) -> int:
+    """``m`` as an int that is not 0, or an ArgumentError."""
+    value = whole(m, "multiple", "a multiple of a step is an int")
+    if value == 0:
+        raise ArgumentError("multiple = 0: the identity map needs no step")
+    return value

@@ -1,0 +1,317 @@
+"""Bäcklund maps as additions: D ↦ D + D' with D' on the current curve.
+
+Every D' preserves H1 and H2. The map is canonical for points of fixed abscissa, the point at infinity, branch points,
+and sums of these (Tsiganov, Proposition 1, made precise: D' must not depend on the integrals but through y' = √f(x')).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf, isfinite
+from typing import TYPE_CHECKING, Any
+
+from integrable.phase import coordinates
+from integrable.phase.jets import apply
+from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
+from integrable.steps.step import Step, checked_multiple, checked_signs
+from jacobian import poly
+from jacobian.errors import ArgumentError, NotASquare, entries, shown
+from jacobian.fields.inexact import InexactField
+from jacobian.immutable import replaced
+from jacobian.relatives.signed import SignedDivisor, SignedGroup
+
+if TYPE_CHECKING:
+    from integrable.phase.state import State
+    from integrable.phase.upright import ChaplyginTransformation
+    from integrable.systems.system import System
+
+
+class Translation(Step):
+    """The map that adds [multiple](Σ (x_k, y_k) − ∞'s): call it on a state.
+
+    ``points``: one or two abscissas, real or a complex-conjugate pair, or functions x'(h1, h2) of the integrals,
+    written with operators; ``sheets``: the signs of y_k = ±√f(x_k); ``signs``: those of the roots √U'(a_i) that turn γ.
+    Use :meth:`System.translation` and :meth:`System.torsion`. ``2 * step`` is its double, ``-step`` the inverse, ``@``
+    composes.
+
+    Preserved: H1 and H2 always, the bracket of :meth:`System.poisson` for points of fixed abscissa, for the branch
+    points a_i, 1/d and h1/h2 (:func:`moving_branch_point`), for :func:`on_line`, and for sums of these; a generic
+    x'(h1, h2) changes it. It commutes with the flow in τ, not with that in t (d ≠ 0).
+    """
+
+    _caches = ("_last", "_upright")
+    _last: tuple[Any, ...] | None = None
+    _upright: tuple[System, Translation] | None = None
+
+    def __init__(
+        self,
+        system: System,
+        points: Sequence[Any],
+        sheets: Sequence[int] | None = None,
+        signs: Sequence[int] | None = None,
+        multiple: int = 1,
+    ) -> None:
+        self.system = system
+        self.points = _abscissas(system, points)
+        self.sheets = checked_signs(sheets, len(self.points), "sheets")
+        self.signs = checked_signs(signs, 3, "signs")
+        self.multiple = checked_multiple(multiple)
+        self._rounding: Any = None if system.field.exact else system.field.eps
+
+    def __repr__(self) -> str:
+        points = ", ".join(map(str, self.points))
+        return f"<addition of {self.multiple}·({points}) on {self.system!r}>"
+
+    def __mul__(self, m: int) -> Translation:
+        return Translation(self.system, self.points, self.sheets, self.signs, self.multiple * checked_multiple(m))
+
+    __rmul__ = __mul__
+
+    def __neg__(self) -> Translation:
+        return self * -1
+
+    def over(self, system: Any) -> Translation:
+        return Translation(system, self.points, self.sheets, self.signs, self.multiple)
+
+    def __call__(self, state: State) -> State:
+        """The image of a state.
+
+        Over RR and MP with guard digits where :meth:`condition` asks for them, or H1 and H2 of the image. Raises
+        NotASquare where the image is not real (or not over the field), NotRepresentable where it has no representative,
+        PrecisionLoss where its H1 or H2 are not those of the state (to 10⁻⁹ in floats).
+        """
+        return with_enough_digits(self, self.system._checked(state))
+
+    def plain(self, state: State) -> State:
+        """The image in the numbers of the field, whatever they lose."""
+        if not self.system._checked(state).tilted:
+            return self._image(state)
+        step, plain, change = self._transformed(state)
+        return change.invert(step._image(plain))
+
+    def wider(self, system: Any) -> Translation:
+        """The same map over a field of more digits: a_i and 1/d become those of ``system``."""
+        K, body = self.system.field, self.system.body
+        same = dict(zip(body.a, system.a, strict=True))
+        if body.rolls:
+            same[K.inv(body.d)] = system.field.inv(system.d)
+        points = [same.get(x, x) for x in self.points]
+        moved = Translation(system, points, self.sheets, self.signs, self.multiple)
+        return replaced(moved, _rounding=self._rounding, guarded=True)
+
+    def condition(self, state: State) -> float:
+        """By how much rounding grows: 1/δ for D' at a distance δ from zero, what cancels in f(x') and between two
+        points, and the multiple. inf where floats do not reach.
+        """
+        state = self.system._checked(state)
+        if state.tilted:
+            step, plain, change = self._transformed(state)
+            return step.condition(plain) * tilt_condition(change, state)
+        if not isinstance(self.system.field, InexactField):
+            return 1.0
+        try:
+            found = self._condition(*self.system.integrals(state)[2:])
+        except NotASquare:
+            # whether f(x') is negative, or rounding made it so
+            found = float(min(1 / self.system.field.eps, LARGEST))
+        except (OverflowError, ZeroDivisionError):
+            found = inf
+        # partial multiples come near special positions: one digit and more are lost at every doubling
+        times = min(abs(self.multiple), LARGEST)
+        return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
+
+    def _condition(self, h1: Any, h2: Any) -> float:
+        group, u, v = self._class(h1, h2)
+        K, f = group.field, group.curve.f
+        x = [apply(K, x, h1, h2) if callable(x) else _own(K, x) for x in self.points]
+        found = [_size_at(f, y) / abs(poly.evaluate(K, f, y)) for y in x if not self._is_branch(y, h1, h2)]
+        worst = max((float(y) ** 0.5 for y in found), default=1.0)
+        if len(x) == 2 and x[0] != x[1]:
+            worst = max(worst, float((abs(x[0]) + abs(x[1])) / abs(x[0] - x[1])))
+        # D' near zero has V'/U' large at every branch point, in units of √f/x²
+        radius = max(map(abs, group.branch_points))
+        near = min(
+            float(abs(poly.evaluate(K, v, e)) / abs(value)) if value else inf
+            for e in group.branch_points
+            for value in (poly.evaluate(K, u, e),)
+        )
+        worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
+        # what cancels in U'(a_i); a branch point far out; and what cancels where the a_i are close together
+        values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
+        worst = max([worst, *(float(size / value) for size, value in values if value)])
+        worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])
+        worst *= body_condition(self.system)
+        return worst if isfinite(worst) else inf
+
+    def _image(self, state: State) -> State:
+        system, body = self.system, self.system.body
+        pairs = coordinates.to_pairs(body, state)
+        u, v = coordinates.to_mumford(body, pairs)
+        h1, h2 = system.integrals(state)[2:]
+        group, move = self._move(h1, h2)
+        total = group.add(SignedDivisor(u, v, pairs, coordinates.kappas(body)), move)
+        return coordinates.from_pairs(body, total.pairs)
+
+    def divisor(self, state: State) -> Any:
+        """D' on the curve of a state, as a divisor of its Jacobian."""
+        if self.system._checked(state).tilted:
+            step, plain, _ = self._transformed(state)
+            return step.divisor(plain)
+        h1, h2 = self.system.integrals(self.system._checked(state))[2:]
+        _, move = self._move(h1, h2)
+        return self.system.group(h1, h2).from_mumford(move.u, move.v)
+
+    def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
+        """The same step on the body of :meth:`System.upright`, the branch point 1/d taken along."""
+        system, plain, change = self.system.upright(state)
+        if self._upright is None or self._upright[0] != system:
+            points = self.points
+            if system.body.rolls:
+                K = self.system.field
+                branch, image = K.inv(self.system.d), K.inv(system.d)
+                points = tuple(image if x == branch else x for x in points)
+            step = Translation(system, points, self.sheets, self.signs, self.multiple)
+            vars(self)["_upright"] = (system, replaced(step, _rounding=self._rounding))
+        assert self._upright is not None
+        return self._upright[1], plain, change
+
+    def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
+        """The sign-resolved [multiple]D' on the curve of (h1, h2); kept, because an orbit stays on one curve."""
+        group, u, v = self._class(h1, h2)
+        assert self._last is not None
+        if len(self._last) == 5:
+            vars(self)["_last"] = (*self._last, self._signed(group, u, v))
+        return group, self._last[5]
+
+    def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
+        """The group of the curve of (h1, h2) and (u, v) of D' before it is multiplied; kept like the multiple."""
+        if not self._is_last(h1, h2):
+            system = self.system
+            group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
+            vars(self)["_last"] = (h1, h2, group, *self._mumford(group, h1, h2))
+        assert self._last is not None
+        return self._last[2], self._last[3], self._last[4]
+
+    def _is_last(self, h1: Any, h2: Any) -> bool:
+        """Whether D' is known on this curve; guard digits are there to let an orbit stay on that of its start."""
+        if self._last is None:
+            return False
+        K = self.system.field
+        if K.exact or self._rounding <= K.eps:
+            return self._last[:2] == (h1, h2)
+        return all(abs(x - y) <= K.eps**0.75 * abs(y) for x, y in zip((h1, h2), self._last, strict=False))
+
+    def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
+        if self.multiple % 2 == 0:
+            # the double of anything has rational roots
+            move = group.double(group.twist(u, v))
+            move = move if self.multiple == 2 else group.multiple(self.multiple // 2, move)
+        else:
+            move = self._lifted(group, u, v)
+            move = move if self.multiple == 1 else group.multiple(self.multiple, move)
+        if self.multiple % 2 == 0:
+            pairs = [
+                pair if sign > 0 else (self.system.field.neg(pair[0]), self.system.field.neg(pair[1]))
+                for pair, sign in zip(move.pairs, (*self.signs, 1), strict=False)
+            ]
+            move = move._replace(pairs=tuple(pairs))
+        return move
+
+    def _lifted(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
+        try:
+            return group.lift(u, v, (*self.signs, 1)[: len(group.branch_points)])
+        except NotASquare:
+            raise NotASquare(
+                f"points = ({', '.join(map(str, self.points))}): the image of a state is not over {group.field.name}, "
+                "because a root √U'(a_i) is not; over the reals take both points on one oval, both beyond 1/d, or a "
+                "conjugate pair; or an even multiple"
+            ) from None
+
+    def _mumford(self, group: SignedGroup, h1: Any, h2: Any) -> tuple[poly.Poly, poly.Poly]:
+        K, f = group.field, group.curve.f
+        if any(isinstance(x, complex) or hasattr(x, "_mpc_") for x in self.points):
+            return self._conjugate_pair(K, f)
+        x = [apply(K, x, h1, h2) if callable(x) else x for x in self.points]
+        y = [K.zero if self._is_branch(e, h1, h2) else self._ordinate(K, f, e, sheet) for e, sheet in self._sheeted(x)]
+        if len(y) == 1:
+            return (K.neg(x[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
+        x1, x2 = x
+        if x1 == x2:
+            if y[0] != y[1]:
+                raise ArgumentError(f"points = ({x1}, {x2}): a point and its opposite add up to zero")
+            slope = K.div(poly.evaluate(K, poly.derivative(K, f), x1), K.add(y[0], y[0]))
+        else:
+            slope = K.div(K.sub(y[0], y[1]), K.sub(x1, x2))
+        v = (K.sub(y[0], K.mul(slope, x1)), slope)
+        return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), poly.trim(K, v) if K.exact else v
+
+    def _sheeted(self, x: Sequence[Any]) -> Any:
+        return zip(x, self.sheets, strict=True)
+
+    def _is_branch(self, x: Any, h1: Any, h2: Any) -> bool:
+        """Whether x is a root of f: one of the a_i, 1/d, or h1/h2 (over an inexact field to rounding)."""
+        K, system = self.system.field, self.system
+        if x in system.a or (system.body.rolls and x == K.inv(system.d)):
+            return True
+        rest = K.sub(K.mul(x, h2), h1)
+        return bool(rest == K.zero if K.exact else abs(rest) <= 4 * self._rounding * abs(h1))
+
+    @staticmethod
+    def _ordinate(K: Any, f: poly.Poly, x: Any, sheet: int) -> Any:
+        value = poly.evaluate(K, f, x)
+        try:
+            y = K.sqrt(value)
+        except NotASquare:
+            raise NotASquare(
+                f"points: f({x}) = {value} has no square root in {K.name}: no point of the curve lies there"
+            ) from None
+        return y if sheet > 0 else K.neg(y)
+
+    def _conjugate_pair(self, K: Any, f: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
+        z = _own(K, self.points[0])
+        value = poly.evaluate(K, f, z)
+        y = value**0.5 if self.sheets[0] > 0 else -(value**0.5)
+        slope = y.imag / z.imag
+        return (K.coerce(abs(z) ** 2), -2 * z.real, K.one), (y.real - slope * z.real, slope)
+
+
+def moving_branch_point(h1: Any, h2: Any) -> Any:
+    """The abscissa h1/h2 of the branch point that moves with the integrals, for ``points``."""
+    return h1 / h2
+
+
+def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
+    """The abscissa with h1 − x'h2 = c0 + c1·x', for ``points``: y'² = φ(x')(c0 + c1·x') is fixed."""
+
+    def abscissa(h1: Any, h2: Any) -> Any:
+        K = h1.field
+        return K.div(K.sub(h1, c0), K.add(h2, c1))
+
+    return abscissa
+
+
+def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
+    K = system.field
+    given = entries(points, "points", "a sequence of one or two abscissas x'")
+    if len(given) not in (1, 2):
+        raise ArgumentError(f"points = {shown(points)}: give one or two abscissas x'")
+    if len(given) == 1 and not system.body.rolls:
+        raise ArgumentError(f"points = {shown(points)}: at d = 0 give two abscissas; one point and ∞ needs d > 0")
+    complex_ones = [x for x in given if isinstance(x, complex) or hasattr(x, "_mpc_")]
+    if not complex_ones:
+        return tuple(x if callable(x) else K.coerce(x, f"points[{i}]") for i, x in enumerate(given))
+    if K.exact or len(complex_ones) != 2 or given[0] != given[1].conjugate() or not given[0].imag:
+        raise ArgumentError(
+            f"points = {shown(points)}: complex abscissas come as a conjugate pair (z, z̄) over RR or MP"
+        )
+    return tuple(given)
+
+
+def _own(K: Any, x: Any) -> Any:
+    """An abscissa in the numbers of K: a complex brings only its own digits, but they are taken exactly."""
+    return K.context.mpc(x) if hasattr(K, "context") and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
+
+
+def _size_at(f: poly.Poly, x: Any) -> Any:
+    """Σ |f_i||x|^i: what rounding in f(x) is relative to."""
+    return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))

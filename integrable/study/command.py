@@ -1,0 +1,134 @@
+"""``integrable report``: plan the rows, run what is missing, and write the page with its figures."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from integrable.extras import without
+from integrable.scene.data import Scene
+from integrable.scene.file import load_scene, scene_names
+from integrable.scene.output import OutputFolder, portable
+from integrable.scene.progress import going, often
+from integrable.study.findings import gather
+from integrable.study.page import Study, answer, page
+from integrable.study.plan import Row, compile_rows, rows_of
+from integrable.study.runner import run_rows
+from integrable.study.store import Store
+from jacobian.errors import ArgumentError
+from jacobian.numbers.compiler import look_for_a_place
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+__all__ = ["QUICK", "report"]
+
+QUICK = ("chaplygin", "euler_top", "thin_ball", "equal_moments", "hat_turning_point", "finite_field")
+"""Scenes of a quick study that names none: one of each kind, whose truths take seconds."""
+FIGURES = "figures/report"
+
+
+def report(
+    sources: Sequence[str] = (),
+    *,
+    out: str | Path,
+    quick: bool = False,
+    formats: tuple[str, ...] = ("svg",),
+    jobs: int | None = None,
+    progress: bool = False,
+) -> Study:
+    """Run a study in the folder ``out``, or go on with it, and return it with ``report.md`` and its figures written.
+
+    ``sources``: names of scenes or paths of scene files; none: all that ship, or with ``quick`` a few of them. Rows
+    that ``out`` holds and that no change of code, scene or library has made stale are not measured again. ``formats``
+    empty: no figures, and matplotlib is not imported. ``jobs`` processes measure at a time (default: one a core).
+    """
+    if jobs is not None and jobs < 1:
+        raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
+    chosen = list(sources) or (list(QUICK) if quick else scene_names())
+    scenes = [load_scene(source) for source in chosen]
+    names = [portable(scene.name).lower() for scene in scenes]
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f'scenes: "{name}" given {names.count(name)} times; each once is needed')
+    rows = planned(scenes, chosen, "quick" if quick else "full")
+    uses = {"scipy": "SciPy's integrators"}
+    uses |= {"matplotlib": "the figures"} if formats else {}
+    uses |= {"tqdm": "the progress bar"} if progress else {}
+    missing = without(uses)
+    formats, progress = formats if "matplotlib" not in missing else (), progress and "tqdm" not in missing
+    look_for_a_place()
+    store = Store(out)
+    with _bar(progress, rows) as tick:
+        contents = run_rows(rows, store, jobs or os.cpu_count() or 1, tick)
+    study = _study(scenes, rows, contents, chosen, quick)
+    _write(study, Path(out), formats)
+    return study
+
+
+def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Row]:
+    """All rows of a study: the truths first, since others wait for them."""
+    rows = [row for scene, source in zip(scenes, sources, strict=True) for row in rows_of(scene, source, mode)]
+    if mode == "full":
+        rows += compile_rows(scenes, sources)
+    return sorted(rows, key=lambda row: row.kind != "truth")
+
+
+def _study(
+    scenes: Sequence[Scene],
+    rows: Sequence[Row],
+    contents: dict[str, dict[str, Any]],
+    chosen: Sequence[str],
+    quick: bool,
+) -> Study:
+    first = contents[rows[0].key]
+    usual = set(chosen) == set(QUICK if quick else scene_names())
+    command = " ".join(["integrable report", *(() if usual else chosen)])
+    return Study(
+        findings=gather(scenes, rows, contents),
+        mode="quick" if quick else "full",
+        command=command + (" --quick" if quick else ""),
+        versions=first["versions"],
+        machine=first["machine"],
+        figures={},
+        seconds=sum(content["seconds"] for content in contents.values()),
+        missing=tuple(name for name in scene_names() if name not in {scene.name for scene in scenes}),
+    )
+
+
+def _write(study: Study, out: Path, formats: tuple[str, ...]) -> None:
+    """Figures, page, and the contents of all rows in one file."""
+    if formats:
+        from integrable.study.figures import as_bytes, error_against_run_time, floors
+
+        with OutputFolder(out / FIGURES) as folder:
+            drawn = {f.scene.name: error_against_run_time(f) for f in study.findings}
+            for name, drawing in (*drawn.items(), ("floors", floors(study.findings))):
+                for suffix in formats if drawing is not None else ():
+                    file = f"{portable(name)}.{suffix}"
+                    folder.write_bytes(file, as_bytes(drawing, suffix))
+                    study.figures[name] = f"{FIGURES}/{file}"
+    with OutputFolder(out) as folder:
+        folder.write_text("report.md", page(study))
+        folder.write_text("report.txt", answer(study) + "\n")
+
+
+@contextmanager
+def _bar(progress: bool, rows: Sequence[Row]) -> Iterator[Callable[[Row], None]]:
+    """A function to call with each finished row; it moves a bar on stderr if there is one."""
+    if not progress:
+        yield lambda _row: None
+        return
+    from tqdm import tqdm
+
+    layout = "{l_bar}{bar:20}| {n_fmt}/{total_fmt} [{elapsed}<{remaining}]"
+    with tqdm(total=len(rows), leave=False, mininterval=0.2, bar_format=layout) as bar, going(bar, often()):
+
+        def tick(row: Row) -> None:
+            bar.set_description(f"{row.scene.name}: {row.method}", refresh=False)
+            bar.update(1)
+
+        yield tick

@@ -1,0 +1,178 @@
+"""Samples of 1/g on a grid of the real torus of a motion, and their Fourier coefficients."""
+
+from __future__ import annotations
+
+from math import log2
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.moving_point import kernel
+from integrable.torus.lattice import TorusLattice
+from integrable.torus.long_periods import ovals, translation
+from jacobian.errors import PrecisionLoss
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+FIRST_SIZE = 16
+# translations by Λ_k/2^j are made for j up to this
+FINEST = 9
+# coefficients of U' beyond this cost digits
+FARTHEST = 1000
+# the grid starts at these parts of the periods from D(0), in units of 2^-FINEST: odd, so that no grid point is D(0),
+# which may be at a branch point like the half periods
+OFFSET = (109, 191)
+
+
+class TorusGrid:
+    """The torus D(0) + θ₁Λ₁ + θ₂Λ₂ of a motion, Λ_k the real periods over its two ovals.
+
+    1/g is to be resolved to ``digits``, by default those of the set-up. PrecisionLoss where an oval has shrunk to a
+    point.
+    """
+
+    def __init__(self, setup: Setup, digits: int | None = None) -> None:
+        self._setup = setup
+        self._digits = digits or setup.digits
+        # the reduced basis needs fewest samples; the halves of its periods may lie far out (d → 0)
+        for periods in (TorusLattice(setup).periods, [oval.periods for oval in ovals(setup)]):
+            self.periods = periods
+            self._parts = [self._halved(period) for period in periods]
+            if all(abs(x) < FARTHEST for parts in self._parts for step in parts[1:] for x in step[:2]):
+                break
+        self._base = self._generic_point()
+        self.turns = [self._turn(parts[1]) for parts in self._parts]
+        # θ of D(0) on the grid, in periods of 1/g
+        unit = setup.wide.coerce(2) ** FINEST
+        self.origin = [-part / unit / len(turns) for part, turns in zip(OFFSET, self.turns, strict=True)]
+
+    def resolved(self) -> tuple[Any, Any]:
+        """(Fourier coefficients of 1/g, its mean) from the first grid that holds it to rounding.
+
+        The coefficients are rows of mpc; the mean is summed in the wide precision.
+        """
+        setup = self._setup
+        sizes = [FIRST_SIZE, FIRST_SIZE]
+        while sizes[0] * sizes[1] <= max(8192, 16 * self._digits**2) and max(sizes) < 2**FINEST:
+            samples = self.samples(sizes[0], sizes[1])
+            grid = fourier(setup, samples)
+            tails = [float(tail / abs(grid[0][0])) for tail in _tails(grid)]
+            noise = 32 * 10.0**-self._digits
+            if max(tails) < noise:
+                return grid, self.mean(samples)
+            sizes = [n if tail < noise else _next_size(n, tail, noise) for n, tail in zip(sizes, tails, strict=True)]
+        raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+    def mean(self, samples: list[list[Any]]) -> Any:
+        """The mean of samples, wide."""
+        total = sum(self._setup.wide.coerce(x) for line in samples for x in line)
+        return total / (len(samples) * len(samples[0]))
+
+    def samples(self, rows: int, columns: int) -> list[list[Any]]:
+        """1/g at D(0) + OFFSET + (i/rows)Λ₁ + (j/columns)Λ₂: one addition each to a point that few additions made.
+
+        Rows and columns are powers of 2.
+        """
+        setup = self._setup
+        down, across = (
+            self._multiples(k, size // len(turns))
+            for k, (size, turns) in enumerate(zip((rows, columns), self.turns, strict=True))
+        )
+        reals = setup.reals
+        f, axes = setup.bare_problem
+        steps = [reals.row(step) for step in across]
+        points = [reals.row(point) for point in (self._base, *(setup.moved(step, self._base) for step in down))]
+        table: list[list[Any]] = []
+        for turn in self.turns[0]:
+            for point in points:
+                line = []
+                with reals:
+                    for second in self.turns[1]:
+                        here = tuple(a * b * x for a, b, x in zip(turn, second, point, strict=True))
+                        line.append(kernel.rate_at(axes, here))
+                        line.extend(kernel.clock_rate(f, axes, here, step) for step in steps)
+                table.append(list(reals.elements(setup.work, line)))
+        return table
+
+    def _halved(self, period: tuple[Any, ...]) -> list[Any]:
+        """T(period/2^j) for j = 0 … FINEST, the first of them (the identity) None."""
+        unit = self._setup.wide.coerce(2) ** FINEST
+        parts = [translation(self._setup, (period[0] / unit, period[1] / unit))]
+        for _ in range(FINEST - 1):
+            parts.append(self._setup.combine(parts[-1], parts[-1]))
+        return [None, *parts[::-1]]
+
+    def _multiples(self, k: int, count: int) -> list[Any]:
+        """T(Λ_k/count), T(2Λ_k/count), …, count − 1 of them, wide."""
+        step = self._parts[k][int(log2(count))]
+        rows = [step]
+        for _ in range(count - 2):
+            rows.append(self._setup.combine(rows[-1], step))
+        return rows
+
+    def _generic_point(self) -> Any:
+        """The moving point at which the grid starts, wide."""
+        point = self._setup.wide_start
+        for part, parts in zip(OFFSET, self._parts, strict=True):
+            for bit in range(FINEST):
+                if part >> bit & 1:
+                    point = self._setup.moved(parts[FINEST - bit], point)
+        return point
+
+    def _turn(self, half: Any) -> list[tuple[int, ...]]:
+        """The signs that the pairs have in every period of the divisor that a period of 1/g is made of: one or two.
+
+        An odd number of turned γ_i is noticed by the clock of a tilted body, whose period is then twice that of the
+        divisor.
+        """
+        setup = self._setup
+        base, half = (tuple(map(setup.number, row)) for row in (self._base, half))
+        again = kernel.shift(setup.f, setup.axes, kernel.shift(setup.f, setup.axes, base, half), half)
+        # γ_i and its rate are not zero together
+        signs = [1 if again[i] * base[i] + again[i + 3] * base[i + 3] > 0 else -1 for i in range(4, 7)]
+        kept = (1,) * 10
+        if setup.tilt is None or signs[0] * signs[1] * signs[2] > 0:
+            return [kept]
+        return [kept, (1, 1, 1, 1, *signs, *signs)]
+
+
+def fourier(setup: Setup, samples: list[list[Any]]) -> Any:
+    """Two-dimensional discrete Fourier transform, normalised: coefficient (0, 0) is the mean."""
+    context: Any = setup.work.context
+    most = max(len(samples), len(samples[0]))
+    turns = [context.expjpi(-context.mpf(2 * k) / most) for k in range(most // 2)]
+    lines = [_transform(context, [context.mpc(x) for x in line], turns) for line in samples]
+    columns = [_transform(context, list(column), turns) for column in zip(*lines, strict=True)]
+    size = len(lines) * len(columns)
+    return [[x / size for x in line] for line in zip(*columns, strict=True)]
+
+
+def _transform(context: Any, values: list[Any], turns: list[Any]) -> list[Any]:
+    """The discrete Fourier transform of 2^k numbers (Cooley & Tukey 1965); ``turns`` are e^(−2πik/2^m), k < 2^(m−1),
+    2^m ≥ 2^k.
+    """
+    n = len(values)
+    if n == 1:
+        return values
+    even, odd = _transform(context, values[::2], turns), _transform(context, values[1::2], turns)
+    turned = [factor * x for factor, x in zip(turns[:: 2 * len(turns) // n], odd, strict=True)]
+    return [x + y for x, y in zip(even, turned, strict=True)] + [x - y for x, y in zip(even, turned, strict=True)]
+
+
+def _tails(grid: Any) -> tuple[Any, Any]:
+    """The largest coefficient in the last eighth of the modes of either direction."""
+    rows, columns = len(grid), len(grid[0])
+    far_rows, far_columns = ({k % n for k in range(n // 2 - n // 16, n // 2 + n // 16 + 1)} for n in (rows, columns))
+    return (
+        max(abs(grid[i][j]) for i in far_rows for j in range(columns)),
+        max(abs(grid[i][j]) for i in range(rows) for j in far_columns),
+    )
+
+
+def _next_size(n: int, tail: float, noise: float) -> int:
+    """The power of 2 at which a geometric decay to ``tail`` at n/2 modes reaches ``noise``, at least 2n."""
+    if not 0 < tail < 0.5:
+        return 4 * n
+    wanted = 0.8 * n * log2(noise) / log2(tail)
+    return int(max(2 * n, 2 ** int(np.ceil(log2(wanted)))))

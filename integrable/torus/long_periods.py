@@ -1,0 +1,63 @@
+"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from integrable.moving_point.kernel import near_identity
+from integrable.torus.lattice import oval_ends
+from integrable.torus.survey import REACH, oval_periods
+from jacobian import poly
+from jacobian.periods.matrix import Oval
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+
+def ovals(setup: Setup) -> list[Oval]:
+    """The ovals that u1 and u2 run through (:func:`integrable.torus.lattice.oval_ends`), each with its periods 2∫dx/y
+    and 2∫x dx/y.
+
+    An oval may be a point, an isolated double point of the curve: its periods are then residues. At d = 0 the periods
+    of x dx/y differ by the residue at infinity.
+    """
+    K = setup.wide
+    first, second = oval_ends(setup)
+    periods = [K.zero] * 4
+    oval_periods((*first, *second), setup.wide_d, K.one, +K.context.pi, K.eps**0.5 / 16, periods)
+    return [Oval(*first, (periods[0], periods[1])), Oval(*second, (periods[2], periods[3]))]
+
+
+def translation(setup: Setup, period: Any) -> tuple[Any, ...]:
+    """T(w) for w = (Σ∫dx/y, Σ∫x dx/y), as a moving point with κ = 1.
+
+    The sum of two in the directions (1, c), c = 0 and −1 in units of max a: there f < 0, and the branch points are on
+    one side.
+    """
+    parts = [(centre, eps) for centre, eps in ((setup.wide.zero, period[0] + period[1]), (-1, -period[1])) if eps != 0]
+    first, *rest = (directed(setup, centre, eps) for centre, eps in parts)
+    for step in rest:
+        first = setup.combine(first, step)
+    return first
+
+
+def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
+    """T(eps, centre·eps), doubled from inside the radius of the series about ``centre`` < α_min."""
+    K = setup.wide
+    x0 = K.coerce(centre)
+    f = poly.shift(K, setup.wide_f, x0)
+    axes = [a - x0 for a in setup.wide_axes]
+    doublings, reach = 0, 2 * REACH * min(e - x0 for e in setup.wide_branch_points) / K.sqrt(abs(f[0]))
+    while abs(eps) > reach:
+        eps, doublings = eps / 2, doublings + 1
+    series, roots = (setup.wide_series(f, power) for power in (-1, 1))
+    step = centred(near_identity(series, roots, f[0], axes, eps, setup.wide_passes), x0)
+    for _ in range(doublings):
+        step = setup.combine(step, step)
+    return step
+
+
+def centred(step: Any, x0: Any) -> tuple[Any, ...]:
+    """A translation in the abscissa x, from the same one in x − x0."""
+    u0, u1, v0, v1, *pairs = step
+    return (u0 - u1 * x0 + x0 * x0, u1 - 2 * x0, v0 - v1 * x0, v1, *pairs)

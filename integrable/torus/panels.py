@@ -1,0 +1,120 @@
+"""Many states on one stretch of time: Chebyshev series on panels, from exact states at their nodes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
+
+# nodes of a panel: more make panels longer and their evaluation slower
+NODES = 28
+# the last coefficients of a panel of states that the torus gives, in units of the largest value of their column
+TOLERANCE = 2e-15
+# rounding of the states themselves, on motions with fast passages
+NOISE = 1e-13
+# panels of a stretch whose ends show how long they may be, and halvings of one of them
+PROBES = 8
+MOST_HALVINGS = 12
+
+States = Callable[[np.ndarray], np.ndarray]
+
+
+class Panels:
+    """Values of ``states`` (times of shape (N,) to rows of shape (N, width)) between two times.
+
+    ``length`` is the length of a panel to begin with; panels whose series has not converged are halved. ``tolerance``
+    is for their last coefficients, in units of the largest value of their column; below ``least`` they are rounding.
+    """
+
+    def __init__(
+        self,
+        states: States,
+        start: float,
+        end: float,
+        length: float,
+        tolerance: float = TOLERANCE,
+        least: Any = 0.0,
+    ) -> None:
+        count = max(1, int(np.ceil((end - start) / length)))
+        left = np.linspace(start, end, count + 1)[:-1]
+        half = np.full(count, (end - start) / (2 * count))
+        middle = left + half
+        middles, halves, series = [], [], []
+        for _ in range(MOST_HALVINGS):
+            found = _coefficients(states, middle, half)
+            good = _converged(found, tolerance, least)
+            middles.append(middle[good])
+            halves.append(half[good])
+            series.append(found[good])
+            if good.all():
+                break
+            middle, half = middle[~good], half[~good] / 2
+            middle, half = np.concatenate([middle - half, middle + half]), np.concatenate([half, half])
+        else:
+            raise PrecisionLoss(f"the states between {start} and {end} are no Chebyshev series on any panel")
+        order = np.argsort(np.concatenate(middles))
+        self.middles, self.halves = (np.concatenate(rows)[order] for rows in (middles, halves))
+        self.coefficients = np.ascontiguousarray(np.concatenate(series)[order])
+
+    def at(self, times: np.ndarray, evaluate: Any) -> np.ndarray:
+        """The rows at times inside, by :func:`integrable.torus.walks.panel_values` or its compiled version."""
+        width = self.coefficients.shape[2]
+        out = np.empty((len(times), width))
+        evaluate(self.middles, self.halves, self.coefficients, times, np.empty((2, width)), out)
+        return out
+
+
+def panel_length(states: States, start: float, end: float, least: float) -> float:
+    """A length of panels between two times that converge: halved from that of the stretch or 1024·``least``."""
+    length = min(end - start, 1024 * least)
+    places = start + (end - start) * (np.arange(PROBES) + 0.5) / PROBES
+    while length > least:
+        middle = np.clip(places, start + length / 2, end - length / 2)
+        if _converged(_coefficients(states, middle, np.full(PROBES, length / 2))).mean() > 0.7:
+            break
+        length /= 2
+    return length
+
+
+def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.ndarray:
+    """Chebyshev coefficients, shape (panels, NODES, width)."""
+    nodes, matrix, slopes = _rule()
+    offsets = half[:, None] * nodes
+    times = middle[:, None] + offsets
+    # what a rounded time is off its node (two-sum), for which the values are corrected to first order
+    back = times - middle[:, None]
+    off = (offsets - back) + (middle[:, None] - (times - back))
+    values = states(times.ravel()).reshape(len(middle), NODES, -1)
+    rates = np.einsum("kn,pnw->pkw", slopes, values, optimize=True) / half[:, None, None]
+    values = values + off[:, :, None] * rates
+    result: np.ndarray = np.einsum("kn,pnw->pkw", matrix, values, optimize=True)
+    return result
+
+
+def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: Any = 0.0) -> np.ndarray:
+    """Whether the series of every panel has ended: its last terms are below ``tolerance``, or level and below NOISE."""
+    sizes = np.abs(coefficients).max(axis=(0, 1))
+    tails = np.abs(coefficients[:, -3:]).max(axis=1)
+    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
+    level = (tails > before / 8) & (tails <= NOISE * sizes)
+    good: np.ndarray = ((tails <= np.maximum(tolerance * sizes, least)) | level).all(axis=1)
+    return good
+
+
+@lru_cache(maxsize=1)
+def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Chebyshev nodes, and the matrices from values there to coefficients and to derivatives."""
+    # whole turns are taken off while the angles are integers
+    turns = np.outer(np.arange(NODES), 2 * np.arange(NODES) + 1) % (4 * NODES)
+    cosines = np.cos(np.pi / (2 * NODES) * np.arange(4 * NODES))
+    matrix = 2 / NODES * cosines[turns]
+    matrix[0] /= 2
+    nodes = cosines[2 * np.arange(NODES) + 1]
+    # T_k' = k·sin(kθ)/sin θ
+    angles = np.arccos(nodes)
+    derivatives = np.arange(NODES) * np.sin(np.outer(angles, np.arange(NODES))) / np.sin(angles)[:, None]
+    return nodes, matrix, derivatives @ matrix

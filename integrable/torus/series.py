@@ -1,0 +1,168 @@
+"""The integral of a function on the torus along the flow: a mean rate and a Fourier series.
+
+For F on the torus with samples on a grid, ∫F dτ = mean·τ + S, dS/dτ = F − mean, S a function on the torus again: the
+series of F divided by the rates of its phases.
+"""
+
+from __future__ import annotations
+
+from math import ceil, inf, log2, pi
+from typing import Any
+
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
+
+# 2π as the sum of two floats
+TWO_PI = np.longdouble(2 * pi) + 2.4492935982947064e-16
+
+
+class TorusSeries:
+    """S for F of a given :func:`spectrum`; ``frequencies`` are turns in a unit of τ, wide numbers. S = 0 at the phases
+    (0, 0).
+
+    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out, but
+    for those of modes of S above ``least``. A spectrum in long doubles has coefficients that are right to the last
+    digit: that of a slow mode is divided by its rate. PrecisionLoss where a mode of F is in resonance: k·ν = 0.
+    """
+
+    def __init__(
+        self,
+        grid: np.ndarray,
+        frequencies: tuple[Any, Any],
+        scale: Any = 1.0,
+        noise: float = 2.0**-54,
+        least: float = inf,
+    ) -> None:
+        grid = grid / scale
+        self.mean = float(grid[0, 0].real)
+        self.frequencies = frequencies
+        rows, columns = grid.shape
+        # the modes k ≥ 0 (the others are conjugate), m from −columns/2 to columns/2
+        half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
+        half[1:] *= 2
+        self._first = -(columns // 2)
+        largest = float(np.abs(grid).max())
+        kept = np.abs(half) > 8 * float(np.finfo(grid.dtype).eps) * largest
+        kept[0, columns // 2] = False
+        # the conjugate half of the row k = 0 is counted with its other half
+        kept[0, : columns // 2] = False
+        half[0, columns // 2 + 1 :] *= 2
+        self._slope = half.astype(complex)
+        self._kept = kept
+        turns = self._turns(kept)
+        self._swing = np.zeros_like(self._slope)
+        self._swing[kept] = half[kept] / (2j * pi * turns[kept])
+        kept &= (np.abs(half) > noise * largest) | (np.abs(self._swing) > least)
+        self._swing[~kept] = 0
+        self._fine = half
+        self._origin = float(self._swing[kept].real.sum())
+        self._bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
+
+    def _turns(self, kept: np.ndarray) -> np.ndarray:
+        """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
+        rows, columns = kept.shape
+        nu1, nu2 = map(float, self.frequencies)
+        k, m = np.arange(rows)[:, None], np.arange(columns)[None, :] + self._first
+        turns = k * nu1 + m * nu2
+        close = kept & (np.abs(turns) < 2.0**-10 * (np.abs(k * nu1) + np.abs(m * nu2)))
+        for i, j in np.argwhere(close).tolist():
+            turns[i, j] = float(i * self.frequencies[0] + (j + self._first) * self.frequencies[1])
+            if turns[i, j] == 0:
+                raise PrecisionLoss(
+                    f"the mode ({i}, {j + self._first}) of a function on the torus is in resonance with the motion"
+                )
+        return turns
+
+    def loudest(self, least: float, most: int) -> tuple[np.ndarray, list[Any]]:
+        """The modes of S from ``least`` on, the ``most`` largest of them: integers k, m one after the other, and the
+        real and imaginary parts of their coefficients likewise, in long doubles.
+        """
+        sizes = np.abs(self._swing)
+        chosen = [int(n) for n in np.argsort(sizes, axis=None)[::-1][:most] if sizes.flat[n] >= least]
+        modes, coefficients = [], []
+        nu1, nu2 = self.frequencies
+        for n in chosen:
+            k, m = n // sizes.shape[1], n % sizes.shape[1] + self._first
+            turns = k * nu1 + m * nu2
+            # over 2πi
+            value = self._fine.flat[n] / (TWO_PI * long_double(turns))
+            modes += [k, m]
+            coefficients += [value.imag, -value.real]
+        return np.array(modes, dtype=np.int64), coefficients
+
+    def packed(self, part: float = 0.0, without: Any = ()) -> tuple[Any, ...]:
+        """What :func:`integrable.torus.walks.swing_and_rate` takes; only modes of F beyond ``part`` of its mean, or
+        without some modes as :meth:`loudest` gives them and without their part of the value at the start.
+        """
+        kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
+        left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first
+        kept[left_out] = False
+        # a difference of sums would have the rounding of the largest modes
+        origin = float(self._swing[kept].real.sum()) if len(without) else self._origin
+        modes = np.flatnonzero(kept.any(axis=0))
+        least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
+        lines, swings, slopes, place = [], [], [], 0
+        for k in range(int(np.flatnonzero(kept.any(axis=1)).max(initial=0)) + 1):
+            chosen = np.flatnonzero(kept[k])
+            begin, end = (int(chosen[0]), int(chosen[-1]) + 1) if len(chosen) else (least, least)
+            lines += [begin - least, place, place + end - begin]
+            place += end - begin
+            swings.append(np.where(kept[k, begin:end], self._swing[k, begin:end], 0))
+            slopes.append(np.where(kept[k, begin:end], self._slope[k, begin:end], 0))
+        swing, slope = np.concatenate(swings), np.concatenate(slopes)
+        nu = tuple(map(float, self.frequencies))
+        return (
+            np.array(lines),
+            *(np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag)),
+            (least + self._first, count),
+            (*nu, self._bound),
+            (-origin, self.mean),
+        )
+
+    def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+        """S at arrays of phases, in turns."""
+        rows, columns = self._swing.shape
+        left = np.exp(2j * pi * np.outer(first, np.arange(rows)))
+        right = np.exp(2j * pi * np.outer(second, np.arange(columns) + self._first))
+        swing: np.ndarray = np.einsum("ij,ij->i", left @ self._swing, right).real - self._origin
+        return swing
+
+
+def long_double(x: Any) -> Any:
+    """A wide number as a long double, where the machine has them."""
+    return np.longdouble(float(x)) + float(x - float(x))
+
+
+def spectrum(samples: np.ndarray) -> np.ndarray:
+    """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
+    grid: np.ndarray = np.fft.fft2(samples) / samples.size
+    return grid
+
+
+def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
+    """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
+    (relative), else a larger one where their decay leads.
+    """
+    grid = np.abs(grid).astype(float)
+    grid /= grid.max()
+    rows, columns = (_needed(np.maximum.reduce(grid, axis=1 - k), noise[k]) for k in range(2))
+    return rows, columns
+
+
+def _needed(modes: np.ndarray, noise: float) -> int:
+    size = len(modes)
+    half = size // 2
+    # envelope[k]: the largest of the modes from ±k on
+    folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
+    envelope = np.maximum.accumulate(folded[::-1])[::-1]
+    if envelope[half - max(1, size // 16)] < noise:
+        return size
+    known = int(np.flatnonzero(envelope > 32 * noise)[-1])
+    if known < 2:
+        return 2 * size
+    decay = log2(float(envelope[known // 2]) / float(envelope[known])) / (known - known // 2)
+    if decay <= 0:
+        return 4 * size
+    wanted = known + 2 * (log2(float(envelope[known])) - log2(noise / 8)) / decay
+    return int(min(max(2 * size, 2 ** ceil(log2(wanted))), 8 * size))

@@ -1,0 +1,315 @@
+"""What is known of a real torus before it is walked over, on bare reals: written so that numba can compile it as it
+stands.
+
+Periods by the arithmetic-geometric mean, the mean of 1/g, the chart of two centres with the fewest cells, the power
+series about a centre. Numbers are floats, mpf or bare reals, or double-doubles when compiled
+(:mod:`integrable.torus.compiled`); what chooses a chart is in floats.
+"""
+
+from __future__ import annotations
+
+from math import floor, sqrt
+from typing import Any
+
+from jacobian.inexact.genus2_real import root
+
+Real = Any
+Row = Any
+
+# conjugate points of a translation at this part of the distance from its centre to the next branch point
+REACH = 0.3
+# a torus of more cells counts as not compact
+MOST_CELLS = 1 << 16
+# so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a,
+# but not so far that the α are one point from there
+CENTRES = 12
+FARTHEST = 2.0
+REMOTE = 1e4
+# where these leave more cells than this, branch points are close together and far from all of them (a heavy ball with
+# one large moment): then centres between branch points are tried as well, so many from either end of a gap, the first
+# at half the least distance of two branch points
+FEW_CELLS = 1 << 12
+INNER = 8
+# d·max a below which a period is nearly the residue at infinity
+FLAT = 0.01
+
+
+def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) -> None:
+    """2∫dx/√|PQR| and 2∫x dx/√|PQR| from root to root of P, then the same for Q, into ``out``: P and Q monic with the
+    roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3], R = r − dx, whose root is beyond those.
+
+    The arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988): with U = Q'R − QR' and so on,
+    ∫dx/√|PQR| = 2√Δ∫dx/√|UVW| between roots of V and W, of W and U, which are closer. It converges quadratically,
+    however near branch points are, and ends with ovals that are shorter than ``near`` of the distance to
+    other branch points, of the order of √eps.
+    """
+    p1, p2, q1, q2 = ends[0], ends[1], ends[2], ends[3]
+    one = 1 + 0 * p1
+    scale = 2 * one
+    # R, ascending, and its values at the ends
+    r0, r1, r2 = r * one, -d * one, 0 * one
+    at_p1, at_p2, at_q1, at_q2 = r - d * p1, r - d * p2, r - d * q1, r - d * q2
+    # R varies by these over the ovals: what is left must be short beside the distance of every other root
+    while (
+        max(p2 - p1, q2 - q1) > near * (q1 - p2)
+        or abs(at_p1 - at_p2) > near * abs(at_p1)
+        or abs(at_q1 - at_q2) > near * abs(at_q2)
+    ):
+        a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
+        u0, u1, u2 = bracket(b0, b1, one, r0, r1, r2)
+        v0, v1, v2 = bracket(r0, r1, r2, a0, a1, one)
+        w0, w1, w2 = bracket(a0, a1, one, b0, b1, one)
+        # Δ is the determinant of the coefficients; W and those of R complete it
+        determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
+        # the discriminants are resultants: no difference of near numbers but those of the ends
+        x1, x2 = between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
+        leads = w2
+        if u2 == 0:
+            # R is constant, and ∞ a root of U and V
+            y1, z1 = -u0 / u1, -v0 / v1
+            leads *= u1 * v1
+            r0, r1, r2 = one, 0 * one, 0 * one
+            at_p1, at_p2, at_q1, at_q2 = one, one, one, one
+            p1, p2, q1, q2 = z1, x1, x2, y1
+        else:
+            y1, y2 = between(u0, u1, u2, root(abs(at_q1 * at_q2)))
+            z1, z2 = between(v0, v1, v2, root(abs(at_p1 * at_p2)))
+            leads *= u2 * v2
+            r0, r1, r2 = y2 * z2, -y2 - z2, one
+            p1, p2, q1, q2 = z1, x1, x2, y1
+            at_p1, at_p2 = (y2 - p1) * (z2 - p1), (y2 - p2) * (z2 - p2)
+            at_q1, at_q2 = (y2 - q1) * (z2 - q1), (y2 - q2) * (z2 - q2)
+        scale *= 2 * root(abs(determinant / leads))
+    x = (p1 + p2) / 2
+    out[0] = scale * pi / root(abs((x - q1) * (x - q2) * (r0 + x * (r1 + x * r2))))
+    out[1] = out[0] * x
+    x = (q1 + q2) / 2
+    out[2] = scale * pi / root(abs((x - p1) * (x - p2) * (r0 + x * (r1 + x * r2))))
+    out[3] = out[2] * x
+
+
+def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
+    """∫ (a cos²φ + b sin²φ)/((cos²φ + p sin²φ)√(cos²φ + k² sin²φ)) dφ from 0 to π/2, for positive k and p: the general
+    complete elliptic integral (Bulirsch 1969, algorithm cel), to a relative ``near``².
+    """
+    k, p = 1 * k, root(p)
+    b, e, m = b / p, k, 1 + 0 * k
+    for _ in range(100):
+        f, g = a, e / p
+        a, b, p, last, m = a + b / p, 2 * (b + f * g), g + p, m, k + m
+        if abs(last - k) <= near * last:
+            break
+        k = 2 * root(e)
+        e = k * m
+    return pi * (b + a * m) / (2 * m * (m + p))
+
+
+def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real) -> Real:
+    """The mean over the torus of 1/√((r − du₁)(r − du₂)), u₁ and u₂ on the two ovals, ``area`` the determinant of
+    their periods.
+
+    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂): the mean is a determinant of complete elliptic integrals
+    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), e_i the ends, taken with x − e for x, where e lies between
+    the ovals and nothing cancels.
+    """
+    middle = (ends[1] + ends[2]) / 2
+    low0, low1 = slowed(ends[0], ends[1], ends[2], ends[3], middle, d, r, pi, near)
+    high0, high1 = slowed(ends[2], ends[3], ends[1], ends[0], middle, d, r, pi, near)
+    return 4 * (high1 * low0 - low1 * high0) / abs(area)
+
+
+def slowed(
+    a: Real, b: Real, c: Real, e: Real, middle: Real, d: Real, r: Real, pi: Real, near: float
+) -> tuple[Real, Real]:
+    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1; c and e are on one side."""
+    # x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
+    ratio = (c - a) / (c - b)
+    k = root(ratio * (e - b) / (e - a))
+    p = ratio * (r - d * b) / (r - d * a)
+    scale = 2 / (root((c - b) * (e - a)) * (r - d * a))
+    return (
+        scale * complete(k, p, 1 + 0 * p, ratio, pi, near),
+        scale * complete(k, p, a - middle, ratio * (b - middle), pi, near),
+    )
+
+
+def bracket(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: Real) -> tuple[Real, Real, Real]:
+    """p'q − pq' of two quadratics, ascending."""
+    return p1 * q0 - p0 * q1, 2 * (p2 * q0 - p0 * q2), p2 * q1 - p1 * q2
+
+
+def between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
+    """The roots of w0 + w1·x + w2·x², ascending, from the root of a quarter of its discriminant."""
+    far = -w1 / 2
+    far = far + spread if far >= 0 else far - spread
+    first, second = far / w2, w0 / far
+    return (first, second) if first <= second else (second, first)
+
+
+def best_chart(
+    points: Row, ends: Row, origin: float, lead: float, periods: Row
+) -> tuple[float, float, float, float, int, int, int, int, int, int]:
+    """(c₁, c₂, reach₁, reach₂, m₁, n₁, m₂, n₂, rows, columns): the centres with the fewest cells, the largest s for
+    either, the integer rows (m, n) of a reduced basis in the given periods (a₁, b₁, a₂, b₂), and the cells.
+
+    ``points`` are the branch points, ``ends`` those of the ovals, ``origin`` is how far all have been moved, ``lead``
+    the leading coefficient of f.
+    """
+    # with d = 0 one period is the residue of x dx/y, translations by its parts are at infinity: it comes second
+    flat = len(points) == 4 or lead < FLAT
+    fewest = 1 << 60
+    best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
+    tried = 0
+    for count in (CENTRES, CENTRES + 4 * INNER):
+        for i in range(tried, count):
+            c1 = centre_of(i, points, ends, origin)
+            reach1 = reach_of(points, lead, c1)
+            for j in range(i):
+                c2 = centre_of(j, points, ends, origin)
+                reach2 = reach_of(points, lead, c2)
+                if reach1 == 0 or reach2 == 0 or c1 == c2:
+                    continue
+                s1, t1 = split_by(c1, c2, periods[0], periods[1])
+                s2, t2 = split_by(c1, c2, periods[2], periods[3])
+                s1, t1, s2, t2 = s1 / reach1, t1 / reach2, s2 / reach1, t2 / reach2
+                m1, n1, m2, n2 = reduced(s1, t1, s2, t2)
+                if flat and abs(m1 * periods[0] + n1 * periods[2]) < abs(m2 * periods[0] + n2 * periods[2]):
+                    m1, n1, m2, n2 = m2, n2, m1, n1
+                rows, columns = cells(m1 * s1 + n1 * s2, m1 * t1 + n1 * t2, m2 * s1 + n2 * s2, m2 * t1 + n2 * t2)
+                if rows * columns < fewest:
+                    fewest = rows * columns
+                    best = (c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns)
+        tried = count
+        if fewest <= FEW_CELLS:
+            break
+    return best
+
+
+def centre_of(i: int, points: Row, ends: Row, origin: float) -> float:
+    """The i-th centre that is tried: below all branch points; from the lower end of the gap between the ovals to its
+    middle, from its upper end not quite; and the same in the gap behind the second.
+    """
+    least, low, high = points[0], float(ends[0]), float(ends[3])
+    near = spread = high - low
+    for k in range(len(points)):
+        least = min(least, points[k])
+        for j in range(k):
+            near = min(near, abs(points[k] - points[j]))
+    farthest = min(FARTHEST * (high + origin), REMOTE * spread)
+    if i < CENTRES:
+        nearest = min(least + origin, spread) / 4
+        return least - nearest * (farthest / nearest) ** (i / (CENTRES - 1))
+    end, k = (i - CENTRES) // INNER, (i - CENTRES) % INNER
+    first, last = float(ends[1]), float(ends[2])
+    if end > 1:
+        first, last = high, points[4] if len(points) > 4 else high + 2 * farthest
+    middle = (last - first) / 2
+    near = min(near, middle) / 2
+    if near <= 0:
+        return first
+    if end % 2 == 0:
+        return first + near * (middle / near) ** (k / (INNER - 1))
+    return last - near * (middle / near) ** (k / INNER)
+
+
+def reach_of(points: Row, lead: float, centre: float) -> float:
+    """The largest s of T(s, centre·s), from the roots, near which the coefficients of f cancel; 0 where f is not
+    negative.
+    """
+    value, near = lead, abs(points[0] - centre)
+    for e in points:
+        value *= e - centre
+        near = min(near, abs(e - centre))
+    # −f: with d = 0 the lead is 1, and f has four roots
+    return 2 * REACH * near / sqrt(value) if value > 0 else 0.0
+
+
+def split_by(c1: Any, c2: Any, a: Any, b: Any) -> tuple[Any, Any]:
+    """(s₁, s₂) with (a, b) = s₁(1, c₁) + s₂(1, c₂)."""
+    second = (b - c1 * a) / (c2 - c1)
+    return a - second, second
+
+
+def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, int]:
+    """Integer rows (m₁, n₁), (m₂, n₂) of a basis of two short vectors (Lagrange 1773)."""
+    m1, n1, m2, n2 = 1, 0, 0, 1
+    for _ in range(200):
+        if s1 * s1 + t1 * t1 > s2 * s2 + t2 * t2:
+            s1, t1, s2, t2 = s2, t2, s1, t1
+            m1, n1, m2, n2 = m2, n2, m1, n1
+        turns = floor((s1 * s2 + t1 * t2) / (s1 * s1 + t1 * t1) + 0.5)
+        if turns == 0:
+            break
+        s2, t2 = s2 - turns * s1, t2 - turns * t1
+        m2, n2 = m2 - turns * m1, n2 - turns * n1
+    return m1, n1, m2, n2
+
+
+def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
+    """The fewest cells, powers of 2 in either direction, whose corners are within reach of their centres."""
+    s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
+    best1, best2, first = 1 << 29, 1 << 29, 2
+    while first <= MOST_CELLS:
+        # what is left of the reach in either direction
+        left_s, left_t = 1 - s1 / first, 1 - t1 / first
+        if left_s > 0 and left_t > 0:
+            second = 2
+            while second <= MOST_CELLS and (s2 / second > left_s or t2 / second > left_t):
+                second *= 2
+            if first * second < best1 * best2:
+                best1, best2 = first, second
+        first *= 2
+    return best1, best2
+
+
+def survey(
+    motion: Row, near: float, points: Row, out: Row
+) -> tuple[float, float, float, float, int, int, int, int, int, int]:
+    """:func:`best_chart` of a motion, and into ``out`` the basis Λ₁, Λ₂ (four numbers), its frequencies ν₁, ν₂, then
+    s₁ of Λ₁ and Λ₂ and s₂ of both, over the reaches, and :func:`mean_slowness`.
+
+    ``motion`` holds the ends of both ovals, α1, α2, α3, ζ, d, π, r and the origin x₀: all abscissae are less by x₀, the
+    last factor of f is r − dx with r = 1 − dx₀. ``points`` is room for floats, as many as there are branch points (four
+    where d = 0); ``near`` as for :func:`oval_periods`.
+    """
+    ends, d, pi, r = (motion[0], motion[1], motion[2], motion[3]), motion[8], motion[9], motion[10]
+    oval_periods(ends, d, r, pi, near, out)
+    for k in range(4):
+        points[k] = float(motion[4 + k])
+    lead = 1.0
+    if len(points) > 4:
+        points[4], lead = float(r / d), float(d)
+    periods = (float(out[0]), float(out[1]), float(out[2]), float(out[3]))
+    chart = best_chart(points, ends, float(motion[11]), lead, periods)
+    c1, c2, reach1, reach2, m1, n1, m2, n2, _, _ = chart
+    a1, b1 = m1 * out[0] + n1 * out[2], m1 * out[1] + n1 * out[3]
+    a2, b2 = m2 * out[0] + n2 * out[2], m2 * out[1] + n2 * out[3]
+    determinant = a1 * b2 - b1 * a2
+    out[0], out[1], out[2], out[3] = a1, b1, a2, b2
+    # (1, −x₀) is the direction of the flow
+    out[4], out[5] = (b2 + motion[11] * a2) / determinant, -(b1 + motion[11] * a1) / determinant
+    # the centres are exact numbers
+    gap = c2 + 0 * a1 - c1
+    second1, second2 = (b1 - c1 * a1) / gap, (b2 - c1 * a2) / gap
+    out[6], out[7] = (a1 - second1) / reach1, (a2 - second2) / reach1
+    out[8], out[9] = second1 / reach2, second2 / reach2
+    out[10] = mean_slowness(ends, d, r, pi, near, determinant)
+    return chart
+
+
+def about_centre(motion: Row, centre: float, unit: float, out: Row) -> None:
+    """f = (x − ζ)·Π(α_i − x)·(r − dx) in powers of (x − centre)/unit into out[0 … 5], and (α_i − centre)/unit into
+    out[6 … 8]: from the roots, near which the coefficients of f about 0 would cancel. ``motion`` as for :func:`survey`.
+    """
+    d = motion[8]
+    out[0], out[1] = centre - motion[7], unit + 0 * d
+    for k in range(2, 6):
+        out[k] = 0 * d
+    for i in range(4):
+        constant, slope = motion[10] - d * centre, -d * unit
+        if i < 3:
+            constant, slope = motion[4 + i] - centre, -unit + 0 * d
+            out[6 + i] = constant / unit
+        for k in range(i + 2, 0, -1):
+            out[k] = constant * out[k] + slope * out[k - 1]
+        out[0] = constant * out[0]

@@ -1,0 +1,75 @@
+"""Whether the states that a torus gives are those of the motion, signs included, by a way that shares nothing with it.
+
+H1 and H2 of a state do not change with the signs of its γ_i, nor with its place on the torus. What the corners of a
+torus, its periods and its signs make of a few times is compared with one addition to the start, of a translation made
+by doublings of a small one: no period, no corner and no choice of a sign goes into that.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log2
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.moving_point.kernel import near_identity, shift
+from integrable.moving_point.problem import vectors
+from integrable.moving_point.translations import power_series
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+    from integrable.torus.access import TorusFlow
+
+# turns of a phase at the times that are looked at: once round in either direction, a quarter or so beyond
+TURNS = (1.23, -1.38)
+# no more turns than this of the faster phase
+FAR = 2.0**48
+# a difference that floats may make on the way; beyond it digits decide
+ROUGH = 1e-6
+# and one that a right torus may: the states themselves are held to less, here it is about signs and places
+RIGHT = 1e-8
+# steps are halved so often that so few terms and passes of Newton make a float
+HALVINGS, TERMS, NEWTON_PASSES = 2, 16, 3
+
+
+def confirmed(torus: TorusFlow) -> bool:
+    """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
+    sign that a period changes has been changed, in both directions.
+    """
+    rates = [float(nu) for nu in torus.frequencies]
+    # a period that is not reached before the fractions of the other phase are gone changes no sign
+    farthest = FAR / max(map(abs, rates))
+    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
+    setup, found = torus._setup, torus._rows_at_tau(tau)
+    matrix = None if setup.tilt is None else tuple(float(x) for x in setup.tilt.inverse_matrix())
+    if _difference(found, [vectors(point, setup.momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
+        return True
+    return _difference(found, [vectors(_in_digits(setup, x), setup.momentum, matrix) for x in tau.tolist()]) <= RIGHT
+
+
+def _in_floats(setup: Setup, tau: np.ndarray) -> list[tuple[Any, ...]]:
+    """The moving points at some τ in floats, nothing compiled; what their additions lose is not known."""
+    series, roots, unit_axes = [0.0] * TERMS, [0.0] * TERMS, (*setup.axes[:3], 1.0, 1.0, 1.0, 1.0, 0.0)
+    power_series(setup.f, -1, series)
+    power_series(setup.f, 1, roots)
+    points = []
+    for eps in (tau * float(setup.clock)).tolist():
+        doublings = max(0, ceil(log2(abs(eps) / setup.half_step)) + HALVINGS)
+        step = near_identity(series, roots, setup.f[0], unit_axes, eps / 2**doublings, NEWTON_PASSES)
+        for _ in range(doublings):
+            step = shift(setup.f, unit_axes, step, step)
+        points.append(shift(setup.f, setup.axes, setup.start, step))
+    return points
+
+
+def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:
+    """The moving point at τ, in the wide precision."""
+    with setup.reals:
+        step = setup.translations.near(setup.reals.number(tau) * setup.reals.number(setup.clock))
+        return tuple(map(float, shift(*setup.bare_problem, setup.bare_start, step)))
+
+
+def _difference(rows: np.ndarray, states: list[Any]) -> float:
+    """The largest difference in γ and in M/|M|."""
+    gaps = np.abs(rows - np.array([(*gamma, *M) for gamma, M in states]))
+    return float(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(rows[:, 3:]).max()))

@@ -1,0 +1,147 @@
+"""Composition and reduction of divisors over exact fields.
+
+A triple (u, v, n) of a split model stands for the class of
+
+    div(u, v) + n·∞₊ + (g − deg u − n)·∞₋ − D∞,    D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋,
+
+div(u, v) being the affine zeros common to u(x) and y − v(x); n is any integer on the way, and 0 ≤ n ≤ g − deg u at the
+end. On ramified and inert models n is None and the class is div(u, v) minus deg u times ∞, or deg u/2 times both
+points. Every function takes and returns n with (u, v): nothing re-derives it.
+
+Sources: Cantor 1987 and Koblitz 1989 (h ≠ 0, characteristic 2) for composition and reduction; Galbraith, Harrison and
+Mireles Morales 2008 for the balanced divisors and the steps at infinity.
+"""
+
+from __future__ import annotations
+
+from jacobian.curve.curve import HyperellipticCurve, coefficient
+from jacobian.poly import Poly, add, half_xgcd, mod, monic, mul, neg, quotient, sub
+
+Triple = tuple[Poly, Poly, int | None]
+
+
+def zero(C: HyperellipticCurve) -> Triple:
+    """The identity: (1, 0), with n = ⌈g/2⌉ on a split model."""
+    return (C.field.one,), (), weight_of_zero(C)
+
+
+def weight_of_zero(C: HyperellipticCurve) -> int | None:
+    """The n of the identity."""
+    return (C.genus + 1) // 2 if C.model == "split" else None
+
+
+def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
+    """The reduced triple of a + b."""
+    return reduce(C, compose(C, a, b))
+
+
+def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
+    """A triple of a + b, with deg u up to deg u₁ + deg u₂.
+
+    With d = gcd(u₁, u₂, v₁+v₂+h) = r·gcd(u₁, u₂) + t(v₁+v₂+h) and gcd(u₁, u₂) = … + s·u₂:
+    u = u₁u₂/d², v = v₂ + (u₂/d)k, k = r·s(v₁−v₂) + t·(f−hv₂−v₂²)/u₂ modulo u₁/d.
+    """
+    K = C.field
+    (u1, v1, n1), (u2, v2, n2) = a, b
+    d, s = half_xgcd(K, u1, u2)
+    k = mul(K, s, sub(K, v1, v2))
+    if len(d) > 1:
+        d, k = _common_part(C, d, add(K, add(K, v1, v2), C.h), k, u2, v2)
+        u1, u2 = quotient(K, u1, d), quotient(K, u2, d)
+    return _assembled(C, d, u1, u2, v2, k, None if n1 is None or n2 is None else n1 + n2)
+
+
+def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
+    """(u₁u₂, v + u₂·(k mod u₁)), u₁ and u₂ being already without d, and the weight: each point taken out adds one."""
+    K = C.field
+    u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
+    if len(d) == 1:
+        return u, v, None if weights is None else weights - (C.genus + 1) // 2
+    return u, mod(K, v, u), None if weights is None else weights + len(d) - 1 - (C.genus + 1) // 2
+
+
+def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, v: Poly) -> tuple[Poly, Poly]:
+    """(gcd(d, trace), the k of :func:`compose` for it)."""
+    K = C.field
+    common, t = half_xgcd(K, d, trace)
+    if not t:
+        return common, k
+    r = quotient(K, sub(K, common, mul(K, t, trace)), d)
+    return common, add(K, mul(K, r, k), mul(K, t, cofactor(C, u, v)))
+
+
+def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:
+    """(f − hv − v²)/u."""
+    K = C.field
+    return quotient(K, sub(K, C.f, mul(K, v, add(K, v, C.h))), u)
+
+
+def double(C: HyperellipticCurve, a: Triple) -> Triple:
+    """The reduced triple of a + a."""
+    K = C.field
+    u, v, n = a
+    d, t = half_xgcd(K, u, add(K, add(K, v, v), C.h))
+    k = mul(K, t, cofactor(C, u, v))
+    if len(d) > 1:
+        u = quotient(K, u, d)
+    return reduce(C, _assembled(C, d, u, u, v, k, None if n is None else 2 * n))
+
+
+def negate(C: HyperellipticCurve, a: Triple) -> Triple:
+    """The reduced triple of −a."""
+    K = C.field
+    u, v, n = a
+    opposite = mod(K, neg(K, add(K, v, C.h)), u) if C.h else neg(K, v)
+    if n is None:
+        return u, opposite, None
+    n = 2 * ((C.genus + 1) // 2) - (len(u) - 1) - n
+    return (u, opposite, n) if 0 <= n <= C.genus - (len(u) - 1) else reduce(C, (u, opposite, n))
+
+
+def reduce(C: HyperellipticCurve, a: Triple) -> Triple:
+    """The reduced triple of the class of a: deg u ≤ g, deg v < deg u and, on a split model, 0 ≤ n ≤ g − deg u. It is
+    unique.
+    """
+    u, v, n = a
+    limit = C.genus + (1 if C.model == "split" else 0)
+    while len(u) - 1 > limit:
+        u, v, n = reflect(C, u, v, n)
+    return (u, v, n) if n is None else adjust(C, u, v, n)
+
+
+def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
+    """The reduced triple on a split model of one with deg u ≤ g+1.
+
+    A step with y − V₋ at ∞₋ raises n by g+1−deg u' ≥ 1, one with y − V₊ at ∞₊ lowers it by g+1−deg u ≥ 0; the weight on
+    the other side stays non-negative.
+    """
+    K, g = C.field, C.genus
+    while not (0 <= n <= g - (len(u) - 1)):
+        part = C.principal_parts[1 if n < 0 else 0]
+        v = add(K, part, mod(K, sub(K, v, part), u))
+        u, v, weight = reflect(C, u, v, n)
+        assert weight is not None
+        n = weight
+    return u, v, n
+
+
+def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
+    """The same class written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
+
+    y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
+    order max(deg v, g+1) unless v and y agree in their leading terms there; a₊ + a₋ = deg u + deg u' gives that one.
+    """
+    K = C.field
+    sum_ = add(K, v, C.h)
+    other = monic(K, quotient(K, sub(K, C.f, mul(K, v, sum_)), u))
+    opposite = mod(K, neg(K, sum_), other)
+    if n is None:
+        return other, opposite, None
+    size = C.genus + 1
+    if len(v) - 1 > size:
+        n += len(v) - len(other)
+    elif coefficient(K, v, size) == C.infinity_plus:
+        n += len(u) - 1 - size
+    else:
+        n += size - (len(other) - 1)
+    return other, opposite, n

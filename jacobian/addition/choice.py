@@ -1,0 +1,157 @@
+"""Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
+
+By measurement (``python -m benchmarks single group nucomp backend heights``): genus 2 takes explicit formulas, except
+where Python's arithmetic is slow; where python-flint is installed, :func:`jacobian.addition.cantor_flint.pays` says
+what goes to it; what is left goes to Cantor in Python, and to NUCOMP from a genus on that the model decides. All give
+the same triples.
+
+Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
+:mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and to compile unless its
+cache has the kernels already. So a group begins with the kernel above, and changes over when the process has spent as
+much work on such groups as the change costs: READY additions where the kernels lie in numba's cache (``python -m
+jacobian compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+from jacobian.addition import cantor, cantor_flint, ladder, nucomp
+from jacobian.addition.genus2 import ExplicitFormulas
+from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas, gmp_pays
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.fields.prime import PrimeField
+from jacobian.fields.table import TableField
+from jacobian.numbers.compiler import interpreted
+
+log = logging.getLogger("jacobian")
+
+NUCOMP_GENUS = {"ramified": 5, "split": 6, "inert": 6}
+"""From this genus on NUCOMP takes less time than Cantor: ``python -m benchmarks nucomp`` measures it."""
+
+READY = 100_000
+"""Additions that take as long as loading numba and the compiled kernels from its cache (``benchmarks startup``)."""
+COLD = 2_000_000
+"""Additions that take as long as compiling them."""
+SHARE = 64
+"""Additions after which a group accounts for them: fewer do not pay for a compiled kernel of its own."""
+
+Addition = Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
+Doubling = Callable[[cantor.Triple], cantor.Triple]
+Multiple = Callable[[int, cantor.Triple], cantor.Triple]
+
+
+class Kernel(NamedTuple):
+    """Addition, doubling and multiples by m > 0 of reduced triples on one curve, an arithmetic model."""
+
+    sum_of: Addition
+    double: Doubling
+    multiple: Multiple
+
+
+def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None) -> Kernel:
+    """The kernel for C, the arithmetic model of a curve over an exact field.
+
+    ``adopt`` is called with the compiled one when it has become worthwhile; without it none is considered.
+    """
+    chosen = python_kernel(C)
+    if cantor_flint.pays(C):
+        on_flint = cantor_flint.FlintCantor(C)
+        chosen = _with_ladder(C, on_flint.sum_of, on_flint.double)
+    if adopt is None or not is_word_sized(C):
+        return chosen
+    counted = Counted(C, chosen, adopt)
+    return Kernel(counted.sum_of, counted.double, counted.multiple)
+
+
+def python_kernel(C: HyperellipticCurve) -> Kernel:
+    """The :func:`kernel` without python-flint and compiled code."""
+    if C.genus == 2:
+        if type(C.field) is not PrimeField:
+            formulas = ExplicitFormulas(C)
+        elif gmp_pays(C.field.p):
+            on_gmp = GmpFormulas(C)
+            return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
+        else:
+            formulas = PrimeFormulas(C)
+        return _with_ladder(C, formulas.sum_of, formulas.double)
+    chosen = nucomp if C.genus >= NUCOMP_GENUS[C.model] else cantor
+    return _with_ladder(C, partial(chosen.sum_of, C), partial(chosen.double, C))
+
+
+def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> Kernel:
+    negate = partial(cantor.negate, C)
+    return Kernel(sum_of, double, partial(ladder.multiple, sum_of=sum_of, double=double, negate=negate))
+
+
+def is_word_sized(C: HyperellipticCurve) -> bool:
+    """Whether there are compiled kernels for C: over GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements."""
+    K = C.field
+    return isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63)
+
+
+def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
+    """The compiled kernel for C, an arithmetic model, or None where there is none for its field, or no compiling."""
+    if not is_word_sized(C) or interpreted():
+        return None
+    from jacobian.addition.calls import word_kernel
+
+    compiled = word_kernel(C)
+    return Kernel(compiled.sum_of, compiled.double, compiled.multiple)
+
+
+class Counted:
+    """A kernel that counts its additions, and names the compiled kernel when all such groups have spent enough."""
+
+    spent: float = 0
+
+    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None]) -> None:
+        self._curve, self._adopt = C, adopt
+        self._sum_of, self._double, self._multiple = chosen
+        self._left = SHARE
+
+    def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + b."""
+        self._left -= 1
+        if self._left < 0:
+            self._account()
+        return self._sum_of(a, b)
+
+    def double(self, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + a."""
+        self._left -= 1
+        if self._left < 0:
+            self._account()
+        return self._double(a)
+
+    def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of m·a, m > 0."""
+        # a doubling for each bit and an addition for every fifth
+        self._left -= m.bit_length() * 6 // 5
+        if self._left < 0:
+            self._account()
+        return self._multiple(m, a)
+
+    def _account(self) -> None:
+        Counted.spent += SHARE - self._left
+        self._left = SHARE
+        if Counted.spent < READY:
+            return
+        try:
+            if interpreted():
+                raise RuntimeError("NUMBA_DISABLE_JIT is set")
+            from jacobian.addition.calls import is_cached
+
+            chosen = compiled_kernel(self._curve) if Counted.spent >= COLD or is_cached() else None
+        except (ImportError, RuntimeError) as error:
+            # no numba, or no directory that it can write its cache to: nobody asked for it, so nobody's addition fails
+            Counted.spent = -math.inf
+            log.warning("no compiled kernels in this process: %s", error)
+            return
+        if chosen is not None:
+            self._sum_of, self._double, self._multiple = chosen
+            self._adopt(chosen)

@@ -1,0 +1,156 @@
+"""Explicit formulas of genus 2 for h = 0, in two halves: what comes before the inversion, and what comes after it.
+
+The formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
+of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` stands where a wide context needs it.
+Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.genus2_kernels`).
+
+A line is (a₁, a₀, b₁, b₀) for U = x² + a₁x + a₀, V = b₁x + b₀. The first half gives (r, r·s₁, r·s₀), where
+ℓ = V + U·(s₁x + s₀) is the cubic through both divisors and r a resultant, and the product to be inverted, which is 0
+in every case that is not general. The second half, in three steps, gives the sum, canonical. Tests run all of it on
+intervals: no word overflows.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+from jacobian.numbers.words import add, canonical, dot2, dot3, dot4, fit, mul, neg, settled, sub
+
+Line = tuple[Any, Any, Any, Any]
+Quotient = tuple[Any, Any, Any]
+
+Quintic = namedtuple("Quintic", "f2 f3 f4")
+Quintic.__doc__ = "y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."
+Sextic = namedtuple("Sextic", "f2 f3 f4 f5 f6")
+Sextic.__doc__ = "y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."
+
+
+def chord(K: Any, first: Line, second: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = (V' − V)/U modulo U'."""
+    a1, a0, b1, b0 = first
+    c1, c0, d1, d0 = second
+    z1, z2, w1, w0 = sub(K, a1, c1), sub(K, c0, a0), sub(K, b1, d1), sub(K, b0, d0)
+    z3 = add(K, fit(K, mul(K, z1, c1)), z2)
+    r = dot2(K, z2, z3, mul(K, z1, z1), c0)
+    top = neg(K, mul(K, z1, w1))
+    return r, dot3(K, z1, w0, z3, w1, top, c1), dot2(K, z3, w0, top, c0)
+
+
+def over_tangent(K: Any, first: Line, k1: Any, k0: Any) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = (k₁x + k₀)/2V modulo U."""
+    a1, a0, b1, b0 = first
+    t1, t0 = add(K, b1, b1), add(K, b0, b0)
+    t3 = sub(K, t0, fit(K, mul(K, a1, t1)))
+    r = dot2(K, a0, mul(K, t1, t1), t0, t3)
+    top = mul(K, t1, k1)
+    return r, dot3(K, t3, k1, neg(K, t1), k0, top, a1), dot2(K, t3, k0, top, a0)
+
+
+def tangent_quintic(K: Any, C: Any, first: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = ((f − V²)/U)/2V modulo U."""
+    a1, a0, b1, _ = first
+    bent = sub(K, a1, C.f4)
+    twice, double = add(K, bent, a1), add(K, a0, a0)
+    k1 = sub(K, add(K, fit(K, mul(K, a1, add(K, bent, twice))), C.f3), double)
+    rest = add(K, fit(K, mul(K, a1, bent)), C.f3)
+    k0 = sub(K, C.f2, fit(K, dot3(K, b1, b1, a1, rest, neg(K, double), twice)))
+    return over_tangent(K, first, k1, k0)
+
+
+def product_quintic(K: Any, C: Any, quotient: Quotient) -> Any:
+    """r·(r·s₁), which is inverted."""
+    r, s1, _ = quotient
+    return mul(K, r, s1)
+
+
+def cubic_quintic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), now without r, from the inverse of the product."""
+    r, s1, s0 = quotient
+    shrink = mul(K, r, inverse)
+    lead = mul(K, mul(K, s1, s1), inverse)
+    w4 = fit(K, mul(K, r, shrink))
+    return lead, fit(K, mul(K, s0, shrink)), w4, fit(K, mul(K, w4, w4))
+
+
+def sum_u_quintic(K: Any, C: Any, cubic: Line, first: Line, second: Line) -> tuple[Any, Any]:
+    """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
+    _, s, w4, w5 = cubic
+    a1, a0, b1, _ = first
+    c1, c0, _, _ = second
+    turned = add(K, s, sub(K, a1, c1))
+    e1 = settled(K, sub(K, add(K, s, turned), w5))
+    bow = dot4(K, sub(K, s, c1), turned, s, a1, add(K, b1, b1), w4, sub(K, add(K, a1, c1), C.f4), w5)
+    return e1, settled(K, add(K, fit(K, bow), sub(K, a0, c0)))
+
+
+def sum_v_quintic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple[Any, Any]:
+    """(v₁, v₀) of the sum's v = −ℓ modulo u."""
+    lead, s, _, _ = cubic
+    e1, e0 = u
+    a1, a0, b1, b0 = first
+    w = sub(K, add(K, s, a1), e1)
+    inner = add(K, fit(K, dot2(K, s, a1, neg(K, e1), w)), sub(K, a0, e0))
+    v1 = add(K, fit(K, mul(K, lead, inner)), b1)
+    v0 = add(K, fit(K, mul(K, lead, dot2(K, s, a0, neg(K, e0), w))), b0)
+    return canonical(K, neg(K, v1)), canonical(K, neg(K, v0))
+
+
+def tangent_sextic(K: Any, C: Any, first: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = ((f − V²)/U)/2V modulo U."""
+    a1, a0, b1, _ = first
+    # the quotient k₄x⁴ + … + k₀ of f − V² by U, k₄ = f₆, and its remainder by two more steps of the same division
+    top = fit(K, mul(K, C.f6, a1))
+    k3 = sub(K, C.f5, top)
+    k2 = sub(K, C.f4, fit(K, dot2(K, a1, k3, C.f6, a0)))
+    k1 = sub(K, C.f3, fit(K, dot2(K, a1, k2, a0, k3)))
+    k0 = sub(K, C.f2, fit(K, dot2(K, b1, b1, a1, k1)))
+    k3 = sub(K, k3, top)
+    rest = sub(K, k2, fit(K, dot2(K, a1, k3, C.f6, a0)))
+    k1 = sub(K, k1, fit(K, dot2(K, a1, rest, a0, k3)))
+    k0 = sub(K, k0, fit(K, mul(K, a0, add(K, k2, rest))))
+    return over_tangent(K, first, k1, k0)
+
+
+def product_sextic(K: Any, C: Any, quotient: Quotient) -> Any:
+    """r³·(s₁² − f₆), which is inverted."""
+    r, s1, _ = quotient
+    s1 = fit(K, s1)
+    return mul(K, r, dot2(K, s1, s1, neg(K, mul(K, r, C.f6)), r))
+
+
+def cubic_sextic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
+    """(s₁, s₀, 1/(s₁² − f₆), a₁s₁) from the inverse of the product."""
+    r, s1, s0 = quotient
+    square = mul(K, r, r)
+    scale = mul(K, square, mul(K, r, inverse))
+    s1 = fit(K, s1)
+    # 1/r = (s₁² − f₆r²)/product
+    shrink = mul(K, dot2(K, s1, s1, neg(K, C.f6), square), inverse)
+    s1, s0 = fit(K, mul(K, s1, shrink)), fit(K, mul(K, s0, shrink))
+    return s1, s0, scale, fit(K, mul(K, first[0], s1))
+
+
+def sum_u_sextic(K: Any, C: Any, cubic: Line, first: Line, second: Line) -> tuple[Any, Any]:
+    """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
+    s1, s0, scale, high = cubic
+    a1, a0, b1, _ = first
+    c1, c0, _, _ = second
+    k3 = sub(K, C.f5, fit(K, mul(K, C.f6, a1)))
+    p2 = add(K, s0, high)
+    t3 = sub(K, fit(K, mul(K, s1, add(K, s0, p2))), k3)
+    bend = add(K, fit(K, mul(K, a0, s1)), add(K, b1, b1))
+    t2 = sub(K, fit(K, dot4(K, s0, add(K, p2, high), s1, bend, a1, k3, C.f6, a0)), C.f4)
+    e1 = canonical(K, sub(K, fit(K, mul(K, t3, scale)), c1))
+    return e1, canonical(K, sub(K, fit(K, dot2(K, t2, scale, neg(K, c1), e1)), c0))
+
+
+def sum_v_sextic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple[Any, Any]:
+    """(v₁, v₀) of the sum's v = −ℓ modulo u."""
+    s1, s0, _, high = cubic
+    e1, e0 = u
+    a1, a0, b1, b0 = first
+    q = sub(K, add(K, s0, high), fit(K, mul(K, e1, s1)))
+    v1 = sub(K, fit(K, dot3(K, sub(K, e0, a0), s1, e1, q, neg(K, a1), s0)), b1)
+    v0 = sub(K, fit(K, dot2(K, e0, q, neg(K, a0), s0)), b0)
+    return canonical(K, v1), canonical(K, v0)

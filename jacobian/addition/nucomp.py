@@ -1,0 +1,100 @@
+"""Composition with built-in reduction for large genus: quadratic time in g, where step-by-step reduction takes cubic.
+
+A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction takes it down by two degrees a step.
+Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w =
+cv₂ + Br vanishes on the composition, and its norm over A·B, with M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁ + v₂ + h) −
+c(f − hv₂ − v₂²)/B)/A, is N = rM₁ + cM₂, of degree about g: the sum, up to one or two reduction steps, is
+
+    u = N,    v = −h − (w + εc'N)/c modulo N,
+
+c' and r' the values of the step before and ε = ±1, εAB = cw' − c'w; the division by c is exact. Found by Shanks for
+quadratic forms (NUCOMP 1989); for curves: Jacobson and van der Poorten 2002, Jacobson, Scheidler and Stein 2007.
+
+The weight at infinity follows from the pole of w − cy at ∞₊ as in :func:`jacobian.addition.cantor.reflect`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve, coefficient
+from jacobian.poly import Poly, add, divide, half_xgcd, mod, monic, mul, neg, quotient, sub
+
+Triple = cantor.Triple
+
+
+def sum_of(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
+    """The reduced triple of a + b."""
+    K = C.field
+    if len(a[0]) < len(b[0]):
+        a, b = b, a
+    (u1, v1, n1), (u2, v2, n2) = a, b
+    difference = sub(K, v1, v2)
+    d, s = half_xgcd(K, u1, u2)
+    k = mul(K, s, difference)
+    trace = add(K, add(K, v1, v2), C.h)
+    if len(d) > 1:
+        d, k = cantor._common_part(C, d, trace, k, u2, v2)
+        u1, u2 = quotient(K, u1, d), quotient(K, u2, d)
+    weight = None if n1 is None or n2 is None else n1 + n2 + len(d) - 1 - (C.genus + 1) // 2
+    return cantor.reduce(C, _shortened(C, u1, u2, v2, mod(K, k, u1), difference, trace, weight))
+
+
+def double(C: HyperellipticCurve, a: Triple) -> Triple:
+    """The reduced triple of a + a (NUDUPL)."""
+    K = C.field
+    u, v, n = a
+    trace = add(K, add(K, v, v), C.h)
+    d, t = half_xgcd(K, u, trace)
+    k = mul(K, t, cantor.cofactor(C, u, v))
+    if len(d) > 1:
+        u = quotient(K, u, d)
+    weight = None if n is None else 2 * n + len(d) - 1 - (C.genus + 1) // 2
+    return cantor.reduce(C, _shortened(C, u, u, v, mod(K, k, u), (), trace, weight))
+
+
+def _shortened(
+    C: HyperellipticCurve, A: Poly, B: Poly, v: Poly, k: Poly, difference: Poly, trace: Poly, weight: int | None
+) -> Triple:
+    """A triple of the class of (A·B, v + B·k): with ``difference`` v₁ − v₂ and ``trace`` v₁ + v₂ + h, v being v₂."""
+    K, g = C.field, C.genus
+    if len(A) + len(B) - 2 <= g:
+        u, v = mul(K, A, B), add(K, v, mul(K, B, k))
+        return u, mod(K, v, u), weight
+    r, c, last, sign = _half_euclid(K, A, k, (g + len(A) - len(B)) // 2)
+    stretched = mul(K, B, r)
+    m1 = quotient(K, sub(K, stretched, mul(K, c, difference)), A)
+    cofactor = quotient(K, sub(K, C.f, mul(K, v, add(K, v, C.h))), B)
+    m2 = quotient(K, sub(K, mul(K, r, trace), mul(K, c, cofactor)), A)
+    norm = add(K, mul(K, r, m1), mul(K, c, m2))
+    w = add(K, stretched, mul(K, c, v))
+    shift = mul(K, last, norm)
+    y = quotient(K, add(K, w, shift) if sign > 0 else sub(K, w, shift), c)
+    u = monic(K, norm)
+    if weight is not None:
+        weight += _pole_at_plus(C, w, c, len(A) + len(B) - 2 + len(u) - 1) - (len(u) - 1)
+    return u, mod(K, neg(K, add(K, y, C.h)), u), weight
+
+
+def _half_euclid(K: Any, A: Poly, k: Poly, bound: int) -> tuple[Poly, Poly, Poly, int]:
+    """(r, c, c', ε): the first remainder r = ck − qA of degree ≤ bound, the multiplier c' before c, cr' − c'r = εA."""
+    r0, r1 = A, k
+    c0: Poly = ()
+    c1: Poly = (K.one,)
+    sign = 1
+    while len(r1) - 1 > bound:
+        q, r = divide(K, r0, r1)
+        r0, r1 = r1, r
+        c0, c1 = c1, sub(K, c0, mul(K, q, c1))
+        sign = -sign
+    return r1, c1, c0, sign
+
+
+def _pole_at_plus(C: HyperellipticCurve, w: Poly, c: Poly, both: int) -> int:
+    """The order of the pole of w − cy at ∞₊, ``both`` being its sum with the order at ∞₋."""
+    K, size = C.field, C.genus + len(c)
+    if len(w) - 1 > size:
+        return len(w) - 1
+    lead = coefficient(K, w, size)
+    return both - size if lead == K.mul(c[-1], C.infinity_plus) else size

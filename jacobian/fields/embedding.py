@@ -1,0 +1,92 @@
+"""A finite field inside a larger one, with the way in and the way back."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any
+
+from jacobian import poly
+from jacobian.errors import FieldError, shown
+from jacobian.fields.extension import ExtensionField
+from jacobian.fields.factor import roots
+from jacobian.fields.prime import PrimeField
+
+
+class Embedding:
+    """The field K = GF(p^k) as a subfield of L = GF(p^(km)); get one from :func:`embedding`.
+
+    The generator of K goes to the smallest root of its modulus in L, so that the choice does not change from run to
+    run; for a prime field there is no choice.
+    """
+
+    def __init__(self, K: Any, L: Any) -> None:
+        self.small, self.large = K, L
+        self._base = K if K.degree == 1 else K.base
+        generator = roots(L, tuple(L.coerce(c) for c in K.modulus))[0] if K.degree > 1 else L.one
+        powers = [L.one]
+        for _ in range(K.degree - 1):
+            powers.append(L.mul(powers[-1], generator))
+        self._powers = powers
+        self._rows = self._echelon()
+
+    def __call__(self, x: Any) -> Any:
+        """The image in L of an element of K."""
+        K, L = self.small, self.large
+        if K.degree == 1:
+            return x
+        return poly.evaluate(L, tuple(K.coefficients(x)), self._powers[1])
+
+    def polynomial(self, a: poly.Poly) -> poly.Poly:
+        """The image in L[x] of a polynomial over K."""
+        return tuple(self(c) for c in a)
+
+    def frobenius(self, y: Any) -> Any:
+        """y to the power #K, the conjugate of y over K."""
+        return self.large.power(y, self.small.order)
+
+    def back(self, y: Any) -> Any:
+        """The element of K whose image is y; FieldError for a y outside K."""
+        base, rest = self._base, self._digits(y)
+        digits = [0] * self.small.degree
+        for pivot, row, combination in self._rows:
+            c = rest[pivot]
+            if c:
+                rest = [base.sub(a, base.mul(c, b)) for a, b in zip(rest, row, strict=True)]
+                digits = [base.add(a, base.mul(c, b)) for a, b in zip(digits, combination, strict=True)]
+        if any(rest):
+            raise FieldError(f"{y} of {self.large.name} does not lie in {self.small.name}")
+        return digits[0] if self.small.degree == 1 else self.small.coerce(digits)
+
+    def _digits(self, y: Any) -> list[int]:
+        return self.large.coefficients(y) if self.large.degree > 1 else [y]
+
+    def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
+        """(pivot, row, its combination of the powers): the reduced rows of the coordinates of 1, b, …, b^(k−1)."""
+        base = self._base
+        found: list[tuple[int, list[int], list[int]]] = []
+        for i, power in enumerate(self._powers):
+            row, combination = self._digits(power), [int(i == j) for j in range(len(self._powers))]
+            for pivot, other, part in found:
+                c = row[pivot]
+                row = [base.sub(a, base.mul(c, b)) for a, b in zip(row, other, strict=True)]
+                combination = [base.sub(a, base.mul(c, b)) for a, b in zip(combination, part, strict=True)]
+            pivot = next(j for j, c in enumerate(row) if c)
+            inverse = base.inv(row[pivot])
+            found.append((pivot, [base.mul(inverse, a) for a in row], [base.mul(inverse, a) for a in combination]))
+        return found
+
+
+def embedding(K: Any, L: Any) -> Embedding:
+    """The embedding of K into L, or a FieldError when L is not a finite field that contains K."""
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: points are conjugate over finite fields")
+    if not isinstance(L, PrimeField | ExtensionField):
+        raise FieldError(f"extension = {shown(L)}: a finite field that contains {K.name} is needed")
+    if L.characteristic != K.characteristic or L.degree % K.degree:
+        raise FieldError(f"extension = {L.name} does not contain {K.name}")
+    return _embedding(K, L)
+
+
+@lru_cache(maxsize=64)
+def _embedding(K: Any, L: Any) -> Embedding:
+    return Embedding(K, L)

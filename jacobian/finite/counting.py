@@ -1,0 +1,157 @@
+"""The number of points of a curve over small fields, and the zeta function from it.
+
+Over GF(q^i) up to 2^20 elements a table of logarithms answers whether h² + 4f (or the trace of f/h²) is a square; over
+a prime field of odd characteristic up to 10^7 elements numpy does, through the norm down to GF(p).
+"""
+
+from __future__ import annotations
+
+from itertools import count
+from typing import Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import FieldError, Infeasible
+from jacobian.fields import GF
+from jacobian.fields.extension import is_irreducible
+from jacobian.fields.residue import polynomial_number
+from jacobian.fields.table import TableField
+
+TABLE_SIZE = 1 << 20
+ARRAY_SIZE = 10**7
+_CHUNK = 1 << 18
+
+
+def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
+    """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g (Weil).
+
+    With S_i = #C(GF(q^i)) − q^i − 1, the coefficients of T^(2g−i) obey i·a_i = Σ S_j a_(i−j); those of T^i are q^(g−i)
+    a_i.
+    """
+    q, g = C.field.order, C.genus
+    if q is None:
+        raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
+    _check_feasible(C, g)
+    excess = [0] + [count_points(C, i) - q**i - 1 for i in range(1, g + 1)]
+    a = [1]
+    for i in range(1, g + 1):
+        a.append(sum(excess[j] * a[i - j] for j in range(1, i + 1)) // i)
+    return [q ** (g - i) * a[i] for i in range(g)] + a[::-1]
+
+
+def count_points(C: HyperellipticCurve, degree: int = 1) -> int:
+    """#C(GF(q^degree)), points at infinity included; Infeasible beyond the sizes that the module names."""
+    K = C.field
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: points are counted over finite fields")
+    _check_feasible(C, degree)
+    at_infinity = {"ramified": 1, "split": 2, "inert": 0 if degree % 2 else 2}[C.model]
+    if K.order == K.characteristic != 2 and K.order**degree > 4096:
+        return at_infinity + _count_by_norms(C, degree)
+    return at_infinity + _count_by_tables(C, degree)
+
+
+def _check_feasible(C: HyperellipticCurve, degree: int) -> None:
+    q = C.field.order
+    limit = ARRAY_SIZE if q == C.field.characteristic != 2 else TABLE_SIZE
+    if q**degree > limit:
+        raise Infeasible(
+            f"{q}^{degree} elements of the field that has to be searched: counting points one by one ends at {limit}"
+        )
+
+
+def irreducible(base: Any, degree: int) -> poly.Poly:
+    """The first monic irreducible polynomial of this degree over a finite field."""
+    for number in count(base.order**degree):
+        m = polynomial_number(base, number)
+        if is_irreducible(base, m):
+            return m
+    raise AssertionError
+
+
+def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
+    K = C.field
+    size = degree * (getattr(K, "degree", 1))
+    if size == 1:
+        return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
+    base = GF(K.characteristic)
+    L = K if degree == 1 and isinstance(K, TableField) else TableField(base, irreducible(base, size))
+    h, f = _embed(K, L, C.h), _embed(K, L, C.f)
+    if L.p == 2:
+        return _count_by_trace(L, h, f)
+    four = poly.integer(L, 4)
+    discriminant = poly.add(L, poly.mul(L, h, h), poly.scale(L, four, f))
+    total = 0
+    for x in range(L.order):
+        value = poly.evaluate(L, discriminant, x)
+        total += 1 if value == 0 else 0 if L._log[value] % 2 else 2
+    return total
+
+
+def _count_by_trace(L: TableField, h: poly.Poly, f: poly.Poly) -> int:
+    mask = sum(1 << i for i in range(L.degree) if L.trace(1 << i))
+    total = 0
+    for x in range(L.order):
+        slope = poly.evaluate(L, h, x)
+        if slope == 0:
+            total += 1
+        else:
+            value = L.div(poly.evaluate(L, f, x), L.mul(slope, slope))
+            total += 0 if (value & mask).bit_count() % 2 else 2
+    return total
+
+
+def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
+    """a over the larger field L: the generator of K goes to a root of its modulus."""
+    if K is L or getattr(K, "degree", 1) == 1:
+        return a
+    step = (L.order - 1) // (K.order - 1)
+    candidates = (L._exp[j * step] for j in range(K.order - 1))
+    root = next(x for x in candidates if poly.evaluate(L, K.modulus, x) == 0)
+    return tuple(poly.evaluate(L, tuple(K.coefficients(c)), root) for c in a)
+
+
+def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
+    """Σ 1 + χ(h² + 4f) over GF(p^degree), in arrays of the ascending coefficients; χ is read off the norm."""
+    import numpy as np
+
+    p = C.field.order
+    modulus = irreducible(C.field, degree) if degree > 1 else (0, 1)
+    character = np.full(p, -1, dtype=np.int64)
+    character[np.arange(p, dtype=np.int64) ** 2 % p] = 1
+    character[0] = 0
+    frobenius = [poly.power_mod(C.field, (0, 1), p * i, modulus) for i in range(degree)] if degree > 1 else []
+    total = 0
+    for start in range(0, p**degree, _CHUNK):
+        number = np.arange(start, min(start + _CHUNK, p**degree), dtype=np.int64)
+        x = [number // p**i % p for i in range(degree)]
+        value = [np.zeros_like(number) for _ in range(degree)]
+        for c in reversed(C.discriminant):
+            value = _multiply(value, x, modulus, p)
+            value[0] = (value[0] + c) % p
+        total += number.size + int(character[_norm(value, frobenius, modulus, p)].sum())
+    return total
+
+
+def _norm(value: list[Any], frobenius: list[poly.Poly], modulus: poly.Poly, p: int) -> Any:
+    norm = conjugate = value
+    for _ in range(len(value) - 1):
+        # x^p = Σ c_i (a^i)^p, the images of the basis being the rows of ``frobenius``
+        rows = [(*row, *[0] * (len(value) - len(row))) for row in frobenius]
+        conjugate = [sum(c * row[j] for c, row in zip(conjugate, rows, strict=True)) % p for j in range(len(value))]
+        norm = _multiply(norm, conjugate, modulus, p)
+    return norm[0]
+
+
+def _multiply(a: list[Any], b: list[Any], modulus: poly.Poly, p: int) -> list[Any]:
+    """The product of two arrays of elements of GF(p)[a]/(modulus), coefficient by coefficient."""
+    size = len(a)
+    total = [0] * (2 * size - 1)
+    for i, x in enumerate(a):
+        for j, y in enumerate(b):
+            total[i + j] = total[i + j] + x * y
+    for top in range(2 * size - 2, size - 1, -1):
+        lead = total[top] % p
+        for j, m in enumerate(modulus[:-1]):
+            total[top - size + j] = total[top - size + j] - lead * m
+    return [c % p for c in total[:size]]

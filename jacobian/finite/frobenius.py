@@ -1,0 +1,39 @@
+"""The characteristic polynomial of Frobenius by the method that is fit."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import FieldError
+from jacobian.fields.extension import ExtensionField
+from jacobian.finite import counting, weil
+from jacobian.finite.search import counting_is_quick, search
+
+
+@lru_cache(maxsize=256)
+def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
+    descended = _over_prime_field(C)
+    if descended is not None:
+        return tuple(weil.extend(list(_cached_polynomial(descended)), C.field.characteristic, C.field.degree))
+    if C.field.order**C.genus <= counting_is_quick(C):
+        return tuple(counting.frobenius_polynomial(C))
+    return tuple(search(C))
+
+
+def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
+    """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g.
+
+    Had from GF(p) when all coefficients lie there; by counting points where that is quick
+    (:mod:`jacobian.finite.counting`); else by :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
+    """
+    if C.field.order is None:
+        raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
+    return list(_cached_polynomial(C))
+
+
+def _over_prime_field(C: HyperellipticCurve) -> HyperellipticCurve | None:
+    K = C.field
+    if not isinstance(K, ExtensionField) or any(c >= K.characteristic for c in (*C.f, *C.h)):
+        return None
+    return HyperellipticCurve(K.base, C.f, C.h)

@@ -1,0 +1,123 @@
+"""What a Jacobian is asked as an abelian group: multiples of several divisors and, over a finite field, orders,
+structure, logarithms and pairings. Each method leads to the module that does the work, imported when it is asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from jacobian.errors import CurveMismatch
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import check_divisor
+
+if TYPE_CHECKING:
+    from jacobian.finite.scalar import FixedBase
+    from jacobian.finite.structure import Structure
+    from jacobian.law.divisor import Divisor
+
+
+class FiniteGroup(Immutable):
+    """Base of :class:`jacobian.group.Jacobian`; ``curve`` is the curve."""
+
+    curve: Any
+
+    def _own(self, D: Any, argument: str) -> Divisor:
+        """``D``; ArgumentError for what is no Divisor, CurveMismatch for one of another group."""
+        own = check_divisor(D, argument)
+        if own.jacobian != self:
+            raise CurveMismatch(f"{argument} = {D!r} does not lie in the {self!r}")
+        return own
+
+    # --- scalars
+
+    def fixed_base(self, D: Divisor, window: int = 5) -> FixedBase:
+        """A table of multiples of D: ``table(m)`` and ``m * table`` are m·D, several times as fast as ``m * D``."""
+        from jacobian.finite.scalar import FixedBase
+
+        return FixedBase(self._own(D, "D"), window)
+
+    def combination(self, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
+        """Σ m_i·D_i, faster than term by term: Straus's method for few terms, Pippenger's for many."""
+        from jacobian.finite.scalar import combination
+
+        return combination(self, scalars, divisors)  # type: ignore[arg-type]
+
+    def frobenius(self, D: Divisor, power: int = 1) -> Divisor:
+        """The image of D under (x, y) → (x^(p^power), y^(p^power)); CurveMismatch when the curve is not fixed by it."""
+        from jacobian.finite.scalar import frobenius
+
+        return frobenius(self._own(D, "D"), power)
+
+    # --- order and structure
+
+    def frobenius_polynomial(self) -> list[int]:
+        """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
+
+        By counting, or by a search that reaches prime fields up to 10^7 in genus 2 and 3; Infeasible beyond
+        (:mod:`jacobian.finite.frobenius`).
+        """
+        from jacobian.finite.frobenius import frobenius_polynomial
+
+        return frobenius_polynomial(self.curve)
+
+    def order(self) -> int:
+        """#J over a finite field, the value of :meth:`frobenius_polynomial` at 1."""
+        return sum(self.frobenius_polynomial())
+
+    def order_of(self, D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
+        """The order of D, from a multiple of it (default #J) and its primes
+        (:func:`jacobian.finite.orders.order_of`)."""
+        from jacobian.finite.orders import order_of
+
+        return order_of(self._own(D, "D"), multiple, primes)
+
+    def structure(self, primes: Iterable[int] | None = None) -> Structure:
+        """The invariant factors d_1 | d_2 | … of the group and independent generators of these orders.
+
+        ``primes``: the prime factors of #J, where they are known (:func:`jacobian.finite.structure.structure`).
+        """
+        from jacobian.finite.structure import structure
+
+        return structure(self, primes)  # type: ignore[arg-type]
+
+    def exponent(self, primes: Iterable[int] | None = None) -> int:
+        """The least m > 0 with m·D = 0 for all D."""
+        return self.structure(primes).exponent
+
+    def torsion(self, m: int) -> Structure:
+        """The classes D with m·D = 0: invariant factors and generators; ``.elements()`` lists them."""
+        from jacobian.finite.structure import torsion
+
+        return torsion(self, m)  # type: ignore[arg-type]
+
+    def is_divisible(self, D: Divisor, m: int) -> bool:
+        """Whether D = m·E for a class E."""
+        from jacobian.finite.structure import is_divisible
+
+        return is_divisible(self._own(D, "D"), m)
+
+    # --- logarithms and pairings
+
+    def log(self, base: Divisor, target: Divisor, **options: Any) -> int:
+        """An m with m·base = target, or NotAMultiple.
+
+        ``interval=(low, high)``: where to search; without it the least m ≥ 0, by Pohlig and Hellman's method, for which
+        ``order`` and ``primes`` may be given (:func:`jacobian.finite.discrete_log.discrete_log`).
+        """
+        from jacobian.finite.discrete_log import discrete_log
+
+        return discrete_log(self._own(base, "base"), self._own(target, "target"), **options)
+
+    def weil_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
+        """e_m(D, E), an m-th root of unity in the field, for m·D = m·E = 0
+        (:func:`jacobian.finite.pairing.weil_pairing`)."""
+        from jacobian.finite.pairing import weil_pairing
+
+        return weil_pairing(self._own(D, "D"), self._own(E, "E"), m)
+
+    def tate_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
+        """The reduced Tate pairing, for m·D = 0 and m | q − 1 (:func:`jacobian.finite.pairing.tate_pairing`)."""
+        from jacobian.finite.pairing import tate_pairing
+
+        return tate_pairing(self._own(D, "D"), self._own(E, "E"), m)

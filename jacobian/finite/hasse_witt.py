@@ -1,0 +1,181 @@
+"""The characteristic polynomial of Frobenius modulo p, from the Cartier–Manin matrix (odd characteristic).
+
+For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). They
+obey a linear recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p.
+The coefficients below p, i = 1, are had from it in O(g·p) operations, and those of g translates F(x + a) determine the
+matrix (Harvey and Sutherland 2016).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.numbers.compiler import interpreted
+
+COMPILED_FROM = 20_000
+_INT64_SAFE = 1 << 29
+
+
+def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
+    """The coefficients a_1 … a_g modulo p of χ(T) = T^2g + a_1 T^(2g−1) + …, or None where the method does not apply.
+
+    χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. It needs odd characteristic and g elements
+    of the field that are not roots of F.
+    """
+    K = C.field
+    if K.characteristic == 2:
+        return None
+    matrix = cartier_manin(C)
+    if matrix is None:
+        return None
+    norm = factor = matrix
+    power = K.characteristic
+    while power < K.order:
+        factor = [[K.power(entry, K.characteristic) for entry in row] for row in factor]
+        norm = _product(K, norm, factor)
+        power *= K.characteristic
+    return [int(c) for c in _characteristic_polynomial(K, norm)]
+
+
+def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
+    """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f; None without g elements F(a) ≠ 0.
+
+    A translation x → x + a takes A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
+    A·(a^p(j−1))_j = B·(first column of the translate's matrix).
+    """
+    K, g, p = C.field, C.genus, C.field.characteristic
+    # y² = h² + 4f is the curve again; the factor of y does not matter to χ
+    F = C.discriminant
+    shifts = _translations(K, F, g)
+    if shifts is None:
+        return None
+    known, vandermonde = [], []
+    for a in shifts:
+        column = _first_column(K, poly.shift(K, F, a), g)
+        binomial = _binomial_matrix(K, a, g)
+        known.append([K.dot(row, column) for row in binomial])
+        vandermonde.append([K.power(a, p * j) for j in range(g)])
+    # row k: A·vandermonde[k] = known[k]; so for every row A_j: vandermonde·A_j = (known[k][j])_k
+    return [_solve(K, vandermonde, [known[k][j] for k in range(g)]) for j in range(g)]
+
+
+def _translations(K: Any, F: poly.Poly, g: int) -> list[Any] | None:
+    found = []
+    for index in range(min(K.order, 4 * g + 4)):
+        a = K.element(index)
+        if poly.evaluate(K, F, a) != K.zero:
+            found.append(a)
+            if len(found) == g:
+                return found
+    return None
+
+
+def _binomial_matrix(K: Any, a: Any, g: int) -> list[list[Any]]:
+    rows = [[K.one] + [K.zero] * (g - 1)]
+    for _ in range(g - 1):
+        last = rows[-1]
+        rows.append([K.add(K.mul(a, c), b) for c, b in zip(last, [K.zero, *last], strict=False)])
+    return rows
+
+
+def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
+    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0."""
+    p = K.characteristic
+    start = K.power(F[0], (p - 1) // 2)
+    ratios = [K.div(c, F[0]) for c in F[1:]]
+    if K.order == p and COMPILED_FROM < p < _INT64_SAFE and not interpreted():
+        import numpy as np
+
+        last = _compiled_recurrence()(np.array(ratios, dtype=np.int64), p, start, g)
+        return [int(c) for c in last]
+    return _recurrence(K, ratios, start, g)
+
+
+def _recurrence(K: Any, ratios: list[Any], start: Any, g: int) -> list[Any]:
+    """The last g coefficients below x^p of G = F^n, n = (p−1)/2, the last first, ratios f_i/f_0, i ≥ 1.
+
+    F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i).
+    """
+    p = K.characteristic
+    half = (p + 1) // 2
+    window = [K.zero] * len(ratios)
+    window[0] = start
+    for k in range(1, p):
+        terms = [K.mul(poly.integer(K, half * i - k), c) for i, c in enumerate(ratios, 1)]
+        value = K.mul(K.dot(terms, window), poly.integer(K, pow(k, -1, p)))
+        window = [value, *window[:-1]]
+    return (window + [K.zero] * g)[:g]
+
+
+@cache
+def _compiled_recurrence() -> Callable[..., Any]:
+    """:func:`_recurrence` over GF(p) on machine integers: products of two residues, p < 2^29, stay below 2^63."""
+    import numba
+    import numpy as np
+
+    def recurrence(ratios, p, start, g):  # type: ignore[no-untyped-def]
+        size = len(ratios)
+        half = (p + 1) // 2
+        inverse = np.ones(p, dtype=np.int64)
+        window = np.zeros(max(size, g), dtype=np.int64)
+        window[0] = start
+        for k in range(1, p):
+            if k > 1:
+                inverse[k] = (p - p // k) * inverse[p % k] % p
+            total = 0
+            for i in range(size):
+                weight = (half * (i + 1) - k) % p * ratios[i] % p
+                total = (total + weight * window[i]) % p
+            for i in range(len(window) - 1, 0, -1):
+                window[i] = window[i - 1]
+            window[0] = total * inverse[k] % p
+        return window[:g]
+
+    compiled: Callable[..., Any] = numba.njit(recurrence)
+    return compiled
+
+
+# --- small matrices over a field
+
+
+def _product(K: Any, a: list[list[Any]], b: list[list[Any]]) -> list[list[Any]]:
+    columns = list(zip(*b, strict=True))
+    return [[K.dot(row, column) for column in columns] for row in a]
+
+
+def _solve(K: Any, matrix: list[list[Any]], right: list[Any]) -> list[Any]:
+    """The solution of an invertible system, by elimination."""
+    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
+    size = len(rows)
+    for i in range(size):
+        pivot = next(k for k in range(i, size) if rows[k][i] != K.zero)
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        inverse = K.inv(rows[i][i])
+        rows[i] = [K.mul(inverse, c) for c in rows[i]]
+        for k in range(size):
+            if k != i:
+                factor = rows[k][i]
+                rows[k] = [K.sub(c, K.mul(factor, d)) for c, d in zip(rows[k], rows[i], strict=True)]
+    return [row[-1] for row in rows]
+
+
+def _characteristic_polynomial(K: Any, matrix: list[list[Any]]) -> list[Any]:
+    """c_1 … c_g of det(T − M) = T^g + c_1 T^(g−1) + …, without divisions (Berkowitz 1984)."""
+    coefficients = [K.one]
+    for size in range(1, len(matrix) + 1):
+        corner, row = matrix[size - 1][size - 1], matrix[size - 1][: size - 1]
+        column = [matrix[i][size - 1] for i in range(size - 1)]
+        block = [r[: size - 1] for r in matrix[: size - 1]]
+        toeplitz = [K.one, K.neg(corner)]
+        for _ in range(size - 1):
+            toeplitz.append(K.neg(K.dot(row, column)))
+            column = [K.dot(r, column) for r in block]
+        coefficients = [
+            K.dot(toeplitz[max(0, i - size + 1) : i + 1], coefficients[: min(i, size - 1) + 1][::-1])
+            for i in range(size + 1)
+        ]
+    return coefficients[1:]

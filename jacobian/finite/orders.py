@@ -1,0 +1,82 @@
+"""Orders of divisor classes, from a multiple of the order and its prime factors."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from itertools import count
+from math import inf
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, FieldError, JacobianError
+from jacobian.fields import GF
+from jacobian.fields.primality import is_prime
+from jacobian.finite.integers import factorization
+from jacobian.law.divisor import check_scalar
+
+if TYPE_CHECKING:
+    from jacobian.law.divisor import Divisor
+
+
+def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
+    """The order of D: the least m > 0 with m·D = 0; over QQ ``math.inf`` when there is none.
+
+    ``multiple``: a multiple of the order, by default #J over a finite field; ``primes``: its prime factors, by default
+    found by Pollard's rho. Over QQ without a multiple the order is read off reductions: reduction at an odd prime of
+    good reduction is injective on torsion, so two different orders mean that D is of infinite order, and one agreed on
+    is tried. Raises ArgumentError for a multiple that does not annihilate D, FieldError over RR, CC and MP.
+    """
+    J = D.jacobian
+    if not J.field.exact:
+        raise FieldError(f"field = {J.field.name}: the order of a class is decided over exact fields only")
+    if multiple is None:
+        if J.field.order is None:
+            return _rational_order(D)
+        multiple = J.order()
+    multiple = abs(check_scalar(multiple, "multiple"))
+    if multiple == 0 or multiple * D:
+        raise ArgumentError(f"multiple = {multiple}: a non-zero multiple of the order of D = {D} is needed")
+    return reduce_order(D, factorization(multiple, primes))
+
+
+def reduce_order(D: Divisor, factors: dict[int, int]) -> int:
+    """The order of D from a factored multiple of it."""
+    multiple = 1
+    for prime, exponent in factors.items():
+        multiple *= prime**exponent
+    order = 1
+    for prime, exponent in factors.items():
+        rest = multiple // prime**exponent * D
+        while rest:
+            rest = prime * rest
+            order *= prime
+    return order
+
+
+def _rational_order(D: Divisor) -> int | float:
+    """Over QQ: the order that three good reductions agree on and that annihilates D, else infinity."""
+    reductions = _reductions(D)
+    orders = {order_of(next(reductions)) for _ in range(3)}
+    if len(orders) > 1:
+        return inf
+    (order,) = orders
+    return order if not int(order) * D else inf
+
+
+def _reductions(D: Divisor) -> Iterator[Divisor]:
+    """D modulo the odd primes p ≥ 5 where the curve stays smooth and of its model, and the numbers integral."""
+    C = D.jacobian.curve
+    for p in filter(is_prime, count(5)):
+        K = GF(p)
+        try:
+            f, h, u, v = (poly.coerce(K, a, "coefficient") for a in (C.f, C.h, D.u, D.v))
+            plus = K.coerce(C.infinity_plus) if C.model == "split" else None
+            reduced = HyperellipticCurve(K, f, h, infinity_plus=plus)
+        except JacobianError:
+            # a denominator, a singular point, or two points at infinity that meet
+            continue
+        if reduced.genus == C.genus:
+            J: Any = reduced.jacobian()
+            # an inert model may become split or ramified: its classes share the points at infinity evenly
+            yield J.from_mumford(u, v, D.n)

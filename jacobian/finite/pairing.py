@@ -1,0 +1,234 @@
+"""The Weil and Tate pairings on m-torsion, by Miller's algorithm (Miller 2004; Frey and Rück 1994 for Jacobians;
+Galbraith, Hess and Vercauteren 2007).
+
+m·D = [mD] + div(f_m), the function gathered from Cantor's steps: composing takes out div(d), and one reduction from
+(u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the affine points of a pair (u, v) by a norm, that is
+a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with disjoint
+supports; then no function is normalised at infinity, and every model will do: ramified, split, inert of even genus.
+Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import gcd
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible
+from jacobian.fields import GF
+from jacobian.fields.embedding import embedding
+from jacobian.finite.counting import irreducible
+from jacobian.law.divisor import check_scalar
+
+if TYPE_CHECKING:
+    from jacobian.law.divisor import Divisor
+
+ATTEMPTS = 200
+# fields of 3·g²·log₂ m elements let one random shift in ten through; smaller ones are extended
+ROOM = 3
+Step = tuple[poly.Poly, cantor.Triple]
+
+
+class _Collision(Exception):
+    """A function of Miller's algorithm has a zero or a pole at a point where it is evaluated: shift again."""
+
+
+def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
+    """e_m(D, E) = f_D(E)/f_E(D), an m-th root of unity in the field, for m·D = m·E = 0; div(f_D) = m·D.
+
+    Bilinear, alternating, and non-degenerate on the full m-torsion (over the field that contains it). ``m``: positive,
+    prime to the characteristic. ArgumentError for other m and for divisors that m does not annihilate, FieldError over
+    infinite fields. ``rng`` chooses the shifts, which do not change the value; seeded by default.
+    """
+    m = _check(D, E, m)
+    _check_annihilated(D, m, "D")
+    _check_annihilated(E, m, "E")
+    if not D or not E:
+        return D.jacobian.field.one
+    move = _Extension(D.jacobian.curve, m, 1)
+    return move.back(_shifted(lambda *shifts: _weil(move(D), move(E), m, *shifts), move, rng))
+
+
+def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
+    """The reduced Tate–Lichtenbaum pairing f_D(E)^((q−1)/m), an m-th root of unity, for m·D = 0 and any E over GF(q).
+
+    Bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; else ArgumentError:
+    extend the field until it does. The rest as for :func:`weil_pairing`.
+    """
+    m = _check(D, E, m)
+    q = D.jacobian.field.order
+    if (q - 1) % m:
+        raise ArgumentError(
+            f"m = {m} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
+        )
+    _check_annihilated(D, m, "D")
+    if not D or not E:
+        return D.jacobian.field.one
+    move = _Extension(D.jacobian.curve, m, m)
+    value = _shifted(lambda R, _: _tate(move(D), move(E), m, R), move, rng)
+    L = move.curve.field
+    value = L.power(value, (L.order - 1) // m)
+    # (Q − 1)/(q − 1) ≡ degree modulo m
+    return move.back(L.power(value, pow(move.degree, -1, m) if m > 1 else 1))
+
+
+def _check(D: Divisor, E: Divisor, m: Any) -> int:
+    m = check_scalar(m, "m")
+    if E.jacobian != D.jacobian:
+        raise CurveMismatch(f"D and E lie on two curves: {D.jacobian.curve!r} and {E.jacobian.curve!r}")
+    K = D.jacobian.field
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: pairings are computed over finite fields")
+    if m < 1 or m % K.characteristic == 0:
+        raise ArgumentError(f"m = {m}: a positive integer prime to the characteristic {K.characteristic} is needed")
+    return m
+
+
+def _check_annihilated(D: Divisor, m: int, name: str) -> None:
+    if m * D:
+        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {m}")
+
+
+def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Any) -> Any:
+    """The value for the first random shifts of degree g that collide nowhere."""
+    rng = Random(0) if rng is None else rng
+    J = move.curve.jacobian()
+    for _ in range(ATTEMPTS):
+        try:
+            return pairing(J.random(rng), J.random(rng))
+        except _Collision:
+            continue
+    raise Infeasible(f"{ATTEMPTS} random shifts on {move.curve!r} all met zeros of Miller's functions")
+
+
+def _weil(D: Divisor, E: Divisor, m: int, R1: Divisor, R2: Divisor) -> Any:
+    K = D.jacobian.field
+    first, second = _affine(D + R1, R1), _affine(E + R2, R2)
+    over = _quotient_at(D.jacobian, first, second, m)
+    under = _quotient_at(D.jacobian, second, first, m)
+    return K.div(over, under)
+
+
+def _tate(D: Divisor, E: Divisor, m: int, R: Divisor) -> Any:
+    plus, minus = _values(D.jacobian, D, _affine(E + R, R), m)
+    return D.jacobian.field.div(plus, minus)
+
+
+def _affine(S: Divisor, R: Divisor) -> tuple[Divisor, Divisor]:
+    if S.degree != S.jacobian.curve.genus or R.degree != S.degree:
+        raise _Collision
+    return S, R
+
+
+def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, Divisor], m: int) -> Any:
+    """f(A − B) for div f = m(S − R), (S, R) and (A, B) affine of equal degrees."""
+    K = J.field
+    (a, b), (c, d) = (_values(J, S, at, m) for S in functions)
+    return K.div(K.mul(a, d), K.mul(b, c))
+
+
+def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
+    """f_m at the affine divisors ``at``, m·D = [mD] + div f_m (Miller's loop, from the leading bit of m)."""
+    C, K = J._model, J.field
+    start, places = J._in(D), [J._in(E)[:2] for E in at]
+    total, values = start, [K.one] * len(places)
+    for bit in bin(m)[3:]:
+        total, factors = _add(C, total, total, places)
+        values = [K.mul(K.mul(value, value), factor) for value, factor in zip(values, factors, strict=True)]
+        if bit == "1":
+            total, factors = _add(C, total, start, places)
+            values = list(map(K.mul, values, factors))
+    return values
+
+
+def _add(C: HyperellipticCurve, a: Any, b: Any, places: Any) -> tuple[cantor.Triple, list[Any]]:
+    """The reduced a + b and the values at ``places`` of the function that a + b is reduced by."""
+    K = C.field
+    result = cantor.compose(C, a, b)
+    over: list[poly.Poly] = [poly.gcd(K, poly.gcd(K, a[0], b[0]), poly.add(K, poly.add(K, a[1], b[1]), C.h))]
+    lines, under = [], []
+    for line, reduced in _reductions(C, *result):
+        lines.append(line)
+        under.append(reduced[0])
+        result = reduced
+    values = []
+    for place, height in places:
+        top = [poly.mod(K, c, place) for c in over] + [poly.sub(K, height, poly.mod(K, w, place)) for w in lines]
+        value = K.one
+        for c in top:
+            value = K.mul(value, norm(K, place, c))
+        for c in under:
+            value = K.div(value, _non_zero(K, norm(K, place, poly.mod(K, c, place))))
+        values.append(_non_zero(K, value))
+    return result, values
+
+
+def _reductions(C: HyperellipticCurve, u: poly.Poly, v: poly.Poly, n: int | None) -> Iterator[Step]:
+    """The steps of :func:`jacobian.addition.cantor.reduce`: the v of the function y − v, and (u', v', n')."""
+    K, g = C.field, C.genus
+    limit = g + (1 if C.model == "split" else 0)
+    while len(u) - 1 > limit:
+        line = v
+        u, v, n = cantor.reflect(C, u, v, n)
+        yield line, (u, v, n)
+    while n is not None and not 0 <= n <= g - (len(u) - 1):
+        part = C.principal_parts[1 if n < 0 else 0]
+        line = poly.add(K, part, poly.mod(K, poly.sub(K, v, part), u))
+        u, v, n = cantor.reflect(C, u, line, n)
+        yield line, (u, v, n)
+
+
+def _non_zero(K: Any, value: Any) -> Any:
+    if value == K.zero:
+        raise _Collision
+    return value
+
+
+def norm(K: Any, u: poly.Poly, c: poly.Poly) -> Any:
+    """Π c(x) over the roots x of the monic u, for deg c < deg u: a resultant, by Euclid's algorithm."""
+    result = K.one
+    while True:
+        if not c:
+            return result if len(u) == 1 else K.zero
+        result = K.mul(result, K.power(c[-1], len(u) - 1))
+        if len(c) == 1:
+            return result
+        if (len(u) - 1) * (len(c) - 1) % 2:
+            result = K.neg(result)
+        u, c = poly.monic(K, c), poly.mod(K, u, c)
+
+
+class _Extension:
+    """The curve over an extension with room for random shifts: of odd degree prime to ``coprime``, 1 for large q."""
+
+    def __init__(self, C: HyperellipticCurve, m: int, coprime: int) -> None:
+        K = C.field
+        enough = ROOM * C.genus**2 * (m.bit_length() + 1)
+        self.degree = 1
+        # an odd degree leaves an inert model inert
+        while K.order**self.degree < enough or gcd(self.degree, coprime) > 1:
+            self.degree += 2
+        self.curve = C
+        if self.degree == 1:
+            return
+        size = K.degree * self.degree
+        L = GF(K.characteristic, size, irreducible(GF(K.characteristic), size))
+        self._embedding = embedding(K, L)
+        f, h = map(self._embedding.polynomial, (C.f, C.h))
+        plus = self._embedding(C.infinity_plus) if C.model == "split" else None
+        self.curve = HyperellipticCurve(L, f, h, infinity_plus=plus)
+
+    def __call__(self, D: Divisor) -> Divisor:
+        if self.degree == 1:
+            return D
+        J: Any = self.curve.jacobian()
+        result: Divisor = J.from_mumford(*map(self._embedding.polynomial, (D.u, D.v)), D.n)
+        return result
+
+    def back(self, value: Any) -> Any:
+        """The element of the field below that ``value`` is."""
+        return value if self.degree == 1 else self._embedding.back(value)

@@ -1,0 +1,202 @@
+"""Scalar multiples beyond one m·D: fixed bases, linear combinations, the Frobenius endomorphism.
+
+m·D itself is :meth:`jacobian.group.Jacobian.multiply`. Every method here returns what the plain sum would.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.addition.ladder import signed_digits
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, entries, shown, whole
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import check_scalar
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
+    from jacobian.law.divisor import Divisor
+
+WINDOW = 4
+
+
+class FixedBase(Immutable):
+    """A table of multiples of one divisor: ``table(m)``, ``m * table`` and ``table * m`` are m·D.
+
+    Row i holds d·2^(wi)·D for 1 ≤ d ≤ 2^(w−1), so that a multiple is one addition per w bits and no doubling (Brickell,
+    Gordon, McCurley and Wilson 1992, with signed digits). Rows are made when a longer scalar comes.
+    """
+
+    def __init__(self, D: Divisor, window: int = 5) -> None:
+        self.divisor = D
+        self.window = whole(window, "window", "an int from 2 to 12, the bits of a digit, is needed", 2, 12)
+        self._rows: list[list[Divisor]] = []
+        self._next = D
+
+    def _row(self, i: int) -> list[Divisor]:
+        while len(self._rows) <= i:
+            row = [self._next]
+            for _ in range((1 << (self.window - 1)) - 1):
+                row.append(row[-1] + self._next)
+            self._rows.append(row)
+            vars(self)["_next"] = row[-1].double()
+        return self._rows[i]
+
+    def __call__(self, m: int) -> Divisor:
+        """m·D."""
+        m = check_scalar(m, "m")
+        rest, i, half = abs(m), 0, 1 << (self.window - 1)
+        total = self.divisor.jacobian.zero()
+        while rest:
+            digit = rest & (2 * half - 1)
+            rest >>= self.window
+            if digit > half:
+                digit -= 2 * half
+                rest += 1
+            if digit:
+                entry = self._row(i)[abs(digit) - 1]
+                total = total + (entry if digit > 0 else -entry)
+            i += 1
+        result: Divisor = total if m >= 0 else -total
+        return result
+
+    __mul__ = __rmul__ = __call__
+    __array_ufunc__ = None
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.divisor, self.window
+
+    def __reduce__(self) -> Any:
+        return FixedBase, self._value()
+
+    def __repr__(self) -> str:
+        return f"FixedBase({self.divisor!r}, window={self.window})"
+
+
+def combination(J: Jacobian, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
+    """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever makes fewer additions.
+
+    Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
+    interleaved windows beat Shamir's joint table from about 40 bits on, so there is no third method.
+    """
+    ms = [check_scalar(m, f"scalars[{i}]") for i, m in enumerate(entries(scalars, "scalars", "a sequence of ints"))]
+    Ds = entries(divisors, "divisors", "a sequence of Divisors")
+    if len(ms) != len(Ds):
+        raise ArgumentError(f"scalars, divisors: {len(ms)} scalars beside {len(Ds)} divisors; as many are needed")
+    for i, D in enumerate(Ds):
+        if getattr(D, "jacobian", None) != J:
+            raise CurveMismatch(f"divisors[{i}] = {shown(D)} does not lie in the {J!r}")
+    pairs = [(abs(m), D if m > 0 else -D) for m, D in zip(ms, Ds, strict=True) if m and D]
+    if not pairs:
+        return J.zero()
+    bits = max(m.bit_length() for m, _ in pairs)
+    window = best_bucket_window(len(pairs), bits)
+    if straus_cost(len(pairs), bits) <= pippenger_cost(len(pairs), bits, window):
+        return straus(J, pairs)
+    return pippenger(J, pairs, window)
+
+
+def straus_cost(terms: int, bits: int) -> int:
+    """Group operations of :func:`straus`: a table per term, one chain of doublings, an addition per non-zero digit."""
+    return bits + terms * ((1 << (WINDOW - 2)) + bits // (WINDOW + 1))
+
+
+def pippenger_cost(terms: int, bits: int, window: int) -> int:
+    """Group operations of :func:`pippenger`: per window an addition per term and one per bucket."""
+    return bits + (bits // window + 1) * (terms + (1 << (window - 1)))
+
+
+def best_bucket_window(terms: int, bits: int) -> int:
+    """The window that makes :func:`pippenger` cheapest."""
+    return min(range(1, 16), key=lambda window: pippenger_cost(terms, bits, window))
+
+
+def straus(J: Jacobian, pairs: list[tuple[int, Divisor]]) -> Divisor:
+    """Σ m_i·D_i, m_i > 0, with one chain of doublings for all (Straus 1964; signed windows, Möller 2001)."""
+    digits = [signed_digits(m, WINDOW) for m, _ in pairs]
+    tables = []
+    for (_, D), used in zip(pairs, digits, strict=True):
+        table, double = {1: D}, D.double()
+        for d in range(3, max(map(abs, used)) + 1, 2):
+            table[d] = table[d - 2] + double
+        tables.append(table)
+    total = J.zero()
+    for position in range(max(map(len, digits)) - 1, -1, -1):
+        total = total.double()
+        for used, table in zip(digits, tables, strict=True):
+            digit = used[position] if position < len(used) else 0
+            if digit:
+                total = total + (table[digit] if digit > 0 else -table[-digit])
+    return total
+
+
+def pippenger(J: Jacobian, pairs: list[tuple[int, Divisor]], window: int) -> Divisor:
+    """Σ m_i·D_i, m_i > 0, by buckets, one per digit, summed by running totals (Pippenger 1976; Bernstein 2002)."""
+    digits = [_signed_windows(m, window) for m, _ in pairs]
+    total = J.zero()
+    for position in range(max(map(len, digits)) - 1, -1, -1):
+        for _ in range(window if total else 0):
+            total = total.double()
+        buckets: dict[int, Divisor] = {}
+        for (_, D), used in zip(pairs, digits, strict=True):
+            digit = used[position] if position < len(used) else 0
+            if digit:
+                term = D if digit > 0 else -D
+                buckets[abs(digit)] = buckets[abs(digit)] + term if abs(digit) in buckets else term
+        total = total + _weighted_sum(J, buckets)
+    return total
+
+
+def _signed_windows(m: int, window: int) -> list[int]:
+    """The digits of m > 0 to the base 2^window, between −2^(window−1) and 2^(window−1), least significant first."""
+    base, digits = 1 << window, []
+    while m:
+        digit = m & (base - 1)
+        m >>= window
+        if 2 * digit > base:
+            digit -= base
+            m += 1
+        digits.append(digit)
+    return digits
+
+
+def _weighted_sum(J: Jacobian, buckets: dict[int, Divisor]) -> Divisor:
+    """Σ d·bucket_d, by sums of the upper buckets."""
+    running = total = J.zero()
+    for d in range(max(buckets, default=0), 0, -1):
+        if d in buckets:
+            running = running + buckets[d]
+        total = total + running
+    return total
+
+
+def frobenius(D: Divisor, power: int = 1) -> Divisor:
+    """The image of D under the p^power-Frobenius (x, y) → (x^(p^power), y^(p^power)), an endomorphism of J.
+
+    The curve must be defined over the subfield that x → x^(p^power) fixes, or the image would lie on another curve:
+    CurveMismatch. FieldError over infinite fields, ArgumentError for a negative power.
+    """
+    J, power = D.jacobian, check_scalar(power, "power")
+    K, C = J.field, J.curve
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")
+    if power < 0:
+        raise ArgumentError(f"power = {power}: a number ≥ 0 of p-th powers is needed")
+    # x^q = x: the exponent is taken modulo the degree of K
+    exponent = K.characteristic ** (power % K.degree)
+
+    def image(a: poly.Poly) -> poly.Poly:
+        return tuple([K.power(c, exponent) for c in a])
+
+    if image(C.f) != C.f or image(C.h) != C.h:
+        raise CurveMismatch(
+            f"power = {power}: {C!r} is not defined over the field fixed by x → x^({K.characteristic}^{power}); its "
+            "conjugate is another curve"
+        )
+    n = D.n
+    if n is not None and K.power(C.infinity_plus, exponent) != C.infinity_plus:
+        # ∞₊ and ∞₋ change places, in D as well as in D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋
+        n = C.genus - D.degree - n + C.genus % 2
+    return J._out(cantor.reduce(J._model, J._in_triple(image(D.u), image(D.v), n)))

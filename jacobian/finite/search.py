@@ -1,0 +1,264 @@
+"""The characteristic polynomial of Frobenius where counting all points one by one is out of reach.
+
+In the notation of :mod:`jacobian.finite.weil`, the r_i that counting over GF(q^i) can give are counted, and the others
+are known modulo p from the Cartier–Manin matrix (:mod:`jacobian.finite.hasse_witt`). What remains is searched by baby
+steps and giant steps for an order that annihilates a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii
+2002; Sutherland 2009), on the curve and on its quadratic twist, until one polynomial is left. Nothing is guessed: a
+candidate falls only when a known divisor of one of the two orders does not divide its value.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import islice
+from math import comb, gcd, isqrt, lcm, prod
+from random import Random
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import Infeasible
+from jacobian.finite import counting, weil
+from jacobian.finite.hasse_witt import frobenius_modulo_p
+from jacobian.finite.integers import factorization
+from jacobian.finite.orders import reduce_order
+from jacobian.finite.scalar import FixedBase
+from jacobian.finite.structure import PrimaryGroup
+
+if TYPE_CHECKING:
+    from jacobian.law.divisor import Divisor
+
+COUNT_LIMIT = 200_000
+SEARCH_LIMIT = 10**12
+_LONGEST_LIST = 20_000
+
+
+@dataclass(frozen=True)
+class Candidates:
+    """The real polynomials R that are left: ``known`` = 1, r_1 …, the others ≡ ``residues`` modulo ``modulus``."""
+
+    q: int
+    genus: int
+    known: tuple[int, ...]
+    residues: tuple[int, ...]
+    modulus: int
+
+    def interval(self, r: tuple[int, ...]) -> tuple[int, int]:
+        """The bounds of the next r_k after r: P = Σ x_i² lies between r_1²/g and 4gq, and Maclaurin's inequality."""
+        k, g = len(r), self.genus
+        if k == 2:
+            return -(-(r[1] ** 2 - 4 * g * self.q) // 2), r[1] ** 2 * (g - 1) // (2 * g)
+        squares = r[1] ** 2 - 2 * r[2]
+        bound = isqrt(comb(g, k) ** 2 * squares**k // g**k) + 1
+        return -bound, bound
+
+    def values(self, r: tuple[int, ...]) -> range:
+        """The r_k that may follow r, in arithmetic progression."""
+        low, high = self.interval(r)
+        residue = self.residues[len(r) - len(self.known)]
+        return range(low + (residue - low) % self.modulus, high + 1, self.modulus)
+
+    def prefixes(self, r: tuple[int, ...] | None = None) -> Iterator[tuple[int, ...]]:
+        """All (1, r_1 … r_(g−1))."""
+        r = self.known if r is None else r
+        if len(r) >= self.genus:
+            yield r[: self.genus]
+            return
+        for value in self.values(r):
+            yield from self.prefixes((*r, value))
+
+    def last(self, prefix: tuple[int, ...]) -> range:
+        """The r_g that may follow."""
+        return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
+
+    def size(self) -> int:
+        """About how many there are at most."""
+        r, total = self.known, 1
+        while len(r) <= self.genus:
+            low, high = self.interval(r)
+            total *= (high - low) // self.modulus + 1
+            # the widest interval of the next one comes with the least r_2
+            r = (*r, low if len(r) == 2 else 0)
+        return total
+
+    def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
+        """The R whose orders are divisible by what is known to divide them."""
+        first, second = sorted(sides, key=lambda side: -side.divisor)
+        for prefix in self.prefixes():
+            constant, sign = first.constant(prefix, self.q)
+            for value in _congruent(self.last(prefix), -sign * constant, first.divisor):
+                r = [*prefix, value]
+                if second.order(r, self.q) % second.divisor == 0 and _is_weil(r, self.q):
+                    yield r
+
+
+def _congruent(values: range, residue: int, modulus: int) -> range:
+    """The members of an arithmetic progression that are ≡ residue modulo ``modulus``."""
+    if not len(values):
+        return values
+    step, common = values.step, gcd(values.step, modulus)
+    if (residue - values.start) % common:
+        return range(0)
+    rest = modulus // common
+    skip = (residue - values.start) // common * pow(step // common, -1, rest) % rest
+    return range(values.start + skip * step, values.stop, step * rest)
+
+
+def _is_weil(r: list[int], q: int) -> bool:
+    """Whether all roots of R are real and at most 2√q in size, with a margin for rounding: true for the right one."""
+    import numpy as np
+
+    size = float(2 * q**0.5)
+    roots = np.roots([float(c) / size**i for i, c in enumerate(r)])
+    return bool(np.all(np.abs(roots.imag) < 1e-3) and np.all(np.abs(roots.real) < 1.001))
+
+
+class Side:
+    """The curve (sign 1) or its twist (sign −1): its Jacobian and what is known to divide its order."""
+
+    def __init__(self, C: HyperellipticCurve, sign: int) -> None:
+        self.J: Any = C.jacobian()
+        self.sign = sign
+        self.exponent = self.divisor = 1
+        self._groups: dict[int, PrimaryGroup] = {}
+
+    def order(self, r: list[int], q: int) -> int:
+        """R(1 + q) for the curve, ±R(−1 − q) for the twist."""
+        return sum(c * self.sign**k * (1 + q) ** (len(r) - 1 - k) for k, c in enumerate(r))
+
+    def constant(self, prefix: tuple[int, ...], q: int) -> tuple[int, int]:
+        """(a, s) with order = a + s·r_g."""
+        return self.order([*prefix, 0], q), self.sign ** len(prefix)
+
+    def learn(self, D: Divisor, candidates: Candidates) -> None:
+        """Takes the order of D into account."""
+        if self.exponent * D:
+            multiple = self._annihilator(D, candidates)
+            self.exponent = lcm(self.exponent, reduce_order(D, factorization(multiple)))
+            self.divisor = lcm(self.divisor, self.exponent)
+
+    def _annihilator(self, D: Divisor, candidates: Candidates) -> int:
+        """A positive multiple of the order of D among the orders of the candidates."""
+        q, m = candidates.q, candidates.modulus
+        step = isqrt(sum(len(candidates.last(prefix)) for prefix in candidates.prefixes())) + 1
+        sign = self.sign**candidates.genus
+        table: dict[Divisor, int] = {}
+        small, baby = -sign * m * D, self.J.zero()
+        for i in range(step):
+            table.setdefault(baby, i)
+            baby = baby + small
+        giant, multiples = -step * small, FixedBase(D)
+        for prefix in candidates.prefixes():
+            values = candidates.last(prefix)
+            if not len(values):
+                continue
+            start = self.constant(prefix, q)[0] + sign * values[0]
+            place = multiples(start)
+            for j in range(0, len(values), step):
+                found = table.get(place)
+                if found is not None:
+                    return start + sign * m * (j + found)
+                place = place + giant
+        raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
+
+    def grow(self, D: Divisor) -> None:
+        """Adds D, of an order that divides the exponent, to the subgroup whose order is ``divisor``."""
+        for prime, e in factorization(self.exponent).items():
+            group = self._groups.setdefault(prime, PrimaryGroup(self.J.zero(), prime))
+            group.insert(self.exponent // prime**e * D)
+        self.divisor = lcm(self.exponent, prod(group.order for group in self._groups.values()))
+
+
+def search(C: HyperellipticCurve) -> list[int]:
+    """The characteristic polynomial of Frobenius of C, ascending.
+
+    Counting takes O(q) operations, the matrix O(g·p), the search the root of the number of candidates: seconds for
+    prime fields up to 10^7 in genus 2 and 3 and up to 10^3 in genus 4. Infeasible where #C(GF(q)) cannot be counted
+    (prime q above 10^7, other q above 2^20) or more than 10^12 candidates are left.
+    """
+    candidates = _candidates(C)
+    rng = Random(0)
+    sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(twist(C), rng), -1))
+    for effort in range(60):
+        for side in sides:
+            D = side.J.random(rng)
+            side.learn(D, candidates)
+            if effort >= 3:
+                # orders alone leave several: the order of the subgroup that has been seen divides the order
+                side.grow(D)
+        left = list(islice(candidates.matching(sides), _LONGEST_LIST))
+        if len(left) == 1:
+            return weil.from_real_part(left[0], candidates.q)
+    if candidates.q**C.genus <= counting.TABLE_SIZE:
+        return counting.frobenius_polynomial(C)
+    raise Infeasible(
+        f"{C!r}: {len(left)} characteristic polynomials agree with the structures of its Jacobian and of its twist"
+    )
+
+
+def _candidates(C: HyperellipticCurve) -> Candidates:
+    q, g = C.field.order, C.genus
+    limit = counting.ARRAY_SIZE if q == C.field.characteristic != 2 else counting.TABLE_SIZE
+    if q > limit:
+        raise Infeasible(
+            f"field = {C.field.name}: characteristic polynomials of Frobenius are found for prime q up to "
+            f"{counting.ARRAY_SIZE}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime "
+            "field; give #J to the functions that need it, where it is known"
+        )
+    residues = frobenius_modulo_p(C) if g > 1 else None
+    excess = [counting.count_points(C) - q - 1]
+    candidates = _with_counts(C, excess, residues)
+    # one more degree is counted where that is quick, or quicker than the search without it: a step of the search takes
+    # about as long as counting this many elements
+    step = 1000 if q == C.field.characteristic != 2 else 8
+    while (i := len(excess) + 1) <= g and q**i <= limit:
+        if q**i > counting_is_quick(C) and q**i > step * isqrt(candidates.size()):
+            break
+        excess.append(counting.count_points(C, i) - q**i - 1)
+        candidates = _with_counts(C, excess, residues)
+    if candidates.size() > SEARCH_LIMIT:
+        raise Infeasible(
+            f"{C!r}: about {candidates.size():.1e} characteristic polynomials fit the counts over "
+            f"GF({q}^{len(excess)}); the search ends at {SEARCH_LIMIT:.0e}"
+        )
+    return candidates
+
+
+def counting_is_quick(C: HyperellipticCurve) -> int:
+    """The field size up to which counting takes tenths of a second: numpy does it over GF(p), Python elsewhere."""
+    return COUNT_LIMIT if C.field.order == C.field.characteristic != 2 else COUNT_LIMIT // 50
+
+
+def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] | None) -> Candidates:
+    q, g = C.field.order, C.genus
+    known = weil.real_part(weil.leading(excess), q, g)
+    # r_i ≡ a_i modulo p, the other terms having the factor q
+    rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
+    return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
+
+
+def twist(C: HyperellipticCurve) -> HyperellipticCurve:
+    """The quadratic twist: y² = c(h² + 4f) with a non-square c; y² + hy = f + ch², Tr c = 1, in characteristic 2."""
+    K = C.field
+    rng = Random(0)
+    c = K.random(rng)
+    if K.characteristic == 2:
+        while K.trace(c) == K.zero:
+            c = K.random(rng)
+        return HyperellipticCurve(K, poly.add(K, C.f, poly.scale(K, c, poly.mul(K, C.h, C.h))), C.h)
+    while K.is_square(c):
+        c = K.random(rng)
+    return HyperellipticCurve(K, poly.scale(K, c, C.discriminant))
+
+
+def _with_classes(C: HyperellipticCurve, rng: Random) -> HyperellipticCurve:
+    """C itself, or, for an inert model of odd genus, an isomorphic curve with a rational point at infinity."""
+    if C.model != "inert" or C.genus % 2 == 0:
+        return C
+    K, g = C.field, C.genus
+    x = C.random_point(rng).x
+    # x → x + 1/x', y → y'/x'^(g+1)
+    f, h = poly.shift(K, C.f, x), poly.shift(K, C.h, x)
+    f, h = (*f, *[K.zero] * (2 * g + 3 - len(f))), (*h, *[K.zero] * (g + 2 - len(h)))
+    return HyperellipticCurve(K, f[::-1], h[::-1])

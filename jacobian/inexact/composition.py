@@ -1,0 +1,187 @@
+"""Inexact composition: sums of Mumford pairs over RR, CC and MP.
+
+The numbers are brought to units in which the points are at |x| ≤ 1 and f is of size 1, powers of two apart, so that
+composition commutes with x → 2x and y → 2y to the bit; there :mod:`jacobian.inexact.stacked` adds. Where points, or the
+coefficients of the curve, are of very different sizes, or where what has to vanish does not to rounding, the sum is
+made with more digits (:mod:`jacobian.inexact.watched`): the summands are moved onto the curve, within their last bits,
+and degrees are decided by what these bits make of them. PrecisionLoss where they do not determine the sum.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.inexact import stacked
+from jacobian.inexact.dense import Coefficients, Number, added, product, remainder
+from jacobian.inexact.stacked import Pair, Sum
+
+Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
+
+__all__ = ["Sum", "add", "compose"]
+
+# bits that f may vary by, at the points and in its leading coefficient, where the field's own digits are tried
+SPREAD = 24
+# what remainders may be, in units of the last digit
+REMAINDER = 16
+# the multiples of the field's bits that are tried
+FACTORS = (4, 8, 16, 32, 64)
+
+
+def add(curve: Any, first: Triple, second: Triple) -> Triple:
+    """The reduced sum of two Mumford triples (u, v, n) over an inexact field.
+
+    Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where the sum on a
+    split model has a point at infinity.
+    """
+    _check_balanced(curve, first, second)
+    pairs = [(list(u), list(v)) for u, v, _ in (first, second)]
+    u, v, _, _ = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
+    return tuple(u), tuple(v), None if first[2] is None else (curve.genus + 1) // 2 - (len(u) - 1) // 2
+
+
+def _check_balanced(curve: Any, *summands: Triple) -> None:
+    """On a split model one function q·y − p adds only divisors whose points at infinity are shared evenly."""
+    for u, _, n in summands:
+        if n is not None and 2 * n != 2 * ((curve.genus + 1) // 2) - (len(u) - 1):
+            raise NotRepresentable(
+                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
+                "which inexact split models do not carry; use an exact field"
+            )
+
+
+def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Sum:
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² + h(x)y = f(x) of the given arithmetic genus;
+    p and q belong to y + h/2.
+
+    A quartic f with ``genus=2`` is the elliptic curve with its two points at infinity glued: the sum is that of the
+    generalized Jacobian with modulus ∞₊ + ∞₋, because (y − p)/x³ then takes the same value at both.
+    """
+    units = units_of(field, f, h, (first, second))
+    try:
+        total = _quick(field, genus, f, h, (first, second), units)
+    except (PrecisionLoss, ZeroDivisionError, OverflowError):
+        total = None
+    return total or _careful(field, genus, f, h, (first, second), units)
+
+
+class Units(NamedTuple):
+    """x in 2^x and y in 2^y; the smallest point that is not 0 is at about 2^low."""
+
+    x: int
+    y: int
+    low: int
+    at_zero: bool
+
+    def of_u(self, u: Sequence[Any], move: Any, sign: int = -1) -> Coefficients:
+        """u in these units, by move(c, bits); back from them with ``sign=1``."""
+        return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
+
+    def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
+        """A polynomial of the size of y (of y² with ``power=2``)."""
+        return [move(c, sign * (power * self.y - self.x * i)) for i, c in enumerate(p)]
+
+
+def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair]) -> Units:
+    """Units in which the points of all pairs are at |x| ≤ 1 and f at |x| = 1 is of size 1."""
+    sizes = [[field.exponent(c) if c else None for c in u] for u, _ in pairs]
+    largest = [-((-e) // (len(u) - 1 - i)) for u in sizes for i, e in enumerate(u[:-1]) if e is not None]
+    of_f = [(i, field.exponent(c)) for i, c in enumerate(f) if c]
+    if not largest:
+        top, last = of_f[-1]
+        largest = [-((last - e) // (top - i)) for i, e in of_f[:-1]] or [0]
+    x = max(largest)
+    smallest = [x]
+    for u in sizes:
+        first = next(i for i, e in enumerate(u) if e is not None)
+        smallest += [(u[first] - e) // i for i, e in enumerate(u[first + 1 :], 1) if e is not None]
+    height = [e + x * i for i, e in of_f] + [2 * (field.exponent(c) + x * i) for i, c in enumerate(h) if c]
+    return Units(x, max(height) // 2, min(smallest), any(u[0] is None for u in sizes))
+
+
+def _quick(
+    field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
+) -> Sum | None:
+    """The sum in the field's own digits; None where they may not do."""
+    move = field.shift
+    f = units.of_p(f, move, power=2)
+    half = [c / 2 for c in units.of_p(h, move)]
+    if half:
+        f = added(f, product(half, half))
+    if not _even(f, units):
+        return None
+    first, second = (_centred(units.of_u(u, move), units.of_p(v, move), half) for u, v in pairs)
+    (u, v, p, q), rest = stacked.compose(_Plain(field), genus, f, first, second)
+    if not rest <= REMAINDER * field.eps:
+        return None
+    return _returned(u, v, p, q, half, units, move)
+
+
+class _Plain:
+    """A field for :mod:`jacobian.inexact.stacked` that leaves to more digits what is neither noise nor far from it."""
+
+    def __init__(self, field: Any) -> None:
+        self.zero, self.one, self.eps = field.zero, field.one, field.eps
+        self._clear = field.eps**0.5
+
+    def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
+        size = abs(x)
+        if size <= 16 * self.eps * scale:
+            return True
+        if size >= self._clear * scale:
+            return False
+        raise PrecisionLoss("neither noise nor clear of it")
+
+
+def _returned(
+    u: Coefficients, v: Coefficients, p: Coefficients, q: Number, half: Coefficients, units: Units, move: Any
+) -> Sum:
+    """A sum back from the units, and from y + h/2 to y."""
+    if half and len(u) > 1:
+        v = added(v, remainder([-c for c in half], u))
+    return Sum(units.of_u(u, move, 1), units.of_p(v, move, 1), units.of_p(p, move, 1), move(q, 0))
+
+
+def _even(f: Coefficients, units: Units) -> bool:
+    """Whether f, in units of the largest point, is not small at the smallest one, nor in its leading coefficient."""
+    depth, least = units.low - units.x, 2.0**-SPREAD
+    at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))
+    return bool(min(at_low, abs(f[-1])) >= least and not (units.at_zero and 0 < abs(f[0]) < least))
+
+
+def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
+    """(u, v) on y² = f + h²/4, by y → y + h/2."""
+    return u, added(v, remainder(half, u)) if half and v else v
+
+
+def _careful(
+    field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
+) -> Sum:
+    """The sum with more digits, rounded."""
+    from jacobian.inexact.watched import Digits, MoreDigits
+
+    bits = 1 - field.exponent(field.eps)
+    spread = 2 * len(f) * (units.x - units.low)
+    for factor in FACTORS:
+        try:
+            with Digits(field, bits * factor + spread) as digits:
+                return _watched(digits, genus, f, h, pairs, units)
+        except MoreDigits:
+            continue
+        except ZeroDivisionError:
+            break
+    raise PrecisionLoss(f"{FACTORS[-1]} times the digits of {field.name} do not settle this sum; use more digits")
+
+
+def _watched(
+    digits: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
+) -> Sum:
+    half = [c / 2 for c in units.of_p(h, digits.number)]
+    f = added(units.of_p(f, digits.number, power=2), product(half, half))
+    digits.even = _even(f, units)
+    first, second = (digits.pair(f, half, units.of_u(u, digits.number), units.of_p(v, digits.number)) for u, v in pairs)
+    total, rest = stacked.compose(digits, genus, digits.plain(f), first, second)
+    digits.check(total, rest)
+    u, v, p, q = digits.settled(total)
+    return _returned(u, v, p, q, half, units, digits.element)

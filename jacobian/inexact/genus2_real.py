@@ -1,0 +1,225 @@
+"""One addition in genus 2 on bare reals, written so that numba can compile it as it stands.
+
+The same formulas as :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
+unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates are expected in units that make
+the coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions
+that this serves never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.inexact.compiled`
+compiles these functions with numba, for floats and for double-double numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import sqrt
+from typing import Any
+
+Real = Any  # float, or the mpf of one context
+Four = tuple[Real, Real, Real, Real]
+Six = tuple[Real, Real, Real, Real, Real, Real]
+
+
+# for types that have something quicker than x ** 0.5; jacobian.numbers.long_reals adds its own
+ROOTS: dict[type, Callable[[Any], Any]] = {float: sqrt}
+
+
+def root(x: Real) -> Real:
+    """√x."""
+    special = ROOTS.get(type(x))
+    return special(x) if special else x**0.5
+
+
+def negligible(small: Real, large: Real) -> bool:
+    """Whether ``small`` adds nothing to ``large``, to rounding."""
+    return bool(large + small == large)
+
+
+def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real, Real, Real, Real, Real, Real]]:
+    """D + D' for D = (u0, u1, v0, v1), meaning U = x² + u1·x + u0 and V = v1·x + v0.
+
+    Returns D'' and the coefficients (q, l1, l0, k0, m0, n1, n0, j0) of the transfer polynomials of
+    :mod:`jacobian.relatives.signed`: L = l1·x + l0, L' = l1·x + k0, L'' = l1·x + m0, N = n1·x + n0, N' = n1·x + j0.
+    """
+    f4, f5 = f[4], f[5]
+    u0, u1, v0, v1 = first
+    s0, s1, t1 = second[0], second[1], second[3]
+    q, l1, l0 = chord(f, first, second)
+    # p = q·V + L·U; U'' from the leading coefficients of p² − q²f
+    p0, p1, p2 = q * v0 + u0 * l0, q * v1 + u1 * l0 + u0 * l1, l0 + u1 * l1
+    lead = 1 / (l1 * l1)
+    q2 = q * q
+    sum1, sum0 = u1 + s1, u0 + s0 + u1 * s1
+    b1 = (2 * l1 * p2 - q2 * f5) * lead - sum1
+    b0 = (p2 * p2 + 2 * l1 * p1 - q2 * f4) * lead - b1 * sum1 - sum0
+    c0, c1 = second_polynomial(f, b0, b1, (p0, p1, p2, l1), q, l0, first, second)
+    n1 = q * f5
+    n0 = l1 * (c1 - v1) + q * (f4 - u1 * f5) - b1 * n1
+    j0 = l1 * (c1 - t1) + q * (f4 - s1 * f5) - b1 * n1
+    return (b0, b1, c0, c1), (q, l1, l0, p2 - s1 * l1, p2 - b1 * l1, n1, n0, j0)
+
+
+def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
+    """(q, l1, l0) of L·U ≡ q(V' − V), L·(V + V') ≡ q·W modulo U', the largest of them about 1.
+
+    Each congruence is solved by itself, L = q·R/A mod U' with the resultant of A and U' below, and the two are averaged
+    with the squared resultants as weights. Where both resultants are small (opposite points) the stacked system is
+    solved by reflections.
+    """
+    f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
+    u0, u1, v0, v1 = first
+    s0, s1, t0, t1 = second
+    # W = (f − V²)/U and its remainder modulo U'
+    w2 = f4 - u1 * f5
+    w1 = f3 - u1 * w2 - u0 * f5
+    w0 = f2 - v1 * v1 - u1 * w1 - u0 * w2
+    high = w2 - s1 * f5
+    weight = 1 / max(1, abs(t0), abs(t1))
+    a0, a1, a2, a3 = u0 - s0, u1 - s1, (v0 + t0) * weight, (v1 + t1) * weight
+    r0, r1 = t0 - v0, t1 - v1
+    r2, r3 = (w0 - s0 * high) * weight, (w1 - s0 * f5 - s1 * high) * weight
+    h0, h2 = a0 - s1 * a1, a2 - s1 * a3
+    chordal = a0 * h0 + a1 * a1 * s0
+    tangent = a2 * h2 + a3 * a3 * s0
+    q = chordal * chordal + tangent * tangent
+    size = a0 * a0 + a1 * a1 + a2 * a2 + a3 * a3
+    if q > 1e-3 * size * size:
+        l1 = chordal * (r1 * a0 - r0 * a1) + tangent * (r3 * a2 - r2 * a3)
+        l0 = chordal * (r0 * h0 + r1 * a1 * s0) + tangent * (r2 * h2 + r3 * a3 * s0)
+    else:
+        l0, l1, q = slope(a0, a1, a2, a3, -s0 * a1, h0, -s0 * a3, h2, r0, r1, r2, r3)
+    scale = 1 / max(abs(l0), abs(l1), abs(q))
+    return q * scale, l1 * scale, l0 * scale
+
+
+def slope(
+    a0: Real,
+    a1: Real,
+    a2: Real,
+    a3: Real,
+    b0: Real,
+    b1: Real,
+    b2: Real,
+    b3: Real,
+    r0: Real,
+    r1: Real,
+    r2: Real,
+    r3: Real,
+) -> tuple[Real, Real, Real]:
+    """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
+    swap = a0 * a0 + a1 * a1 + a2 * a2 + a3 * a3 < b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3
+    if swap:
+        a0, a1, a2, a3, b0, b1, b2, b3 = b0, b1, b2, b3, a0, a1, a2, a3
+    norm = root(a0 * a0 + a1 * a1 + a2 * a2 + a3 * a3)
+    if a0 < 0:
+        norm = -norm
+    h = a0 + norm
+    k = 1 / (norm * h)
+    dot_b = (h * b0 + a1 * b1 + a2 * b2 + a3 * b3) * k
+    dot_r = (h * r0 + a1 * r1 + a2 * r2 + a3 * r3) * k
+    b0 -= dot_b * h
+    b1 -= dot_b * a1
+    b2 -= dot_b * a2
+    b3 -= dot_b * a3
+    r0 -= dot_r * h
+    r1 -= dot_r * a1
+    r2 -= dot_r * a2
+    r3 -= dot_r * a3
+    size = b1 * b1 + b2 * b2 + b3 * b3
+    overlap = b1 * r1 + b2 * r2 + b3 * r3
+    # the unknowns are overlap/size and (r0 − b0·overlap/size)/(−norm); homogeneous, so that opposite points only send q
+    # to 0
+    if negligible(root(size) / 16, norm):
+        # opposite points, to rounding: the null vector of the triangle
+        size, overlap = 0 * size, 1 + 0 * size
+    second = overlap * norm
+    first = b0 * overlap - r0 * size
+    q = size * norm
+    if swap:
+        return second, first, q
+    return first, second, q
+
+
+def second_polynomial(
+    f: Six, b0: Real, b1: Real, p: Four, q: Real, l0: Real, first: Four, second: Four
+) -> tuple[Real, Real]:
+    """V'' = c0 + c1·x from q·V'' ≡ −p and L·(V'' − V) ≡ −q·W for both summands, modulo U'' = x² + b1·x + b0.
+
+    Averaged like :func:`chord`; where all three are ill-conditioned, by reflections and the equation of the curve.
+    """
+    f2, f3, f4, f5 = f[2], f[3], f[4], f[5]
+    u0, u1, v0, v1 = first
+    s0, s1, t0, t1 = second
+    p0, p1, p2, l1 = p
+    # −p
+    high = p2 - b1 * l1
+    r0, r1 = b0 * high - p0, b0 * l1 + b1 * high - p1
+    # L·V − q·W
+    g3 = -q * f5
+    w2 = f4 - u1 * f5
+    w1 = f3 - u1 * w2 - u0 * f5
+    w0 = f2 - v1 * v1 - u1 * w1 - u0 * w2
+    high = l1 * v1 - q * w2 - b1 * g3
+    r2, r3 = l0 * v0 - q * w0 - b0 * high, l0 * v1 + l1 * v0 - q * w1 - b0 * g3 - b1 * high
+    # the same for the other summand: L' = (p − q·V')/U'
+    weight = 1 / max(1, abs(t0), abs(t1))
+    k0 = p2 - s1 * l1
+    w2 = f4 - s1 * f5
+    w1 = f3 - s1 * w2 - s0 * f5
+    w0 = f2 - t1 * t1 - s1 * w1 - s0 * w2
+    high = l1 * t1 - q * w2 - b1 * g3
+    r4 = (k0 * t0 - q * w0 - b0 * high) * weight
+    r5 = (k0 * t1 + l1 * t0 - q * w1 - b0 * g3 - b1 * high) * weight
+    k0, k1 = k0 * weight, l1 * weight
+    lower, lower2 = l0 - b1 * l1, k0 - b1 * k1
+    one, other = l0 * lower + l1 * l1 * b0, k0 * lower2 + k1 * k1 * b0
+    total = one * one + other * other + q * q
+    if total > 0.01:
+        scale = 1 / total
+        c1 = (one * (r3 * l0 - r2 * l1) + other * (r5 * k0 - r4 * k1) + q * r1) * scale
+        c0 = (one * (r2 * lower + r3 * l1 * b0) + other * (r4 * lower2 + r5 * k1 * b0) + q * r0) * scale
+        return c0, c1
+    return tangent_polynomial(f, b0, b1, q, (l0, l1, k0, k1), (r0, r1, r2, r3, r4, r5))
+
+
+def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
+    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it
+    leaves open.
+    """
+    f0, f1, f2, f3, f4, f5 = f
+    x2, x3, x4, x5 = factors
+    r0, r1, r2, r3, r4, r5 = right
+    y2, y3, y4, y5 = -b0 * x3, x2 - b1 * x3, -b0 * x5, x4 - b1 * x5
+    scale = 1 + r0 * r0 + r1 * r1 + r2 * r2 + r3 * r3 + r4 * r4 + r5 * r5
+    # normal form by one Householder reflection on the first column (q, 0, x2, …, x5)
+    norm = root(q * q + x2 * x2 + x3 * x3 + x4 * x4 + x5 * x5)
+    h = q + norm
+    k = 1 / (norm * h)
+    dot_y = (x2 * y2 + x3 * y3 + x4 * y4 + x5 * y5) * k
+    dot_r = (h * r0 + x2 * r2 + x3 * r3 + x4 * r4 + x5 * r5) * k
+    y0 = -dot_y * h
+    r0 -= dot_r * h
+    y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
+    r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
+    size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
+    # size = 0: nothing but the curve knows the tangent
+    c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
+    c0 = (y0 * c1 - r0) / norm
+    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open, held back as
+    # far as the curve's equation is noisier than the rows
+    for _ in range(2):
+        square = c0 * c0 + c1 * c1
+        doubt = size * (square * square + f0 * f0 + f1 * f1) / scale
+        e1 = f5
+        e2 = f4 - b1 * e1
+        e3 = f3 - b1 * e2 - b0 * e1
+        e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
+        d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
+        d0 = f0 - c0 * c0 - b0 * e4
+        # along c → c + t·(y0/norm, 1): residual d − t·J, J = 2·V''·direction mod U''
+        k = y0 / norm
+        top = 2 * c1
+        j0, j1 = 2 * c0 * k - b0 * top, 2 * (c1 * k + c0) - b1 * top
+        jj = j0 * j0 + j1 * j1
+        step = (j0 * d0 + j1 * d1) / (jj + doubt)
+        c0 += step * k
+        c1 += step
+    return c0, c1

@@ -1,0 +1,212 @@
+"""The stacked linear systems of inexact composition: one formula from generic position to exact doubling and to
+opposite points.
+
+Cantor's algorithm asks for greatest common divisors, which floats do not have. Here the function q·y − p(x) that
+vanishes on both divisors is found as the null vector of a stacked linear system, by orthogonal transformations:
+
+    L·U ≡ q·(V' − V)  (mod U')      and      L·(V + V') ≡ q·W  (mod U'),      W = (f − V²)/U,    p = q·V + U·L.
+
+The first congruence alone is the classical one; it loses all digits when D' approaches D. The second fails when D'
+approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends continuously on the
+summands: q → 0 says that a point of D' meets the opposite of a point of D. The sum has U'' ∝ (p² − q²f)/(U·U'), and V''
+solves a system stacked in the same way, to which the equation of the curve is added, each row weighted by its rounding
+noise.
+
+Sizes are compared as they are: :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1 and
+f is of size 1. Numbers are ``float``, ``complex``, ``mpf``, ``mpc`` or :class:`jacobian.inexact.watched.Watched`, whose
+``field`` decides what is zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.inexact.dense import (
+    Coefficients,
+    Number,
+    absolute,
+    added,
+    bound,
+    divided,
+    least_squares,
+    multiplication,
+    norm,
+    null_vector,
+    pivoted_qr,
+    product,
+    remainder,
+    residue,
+    size,
+)
+
+Pair = tuple[Coefficients, Coefficients]
+
+_AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
+
+
+class Sum(NamedTuple):
+    """A reduced sum (u, v), and the function q·y − p(x) that relates it to the summands."""
+
+    u: Coefficients
+    v: Coefficients
+    p: Coefficients
+    q: Number
+
+
+def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair) -> tuple[Sum, Number]:
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the
+    divisions that should leave none, beside the size of its terms.
+    """
+    (u1, v1), (u2, v2) = first, second
+    f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
+    slope, q = _interpolant(field, first, second, w1)
+    p = added([q * c for c in v1], product(u1, slope))
+    if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
+        v = [c / q for c in p]
+        return Sum(both, v, p, q), _departure(f, both, v)
+    p, q = _without_noise(field, f, p, q)
+    u, rest = _monic_quotient(field, f, p, q, both)
+    if len(u) == 1:
+        return Sum([field.one], [], p, q), rest
+    slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
+    summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
+    v = _second_polynomial(field, f, u, p, q, summands)
+    rest = max(rest, _departure(f, u, v), _mismatch(u, v, p, q))
+    while len(u) - 1 > genus:
+        u, v = _reduction_step(field, f, u, v)
+        rest = max(rest, _departure(f, u, v))
+    return Sum(u, v, p, q), rest
+
+
+def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tuple[Coefficients, Number]:
+    """(L, q) of norm 1 with q·V + U·L ≡ q·V' (mod U'), from both congruences at once."""
+    (u1, v1), (u2, v2) = first, second
+    m = len(u2) - 1
+    trace, difference = added(v1, v2), added(v2, [-c for c in v1])
+    noise1, noise2, modulus = absolute(u1), added(absolute(v1), absolute(v2)), bound(u2)
+    rows, weights = [], []
+    for factor, value, noise, value_noise in ((u1, difference, noise1, noise2), (trace, w1, noise2, absolute(w1))):
+        # what enters the rows before cancellation
+        weight = size(remainder(noise, modulus)) or 1
+        weights.append(size(remainder(value_noise, modulus)) / weight)
+        for row, right in zip(multiplication(factor, u2), remainder(value, u2), strict=True):
+            rows.append([*(c / weight for c in row), -right / weight])
+    unit = max(weights) or 1
+    columns = [list(column) for column in zip(*[[*row[:m], row[m] / unit] for row in rows], strict=True)]
+    order, triangle = pivoted_qr(columns)
+    free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
+    if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
+        order, triangle = pivoted_qr(columns[: m - free])
+        solution = null_vector(order, triangle) + [field.zero] * (free + 1)
+    else:
+        solution = null_vector(order, triangle)
+    solution = [*solution[:m], solution[m] / unit]
+    length = norm(solution)
+    return [x / length for x in solution[:m]], solution[m] / length
+
+
+def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> tuple[Coefficients, Number]:
+    """p and q with those leading terms set to zero that are rounding noise: degrees are decided here and where the
+    result is divided by its leading coefficient, nowhere else.
+    """
+    scale = max(size(p), abs(q) * size(f) ** 0.5)
+    p = list(p)
+    while 2 * len(p) - 1 > len(f) and field.is_zero(p[-1], scale):
+        p.pop()
+    if 2 * len(p) - 1 <= len(f) and field.is_zero(q * abs(f[-1]) ** 0.5, scale):
+        q = field.zero
+        while p and field.is_zero(p[-1], scale):
+            p.pop()
+        if not p:
+            raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
+    return p, q
+
+
+def _monic_quotient(
+    field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients
+) -> tuple[Coefficients, Number]:
+    """(p² − q²f)/(U·U'), made monic, and the remainder beside the size of the terms."""
+    psi = product(p, p)
+    terms = size(psi)
+    if q:
+        if len(psi) == len(f) and field.is_zero(psi[-1] - q * q * f[-1], abs(psi[-1])):
+            raise NotRepresentable(_AT_INFINITY)
+        psi = added(psi, [-q * q * c for c in f])
+    quotient, rest = divided(psi, both)
+    return [c / quotient[-1] for c in quotient[:-1]] + [field.one], size(rest) / (terms or 1)
+
+
+def _second_polynomial(
+    field: Any,
+    f: Coefficients,
+    u: Coefficients,
+    p: Coefficients,
+    q: Number,
+    summands: Sequence[tuple[Coefficients, ...]],
+) -> Coefficients:
+    """V'' from q·V'' ≡ −p, L·(V'' − V) ≡ −q·W for either summand, and V''² ≡ f, all modulo U''."""
+    m = len(u) - 1
+    rows: list[Coefficients] = []
+    right: Coefficients = []
+    modulus, unit = bound(u), size(f) ** 0.5
+
+    def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
+        weight = size(remainder(noise, modulus)) + unit * size(remainder(absolute(factor), modulus)) or 1
+        for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
+            rows.append([x / weight for x in row])
+            right.append(c / weight)
+
+    stack([q], [-c for c in p], absolute(p))
+    for slope, v, w in summands:
+        noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
+        stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
+    # below the noise of those rows: of the solutions that opposite points leave open, a small one
+    small = field.eps / (unit or 1)
+    rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
+    right.extend([field.zero] * m)
+    solution = least_squares(rows, right)
+    # the tangent at a point of D + D' that comes from opposite points is known from the curve alone; every round
+    # doubles the order to which it is
+    for _ in range(max(2, m.bit_length())):
+        del rows[3 * m :], right[3 * m :]
+        sizes = absolute(solution)
+        stack(
+            [2 * c for c in solution], added(f, product(solution, solution)), added(absolute(f), product(sizes, sizes))
+        )
+        solution = least_squares(rows, right)
+    return solution
+
+
+def _reduction_step(field: Any, f: Coefficients, u: Coefficients, v: Coefficients) -> Pair:
+    """One step of Cantor's reduction (u, v) → ((f − v²)/u, −v)."""
+    scale = max(size(v), size(f) ** 0.5)
+    v = list(v)
+    while v and field.is_zero(v[-1], scale):
+        v.pop()
+    if 2 * len(v) - 1 == len(f) and field.is_zero(f[-1] - v[-1] * v[-1], abs(f[-1])):
+        raise NotRepresentable(_AT_INFINITY)
+    quotient, _ = residue(f, u, v)
+    if len(quotient) >= len(u):
+        raise NotRepresentable(_AT_INFINITY)
+    u = [c / quotient[-1] for c in quotient[:-1]] + [field.one]
+    return u, remainder([-c for c in v], u)
+
+
+def _departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
+    """The largest remainder f − v² mod u, beside the size of its terms."""
+    sizes = absolute(v)
+    return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
+
+
+def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number) -> Number:
+    """The largest remainder p + q·v mod u, beside the size of its terms."""
+    scale = abs(q)
+    return _share(remainder(added(p, [q * c for c in v]), u), added(absolute(p), [scale * abs(c) for c in v]), u)
+
+
+def _share(rest: Coefficients, terms: Coefficients, u: Coefficients) -> Number:
+    terms = remainder(terms, bound(u))
+    least = max(terms, default=0) / 2**20
+    return max((abs(c) / max(t, least) for c, t in zip(rest, terms, strict=False)), default=0) if least else 0

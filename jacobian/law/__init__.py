@@ -1,0 +1,1 @@
+"""Divisor classes: Mumford's pair, from points and back, sampling, conjugate points."""

@@ -1,0 +1,106 @@
+"""Points over an extension field: the support of a divisor, and divisors from complete sets of conjugate points."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable
+from math import lcm
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+from jacobian.errors import FieldError, NotRepresentable
+from jacobian.fields.embedding import Embedding, embedding
+from jacobian.fields.factor import factor, rational_roots, roots
+from jacobian.law.divisor import Divisor
+from jacobian.law.from_points import Descent, divisor_of_points
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
+
+
+def divisor_of_conjugates(J: Jacobian, points: Iterable[Any], extension: Any) -> Divisor:
+    """The class of Σ P_i minus infinity for points over an extension of the field, each with all its conjugates.
+
+    A point at infinity is one of the curve over its own field. Raises NotRepresentable when the points are not closed
+    under Frobenius, as often as they are repeated.
+    """
+    C, inclusion = J.curve, embedding(J.field, extension)
+    above = curve_over(C, inclusion)
+    checked = [
+        C.check_point(point) if isinstance(point, PointAtInfinity) else above.check_point(point) for point in points
+    ]
+    affine = [point for point in checked if isinstance(point, AffinePoint)]
+    number = Counter(affine)
+    for point in affine:
+        conjugate = AffinePoint(*map(inclusion.frobenius, point))
+        if number[conjugate] != number[point]:
+            raise NotRepresentable(
+                f"points: {tuple(point)} is given {number[point]} times and its conjugate {tuple(conjugate)} over "
+                f"{J.field.name} {number[conjugate]} times: give all conjugates of a point alike"
+            )
+    descent = Descent(above, lambda a: tuple(inclusion.back(c) for c in a), lambda kept: _orbits(kept, inclusion))
+    return divisor_of_points(J, checked, descent)
+
+
+def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[AffinePoint]]:
+    """The points, each as often as its conjugates, one orbit of the Frobenius map after the other."""
+    left, found = Counter(points), []
+    for point in points:
+        if left[point]:
+            orbit = [point]
+            while (following := AffinePoint(*map(inclusion.frobenius, orbit[-1]))) != point:
+                orbit.append(following)
+            left.subtract(orbit)
+            found.append(orbit)
+    return found
+
+
+def curve_over(C: HyperellipticCurve, inclusion: Embedding) -> HyperellipticCurve:
+    """The same equation over the larger field."""
+    return HyperellipticCurve(inclusion.large, inclusion.polynomial(C.f), inclusion.polynomial(C.h))
+
+
+def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
+    """The points of D with their multiplicities, as :meth:`jacobian.law.divisor.Divisor.support` says."""
+    C = D.jacobian.curve
+    K, u, v = C.field, D.u, D.v
+    if extension is not None:
+        inclusion = embedding(K, extension)
+        K, u, v = extension, inclusion.polynomial(u), inclusion.polynomial(v)
+    points: list[tuple[Point, int]] = []
+    rest = u
+    for x in _roots(K, u):
+        line, multiplicity = (K.neg(x), K.one), 0
+        while poly.evaluate(K, rest, x) == K.zero:
+            rest, multiplicity = poly.quotient(K, rest, line), multiplicity + 1
+        points.append((AffinePoint(x, poly.evaluate(K, v, x)), multiplicity))
+    if len(rest) > 1:
+        raise NotRepresentable(f"u = {poly.text(C.field, D.u)} has no more than {_missing(D, K, rest)}")
+    if D.n is not None:
+        weights = ((INFINITY_PLUS, D.n), (INFINITY_MINUS, C.genus - D.degree - D.n))
+        points += [(point, weight) for point, weight in weights if weight]
+    return points
+
+
+def _roots(K: Any, u: poly.Poly) -> list[Any]:
+    if not K.exact:
+        raise FieldError(f"field = {K.name}: multiplicities of points are not decided over an inexact field")
+    if K.order is None:
+        return rational_roots(u)
+    return roots(K, u) if len(u) > 1 else []
+
+
+def _missing(D: Divisor, K: Any, rest: poly.Poly) -> str:
+    found = f"{D.degree - (len(rest) - 1)} of its {D.degree} roots in {K.name}"
+    degree = splitting_degree(D)
+    return found if degree is None else f"{found}: give the extension of degree {degree} of {D.jacobian.field.name}"
+
+
+def splitting_degree(D: Divisor) -> int | None:
+    """The degree over which u splits into linear factors; None over an infinite field."""
+    K = D.jacobian.field
+    if K.order is None:
+        return None
+    return lcm(*(len(P) - 1 for P, _ in factor(K, D.u)))

@@ -1,0 +1,164 @@
+"""Divisor classes in Mumford form: immutable values that know their Jacobian; the arithmetic is the Jacobian's."""
+
+from __future__ import annotations
+
+from operator import index
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.errors import ArgumentError, CurveMismatch, shown, whole
+from jacobian.immutable import Immutable
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
+
+
+class Divisor(Immutable):
+    """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` and
+    its kin.
+
+    ``u``: monic, ascending, of degree at most g; ``v``: y on the points of u, of degree below deg u (trimmed over an
+    exact field, of length deg u over an inexact one); ``n``: the weight at ∞₊ on a split model, in 0 … g − deg u, and
+    None on a ramified or inert one, which leave no choice. ``jacobian``: the group.
+
+    ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; the int 0 stands for it in sums.
+    Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of classes.
+    Combining divisors of two curves raises CurveMismatch.
+    """
+
+    __slots__ = ("jacobian", "n", "u", "v")
+
+    u: poly.Poly
+    v: poly.Poly
+    n: int | None
+    jacobian: Jacobian
+
+    def __init__(self, jacobian: Jacobian, u: poly.Poly, v: poly.Poly, n: int | None) -> None:
+        _set_jacobian(self, jacobian)
+        _set_u(self, u)
+        _set_v(self, v)
+        _set_n(self, n)
+
+    @property
+    def degree(self) -> int:
+        """The number of affine points, deg u."""
+        return len(self.u) - 1
+
+    def support(self, extension: Any = None) -> list[tuple[Any, int]]:
+        """The points of D with their multiplicities: the affine ones by ascending x, then ∞₊ and ∞₋ of a split model.
+
+        ``extension``: a larger finite field to find the points in. ``from_points`` of them, repeated as often, is D
+        again. Raises NotRepresentable when points are missing from the field, with the degree of the extension that
+        has them; FieldError over an inexact field.
+        """
+        return self.jacobian.support(self, extension)
+
+    def to_galois(self) -> tuple[Any, Any]:
+        """(u, v) as galois.Poly over the galois class of the field; FieldError where there is none (QQ, RR, CC, MP)."""
+        K = self.jacobian.curve.field
+        return poly.to_galois(K, self.u), poly.to_galois(K, self.v)
+
+    def __add__(self, other: Any) -> Divisor:
+        if not isinstance(other, Divisor):
+            return self if is_zero_int(other) else NotImplemented
+        return self.jacobian.add(self, self._compatible(other))
+
+    def __radd__(self, other: Any) -> Divisor:
+        # sum([D, E]) begins with the int 0, which stands for the identity as in J(0)
+        return self if is_zero_int(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> Divisor:
+        return -self if is_zero_int(other) else NotImplemented
+
+    def __sub__(self, other: Any) -> Divisor:
+        if not isinstance(other, Divisor):
+            return self if is_zero_int(other) else NotImplemented
+        return self.jacobian.add(self, self.jacobian.negate(self._compatible(other)))
+
+    def _compatible(self, other: Divisor) -> Divisor:
+        if other.jacobian is not self.jacobian and other.jacobian != self.jacobian:
+            raise CurveMismatch(
+                f"divisors of two curves cannot be combined: {self.jacobian.curve!r} and {other.jacobian.curve!r}"
+            )
+        return other
+
+    def __neg__(self) -> Divisor:
+        return self.jacobian.negate(self)
+
+    def __pos__(self) -> Divisor:
+        return self
+
+    def double(self) -> Divisor:
+        """D + D."""
+        return self.jacobian.double(self)
+
+    def order(self, multiple: int | None = None, primes: Any = None) -> int | float:
+        """The least m > 0 with m·D = 0; over QQ ``math.inf`` where there is none (:mod:`jacobian.finite.orders`).
+
+        ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, where they are known.
+        """
+        return self.jacobian.order_of(self, multiple, primes)
+
+    def __mul__(self, scalar: Any) -> Divisor:
+        if isinstance(scalar, Divisor):
+            return NotImplemented
+        return self.jacobian.multiply(check_scalar(scalar), self)
+
+    __rmul__ = __mul__
+    # without this numpy would take a numpy integer times D apart element by element
+    __array_ufunc__ = None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Divisor):
+            return NotImplemented
+        same = self.u == other.u and self.v == other.v and self.n == other.n
+        return same and (self.jacobian is other.jacobian or self.jacobian == other.jacobian)
+
+    def __hash__(self) -> int:
+        K = self.jacobian.curve.field
+        return hash((tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n))
+
+    def __bool__(self) -> bool:
+        return len(self.u) > 1 or self.n != self.jacobian.weight_of_zero
+
+    def __repr__(self) -> str:
+        K = self.jacobian.curve.field
+        weight = "" if self.n is None else f", n={self.n}"
+        return f"({poly.text(K, self.u)}, {poly.text(K, self.v)}{weight})"
+
+    def __reduce__(self) -> Any:
+        K = self.jacobian.curve.field
+        return _rebuild, (self.jacobian, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n)
+
+
+_set_jacobian = Divisor.__dict__["jacobian"].__set__
+_set_u = Divisor.__dict__["u"].__set__
+_set_v = Divisor.__dict__["v"].__set__
+_set_n = Divisor.__dict__["n"].__set__
+
+
+def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
+    K = jacobian.curve.field
+    return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
+
+
+def is_zero_int(value: Any) -> bool:
+    """Whether ``value`` is the int 0, Python's or numpy's, which stands for the identity of any group."""
+    if isinstance(value, bool) or not hasattr(value, "__index__"):
+        return False
+    try:
+        return index(value) == 0 and getattr(value, "ndim", 0) == 0
+    except Exception:
+        return False
+
+
+def check_divisor(D: Any, argument: str) -> Divisor:
+    """``D``, or an ArgumentError that names ``argument``."""
+    if not isinstance(D, Divisor):
+        raise ArgumentError(f"{argument} = {shown(D)}: a Divisor is needed")
+    return D
+
+
+def check_scalar(scalar: Any, argument: str = "scalar") -> int:
+    """``scalar`` as an int (numpy integers too), or an ArgumentError that names ``argument``."""
+    return scalar if type(scalar) is int else whole(scalar, argument)

@@ -1,0 +1,177 @@
+"""From points to divisors: Mumford pairs built up point by point."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import AffinePoint, Point
+from jacobian.errors import ArgumentError, NotRepresentable, entries, shown, whole
+from jacobian.law.divisor import Divisor
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
+
+# one by one; more of them is a matter of multiples in the group
+MOST_REPEATED = 100
+
+
+class Descent(NamedTuple):
+    """Points over an extension field, and the way back to the field of the curve.
+
+    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``: points
+    as a list of sets that are closed under conjugation.
+    """
+
+    curve: HyperellipticCurve
+    back: Callable[[poly.Poly], poly.Poly]
+    orbits: Callable[[list[AffinePoint]], list[list[AffinePoint]]]
+
+
+def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
+    """Each point as often as its multiplicity, an int ≥ 0, says."""
+    points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
+    if multiplicities is None:
+        return points
+    numbers = entries(multiplicities, "multiplicities", "a sequence of ints, one for each point,")
+    if len(numbers) != len(points):
+        raise ArgumentError(f"multiplicities = {shown(numbers)}: {len(points)} of them are needed, one for each point")
+    result = []
+    for i, (point, number) in enumerate(zip(points, numbers, strict=True)):
+        wanted = "that is not an int ≥ 0; for −P give the opposite point"
+        number = whole(number, f"multiplicities: multiplicities[{i}]", wanted, 0)
+        if number > MOST_REPEATED:
+            raise ArgumentError(
+                f"multiplicities: {shown(number)} points are added one by one, {MOST_REPEATED} at most; take multiples "
+                "in the group, such as m * J.from_points([P, P])"
+            )
+        result += [point] * number
+    return result
+
+
+def divisor_of_points(J: Jacobian, points: list[Point], descent: Descent | None = None) -> Divisor:
+    """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says."""
+    C = J.curve
+    if C.model == "inert" and len(points) % 2:
+        raise NotRepresentable(
+            f"points: {len(points)} of them; an inert model needs an even number, its infinity being one place"
+        )
+    affine = [point for point in points if isinstance(point, AffinePoint)]
+    semireduced, cancelled = _cancel_opposites(descent.curve if descent else C, affine)
+    n = None
+    if C.model == "split":
+        # the class of ΣP − r·∞₋ has n = ⌈g/2⌉ + (points at ∞₊) + (pairs cancelled); then r·∞₋ is shared evenly
+        at_plus = sum(1 for point in points if not isinstance(point, AffinePoint) and point.sign == 1)
+        n = at_plus + cancelled + (C.genus - len(points) + 1) // 2
+    return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
+
+
+def _exact_sum(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+    """Parts of about g points, reduced and added in the group: in one pair, time would grow with their cube.
+
+    On a split model a class is (weight at ∞₊) − ⌈g/2⌉ there: the last part makes up for those of the others.
+    """
+    C = J.curve
+    *others, last = _parts(C, descent.orbits(points) if descent else [[point] for point in points])
+    total = J.zero()
+    for part in others:
+        weight = None if n is None else (C.genus - len(part) + 1) // 2
+        if n is not None and weight is not None:
+            n += (C.genus + 1) // 2 - weight
+        total = total + _reduced(J, part, weight, descent)
+    final = _reduced(J, last, n, descent)
+    return total + final if others else final
+
+
+def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
+    """Orbits put together to g points or more, an even number on an inert model; the last part may have fewer."""
+    parts: list[list[AffinePoint]] = [[]]
+    for orbit in orbits:
+        if len(parts[-1]) >= C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
+            parts.append([])
+        parts[-1] += orbit
+    return parts
+
+
+def _reduced(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+    u, v = pair_of_points(descent.curve if descent else J.curve, points)
+    if descent is not None:
+        u, v = descent.back(u), descent.back(v)
+    return J._out(cantor.reduce(J._model, J._in_triple(u, v, n)))
+
+
+def _inexact_sum(J: Jacobian, points: list[AffinePoint], n: int | None) -> Divisor:
+    """Parts of at most g points, added by the inexact kernel; on a split model one part, with its weight in range."""
+    from jacobian.law.inexact_points import in_order
+
+    g = J.curve.genus
+    if n is not None and not 0 <= n <= g - len(points):
+        raise NotRepresentable(
+            f"points: {len(points)} with the weight {n} at ∞₊, not in 0 … {g - len(points)}; "
+            f"over {J.field.name} add smaller sums"
+        )
+    points = in_order(points)
+    parts = [points[start : start + g] for start in range(0, len(points), g)] or [[]]
+    total, *rest = [Divisor(J, *pair_of_points(J.curve, part), n) for part in parts]
+    for part in rest:
+        total = total + part
+    return total
+
+
+def _cancel_opposites(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
+    """The points without pairs P, ιP, and the number of pairs taken out (a branch point is its own opposite)."""
+    if not C.field.exact:
+        return _cancel_inexact(C, points)
+    K = C.field
+    kept: Counter[AffinePoint] = Counter()
+    for point in points:
+        opposite = AffinePoint(point.x, K.neg(K.add(point.y, poly.evaluate(K, C.h, point.x))))
+        if kept[opposite]:
+            kept[opposite] -= 1
+        else:
+            kept[point] += 1
+    return list(kept.elements()), (len(points) - kept.total()) // 2
+
+
+def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[list[AffinePoint], int]:
+    """The same, where y is known to rounding only."""
+    from jacobian.law.inexact_points import opposite
+
+    kept: list[AffinePoint] = []
+    for point in points:
+        other = next((earlier for earlier in kept if opposite(C, point, earlier)), None)
+        if other is None:
+            kept.append(point)
+        else:
+            kept.remove(other)
+    return kept, (len(points) - len(kept)) // 2
+
+
+def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
+    """(u, v) through the points, repeated ones with their multiplicity; no point beside its opposite.
+
+    Over an inexact field :mod:`jacobian.law.inexact_points`; else one point at a time (Newton's interpolation):
+    v → v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u,
+    where u(x₀) = 0 already.
+    """
+    K = C.field
+    if not K.exact:
+        from jacobian.law import inexact_points
+
+        return inexact_points.pair_of_points(C, points)
+    u: poly.Poly = (K.one,)
+    v: poly.Poly = ()
+    for i, (x, y) in enumerate(points):
+        if any(x == earlier.x for earlier in points[:i]):
+            w = cantor.cofactor(C, u, v)
+            slope = K.add(K.add(y, y), poly.evaluate(K, C.h, x))
+            k = K.div(poly.evaluate(K, w, x), slope)
+        else:
+            k = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
+        v = poly.add(K, v, poly.trim(K, poly.scale(K, k, u)))
+        u = poly.mul(K, u, (K.neg(x), K.one))
+    return u, v

@@ -1,0 +1,95 @@
+"""From points to Mumford pairs over RR, CC and MP: interpolated with more digits and rounded once, so that the order of
+the points does not matter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import AffinePoint
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.dense import added, product, remainder, residue, value_at
+from jacobian.inexact.watched import Digits
+
+# the part of y that must be left of the value of a rounded v
+KNOWN = 2**-7
+# y is taken for the rounded y of the curve where y² is that of the curve to this many last digits
+NEAR = 2**20
+
+
+def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
+    """The points in an order of their own."""
+    return sorted(points, key=lambda point: (point.x.real, point.x.imag, point.y.real, point.y.imag))
+
+
+def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
+    """Whether two points of one x are opposite, to rounding; a branch point is its own opposite."""
+    h = [C.field.zero, *C.h]
+    return bool(P.x == Q.x and abs(P.y + Q.y + value_at(h[1:], P.x)) <= abs(P.y - Q.y))
+
+
+def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """(u, v) through the points, those of one x being one point, repeated; none beside its opposite.
+
+    PrecisionLoss where the coefficients of v, rounded, say nothing of the y of some point: the x differ too much in
+    size.
+    """
+    field, points = C.field, in_order(points)
+    bits = 1 - field.exponent(field.eps)
+    sizes = [field.exponent(P.x) for P in points if P.x] or [0]
+    spread = 2 * len(C.f) * (max(sizes) - min(sizes))
+    with Digits(field, bits * (4 + 2 * len(points)) + spread) as digits:
+        f, half = [digits.number(c) for c in C.f], [digits.number(c) / 2 for c in C.h]
+        f = added(f, product(half, half))
+        u, v = _through(digits, f, half, points)
+        return (*map(digits.element, u[:-1]), field.one), _rounded(digits, points, f, v)
+
+
+def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[AffinePoint]) -> tuple[Any, Any]:
+    """Newton's interpolation: a new point adds u·k with k(x₀) = (y₀ − v(x₀))/u(x₀), one that is there already with
+    k(x₀) = w(x₀)/2v(x₀), w = (f − v²)/u, for y² = f with y + h/2 in the place of y.
+    """
+    one = digits.number(digits.field.one)
+    u: list[Any] = [one]
+    v: list[Any] = []
+    found: dict[Any, Any] = {}
+    for point in points:
+        key = digits.field.key(point.x)
+        if key in found:
+            x, y = found[key]
+            k = value_at(residue(f, u, v)[0], x) / (2 * y)
+        else:
+            x = digits.number(point.x)
+            y = _on_curve(digits, digits.number(point.y) + value_at([*half, 0 * x], x), value_at(f, x))
+            found[key] = x, y
+            k = (y - value_at(v, x)) / value_at(u, x)
+        v = added(v, [k * c for c in u])
+        u = product(u, [-x, one])
+    return u, remainder(added(v, [-c for c in half]), u)
+
+
+def _on_curve(digits: Any, y: Any, square: Any) -> Any:
+    """The y of the curve, y² = ``square``, that was rounded; near a branch point the y that was given."""
+    if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
+        return y
+    for _ in range(digits.bits.bit_length()):
+        y = (y + square / y) / 2 if y != 0 else y
+    return y
+
+
+def _rounded(digits: Any, points: Sequence[AffinePoint], f: list[Any], v: list[Any]) -> tuple[Any, ...]:
+    """v in the field, if it still has the points' y."""
+    result = tuple(map(digits.element, v))
+    kept = [digits.number(c) for c in result]
+    for point in points:
+        x = digits.number(point.x)
+        height = max(abs(c) * abs(x) ** i for i, c in enumerate(f)) ** 0.5
+        size = max(abs(value_at(v, x)), digits.own_eps**0.5 * height)
+        if abs(value_at(kept, x) - value_at(v, x)) > KNOWN * size:
+            raise PrecisionLoss(
+                f"point = {point}: the coefficients of v, rounded to {digits.field.name}, lose its y beside points of "
+                "other sizes; use more digits"
+            )
+    return result

@@ -1,0 +1,84 @@
+"""Numbers of about 32 digits as unevaluated sums hi + lo of two floats (Dekker 1971): conversions.
+
+An array of such numbers is a float array with a last axis (hi, lo), |lo| at most half a unit in the last place of hi.
+The arithmetic is compiled: :mod:`jacobian.numbers.double_double_compiled`.
+"""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import isfinite
+from numbers import Integral
+from typing import Any
+
+import numpy as np
+
+from jacobian.errors import ArgumentError
+
+EPS = 2.0**-104
+"""A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
+
+
+def split(x: Any) -> tuple[float, float]:
+    """(hi, lo), the float nearest to x and the float nearest to the rest; x is an int, float, Fraction or mpf.
+
+    The sum is x exactly where its binary digits fit. ArgumentError where x is not a finite number in the range of
+    floats.
+    """
+    if hasattr(x, "_mpf_"):
+        return _split_mpf(x)
+    if isinstance(x, Integral):
+        x = Fraction(int(x))
+    if not isinstance(x, (float, np.floating, Fraction)):
+        raise ArgumentError(f"x = {x!r}: an int, float, Fraction or mpf is needed")
+    try:
+        high = float(x)
+    except OverflowError as error:
+        raise ArgumentError(f"x = {x!r}: too large for floats") from error
+    if not isfinite(high):
+        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    low = float(x - Fraction(high)) if isinstance(x, Fraction) else 0.0
+    total = high + low
+    return total, low - (total - high)
+
+
+def _split_mpf(x: Any) -> tuple[float, float]:
+    from mpmath.libmp import from_float, mpf_sub, to_float
+
+    try:
+        high = to_float(x._mpf_, strict=True)
+    except OverflowError as error:
+        raise ArgumentError(f"x = {x!r}: too large for floats") from error
+    if not isfinite(high):
+        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    # without a precision the difference is exact
+    low = to_float(mpf_sub(x._mpf_, from_float(high)))
+    total = high + low
+    return total, low - (total - high)
+
+
+def pack(numbers: Any) -> np.ndarray:
+    """Nested sequences of numbers, or an array, as a float array of the same shape and a last axis (hi, lo).
+
+    Numbers and errors as for :func:`split`.
+    """
+    table = np.asarray(numbers)
+    if table.dtype == np.float64 and np.isfinite(table).all():
+        return np.stack([table, np.zeros_like(table)], axis=-1)
+    out = np.empty((*table.shape, 2))
+    for index, x in np.ndenumerate(table):
+        out[index] = split(x)
+    return out
+
+
+def unpack(array: np.ndarray, convert: Any = Fraction) -> Any:
+    """The numbers of an array (…, 2) as nested lists (one number for shape (2,)): ``convert(hi) + convert(lo)``.
+
+    Exact as Fraction, and as the mpf of a context of 33 digits or more unless lo is far below hi.
+    """
+    rows = np.asarray(array)
+    if rows.shape[-1:] != (2,):
+        raise ArgumentError(f"array of shape {rows.shape}: the last axis must be (hi, lo)")
+    if rows.ndim == 1:
+        return convert(float(rows[0])) + convert(float(rows[1]))
+    return [unpack(row, convert) for row in rows]

@@ -1,0 +1,67 @@
+"""GF(p^k) of at most 2^16 elements in the manner of :mod:`jacobian.numbers.words`: tables without a branch for zero.
+
+An element is the int that stands for it in :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1),
+where the table of powers, and all that follows in it, is 0: so a product is one look-up at the sum of two logarithms,
+and a sum one at log x + zech(log y − log x), the table of Zech logarithms going from −2(q − 1) to 2(q − 1). In
+characteristic 2 a sum is an exclusive or.
+
+A *context* holds the tables; :mod:`jacobian.numbers.tables_compiled` registers what compiled code does with one. Every
+element is canonical.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+_Tables = namedtuple("_Tables", "powers logarithms zech size half one")
+"""Powers of a generator, from the 0-th to the 4(q − 1)-th; logarithms; Zech logarithms from −2(q − 1) on; q − 1; the
+logarithm of −1; 1.
+"""
+
+
+class TableContext(_Tables):
+    """What both contexts share: an element is its own word."""
+
+    __slots__ = ()
+
+    def to_word(self, a: int) -> int:
+        """a."""
+        return a
+
+    def from_word(self, x: int) -> int:
+        """x, as an int of Python."""
+        return int(x)
+
+
+class BinaryTable(TableContext):
+    """A field of characteristic 2; ``zech`` is empty."""
+
+    __slots__ = ()
+
+
+class OddTable(TableContext):
+    """A field of odd characteristic."""
+
+    __slots__ = ()
+
+
+def table_context(K: Any) -> TableContext:
+    """The context of a :class:`jacobian.fields.table.TableField`."""
+    import numpy as np
+
+    size = K.order - 1
+    zero = 2 * size
+    powers = np.zeros(2 * zero + 1, np.int64)
+    powers[:zero] = K._exp
+    logarithms = np.array(K._log, np.int64)
+    logarithms[0] = zero
+    if K.p == 2:
+        return BinaryTable(powers, logarithms, np.zeros(0, np.int64), size, 0, 1)
+    between = np.array(K._zech, np.int64)
+    between[between < 0] = zero
+    # x = 0 and y ≠ 0: the sum is y; both ≠ 0: twice the period; x ≠ 0 and y = 0: the sum is x
+    left = np.arange(-zero, -size)
+    right = np.zeros(size + 1, np.int64)
+    zech = np.concatenate([left, between, between, right])
+    return OddTable(powers, logarithms, zech, size, K._half, 1)

@@ -1,0 +1,1 @@
+"""Periods and the Abel–Jacobi map over the complex numbers."""

@@ -1,0 +1,162 @@
+"""A curve as a double cover Y² = F(x) = f + h²/4 of the line: branch points, the tree on them, half-periods.
+
+The cycles are the lifts of the edges of the Euclidean minimal spanning tree of the branch points (2g edges), integrated
+by Gauss–Chebyshev quadrature; two of them that share a branch point cross there once, in the local parameter Y, and no
+others meet, the edges of a minimal tree being disjoint (after Molin and Neurohr 2019, with this tree). The sign of a
+crossing is read off the directions in which the cycles pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import comb
+from typing import Any, NamedTuple
+
+from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.errors import ArgumentError, shown
+from jacobian.fields import CC
+from jacobian.periods.quadrature import Vector, ellipse, working_numbers
+from jacobian.periods.roots import check_separated, conjugated, simple_roots
+
+
+class Edge(NamedTuple):
+    """Branch points i → j, ∫ x^k dx/Y along the edge, and the directions of its cycle at i and j (in Y/√F')."""
+
+    i: int
+    j: int
+    integrals: Vector
+    directions: tuple[complex, complex]
+
+
+class BranchedCover:
+    """Y² = lead·Π(x − e): working numbers and branch points of a curve; ``roots`` may bring the e, in any order."""
+
+    def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
+        self.curve = check_curve(curve)
+        self.genus = curve.genus
+        self.numbers = numbers = working_numbers(curve.field)
+        self.real = not (getattr(curve.field, "complex", False) or isinstance(curve.field.zero, complex))
+        four = [numbers.convert(c) for c in curve.discriminant]
+        self.coefficients = [c / 4 for c in four[: 2 * self.genus + 2 if curve.model == "ramified" else None]]
+        self.lead = self.coefficients[-1]
+        self.given: tuple[Any, ...] | None = None
+        if roots is None:
+            self.roots = simple_roots(numbers, self.coefficients)
+            self.roots = conjugated(numbers, self.roots) if self.real else self.roots
+        else:
+            self.roots = self._check(roots)
+        check_separated(numbers, self.roots)
+        self._rough = [complex(e) for e in self.roots]
+
+    def _check(self, roots: Sequence[Any]) -> Vector:
+        numbers, degree = self.numbers, len(self.coefficients) - 1
+        if isinstance(roots, str) or not isinstance(roots, Iterable) or len(roots := list(roots)) != degree:
+            raise ArgumentError(f"roots = {shown(roots)}: {degree} numbers are needed, the roots of f + h²/4")
+        self.given = tuple(roots)
+        found = [numbers.convert(self._coerced(e, f"roots[{i}]")) for i, e in enumerate(roots)]
+        product: Vector = [self.lead]
+        for e in found:
+            product = [b - e * a for a, b in zip([*product, 0], [0, *product], strict=True)]
+        for i, (c, d) in enumerate(zip(self.coefficients, product, strict=True)):
+            scale = abs(self.lead) * comb(degree, i) * max(abs(e) for e in found) ** (degree - i)
+            if abs(c - d) > 1e4 * self.curve.field.eps * scale:
+                raise ArgumentError(f"roots = {list(roots)}: they give another coefficient of x^{i} than the curve has")
+        return found
+
+    def _coerced(self, e: Any, argument: str) -> Any:
+        if self.numbers.machine:
+            return CC.coerce(e, argument)
+        if hasattr(e, "_mpf_") or hasattr(e, "_mpc_") or isinstance(e, complex):
+            return e
+        return self.curve.field.coerce(e, argument)
+
+    def tree(self) -> list[tuple[int, int]]:
+        """2g edges of the Euclidean minimal spanning tree of the branch points, from the first one on (Prim 1957)."""
+        e = self._rough
+        inside = [0]
+        edges: list[tuple[int, int]] = []
+        while len(edges) < 2 * self.genus:
+            rest = [j for j in range(len(e)) if j not in inside]
+            i, j = min(((i, j) for i in inside for j in rest), key=lambda ij: abs(e[ij[0]] - e[ij[1]]))
+            inside.append(j)
+            edges.append((i, j))
+        return edges
+
+    def edge(self, i: int, j: int) -> Edge:
+        """The integrals from branch point i to j, on one of the two sheets, by Gauss–Chebyshev quadrature.
+
+        With x = m + dt: Y = c·√(1−t²)·Π√(±(t − u_k)), each factor being holomorphic near [−1, 1].
+        """
+        numbers = self.numbers
+        a, b = self.roots[i], self.roots[j]
+        middle, half = (a + b) / 2, (b - a) / 2
+        others = [(e - middle) / half for k, e in enumerate(self.roots) if k not in (i, j)]
+        right = sum(1 for u in others if u.real > 0)
+        c = numbers.sqrt(self.lead * half ** len(self.roots) * (1 if right % 2 else -1))
+        n = numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8))
+        moments = self._moments(others, n)
+        factor = half / c * numbers.pi / n
+        integrals = [
+            factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
+            for k in range(self.genus)
+        ]
+        # Y/√(x − e) at both ends, against the fixed root of F' there
+        start = _unit(c) * _rough_root(others, -1) / self._slope_root(i)
+        end = -_unit(c) * _rough_root(others, 1) / self._slope_root(j)
+        return Edge(i, j, integrals, (start, end))
+
+    def _moments(self, others: Vector, n: int) -> Vector:
+        """Σ t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < g."""
+        numbers, moments = self.numbers, [self.numbers.real(0)] * self.genus
+        real = all(u.imag == 0 for u in others)
+        values = [u.real for u in others] if real else others
+        signs = [-1 if u.real > 0 else 1 for u in others]
+        for node in numbers.nodes(n):
+            for t in (node, -node):
+                product = 1
+                for u, sign in zip(values, signs, strict=True):
+                    product = product * ((t - u) * sign)
+                if real:
+                    weight = 1 / (product**0.5 if numbers.machine else numbers.sqrt(product))
+                else:
+                    weight = 1 / numbers.root(product, _rough_root(others, float(t)))
+                for m in range(self.genus):
+                    moments[m] += weight
+                    weight = weight * t
+        return moments
+
+    def _slope_root(self, i: int) -> complex:
+        """A square root of F'(e_i), of modulus 1."""
+        value = _unit(self.lead)
+        for k, e in enumerate(self.roots):
+            if k != i:
+                value *= _unit(self.roots[i] - e)
+        return complex(value) ** 0.5
+
+
+def _unit(z: Any) -> complex:
+    return complex(z / abs(z))
+
+
+def _rough_root(others: Vector, t: float) -> complex:
+    """Π√(±(t − u_k)) to a few digits, each root principal."""
+    value = 1 + 0j
+    for u in others:
+        # for t in [−1, 1] it stays off the negative axis
+        value *= (complex(u) - t if u.real > 0 else t - complex(u)) ** 0.5
+    return value
+
+
+def crossings(edges: Sequence[Edge]) -> list[list[int]]:
+    """Intersection numbers of the cycles of edges: at a common branch point, the orientation of their directions."""
+    size = len(edges)
+    matrix = [[0] * size for _ in range(size)]
+    for k, first in enumerate(edges):
+        for m in range(k):
+            second = edges[m]
+            for p, v in zip((first.i, first.j), first.directions, strict=True):
+                for q, w in zip((second.i, second.j), second.directions, strict=True):
+                    if p == q:
+                        sign = 1 if (v.conjugate() * w).imag > 0 else -1
+                        matrix[k][m], matrix[m][k] = sign, -sign
+    return matrix

@@ -1,0 +1,239 @@
+"""Periods of the differentials x^k dx/(y + h/2), k < g, of a curve over RR, CC or MP(dps): matrices and real ovals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, FieldError, PrecisionLoss
+from jacobian.immutable import Immutable
+from jacobian.periods.branched_cover import BranchedCover, Edge, crossings
+from jacobian.periods.quadrature import Vector, ellipse
+
+Matrix = list[list[Any]]
+
+
+class Oval(NamedTuple):
+    """A bounded oval over ``start`` ≤ x ≤ ``end`` and its ``periods`` 2∫ x^k dx/|y|, k = 0 … g−1."""
+
+    start: Any
+    end: Any
+    periods: tuple[Any, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodMatrix(Immutable):
+    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's.
+
+    ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
+    crossings. ``cover``, ``edges``: the branch points and the half-periods behind them, in working numbers.
+    """
+
+    A: tuple[tuple[Any, ...], ...]
+    B: tuple[tuple[Any, ...], ...]
+    cover: BranchedCover
+    edges: tuple[Edge, ...]
+    working: Matrix
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.cover.curve, self.A, self.B
+
+    def __reduce__(self) -> Any:
+        return periods, (self.cover.curve, self.cover.given)
+
+    @property
+    def big(self) -> tuple[tuple[Any, ...], ...]:
+        """(A, B): g rows of 2g."""
+        return tuple((*a, *b) for a, b in zip(self.A, self.B, strict=True))
+
+    @cached_property
+    def tau(self) -> tuple[tuple[Any, ...], ...]:
+        """A⁻¹B: symmetric, its imaginary part positive definite."""
+        return _rounded(self.cover, self._working_tau)
+
+    @cached_property
+    def _working_tau(self) -> Matrix:
+        g = self.cover.genus
+        columns = [solve([row[:g] for row in self.working], [row[g + j] for row in self.working]) for j in range(g)]
+        return [list(row) for row in zip(*columns, strict=True)]
+
+    def coordinates(self, z: Sequence[Any]) -> list[Any]:
+        """The 2g real c with z = (A, B)·c, as working numbers; integers where z is in the lattice."""
+        g, numbers = self.cover.genus, self.cover.numbers
+        if len(z) != g:
+            raise ArgumentError(f"z has {len(z)} entries: g = {g} are needed")
+        z = [numbers.convert(x) for x in z]
+        rows = [[x.real for x in row] for row in self.working] + [[x.imag for x in row] for row in self.working]
+        return solve(rows, [x.real for x in z] + [x.imag for x in z])
+
+    def reduce(self, z: Sequence[Any]) -> list[Any]:
+        """z less the lattice vector that leaves coordinates in [−½, ½], as working numbers."""
+        whole = [nearest(c) for c in self.coordinates(z)]
+        return [
+            self.cover.numbers.convert(x) - sum(m * p for m, p in zip(whole, row, strict=True))
+            for x, row in zip(z, self.working, strict=True)
+        ]
+
+    def bilinear_residual(self) -> Any:
+        """The largest |τ_ij − τ_ji|: zero by Riemann's bilinear relations."""
+        tau = self._working_tau
+        return max(abs(tau[i][j] - tau[j][i]) for i in range(len(tau)) for j in range(len(tau)))
+
+
+def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> PeriodMatrix:
+    """The PeriodMatrix of a curve over RR, CC or MP(dps), of any genus.
+
+    ``roots``: the roots of f + h²/4 where they are known (ArgumentError where they do not fit). Over MP(dps) the
+    entries are right to about dps digits of the largest one; Riemann's relations are checked. PrecisionLoss where
+    branch points coincide at this precision, Infeasible where one is too near to the segment between two others,
+    FieldError over exact fields.
+    """
+    cover = BranchedCover(curve, roots)
+    edges = [cover.edge(i, j) for i, j in cover.tree()]
+    basis = symplectic_basis(crossings(edges))
+    working = [
+        [2 * sum(m * edge.integrals[k] for m, edge in zip(cycle, edges, strict=True) if m) for cycle in basis]
+        for k in range(cover.genus)
+    ]
+    g = cover.genus
+    first, second = ([row[part] for row in working] for part in (slice(g), slice(g, None)))
+    result = PeriodMatrix(_rounded(cover, first), _rounded(cover, second), cover, tuple(edges), working)
+    _check_riemann(result)
+    return result
+
+
+def symplectic_basis(matrix: list[list[int]]) -> list[list[int]]:
+    """Rows a_1 … a_g, b_1 … b_g of integers, a unimodular change of basis with a_i·b_j = δ_ij and the rest 0.
+
+    ``matrix``: an alternating integer matrix of determinant 1 (else PrecisionLoss: the crossings were misjudged).
+    """
+    size = len(matrix)
+
+    def dot(v: list[int], w: list[int]) -> int:
+        return sum(v[i] * matrix[i][j] * w[j] for i in range(size) if v[i] for j in range(size) if w[j])
+
+    rest = [[int(i == j) for j in range(size)] for i in range(size)]
+    first, second = [], []
+    while rest:
+        a = rest.pop(0)
+        while True:  # Euclid's algorithm on the numbers a·v
+            rest.sort(key=lambda v: (dot(a, v) == 0, abs(dot(a, v))))
+            b, size_b = rest[0], dot(a, rest[0])
+            if size_b == 0:
+                raise PrecisionLoss("the crossings of the cycles do not form a unimodular matrix; use more digits")
+            if all(dot(a, v) == 0 for v in rest[1:]):
+                break
+            rest[1:] = [_combined(v, b, -(dot(a, v) // size_b)) for v in rest[1:]]
+        if abs(size_b) != 1:
+            raise PrecisionLoss("the crossings of the cycles do not form a unimodular matrix; use more digits")
+        b = [size_b * x for x in b]
+        rest = [_combined(v, a, -dot(v, b)) for v in rest[1:]]
+        first.append(a)
+        second.append(b)
+    return first + second
+
+
+def _combined(v: list[int], w: list[int], m: int) -> list[int]:
+    return [x + m * y for x, y in zip(v, w, strict=True)]
+
+
+def _check_riemann(result: PeriodMatrix) -> None:
+    tau, numbers = result._working_tau, result.cover.numbers
+    scale = max(abs(x) for row in tau for x in row)
+    if result.bilinear_residual() > numbers.ten(-numbers.digits // 2) * scale or not _is_positive(tau):
+        raise PrecisionLoss(
+            "the periods do not satisfy Riemann's bilinear relations at this precision; use more digits"
+        )
+
+
+def _is_positive(tau: Matrix) -> bool:
+    """Whether Im τ is positive definite, by elimination."""
+    rows = [[x.imag for x in row] for row in tau]
+    for k, row in enumerate(rows):
+        if row[k] <= 0:
+            return False
+        for other in rows[k + 1 :]:
+            factor = other[k] / row[k]
+            other[:] = [x - factor * y for x, y in zip(other, row, strict=True)]
+    return True
+
+
+def real_periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> list[Oval]:
+    """The bounded ovals of a curve over RR or MP(dps), by ascending x, each with 2∫ x^k dx/|y + h/2|, k < g.
+
+    They lie between neighbouring real roots of f + h²/4, where it is positive; Gauss–Chebyshev quadrature in real
+    numbers. FieldError over a complex or an exact field; otherwise as :func:`periods`.
+    """
+    cover = BranchedCover(curve, roots)
+    if not cover.real:
+        raise FieldError(f"field = {curve.field.name}: ovals belong to a curve over RR or MP(dps)")
+    found = []
+    line = sorted(e.real for e in cover.roots if e.imag == 0)
+    for a, b in pairwise(line):
+        lines = [e for e in line if e not in (a, b)]
+        # F is positive between a and b when an odd number of roots lies at b or beyond, for a positive lead
+        if (sum(1 for e in line if e >= b) % 2 == 1) == (cover.lead.real < 0):
+            found.append(_oval(cover, a, b, lines))
+    return found
+
+
+def _oval(cover: BranchedCover, a: Any, b: Any, lines: Vector) -> Oval:
+    numbers, g, field = cover.numbers, cover.genus, cover.curve.field
+    middle, half = (a + b) / 2, (b - a) / 2
+    pairs = [e for e in cover.roots if e.imag > 0]
+    others = [(complex(e) - float(middle)) / float(half) for e in [*lines, *pairs]]
+    n = numbers.node_count(2 * min((ellipse(u) for u in others), default=8))
+    lead = abs(cover.lead.real)
+    sums = [numbers.real(0)] * g
+    for node in numbers.nodes(n):
+        for x in (middle + half * node, middle - half * node):
+            product = lead
+            for e in lines:
+                product = product * (x - e)
+            for e in pairs:
+                product = product * ((x - e.real) ** 2 + e.imag**2)
+            weight = 1 / (abs(product) ** 0.5 if numbers.machine else numbers.sqrt(abs(product)))
+            for k in range(g):
+                sums[k] += weight
+                weight = weight * x
+    factor = 2 * numbers.pi / n
+    return Oval(field.coerce(a), field.coerce(b), tuple(field.coerce(factor * s) for s in sums))
+
+
+def complex_field(field: Any) -> Any:
+    """CC beside RR, MP(dps, complex=True) beside MP(dps)."""
+    from jacobian.fields import CC, MP
+
+    return MP(field.dps, complex=True) if hasattr(field, "dps") else CC
+
+
+def _rounded(cover: BranchedCover, matrix: Matrix) -> tuple[tuple[Any, ...], ...]:
+    field = complex_field(cover.curve.field)
+    return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
+
+
+def nearest(c: Any) -> int:
+    """The integer nearest to a working real number."""
+    return round(c) if isinstance(c, float) else int(c.context.nint(c))
+
+
+def solve(rows: Matrix, right: Vector) -> Vector:
+    """The solution of a small linear system, by elimination with row exchanges; PrecisionLoss for a singular one."""
+    rows = [[*row, c] for row, c in zip(rows, right, strict=True)]
+    size = len(rows)
+    for k in range(size):
+        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        if not rows[k][k]:
+            raise PrecisionLoss("a singular system: the divisor is in a special position, or the precision too low")
+        for other in rows[k + 1 :]:
+            factor = other[k] / rows[k][k]
+            other[k:] = [x - factor * y for x, y in zip(other[k:], rows[k][k:], strict=True)]
+    solution: Vector = [0] * size
+    for k in range(size - 1, -1, -1):
+        solution[k] = (rows[k][size] - sum(rows[k][m] * solution[m] for m in range(k + 1, size))) / rows[k][k]
+    return solution

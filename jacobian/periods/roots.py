@@ -1,0 +1,81 @@
+"""The complex roots of a polynomial in working numbers, and what a polynomial needs beside them."""
+
+from __future__ import annotations
+
+import cmath
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from jacobian.errors import PrecisionLoss
+from jacobian.periods.quadrature import Numbers
+
+
+def simple_roots(numbers: Numbers, coefficients: Sequence[Any]) -> list[Any]:
+    """All roots of a polynomial of degree ≥ 1 (ascending working numbers), in doubles first (Aberth 1973).
+
+    Simple roots come to the working precision; multiple ones lose digits, as they must.
+    """
+    if len(coefficients) == 2:
+        return [-coefficients[0] / coefficients[1]]
+    rough = _aberth([complex(c) for c in coefficients], _circle(coefficients), 1e-15)
+    if numbers.machine:
+        return rough
+    return _aberth(coefficients, [numbers.convert(x) for x in rough], numbers.ten(2 - numbers.digits))
+
+
+def check_separated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
+    """The distance of every root from the nearest other one; PrecisionLoss where that is lost in half the digits."""
+    distances = [min(abs(x - y) for j, y in enumerate(roots) if j != i) for i, x in enumerate(roots)]
+    if min(distances) <= numbers.ten(-numbers.digits // 2) * max(abs(x) for x in roots):
+        raise PrecisionLoss(
+            f"two of the roots {[complex(x) for x in roots]} coincide at this precision; use more digits"
+        )
+    return distances
+
+
+def conjugated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
+    """The roots of a real polynomial with real ones made real, ascending, then the pairs of conjugates made exact.
+
+    Beside x there is the root x̄: either x itself, and then Im x is rounding, or another, at the distance 2|Im x|.
+    """
+    distances = check_separated(numbers, roots)
+    line = [numbers.convert(x.real) for x, d in zip(roots, distances, strict=True) if 4 * abs(x.imag) < d]
+    above = [x for x, d in zip(roots, distances, strict=True) if 4 * abs(x.imag) >= d and x.imag > 0]
+    line.sort(key=lambda x: x.real)
+    return line + above + [x.conjugate() for x in above]
+
+
+def _circle(coefficients: Sequence[Any]) -> list[complex]:
+    n = len(coefficients) - 1
+    a = [complex(c) for c in coefficients]
+    centre = -a[-2] / (n * a[-1])
+    radius = max((abs(c / a[-1]) ** (1 / (n - i)) for i, c in enumerate(a[:-1]) if c), default=1.0)
+    return [centre + radius * cmath.exp(1j * (0.4 + 2 * math.pi * k / n)) for k in range(n)]
+
+
+def _aberth(a: Sequence[Any], x: list[Any], tolerance: Any) -> list[Any]:
+    slope = [i * c for i, c in enumerate(a)][1:]
+    x = list(x)
+    for _ in range(500):
+        change = 0
+        for i, z in enumerate(x):
+            value, derivative = horner(a, z), horner(slope, z)
+            if not value:
+                continue
+            crowd = sum(1 / (z - other) for j, other in enumerate(x) if j != i and other != z)
+            below = derivative - value * crowd
+            step = value / below if below else abs(z) * tolerance
+            x[i] = z - step
+            change = max(change, abs(step) / (abs(z) or 1))
+        if change <= tolerance * 8:
+            break
+    return x
+
+
+def horner(a: Sequence[Any], z: Any) -> Any:
+    """a(z)."""
+    value = a[-1]
+    for c in a[-2::-1]:
+        value = value * z + c
+    return value

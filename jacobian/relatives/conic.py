@@ -1,0 +1,191 @@
+"""The other equivalence: the pencil of semi-reduced divisors of degree g+1 in one class, and steps along it.
+
+A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: its class holds a
+pencil of them. With P = V + cU, the function y − P has N zeros beside those of (U, V), and their opposites
+
+    Ũ = (P² + hP − f)/(lead · U),    Ṽ = −P − h mod Ũ
+
+are another member; c runs through the pencil. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
+so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the one
+through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the generalized Jacobian
+with modulus π*(x₀), and leaves the class in the Jacobian where it is. Hence steps at one x₀ compose by the group law
+of :class:`jacobian.relatives.fibre.FibreGroup`,
+
+    y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)),
+
+y₀ = ∞ being the identity, −y₀ − h(x₀) the inverse and, for h = 0, y₀ = 0 the element of order two.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import INFINITY_MINUS, AffinePoint
+from jacobian.errors import ArgumentError, FieldError, NotRepresentable
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor, check_divisor
+from jacobian.relatives.fibre import FibreGroup, Unit
+from jacobian.relatives.ray_class import RayClass, RayClassGroup
+
+
+class Representative(Immutable):
+    """A semi-reduced pair (u, v) of degree g+1 on y² + hy = f over any field: u monic, u | v² + hv − f.
+
+    Immutable; ``==`` and ``hash`` compare the pair. ArgumentError for another degree, FieldError and NotOnCurve as in
+    :meth:`jacobian.group.Jacobian.from_mumford`.
+    """
+
+    __slots__ = ("curve", "u", "v")
+
+    curve: HyperellipticCurve
+    u: poly.Poly
+    v: poly.Poly
+
+    def __init__(self, curve: HyperellipticCurve, u: Any, v: Any) -> None:
+        K, J = curve.field, curve.jacobian()
+        u = J._check_monic(poly.coerce(K, u, "u"))
+        if len(u) != curve.genus + 2:
+            raise ArgumentError(f"u = {poly.text(K, u)}: degree g + 1 = {curve.genus + 1} is needed")
+        v = poly.mod(K, poly.coerce(K, v, "v"), u)
+        J._check_on_curve(u, v)
+        self._set(curve, u, v)
+
+    def _set(self, curve: HyperellipticCurve, u: poly.Poly, v: poly.Poly) -> None:
+        object.__setattr__(self, "curve", curve)
+        object.__setattr__(self, "u", u)
+        object.__setattr__(self, "v", v)
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, Representative):
+            return NotImplemented
+        return self.u == other.u and self.v == other.v and self.curve == other.curve
+
+    def __hash__(self) -> int:
+        K = self.curve.field
+        return hash((tuple(map(K.key, self.u)), tuple(map(K.key, self.v))))
+
+    def __repr__(self) -> str:
+        K = self.curve.field
+        return f"({poly.text(K, self.u)}, {poly.text(K, self.v)})"
+
+    def __reduce__(self) -> Any:
+        K = self.curve.field
+        return _rebuild, (self.curve, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)))
+
+    # --- the pencil
+
+    def member(self, c: Any) -> Representative:
+        """The member of the pencil with P = V + cU; ``c`` = None is this one.
+
+        NotRepresentable where it contains a point at infinity: c² + h_(g+1)·c = f_(2g+2).
+        """
+        if c is None:
+            return self
+        C, K = self.curve, self.curve.field
+        c = K.coerce(c, "c")
+        at_infinity = FibreGroup(C)
+        if not at_infinity.is_unit((K.neg(c), K.one)):
+            raise NotRepresentable(f"c = {c}: that member of the pencil contains a point at infinity")
+        multiple = poly.trim(K, poly.scale(K, c, self.u)) if K.exact else poly.scale(K, c, self.u)
+        p = poly.add(K, self.v, multiple)
+        sum_ = poly.add(K, p, C.h)
+        u = poly.quotient(K, poly.sub(K, poly.mul(K, p, sum_), C.f), self.u)
+        u = poly.monic(K, u[: C.genus + 2])
+        result = object.__new__(Representative)
+        result._set(C, u, poly.mod(K, poly.neg(K, sum_), u))
+        return result
+
+    def members(self) -> Iterator[Representative]:
+        """The members of the pencil without points at infinity, this one first, over a finite field."""
+        K = self.curve.field
+        if K.order is None:
+            raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")
+        yield self
+        at_infinity = FibreGroup(self.curve)
+        for c in K.elements():
+            if at_infinity.is_unit((K.neg(c), K.one)):
+                yield self.member(c)
+
+    def step(self, x0: Any, y0: Any) -> Representative:
+        """The step through the plane point (x0, y0), which is not on the curve; ``x0`` = None is x₀ = ∞.
+
+        ``y0`` = None is the identity. ArgumentError for a point of the curve, NotRepresentable where the divisor has a
+        point over x₀, or the new one a point at infinity.
+        """
+        K, fibre = self.curve.field, FibreGroup(self.curve, x0)
+        if y0 is None:
+            return self
+        y0 = K.coerce(y0, "y0")
+        if not fibre.is_unit((K.neg(y0), K.one)):
+            raise ArgumentError(
+                f"(x0, y0) = ({x0}, {y0}) is a point of {self.curve!r}: the step through it has no inverse"
+            )
+        return self.member(y0 if fibre.x0 is None else self._parameter(fibre.x0, y0))
+
+    def _parameter(self, x0: Any, y0: Any) -> Any:
+        K = self.curve.field
+        value = poly.evaluate(K, self.u, x0)
+        size = None if K.exact else sum(abs(c) * abs(x0) ** i for i, c in enumerate(self.u))
+        if K.is_zero(value, size):
+            raise NotRepresentable(
+                f"x0 = {x0}: the divisor {self!r} has a point there, no curve y = P(x) is free to pass elsewhere"
+            )
+        return K.div(K.sub(y0, poly.evaluate(K, self.v, x0)), value)
+
+    def translate(self, x0: Any, unit: Unit) -> Representative:
+        """The step that adds a class (a : b) of ``FibreGroup(curve, x0)``: at one x₀ steps compose as classes do."""
+        fibre = FibreGroup(self.curve, x0)
+        return self.step(x0, fibre._height(fibre._checked(unit, "unit")))
+
+    def containing(self, point: Any) -> Representative:
+        """The member of the pencil that contains an affine point of the curve."""
+        point = self.curve.check_point(point)
+        if not isinstance(point, AffinePoint):
+            raise NotRepresentable(f"point = {point}: a pair (u, v) contains affine points")
+        opposite = self.curve.involution(point)
+        assert isinstance(opposite, AffinePoint)
+        K = self.curve.field
+        if K.exact and poly.evaluate(K, self.u, point.x) == K.zero and poly.evaluate(K, self.v, point.x) == point.y:
+            return self
+        return self.member(self._parameter(point.x, opposite.y))
+
+    # --- the classes
+
+    def divisor(self) -> Divisor:
+        """The class in the Jacobian, the same for the whole pencil (exact fields): that of ``from_mumford(u, v)``."""
+        result: Divisor = self.curve.jacobian().from_mumford(self.u, self.v)
+        return result
+
+    def ray_class(self, x0: Any = None) -> RayClass:
+        """The class in the generalized Jacobian with modulus over x₀ (exact fields; g odd for x₀ = ∞)."""
+        return RayClassGroup(self.curve, x0).from_mumford(self.u, self.v)
+
+
+def representative(D: Divisor, point: Any) -> Representative:
+    """The member of degree g+1 of the pencil of the class D that contains an affine point Q, over an exact field.
+
+    It is Q with the reduced divisor of D − Q, and its :meth:`Representative.divisor` is D. NotRepresentable where that
+    divisor has weight below g or contains the opposite of Q; almost every other point will do.
+    """
+    J = check_divisor(D, "D").jacobian
+    C, K = J.curve, J.field
+    point = C.check_point(point)
+    if not K.exact or not isinstance(point, AffinePoint):
+        raise NotRepresentable(f"point = {point} over {K.name}: an affine point over an exact field is needed")
+    rest = D - (J(point, INFINITY_MINUS) if C.model == "split" else J(point))
+    if rest.degree < C.genus:
+        raise NotRepresentable(f"point = {point}: the member through it has a point at infinity, choose another")
+    # interpolation: v takes the value of Q beside the points of the rest, or is tangent to the curve there
+    u, v, _ = cantor.compose(C, (rest.u, rest.v, None), ((K.neg(point.x), K.one), poly.trim(K, (point.y,)), None))
+    if len(u) != C.genus + 2:
+        raise NotRepresentable(f"point = {point}: the member through it contains its opposite too, choose another")
+    return Representative(C, u, v)
+
+
+def _rebuild(curve: HyperellipticCurve, u: Any, v: Any) -> Representative:
+    K = curve.field
+    return Representative(curve, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)))

@@ -1,0 +1,131 @@
+"""The generalized Jacobian of an elliptic curve with modulus ∞₊ + ∞₋ (Rosenlicht 1954; Serre 1959).
+
+Divisors of degree zero away from infinity, up to the functions that take one value at both points at infinity of y² =
+f(x), deg f = 4. Its dimension is two: a general class is P₁ + P₂ − (∞₊ + ∞₋), written as a Mumford pair with deg u = 2.
+The Euler top moves on it, as the Chaplygin ball does on the Jacobian of genus two of which it is the limit d → 0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.addition.ladder import multiple
+from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.curve.points import AffinePoint
+from jacobian.errors import ArgumentError, NotRepresentable, shown
+from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor
+from jacobian.law.from_points import pair_of_points, repeated
+
+
+class GeneralizedJacobian(Jacobian):
+    """Classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4: the operators of :class:`~jacobian.group.Jacobian` on pairs of
+    degree two.
+
+    The classes with fewer affine points form a multiplicative group; of them only the identity is represented, and a
+    sum that is another one raises NotRepresentable.
+    """
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        if check_curve(curve).h or len(curve.f) != 5:
+            raise ArgumentError(f"curve = {curve!r}: the modulus ∞₊ + ∞₋ is implemented for h = 0 and deg f = 4")
+        super().__init__(curve)
+        self.weight_of_zero = None
+
+    def __repr__(self) -> str:
+        return f"Generalized Jacobian of {self.curve!r} with modulus ∞₊ + ∞₋"
+
+    def __reduce__(self) -> Any:
+        return GeneralizedJacobian, (self.curve,)
+
+    def _check_representable(self) -> None:
+        """Every curve that the constructor takes will do."""
+
+    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+        """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""
+        if n is not None:
+            raise ArgumentError(f"n = {shown(n)}: the points at infinity are the modulus, leave n out")
+        u = self._check_monic(poly.coerce(self.field, u, "u"))
+        v = poly.coerce(self.field, v, "v")
+        if len(u) != 3 or len(v) > 2:
+            raise NotRepresentable(f"u and v have {len(u)} and {len(v)} coefficients: give deg u = 2 and deg v ≤ 1")
+        if not self.field.exact:
+            v = (*v, *[self.field.zero] * (2 - len(v)))
+        self._check_on_curve(u, v)
+        return Divisor(self, u, v, None)
+
+    def from_points(
+        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
+    ) -> Divisor:
+        """The class of P + Q − (∞₊ + ∞₋) for two affine points (x, y); NotRepresentable for any others."""
+        if extension is not None:
+            raise NotRepresentable(f"extension = {shown(extension)}: points modulo ∞₊ + ∞₋ lie over the field itself")
+        pair = [self.curve.check_point(point) for point in repeated(points, multiplicities)]
+        affine = [point for point in pair if isinstance(point, AffinePoint)]
+        if len(pair) != 2 or len(affine) != 2:
+            raise NotRepresentable(f"points = {pair}: a class modulo ∞₊ + ∞₋ is made from two affine points")
+        if pair[1] == self.curve.involution(pair[0]):
+            return self.zero()
+        u, v = pair_of_points(self.curve, affine)
+        return Divisor(self, u, v if self.field.exact else (*v, self.field.zero)[:2], None)
+
+    def random(self, rng: Any) -> Divisor:
+        """The class of two random points: not uniform in the group."""
+        return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])
+
+    def points(self) -> Iterable[Divisor]:
+        """Not listed here: NotRepresentable."""
+        raise NotRepresentable(
+            "the classes of a generalized Jacobian at infinity have no Mumford pair: they are not listed"
+        )
+
+    def add(self, D: Divisor, E: Divisor) -> Divisor:
+        """D + E."""
+        if not D or not E:
+            return D if D else E
+        K = self.field
+        if not K.exact:
+            from jacobian.inexact import composition
+
+            total = composition.compose(K, 2, self.curve.f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
+            if len(total.u) == 1 and not total.q:
+                return self.zero()
+            return self._represented(tuple(total.u), tuple(total.v))
+        u, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        if len(u) <= 3:
+            return self._represented(u, p) if len(u) == 3 else self.zero()
+        u = poly.quotient(K, poly.sub(K, poly.mul(K, p, p), self.curve.f), u)
+        u = poly.monic(K, u)
+        return self._represented(u, poly.neg(K, poly.mod(K, p, u)))
+
+    def double(self, D: Divisor) -> Divisor:
+        """D + D."""
+        return self.add(D, D)
+
+    def negate(self, D: Divisor) -> Divisor:
+        """−D."""
+        return Divisor(self, D.u, poly.neg(self.field, D.v), None)
+
+    def multiply(self, m: int, D: Divisor) -> Divisor:
+        """m·D for any int m, by additions of this group: the kernels of a Jacobian add another one."""
+        if m == 0:
+            return self.zero()
+        if m < 0:
+            m, D = -m, self.negate(D)
+        return multiple(m, D, self.add, self.double, self.negate)
+
+    def order(self) -> int:
+        """Not computed here: NotRepresentable."""
+        raise NotRepresentable("the order of a generalized Jacobian is not computed")
+
+    def frobenius_polynomial(self) -> list[int]:
+        """Not computed here: NotRepresentable."""
+        raise NotRepresentable("the order of a generalized Jacobian is not computed")
+
+    def _represented(self, u: poly.Poly, v: poly.Poly) -> Divisor:
+        if len(u) != 3:
+            raise NotRepresentable("the sum is a class at infinity, which no Mumford pair of degree two represents")
+        return Divisor(self, u, v, None)

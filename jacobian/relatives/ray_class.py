@@ -1,0 +1,288 @@
+"""Generalized Jacobians with modulus a fibre π*(x₀): ∞₊ + ∞₋, 2∞, (x₀, y₀) + (x₀, −y₀ − h), or twice a branch point.
+
+Divisors of degree zero prime to the modulus m, up to the functions that are constant on m: the ray class group of m,
+an extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre` (Rosenlicht 1954; Serre 1959,
+chapters V and VII). Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class of
+A*/K*: the pair (D, c) stands for the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function
+with the divisor of D there. If D₁ + D₂ = D₃ + div F, then
+
+    (D₁, c₁) + (D₂, c₂) = (D₃, c₁c₂ · φ₁φ₂/(F φ₃)),
+
+the last factor being a unit over x₀. Functions of x are constant on m, so that F is the product of the y − v of the
+steps of the reduction; nothing else has to be known of it. (Déchène 2005 has this in genus 1 and in general position.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.addition.ladder import multiple
+from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
+from jacobian.curve.points import AffinePoint
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable, shown
+from jacobian.fields.randomness import random_below
+from jacobian.group import Jacobian
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor, check_scalar, is_zero_int
+from jacobian.law.from_points import pair_of_points
+from jacobian.relatives.fibre import FibreGroup, Function, Unit, conjugate
+
+
+class RayClassGroup(Immutable):
+    """The generalized Jacobian of ``curve`` with modulus the points over x₀, ``x0`` = None being x₀ = ∞.
+
+    Any model that has a Jacobian here, any genus, exact fields (FieldError for others; the inexact law on general pairs
+    of an elliptic curve is :class:`jacobian.relatives.glued.GeneralizedJacobian`). ``jacobian``: the Jacobian that it
+    maps onto; ``fibre``: the kernel, a :class:`~jacobian.relatives.fibre.FibreGroup`.
+    """
+
+    def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
+        if not check_curve(curve).field.exact:
+            raise FieldError(f"field = {curve.field.name}: ray classes are computed over exact fields")
+        self.curve = curve
+        self.field = curve.field
+        self.jacobian: Jacobian = curve.jacobian()
+        self.jacobian.zero()
+        self.fibre = FibreGroup(curve, x0)
+        self.x0 = self.fibre.x0
+
+    def __repr__(self) -> str:
+        return f"Generalized Jacobian of {self.curve!r} with modulus over x = {'∞' if self.x0 is None else self.x0}"
+
+    def _value(self) -> tuple[Any, ...]:
+        return (self.fibre,)
+
+    def __reduce__(self) -> Any:
+        return _group, (self.curve, None if self.x0 is None else self.field.key(self.x0))
+
+    # --- elements
+
+    def zero(self) -> RayClass:
+        """The identity."""
+        return RayClass(self, self.jacobian.zero(), self.fibre.identity)
+
+    def lift(self, D: Divisor) -> RayClass:
+        """The class (D, 1) over a divisor class D of the Jacobian: a section, not a homomorphism."""
+        if not isinstance(D, Divisor) or D.jacobian != self.jacobian:
+            raise CurveMismatch(f"D = {shown(D)} is not a divisor class of {self.jacobian!r}")
+        return RayClass(self, D, self.fibre.identity)
+
+    def from_fibre(self, a: Any, b: Any) -> RayClass:
+        """The class of the kernel with the generator a + b·y over x₀; ArgumentError where that is not a unit."""
+        return RayClass(self, self.jacobian.zero(), self.fibre.element(a, b))
+
+    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> RayClass:
+        """The class of the divisor of a semi-reduced pair (u, v) prime to the modulus, of any degree.
+
+        At finite x₀ the divisor is that of :meth:`jacobian.group.Jacobian.from_mumford`. At x₀ = ∞ it is div(u, v) −
+        (deg u/2)·π*(∞): deg u must be even and n left out. NotRepresentable where the divisor meets the modulus.
+        """
+        J, K = self.jacobian, self.field
+        u = J._check_monic(poly.coerce(K, u, "u"))
+        v = poly.mod(K, poly.coerce(K, v, "v"), u)
+        if self.x0 is None:
+            if n is not None:
+                raise ArgumentError(f"n = {shown(n)}: the points at infinity are the modulus, leave n out")
+            if len(u) % 2 == 0:
+                raise NotRepresentable(
+                    f"u of odd degree {len(u) - 1}: away from infinity a divisor of degree 0 needs an even one"
+                )
+        elif poly.evaluate(K, u, self.x0) == K.zero:
+            raise NotRepresentable(f"u = {poly.text(K, u)} vanishes at x₀ = {self.x0}: the divisor meets the modulus")
+        n = J._check_weight(n, len(u) - 1)
+        J._check_on_curve(u, v)
+        return self._reduced(J._in_triple(u, v, n), [], self.fibre.identity)
+
+    def __call__(self, P: Any, Q: Any) -> RayClass:
+        """The class of P − Q for affine points away from the modulus."""
+        P, Q = self.curve.check_point(P), self.curve.check_point(Q)
+        if not (isinstance(P, AffinePoint) and isinstance(Q, AffinePoint)):
+            raise NotRepresentable(f"points {P} and {Q}: affine ones are needed; give others by from_mumford")
+        opposite = self.curve.involution(Q)
+        assert isinstance(opposite, AffinePoint)
+        if self.x0 in (P.x, Q.x):
+            raise NotRepresentable(f"points {P} and {Q}: one of them lies over x₀ = {self.x0}, in the modulus")
+        return self.zero() if P == Q else self.from_mumford(*pair_of_points(self.curve, [P, opposite]))
+
+    def random(self, rng: Any) -> RayClass:
+        """A random class, uniform over a finite field. ``rng``: numpy Generator or random.Random."""
+        units, K = self.fibre, self.field
+        if K.order is None:
+            while not units.is_unit(c := (K.random(rng), K.one)):
+                pass
+            return RayClass(self, self.jacobian.random(rng), c)
+        while True:
+            index = random_below(rng, K.order + 1)
+            c = (K.element(index), K.one) if index < K.order else units.identity
+            if units.is_unit(c):
+                return RayClass(self, self.jacobian.random(rng), c)
+
+    def points(self) -> Iterator[RayClass]:
+        """All classes, over a small finite field."""
+        units = list(self.fibre.elements())
+        return (RayClass(self, D, c) for D in self.jacobian.points() for c in units)
+
+    def order(self) -> int:
+        """#J times q − 1 (two points over x₀), q (a branch point) or q + 1 (conjugate points)."""
+        return self.jacobian.order() * self.fibre.order()
+
+    # --- the group law
+
+    def add(self, C: RayClass, D: RayClass) -> RayClass:
+        """C + D."""
+        J = self.jacobian
+        a, b = J._in(C.divisor), J._in(D.divisor)
+        functions = [*self._generator(a), *self._generator(b)]
+        return self._reduced(cantor.compose(J._model, a, b), functions, self.fibre.multiply(C.unit, D.unit))
+
+    def negate(self, C: RayClass) -> RayClass:
+        """−C."""
+        K, (u, v, n) = self.field, self.jacobian._in(C.divisor)
+        functions = [conjugate(self.curve, function) for function in self._generator((u, v, n))]
+        opposite = poly.mod(K, poly.neg(K, poly.add(K, v, self.jacobian._model.h)), u)
+        if n is not None:
+            n = 2 * ((self.curve.genus + 1) // 2) - (len(u) - 1) - n
+        return self._reduced((u, opposite, n), functions, self.fibre._conjugate(C.unit))
+
+    def multiply(self, m: int, C: RayClass) -> RayClass:
+        """m·C for any int m, by signed windows (width-w non-adjacent form; Solinas 2000)."""
+        if m == 0:
+            return self.zero()
+        if m < 0:
+            m, C = -m, self.negate(C)
+        return multiple(m, C, self.add, lambda a: self.add(a, a), self.negate)
+
+    def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
+        """The class of (div of the triple, unit · Π functions), the triple being on the arithmetic model."""
+        model = self.jacobian._model
+        u, v, n = triple
+        functions = list(functions)
+        limit = model.genus + (1 if model.model == "split" else 0)
+        while len(u) - 1 > limit:
+            functions.append(conjugate(self.curve, self._minus(v)))
+            u, v, n = cantor.reflect(model, u, v, n)
+        while n is not None and not 0 <= n <= model.genus - (len(u) - 1):
+            part = model.principal_parts[1 if n < 0 else 0]
+            v = poly.add(self.field, part, poly.mod(self.field, poly.sub(self.field, v, part), u))
+            functions.append(conjugate(self.curve, self._minus(v)))
+            u, v, n = cantor.reflect(model, u, v, n)
+        functions += [conjugate(self.curve, function) for function in self._generator((u, v, n))]
+        unit = self.fibre.multiply(unit, self.fibre.class_of(functions))
+        return RayClass(self, self.jacobian._out((u, v, n)), unit)
+
+    def _minus(self, v: poly.Poly) -> Function:
+        """y − v, v being on the arithmetic model and y on the curve."""
+        K, move = self.field, self.jacobian._move
+        return poly.neg(K, v if move is None else poly.add(K, v, move)), (K.one,)
+
+    def _generator(self, triple: cantor.Triple) -> list[Function]:
+        """φ_D as a list of factors, up to functions of x: what has the divisor of D over x₀."""
+        return self._generator_at_infinity(triple) if self.x0 is None else self._generator_at(triple, self.x0)
+
+    def _generator_at(self, triple: cantor.Triple, x0: Any) -> list[Function]:
+        K, model, (u, v, _) = self.field, self.jacobian._model, triple
+        if poly.evaluate(K, u, x0) != K.zero:
+            return []
+        if poly.evaluate(K, cantor.cofactor(model, u, v), x0) == K.zero:
+            # y − v vanishes too often at the point of D; y − v − u does not, the point being no branch point
+            v = poly.add(K, v, u)
+        return [self._minus(v)]
+
+    def _generator_at_infinity(self, triple: cantor.Triple) -> list[Function]:
+        K, g, (u, _, n) = self.field, self.curve.genus, triple
+        if n is None:
+            if len(u) % 2 or self.curve.model == "inert":
+                return []
+            return [(poly.monomial(K, K.neg(self.curve.infinity_plus), g + 1), (K.one,))]
+        # (weight at ∞₊) − (weight at ∞₋), and a function with a simple zero at ∞₊ alone
+        weight = 2 * n + len(u) - 1 - 2 * ((g + 1) // 2)
+        second = K.zero if coefficient(K, self.curve.principal_parts[0], g) != K.zero else K.one
+        zero = ((*[K.zero] * g, K.neg(second), K.neg(self.curve.infinity_plus)), (K.one,))
+        zero = (poly.trim(K, zero[0]), zero[1])
+        return [zero if weight > 0 else conjugate(self.curve, zero)] * abs(weight)
+
+
+class RayClass(Immutable):
+    """A class of a :class:`RayClassGroup`: ``divisor``, its image in the Jacobian, and ``unit``, (a : b) with b = 1 or
+    (1, 0).
+
+    Immutable; ``+``, ``−``, ``m * C``, ``==``, ``hash``; ``bool(C)`` is False for the identity. CurveMismatch where
+    classes of two groups are combined.
+    """
+
+    __slots__ = ("divisor", "group", "unit")
+
+    group: RayClassGroup
+    divisor: Divisor
+    unit: Unit
+
+    def __init__(self, group: RayClassGroup, divisor: Divisor, unit: Unit) -> None:
+        object.__setattr__(self, "group", group)
+        object.__setattr__(self, "divisor", divisor)
+        object.__setattr__(self, "unit", unit)
+
+    def _compatible(self, other: RayClass) -> RayClass:
+        if other.group != self.group:
+            raise CurveMismatch(f"classes of two groups cannot be combined: {self.group!r} and {other.group!r}")
+        return other
+
+    def __add__(self, other: Any) -> RayClass:
+        if not isinstance(other, RayClass):
+            return self if is_zero_int(other) else NotImplemented
+        return self.group.add(self, self._compatible(other))
+
+    def __radd__(self, other: Any) -> RayClass:
+        return self if is_zero_int(other) else NotImplemented
+
+    def __rsub__(self, other: Any) -> RayClass:
+        return -self if is_zero_int(other) else NotImplemented
+
+    def __sub__(self, other: Any) -> RayClass:
+        if not isinstance(other, RayClass):
+            return self if is_zero_int(other) else NotImplemented
+        return self.group.add(self, self.group.negate(self._compatible(other)))
+
+    def __neg__(self) -> RayClass:
+        return self.group.negate(self)
+
+    def double(self) -> RayClass:
+        """C + C."""
+        return self.group.add(self, self)
+
+    def __mul__(self, scalar: Any) -> RayClass:
+        if isinstance(scalar, RayClass):
+            return NotImplemented
+        return self.group.multiply(check_scalar(scalar), self)
+
+    __rmul__ = __mul__
+    __array_ufunc__ = None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, RayClass):
+            return NotImplemented
+        return self.divisor == other.divisor and self.unit == other.unit and self.group == other.group
+
+    def __hash__(self) -> int:
+        return hash((self.divisor, tuple(map(self.group.field.key, self.unit))))
+
+    def __bool__(self) -> bool:
+        return bool(self.divisor) or self.unit != self.group.fibre.identity
+
+    def __repr__(self) -> str:
+        a, b = self.unit
+        return f"({self.divisor!r}; {a} : {b})"
+
+    def __reduce__(self) -> Any:
+        return _class, (self.group, self.divisor, tuple(map(self.group.field.key, self.unit)))
+
+
+def _group(curve: HyperellipticCurve, key: Any) -> RayClassGroup:
+    return RayClassGroup(curve, None if key is None else curve.field.from_key(key))
+
+
+def _class(group: RayClassGroup, divisor: Divisor, keys: Any) -> RayClass:
+    a, b = map(group.field.from_key, keys)
+    return RayClass(group, divisor, (a, b))

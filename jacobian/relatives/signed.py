@@ -1,0 +1,237 @@
+"""The sign-resolved group: divisors together with square roots at chosen branch points.
+
+At a root e of f the numbers U(e), V(e), −W(e), W = (f − V²)/U, form a symmetric matrix of rank one, because V² + UW = f
+vanishes there. A *pair* (σ, ν) with κσ² = U(e), κσν = V(e), κν² = −W(e) is a square root of it up to the constant κ,
+and the pairs at several branch points resolve the signs that the divisor forgets. They add: if q·y − p vanishes on D
+and D', b² is the leading coefficient of (p² − q²f)/(U·U'), and
+
+    L = (p − qV)/U,    L'' = (p + qV'')/U'',    N = (L(V'' − V) + qW)/U''
+
+then (σ'', ν'') = ((L(e)σ + qν), (N(e)σ + L''(e)ν))/(bκ'σ'), a matrix of determinant 1/κ', with κ'' = κκ'; the summands
+may change places. This is a commutative group law on divisors of weight g = 2, with inverse (−D; σ, −ν). (Tsiganov's
+s'' = P(e)/(b s s') is its first component; the second keeps it regular where U(e) = 0.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.immutable import Immutable
+from jacobian.inexact import composition
+
+Pair = tuple[Any, Any]
+
+
+class SignedDivisor(NamedTuple):
+    """A Mumford pair (u, v) with (σ, ν) and κ at every branch point of its :class:`SignedGroup`."""
+
+    u: poly.Poly
+    v: poly.Poly
+    pairs: tuple[Pair, ...]
+    kappas: tuple[Any, ...]
+
+
+class SignedGroup(Immutable):
+    """Divisors of weight two on y² = f(x), deg f = 5 or 4, with pairs at the given branch points.
+
+    deg f = 5 is the Jacobian of a curve of genus 2; deg f = 4 the generalized Jacobian of an elliptic curve with
+    modulus ∞₊ + ∞₋. Divisors of weight one are admitted on deg f = 5 when √(leading coefficient) lies in the field.
+    """
+
+    def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
+        if curve.h or len(curve.f) not in (5, 6):
+            raise ArgumentError(f"curve = {curve!r}: sign-resolved divisors need h = 0 and deg f = 4 or 5")
+        self.curve = curve
+        self.field = curve.field
+        self.branch_points = tuple(curve.field.coerce(e, "branch_points") for e in branch_points)
+        for e in self.branch_points:
+            if curve.field.exact and poly.evaluate(curve.field, curve.f, e) != curve.field.zero:
+                raise ArgumentError(f"branch_points: {e} is not a root of f")
+
+    def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
+        """(u, v) with κ = 1 (−1 for weight one) and σ the square root of ±U(e), times ``signs``.
+
+        NotASquare where there is none in the field.
+        """
+        K = self.field
+        kappa = K.one if len(u) == 3 else K.neg(K.one)
+        pairs = []
+        for e, sign in zip(self.branch_points, signs or (1,) * len(self.branch_points), strict=True):
+            value = K.mul(kappa, poly.evaluate(K, u, e))
+            if value == K.zero:
+                nu = K.sqrt(K.neg(K.mul(kappa, self._cofactor_at(u, v, e))))
+                pair = (K.zero, nu)
+            else:
+                sigma = K.sqrt(value)
+                pair = (sigma, K.div(poly.evaluate(K, v, e), K.mul(kappa, sigma)))
+            pairs.append(pair if sign > 0 else (K.neg(pair[0]), K.neg(pair[1])))
+        return SignedDivisor(u, v, tuple(pairs), (kappa,) * len(pairs))
+
+    def twist(self, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
+        """(u, v) with σ = 1 and κ = U(e): no square root, and its double has κ = 1. U(e) must not vanish."""
+        K = self.field
+        kappas = tuple(poly.evaluate(K, u, e) for e in self.branch_points)
+        if any(kappa == K.zero for kappa in kappas):
+            raise NotRepresentable(
+                f"u = {poly.text(K, u)} vanishes at a branch point: a divisor there cannot be twisted"
+            )
+        pairs = tuple(
+            (K.one, K.div(poly.evaluate(K, v, e), kappa)) for e, kappa in zip(self.branch_points, kappas, strict=True)
+        )
+        return SignedDivisor(u, v, pairs, kappas)
+
+    def negate(self, D: SignedDivisor) -> SignedDivisor:
+        """(−D; σ, −ν), for weight one (−D; −σ, ν): the inverse of adding D."""
+        K = self.field
+        if len(D.u) == 2:
+            pairs = tuple((K.neg(sigma), nu) for sigma, nu in D.pairs)
+        else:
+            pairs = tuple((sigma, K.neg(nu)) for sigma, nu in D.pairs)
+        return D._replace(v=poly.neg(K, D.v), pairs=pairs)
+
+    def double(self, D: SignedDivisor) -> SignedDivisor:
+        """D + D, with κ = 1: its κ² is a square."""
+        K = self.field
+        total = self.add(D, D)
+        pairs = tuple((K.mul(k, x), K.mul(k, y)) for k, (x, y) in zip(D.kappas, total.pairs, strict=True))
+        return total._replace(pairs=pairs, kappas=(K.one,) * len(pairs))
+
+    def multiple(self, m: int, D: SignedDivisor) -> SignedDivisor:
+        """m·D for m ≠ 0, by doubling and adding; NotRepresentable where a partial sum has weight below two."""
+        if m == 0:
+            raise NotRepresentable("m = 0: the identity has weight 0 and no pairs")
+        if m < 0:
+            return self.multiple(-m, self.negate(D))
+        result = None
+        while True:
+            if m & 1:
+                result = D if result is None else self.add(result, D)
+            m >>= 1
+            if not m:
+                assert result is not None
+                return result
+            D = self.double(D)
+
+    def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
+        """D + E, of weight two or one.
+
+        Raises NotRepresentable where the sum has weight below two, or both summands are at one branch point.
+        """
+        K = self.field
+        if len(D.u) < len(E.u):
+            D, E = E, D
+        if len(D.u) == 2:
+            return self._two_points(D, E)
+        p, q, b, u, v = self._sum(D, E)
+        of_first, of_second = (self._transfer(p, q, u, v, X.u, X.v) for X in (D, E))
+        last = poly.quotient(K, poly.add(K, p, poly.scale(K, q, v) if v else v), u)
+        pairs, kappas = [], []
+        for i, e in enumerate(self.branch_points):
+            (x, y), (x2, y2), k, k2 = D.pairs[i], E.pairs[i], D.kappas[i], E.kappas[i]
+            rows = [
+                self._row(e, q, transfer, last, pair, K.mul(b, K.mul(kappa, other)))
+                for transfer, pair, kappa, other in ((of_first, (x, y), k2, x2), (of_second, (x2, y2), k, x))
+            ]
+            pairs.append(self._combine(e, rows))
+            kappas.append(K.mul(k, k2) if len(E.u) == 3 else K.neg(K.mul(k, k2)))
+        return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
+
+    def _two_points(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
+        """P + Q of two points, which nothing reduces: U'' = UU', V'' the line through both, σ'' = σσ'."""
+        K = self.field
+        if K.exact:
+            u, v, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+        else:
+            u, v, _, _ = map(
+                _frozen, composition.compose(K, 2, self.curve.f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
+            )
+        if len(u) != 3:
+            raise NotRepresentable("the summands are opposite points: their sum is zero and has no pairs")
+        pairs, kappas = [], []
+        for e, (x, y), (x2, y2), k, k2 in zip(self.branch_points, D.pairs, E.pairs, D.kappas, E.kappas, strict=True):
+            sigma, kappa = K.mul(x, x2), K.mul(k, k2)
+            if sigma != K.zero:
+                nu = K.div(poly.evaluate(K, v, e), K.mul(kappa, sigma))
+            else:
+                nu = K.div(K.sub(K.mul(y, x2), K.mul(y2, x)), K.sub(E.u[0], D.u[0]))
+            pairs.append((sigma, nu))
+            kappas.append(kappa)
+        return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
+
+    def _sum(self, D: SignedDivisor, E: SignedDivisor) -> tuple[poly.Poly, Any, Any, poly.Poly, poly.Poly]:
+        """(p, q, b, u, v) of D + E."""
+        K, f = self.field, self.curve.f
+        if K.exact:
+            product, p, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
+            q = K.one
+            if len(product) != len(D.u) + len(E.u) - 1:
+                raise NotRepresentable(
+                    "the summands share opposite points: their sum has weight below two and no pairs"
+                )
+            psi = poly.sub(K, poly.mul(K, p, p), f)
+            u = poly.monic(K, poly.quotient(K, psi, product))
+            v = poly.neg(K, poly.mod(K, p, u))
+        else:
+            u, v, p, q = map(_frozen, composition.compose(K, 2, f, (list(D.u), list(D.v)), (list(E.u), list(E.v))))
+        degree = len(D.u) + len(E.u) - 3
+        if len(u) != 3:
+            raise NotRepresentable("the sum has weight below two and no pairs")
+        return p, q, (p[degree] if len(E.u) == 3 else K.mul(q, K.sqrt(f[-1]))), u, v
+
+    def _transfer(
+        self, p: poly.Poly, q: Any, u: poly.Poly, v: poly.Poly, u1: poly.Poly, v1: poly.Poly
+    ) -> tuple[poly.Poly, poly.Poly]:
+        """(L, N) of one summand (u1, v1)."""
+        K, f = self.field, self.curve.f
+        minus = K.neg(q)
+        slope = poly.quotient(K, poly.add(K, p, poly.scale(K, minus, v1) if v1 else v1), u1)
+        cofactor = poly.quotient(K, poly.sub(K, f, poly.mul(K, v1, v1)), u1)
+        change = poly.add(K, poly.mul(K, slope, poly.sub(K, v, v1)), poly.scale(K, q, cofactor))
+        return slope, poly.quotient(K, change, u)
+
+    def _row(
+        self, e: Any, q: Any, transfer: tuple[poly.Poly, poly.Poly], last: poly.Poly, pair: Pair, divisor: Any
+    ) -> tuple[Any, ...]:
+        """(divisor, divisor·σ'', divisor·ν'') from one summand."""
+        K = self.field
+        (slope, lower), (sigma, nu) = transfer, pair
+        first = K.add(K.mul(poly.evaluate(K, slope, e), sigma), K.mul(q, nu))
+        second = K.add(K.mul(poly.evaluate(K, lower, e), sigma), K.mul(poly.evaluate(K, last, e), nu))
+        return divisor, first, second
+
+    def _combine(self, e: Any, rows: list[tuple[Any, ...]]) -> Pair:
+        """(σ'', ν'') from both rows: the one with a divisor, or over an inexact field the least-squares mean."""
+        K = self.field
+        if K.exact:
+            for divisor, first, second in rows:
+                if divisor != K.zero:
+                    return K.div(first, divisor), K.div(second, divisor)
+        else:
+            weights = [1 / max(1, abs(first), abs(second)) ** 2 for _, first, second in rows]
+            scale = sum(w * abs(d) ** 2 for w, (d, _, _) in zip(weights, rows, strict=True))
+            if scale:
+                sums = [
+                    sum(
+                        w * d.conjugate() * row
+                        for w, (d, *values) in zip(weights, rows, strict=True)
+                        for row in (values[i],)
+                    )
+                    / scale
+                    for i in (0, 1)
+                ]
+                return sums[0], sums[1]
+        raise NotRepresentable(f"both summands contain the branch point x = {e}: add them in another order")
+
+    def _cofactor_at(self, u: poly.Poly, v: poly.Poly, e: Any) -> Any:
+        K = self.field
+        cofactor = poly.quotient(K, poly.sub(K, self.curve.f, poly.mul(K, v, v)), u)
+        return poly.evaluate(K, cofactor, e)
+
+
+def _frozen(value: Any) -> Any:
+    return tuple(value) if isinstance(value, list) else value

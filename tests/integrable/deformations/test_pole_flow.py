@@ -1,0 +1,110 @@
+"""The tilde pair at d = 0 in repelling poles, as additions on two elliptic curves, against an integration."""
+
+from __future__ import annotations
+
+from random import Random
+
+import numpy as np
+import pytest
+
+from integrable import Check, Tilde
+from integrable.deformations.pole_flow import PoleFlow
+from integrable.phase.state import State
+from jacobian import GF, MP, RR
+from jacobian.errors import ArgumentError, NotRepresentable
+from tests.integrable.deformations.extrapolation import extrapolate
+
+START = (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
+K = MP(30)
+
+
+def case(poles, field=K, inertia=(1, 2, 4), start=START):
+    number = float if field is RR else field.coerce
+    system = Tilde(inertia, potential=(0, 0, *map(number, poles)), field=field)
+    return system, system.state(*([number(x) for x in v] for v in start))
+
+
+def motion(system):
+    def rates(y):
+        rate = system.vector_field(State(tuple(y[:3]), tuple(y[3:])))
+        return [*rate.gamma, *rate.M]
+
+    return rates
+
+
+@pytest.mark.parametrize(("poles", "pieces"), [(("0.02", "0.04", "0.06"), 12), (("2", "4", "6"), 25)])
+def test_against_an_integration_at_thirty_digits(poles, pieces) -> None:
+    """γ and M at t = 1, ≤ 1e-25, and at t = 0 to the last digit."""
+    system, start = case(poles, MP(32))
+    run = system.flow(start).at([1, 0])
+    y = extrapolate(motion(system), [*start.gamma, *start.M], system.field.coerce(1), pieces=pieces)
+    for row, truth in enumerate((y, [*start.gamma, *start.M])):
+        assert max(abs(a - b) for a, b in zip((*run.gamma[row], *run.M[row]), truth, strict=True)) <= 1e-25
+
+
+def test_random_starts_and_moments_keep_the_integrals_far_out() -> None:
+    """H, K, |γ| and (γ, M) at t = 1000 and −1000; no γ_i changes its sign."""
+    rng, done = Random(1), 0
+    while done < 10:
+        inertia = [rng.randint(1, 9) for _ in range(3)]
+        if len(set(inertia)) < 3:
+            continue
+        x = np.array([rng.gauss(0, 1) for _ in range(3)])
+        x /= np.linalg.norm(x)
+        m = np.cross(x, [rng.gauss(0, 1) for _ in range(3)])
+        system = Tilde(inertia, potential=(0, 0, *(rng.uniform(0.1, 3) for _ in range(3))))
+        start = system.state(x.tolist(), m.tolist())
+        run = system.flow(start).at([1000.0, -1000.0, 0.0, 7.0])
+        done += 1
+        assert (np.sign(run.gamma) == np.sign(x)).all()
+        before = system.integrals(start)
+        for gamma, M in zip(run.gamma, run.M, strict=True):
+            after = system.integrals(State(tuple(gamma), tuple(M)))
+            assert after == pytest.approx(before, rel=1e-9, abs=1e-9)
+        assert np.abs(run.gamma[2] - x).max() < 1e-14
+        assert np.abs(run.M[2] - m).max() < 1e-13
+
+
+def test_floats_are_the_rounded_multiprecision_run() -> None:
+    times = [0.5, -3.0, 100.0]
+    runs = [system.flow(start).at(times) for system, start in (case((2, 4, 6), RR), case((2, 4, 6)))]
+    assert runs[0].gamma.dtype == np.float64
+    assert np.abs(runs[0].gamma - runs[1].gamma.astype(float)).max() < 1e-12
+    assert np.abs(runs[0].M - runs[1].M.astype(float)).max() < 1e-11
+
+
+def test_the_flow_is_what_motion_through_takes() -> None:
+    system, start = case((2, 4, 6))
+    found = system.motion_through(start)
+    assert isinstance(found, PoleFlow)
+    assert found.method == "elliptic curves"
+    assert system.repels
+    assert not system.separates
+
+
+@pytest.mark.parametrize(
+    "system",
+    [
+        Tilde((1, 2, 4), potential=(0, 0, 2, 4, -6)),
+        Tilde((1, 2, 4), potential=(0, 0, 2, 4, 0)),
+        Tilde((1, 2, 4), potential=(1, 0, 2, 4, 6)),
+        Tilde((1, 2, 4), potential=(0, 1, 2, 4, 6)),
+        Tilde((1, 2, 4), 0.5, potential=(0, 0, 2, 4, 6)),
+        Check((1, 2, 4), potential=(0, 0, 2, 4, 6)),
+        Tilde((1, 2, 4), potential=(0, 0, 2, 4, 6), field=GF(10007)),
+    ],
+    ids=repr,
+)
+def test_other_potentials_have_no_flow(system) -> None:
+    with pytest.raises(ArgumentError, match="no separated curves are used"):
+        system.flow(State((0, 0, 1), (1, 1, 0)))
+
+
+def test_equal_moments_and_infinite_potentials_are_refused() -> None:
+    system, start = case((2, 4, 6), inertia=(1, 1, 4))
+    with pytest.raises(NotRepresentable, match="equal"):
+        system.flow(start)
+    assert system.motion_through(start).method == "extrapolation"
+    at_pole = Tilde((1, 2, 4), potential=(0, 0, 2, 4, 6))
+    with pytest.raises(NotRepresentable, match="infinite"):
+        at_pole.flow(at_pole.state((1, 0, 0), (0, 1, 1)))

@@ -1,0 +1,136 @@
+"""The loops of the flow in double-double arithmetic beside the same loops on mpf, on easy and on hard bodies.
+
+Both get the same inputs, those that two floats hold; what a body does to errors is measured by running the loop on mpf
+again from inputs changed by 1e-31 of their size.
+"""
+
+from functools import cache, reduce
+from random import Random
+
+import numpy as np
+import pytest
+from numba import njit
+
+import integrable.moving_point.compiled  # noqa: F401  # makes the functions of the kernel known to numba
+from integrable import ChaplyginBall, EulerTop
+from integrable.moving_point import kernel
+from jacobian import MP
+from jacobian.numbers import double_double
+from jacobian.numbers.double_double_compiled import JIT, number, numbers
+
+K = MP(60)
+GAMMA, MOMENTUM = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+# inertia, d, γ, M, made to satisfy |γ| = 1 and (γ, M) = 0
+CASES = {
+    "easy": ((1, 2, 3), 0.7, GAMMA, MOMENTUM),
+    "Euler top": ((1, 2, 3), 0, GAMMA, MOMENTUM),
+    "thin ball": ((1e-4, 1, 1.5), 1, GAMMA, MOMENTUM),
+    "thinner ball": ((1e-8, 1, 1.5), 1, GAMMA, MOMENTUM),
+    "moments 1:1e4:1e8": ((1, 1e4, 1e8), 0.7, GAMMA, MOMENTUM),
+    "heavy moments and d": ((1, 1e4, 1e8), 1e8, GAMMA, MOMENTUM),
+    "nearly equal moments": ((1, 1 + 1e-12, 3), 0.7, GAMMA, MOMENTUM),
+    "tiny d": ((1, 2, 3), 1e-12, GAMMA, MOMENTUM),
+    "separatrix 1e-4": ((1, 2, 3), 0.7, (0.6, 1e-4, 0.8), (1e-4, 1, 1e-4)),
+    "separatrix 1e-8": ((1, 2, 3), 0.7, (0.6, 1e-8, 0.8), (1e-8, 1, 1e-8)),
+    "γ2 = 0": ((1, 2, 3), 0.7, (0.6, 0, 0.8), (0.8, 0.5, -0.6)),
+}
+
+
+@njit(**JIT)
+def near_identity(series, roots, f0, axes, eps, passes, out):
+    """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2)."""
+    powers, powers2, lines, offsets, tos = numbers(series), numbers(roots), numbers(axes), numbers(eps), numbers(out)
+    scale = number(f0[0], f0[1])
+    for i in range(len(offsets)):
+        store(tos[i], kernel.near_identity(powers, powers2, scale, lines, offsets[i], passes))
+
+
+@njit(**JIT)
+def shifted(f, axes, start, steps, out):
+    """The moving point after the translations ``steps`` (N, 10, 2), into ``out`` of shape (10, 2)."""
+    curve, lines, rows = numbers(f), numbers(axes), numbers(steps)
+    point = kernel.moving_point(numbers(start))
+    for i in range(len(rows)):
+        point = kernel.shift(curve, lines, point, rows[i])
+    store(numbers(out), point)
+
+
+@njit(**JIT)
+def store(row, point):
+    """The ten numbers of a moving point into a row."""
+    for c in range(10):
+        row[c] = point[c]
+
+
+@cache
+def setup_of(name):
+    inertia, d, gamma, M = CASES[name]
+    gamma, M = ([K.coerce(x) for x in v] for v in (gamma, M))
+    size = K.sqrt(K.dot(gamma, gamma))
+    gamma = [x / size for x in gamma]
+    tilt = K.dot(gamma, M)
+    M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
+    ball = ChaplyginBall(inertia, d, field=K) if d else EulerTop(inertia, field=K)
+    return ball.flow(ball.state(gamma, M)).setup
+
+
+def exact(array):
+    """What two floats hold, as numbers of the field."""
+    return double_double.unpack(array, K.coerce)
+
+
+def changed(value, rng):
+    if isinstance(value, list):
+        return [changed(x, rng) for x in value]
+    return value * (1 + K.coerce(rng.uniform(-1, 1)) * K.coerce("1e-31"))
+
+
+def flat(value):
+    return [x for part in value for x in flat(part)] if isinstance(value, (list, tuple)) else [value]
+
+
+def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
+    """``found`` against ``loop`` of the exact inputs, to ``factor`` times what 1e-31 in the inputs does to it."""
+    rng, values = Random(seed), [exact(x) for x in inputs]
+    true = flat(loop(*values))
+    floor = [0] * len(true)
+    for _ in range(3):
+        other = flat(loop(*[changed(x, rng) for x in values]))
+        floor = [max(old, abs(x - y)) for old, x, y in zip(floor, other, true, strict=True)]
+    scale, floor = max(map(abs, true)), max(floor)
+    error = max(abs(x - y) for x, y in zip(flat(found), true, strict=True))
+    assert error <= factor * (floor + scale * K.coerce("1e-31")), (error / scale, floor / scale)
+    return float(error / scale)
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_additions(name):
+    """Translations by about 2^k basic steps, the largest first."""
+    setup = setup_of(name)
+    _, table = setup.table(1, 250)
+    for levels in (slice(1, None, -1), slice(None, None, -2)):
+        steps = table[levels]
+        inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, steps)]
+        out = np.empty((10, 2))
+        shifted(*inputs, out)
+
+        def loop(f, axes, start, steps):
+            return reduce(lambda point, step: kernel.shift(f, axes, point, step), steps, start)
+
+        error = assert_as_exact_as_possible(exact(out), loop, inputs, f"{name} {levels}")
+        if name in ("easy", "Euler top", "γ2 = 0"):
+            assert error < 1e-28
+
+
+@pytest.mark.parametrize("name", [name for name in CASES if "1e8" not in name and "heavy" not in name])
+def test_near_identity(name):
+    """(The terms of the series of very different moments are beyond the range of floats in the flow's own unit.)"""
+    setup = setup_of(name)
+    offsets = [K.coerce(x) * setup.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
+    inputs = [double_double.pack(x) for x in (setup.series, setup.roots, setup.f[0], setup.axes)]
+    out = np.empty((len(offsets), 10, 2))
+    near_identity(*inputs, double_double.pack(offsets), 2, out)
+    for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
+        true = kernel.near_identity(*map(exact, inputs), eps, 6)
+        for x, y in zip(exact(row), true, strict=True):
+            assert abs(x - y) < 1e-27 * abs(y)

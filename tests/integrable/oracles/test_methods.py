@@ -1,0 +1,365 @@
+"""The comparators: one interface, what each keeps, and its order as the slope of error against its setting."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop
+from integrable.deformations.check import Check
+from integrable.deformations.gyroscopic import Gyroscopic
+from integrable.deformations.hat import Hat
+from integrable.deformations.tilde import Tilde
+from integrable.oracles.discrete_tops import (
+    hirota_kimura_factors,
+    hirota_kimura_integrals,
+    hirota_kimura_step,
+    kahan_rotation,
+    modified_moments,
+    moser_veselov,
+)
+from integrable.oracles.methods import METHODS, time_scale
+from integrable.oracles.reference import equations, is_body, taylor
+from integrable.oracles.stepping import split_times
+from integrable.phase.jets import JetField
+from jacobian import MP, QQ, PrecisionLoss
+from jacobian.errors import ArgumentError
+
+SCENES = json.loads((Path(__file__).parents[2] / "data" / "trajectories.json").read_text(encoding="utf-8"))["scenes"]
+BALL, TOP = ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))
+GAMMA = (0.48, 0.6, 0.64)
+UPRIGHT, TILTED = (0.384, 1.28, -1.488), (1.104, 2.18, -0.528)
+PROBLEMS = {
+    "ball": (BALL, BALL.state(GAMMA, UPRIGHT)),
+    "ball, tilted": (BALL, BALL.state(GAMMA, TILTED, tilted=True)),
+    "top": (TOP, TOP.state(GAMMA, UPRIGHT)),
+    "top, tilted": (TOP, TOP.state(GAMMA, TILTED, tilted=True)),
+}
+DEFORMED = [Tilde((1, 2, 3), 0.7), Check((1, 2, 3)), Hat((1, 2, 4)), Gyroscopic((1, 2, 3), 0.4)]
+# the order of the method of order 16 is beyond floats: tests/integrable/oracles/test_gauss16.py
+STEPPING = [name for name, method in METHODS.items() if method.parameter == "step" and method.order != 16]
+
+
+def named(names):
+    """Parameters for methods, those left out that need what is not installed."""
+    missing = pytest.mark.skipif
+    return [pytest.param(n, marks=missing(not METHODS[n].installed, reason=METHODS[n].module)) for n in names]
+
+
+def fitting(names, problems, top=None):
+    """(method, problem) where the method is for the problem: a top, where that is so."""
+    tops = {problem: "top" in problem if top is None else top for problem in problems}
+    pairs = [(n, p) for n in names for p in problems if METHODS[n].only != "top" or tops[p]]
+    return [pytest.param(*named([n])[0].values, p, marks=named([n])[0].marks) for n, p in pairs]
+
+
+def row(solution, k=-1):
+    return np.concatenate([solution.gamma[k], solution.M[k]]).astype(float)
+
+
+def order(errors: list[tuple[float, float]]) -> float:
+    """The slope of log error against log step, fitted to the steps before the errors level off at round-off.
+
+    The plateau is the smallest error, where the errors stop falling; points within a factor 100 of it are left out.
+    """
+    smallest = min(e for _, e in errors)
+    levels = any(after > before / 1.3 for (_, before), (_, after) in pairwise(errors))
+    kept = [(s, e) for s, e in errors[1:] if not levels or e > 100 * smallest]
+    assert len(kept) >= 3, f"no slope above round-off: {errors}"
+    log_step, log_error = np.log([s for s, _ in kept]), np.log([e for _, e in kept])
+    return float(np.polyfit(log_step, log_error, 1)[0])
+
+
+def test_the_plateau_filter() -> None:
+    steps = [2.0**-k for k in range(12)]
+    assert order([(h, 0.1 * h**4 + 1e-9) for h in steps]) == pytest.approx(4, abs=0.1)
+    with pytest.raises(AssertionError, match="no slope"):
+        order([(h, 1e-15) for h in steps])
+
+
+# --- order and agreement
+
+
+@pytest.mark.parametrize(("name", "problem"), fitting(STEPPING, PROBLEMS))
+def test_order_of_convergence(name, problem) -> None:
+    system, state = PROBLEMS[problem]
+    method = METHODS[name]
+    truth = row(taylor(system, state, [2], digits=18))
+    errors = []
+    for count in (8, 12, 16, 24, 32, 48, 64, 96, 128):
+        found = method.solve(system, state, [2.0], 2 / count)
+        errors.append((2 / count, np.abs(row(found) - truth).max()))
+    assert order(errors) == pytest.approx(method.order, abs=0.35)
+
+
+TOLERANT = [name for name, method in METHODS.items() if method.parameter == "tolerance" and "double" not in name]
+
+
+@pytest.mark.parametrize("name", named(TOLERANT))
+def test_the_error_follows_the_tolerance(name) -> None:
+    system, state = PROBLEMS["ball"]
+    truth = row(taylor(system, state, [20], digits=18))
+    tolerances = [10.0**-k for k in (5, 6, 7, 8, 9)]
+    errors = [np.abs(row(METHODS[name].solve(system, state, [20.0], tol)) - truth).max() for tol in tolerances]
+    slope = np.polyfit(np.log(tolerances), np.log(errors), 1)[0]
+    assert 0.5 < slope < 1.4, errors
+    assert errors[-1] < 1e-5
+
+
+FINEST = {
+    "SciPy DOP853": (3e-14, 1e-12),
+    "SciPy LSODA": (1e-12, 1e-9),
+    "SciPy Radau": (1e-10, 1e-9),
+    "implicit midpoint": (0.02, 1e-3),
+    "Gauss-Legendre 6": (0.05, 1e-11),
+    "Moser-Veselov": (0.02, 1e-2),
+    "Moser-Veselov, order 4": (0.02, 1e-6),
+    "Hirota-Kimura": (0.02, 1e-2),
+    "Gauss-Legendre 16": (0.7, 2e-13),
+    "Gauss-Legendre 16, adaptive": (1e-16, 2e-13),
+    "Taylor, compiled": (1e-16, 2e-13),
+    "heyoka": (1e-16, 2e-13),
+    "heyoka, long double": (1e-19, 2e-13),
+    "closed elliptic form": (15, 2e-13),
+    "Taylor, multiprecision": (15, 2e-13),
+    "mpmath odefun": (12, 1e-9),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "scene"), [p for s in ("S1", "S2", "S6") for p in fitting(METHODS, [s], top=s == "S2")]
+)
+def test_agreement_with_the_shipped_trajectories(name, scene) -> None:
+    content = SCENES[scene]
+    inertia, d = [float(x) for x in content["I"]], float(content["d"])
+    system = ChaplyginBall(inertia, d) if d else EulerTop(inertia)
+    gamma, M = ([float(x) for x in content[key]] for key in ("gamma0", "M0"))
+    state = system.state(gamma, M, tilted=True)
+    method = METHODS[name]
+    setting, bound = FINEST[name]
+    times = ("1",) if name == "mpmath odefun" else ("10", "1")
+    found = method.solve(system, state, [float(t) for t in times], setting)
+    for k, t in enumerate(times):
+        wanted = np.array([*content["states"][t]["gamma"], *content["states"][t]["M"]], dtype=float)
+        assert np.abs(row(found, k) - wanted).max() < bound, t
+
+
+@pytest.mark.parametrize("name", named(METHODS))
+def test_times_in_any_order_and_of_either_sign(name) -> None:
+    system, state = PROBLEMS["top" if METHODS[name].only == "top" else "ball, tilted"]
+    times = [0.5, -0.3, 0.0, 0.5, 0.2]
+    setting, bound = FINEST[name]
+    found = METHODS[name].solve(system, state, times, setting)
+    truth = taylor(system, state, times, digits=16)
+    assert found.gamma.shape == found.M.shape == (5, 3)
+    for k in range(5):
+        assert np.abs(row(found, k) - row(truth, k)).max() < bound
+    assert row(found, 2) == pytest.approx([*state.gamma, *state.M], abs=1e-15 if setting != 12 else 1e-12)
+    assert row(found, 0).tolist() == row(found, 3).tolist()
+    assert found.evaluations > 0
+
+
+@pytest.mark.parametrize("name", named(n for n, m in METHODS.items() if m.only == "any"))
+@pytest.mark.parametrize("system", DEFORMED, ids=lambda system: type(system).__name__)
+def test_systems_with_equations_of_their_own(name, system) -> None:
+    state = system.state(GAMMA, UPRIGHT)
+    assert not is_body(system)
+    setting, bound = FINEST[name]
+    found = METHODS[name].solve(system, state, [0.5], setting)
+    precise = system.over(MP(25))
+    exact = METHODS["Gauss-Legendre 6"].solve(precise, precise.state(*exact_start(MP(25))), [Fraction(1, 2)], 1 / 128)
+    assert np.abs(row(found) - row(exact)).max() < bound
+    before, after = (
+        system.integrals(state),
+        system.integrals(replace(state, gamma=tuple(row(found)[:3]), M=tuple(row(found)[3:]))),
+    )
+    assert max(abs(x - y) for x, y in zip(before, after, strict=True)) < 20 * bound
+
+
+def exact_start(K):
+    return [[K.coerce(Fraction(str(x))) for x in v] for v in (GAMMA, UPRIGHT)]
+
+
+@pytest.mark.parametrize("problem", PROBLEMS)
+def test_the_equations_are_the_vector_field(problem) -> None:
+    system, state = PROBLEMS[problem]
+    rate = system.vector_field(state)
+    found = equations(system, state)([*state.gamma, *state.M])
+    assert np.allclose(found, [*rate.gamma, *rate.M], rtol=0, atol=1e-15)
+
+
+# --- what is kept
+
+
+def integrals(system, run):
+    """C1, C2, H1, H2 along a run."""
+    a = np.array(list(system.a))
+    x, m = run.gamma, run.M
+    dot = lambda p, q: np.sum(p * q, axis=1)  # noqa: E731
+    g2 = 1 / (1 - system.d * dot(a * x, x))
+    h1 = dot(a * m, m) + system.d * g2 * dot(a * x, m) ** 2
+    return {"C1": dot(x, x), "C2": dot(x, m), "H1": h1, "H2": dot(m, m)}
+
+
+KEPT = {
+    "implicit midpoint": ({"C1", "C2", "H2"}, 0.2),
+    "Gauss-Legendre 6": ({"C1", "C2", "H2"}, 0.2),
+    "Gauss-Legendre 16": ({"C1", "C2", "H2"}, 2.5),
+    "Moser-Veselov": ({"C1", "C2", "H1", "H2"}, 0.2),
+    "Moser-Veselov, order 4": ({"C1", "C2", "H1", "H2"}, 0.2),
+    "Hirota-Kimura": (set(), 0.2),
+}
+
+
+@pytest.mark.parametrize(("name", "problem"), fitting(KEPT, PROBLEMS))
+def test_what_is_kept_and_what_is_not(name, problem) -> None:
+    system, state = PROBLEMS[problem]
+    method = METHODS[name]
+    kept, step = KEPT[name]
+    if kept and not system.d:
+        kept = {*kept, "H1"}
+    if method.order == 16 and "tilted" in problem:
+        step = 1.8
+    run = method.solve(system, state, [step * k for k in range(300)], step)
+    for key, values in integrals(system, run).items():
+        drift = np.abs(values - values[0]).max()
+        if key in kept:
+            assert drift < 1e-12, key
+        else:
+            assert drift > 3e-11, key
+
+
+@pytest.mark.parametrize("name", ["implicit midpoint", "Moser-Veselov"])
+def test_in_multiprecision_the_integrals_are_kept_to_its_digits(name) -> None:
+    K = MP(40)
+    system = EulerTop((1, 2, 3), field=K)
+    state = system.state(*exact_start(K))
+    run = METHODS[name].solve(system, state, [Fraction(k, 10) for k in range(21)], Fraction(1, 10))
+    for key, values in integrals(system, run).items():
+        assert max(abs(v - values[0]) for v in values) < 1e-36, key
+
+
+def test_the_modified_moments_are_the_moments_at_step_zero() -> None:
+    assert modified_moments((1.0, 2.0, 3.0), UPRIGHT, 0.0) == pytest.approx([1, 2, 3])
+
+
+# --- Hirota–Kimura, exactly
+
+MOMENTS, STEP = (Fraction(2), Fraction(3), Fraction(7)), Fraction(1, 5)
+
+
+def rational_vector(seed):
+    rng = np.random.default_rng(seed)
+    return [Fraction(int(x), 11) for x in rng.integers(-20, 20, 3)]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_hirota_kimura_solves_its_equations_and_keeps_its_integrals_exactly(seed) -> None:
+    M = rational_vector(seed)
+    a = [1 / x for x in MOMENTS]
+    new = hirota_kimura_step(MOMENTS, M, STEP)
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        assert new[i] - STEP / 2 * (a[k] - a[j]) * (M[k] * new[j] + M[j] * new[k]) == M[i]
+    assert hirota_kimura_integrals(MOMENTS, new, STEP) == hirota_kimura_integrals(MOMENTS, M, STEP)
+    # birational: the inverse is the map of −step
+    assert hirota_kimura_step(MOMENTS, new, -STEP) == M
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_kahans_rule_on_gamma_exactly(seed) -> None:
+    M, x = rational_vector(seed), rational_vector(seed + 100)
+    new = hirota_kimura_step(MOMENTS, M, STEP)
+    y = kahan_rotation(MOMENTS, x, M, new, STEP)
+    w, after = ([m / moment for m, moment in zip(v, MOMENTS, strict=True)] for v in (M, new))
+    for i in range(3):
+        turn = x[i - 2] * after[i - 1] - x[i - 1] * after[i - 2] + y[i - 2] * w[i - 1] - y[i - 1] * w[i - 2]
+        assert y[i] - x[i] == STEP / 2 * turn
+    assert kahan_rotation(MOMENTS, y, new, M, -STEP) == x
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_hirota_kimura_has_an_invariant_measure_exactly(seed) -> None:
+    M = rational_vector(seed)
+    K = JetField(QQ, 3)
+    image = hirota_kimura_step([K.constant(x) for x in MOMENTS], K.variables(M), K.constant(STEP))
+    rows = [x.slopes for x in image]
+    determinant = sum(
+        rows[0][i] * (rows[1][i - 2] * rows[2][i - 1] - rows[1][i - 1] * rows[2][i - 2]) for i in range(3)
+    )
+    after = hirota_kimura_factors(MOMENTS, [x.value for x in image], STEP)
+    before = hirota_kimura_factors(MOMENTS, M, STEP)
+    assert determinant == (after[2] / before[2]) ** 2
+
+
+def test_hirota_kimura_does_not_keep_the_length_of_M() -> None:
+    run = METHODS["Hirota-Kimura"].solve(*PROBLEMS["top"], [0.1 * k for k in range(2001)], 0.1)
+    size = np.sum(run.M**2, axis=1)
+    assert np.abs(size - size[0]).max() == pytest.approx(1.4e-3, rel=0.1)
+    found = np.array([hirota_kimura_integrals((1, 2, 3), r, 0.1) for r in run.M])
+    # times that are no multiples of the float 0.1 are reached by a shorter step, whose integrals are others
+    assert np.median(np.abs(found - found[0]).max(axis=1)) < 1e-12
+
+
+# --- the interface
+
+
+def test_every_method_is_described() -> None:
+    for name, method in METHODS.items():
+        assert method.name == name
+        assert method.parameter in ("step", "tolerance", "digits")
+        assert method.only in ("any", "body", "top")
+        assert (method.order is not None) == (method.parameter == "step")
+        assert (method.module == "") == (method.extra == "")
+        assert method.source
+        assert name in FINEST
+
+
+def test_a_ladder_of_steps_is_in_the_time_of_the_motion() -> None:
+    system, state = PROBLEMS["ball"]
+    method = METHODS["Gauss-Legendre 6"]
+    fast = BALL.state(GAMMA, tuple(1e4 * m for m in UPRIGHT))
+    assert method.ladder(BALL, fast) == pytest.approx([1e-4 * h for h in method.ladder(system, state)])
+    assert time_scale(BALL, BALL.state((1.0, 0, 0), (0, 0, 0))) == 1
+    assert METHODS["SciPy DOP853"].ladder(system, state) == list(METHODS["SciPy DOP853"].settings)
+
+
+def test_a_time_does_not_depend_on_the_other_times() -> None:
+    for name in ("Gauss-Legendre 6", "Moser-Veselov", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive"):
+        setting = FINEST[name][0]
+        one = METHODS[name].solve(*PROBLEMS["top"], [3.3], setting)
+        many = METHODS[name].solve(*PROBLEMS["top"], [1.0, 3.3, 2.21, -1.0, 4.0], setting)
+        assert row(one).tolist() == row(many, 1).tolist(), name
+
+
+def test_whole_steps_are_counted_without_rounding() -> None:
+    assert split_times([0.3, -1.0, 1.0, 0.0], 0.1, 1) == [(0, 2, float(Fraction(0.3) - 2 * Fraction(0.1))),
+                                                          (2, 9, float(1 - 9 * Fraction(0.1)))]  # fmt: skip
+    assert split_times([0.5, -1.0], 0.25, -1) == [(1, 4, 0.0)]
+    with pytest.raises(ArgumentError, match=r"step = 0\.0"):
+        split_times([1.0], 0.0, 1)
+
+
+def test_refusals() -> None:
+    ball, tilde = PROBLEMS["ball"], DEFORMED[0]
+    with pytest.raises(ArgumentError, match=r"d = 0\.7: Moser-Veselov is for the Euler top"):
+        METHODS["Moser-Veselov"].solve(*ball, [1.0], 0.1)
+    with pytest.raises(ArgumentError, match="Gauss-Legendre 16 is for the ball and the top: Tilde"):
+        METHODS["Gauss-Legendre 16"].solve(tilde, tilde.state(GAMMA, UPRIGHT), [1.0], 0.1)
+    with pytest.raises(ArgumentError, match=r"needs nosuchmodule: pip install 'jacobian-integrable\[peers\]'"):
+        replace(METHODS["heyoka"], module="nosuchmodule").solve(*ball, [1.0], 1e-9)
+    with pytest.raises(ArgumentError, match=r"step = -0\.1: give a positive step"):
+        METHODS["implicit midpoint"].solve(*ball, [1.0], -0.1)
+    with pytest.raises(ArgumentError, match="order = 3"):
+        moser_veselov((1, 2, 3), 3)
+    with pytest.raises(ArgumentError, match=r"tolerance = 2\.0: give a number between 0 and 1"):
+        METHODS["Taylor, compiled"].solve(*ball, [1.0], 2)
+    for name, problem in (("Moser-Veselov", "top"), ("implicit midpoint", "ball"), ("Gauss-Legendre 16", "ball")):
+        with pytest.raises(PrecisionLoss, match=r"step = .*50.*smaller"):
+            METHODS[name].solve(*PROBLEMS[problem], [100.0], 50.0)

@@ -1,0 +1,102 @@
+"""Pictures: made from made-up reports, looked at by their contents; no global state is touched."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+
+from integrable.scene.plot import FORMATS, draw, residual_growth, sphere, work_precision
+from integrable.scene.rows import Report, Row, TruthCheck
+from jacobian.errors import ArgumentError
+
+ROWS = (
+    Row("divisor flow", "first use", total=3.0),
+    Row("divisor flow", "floats", digits=15, error_gamma=4e-13, total=2.5e-3, setup=2e-3, evaluation=5e-4),
+    Row("divisor flow", "50 digits", error_gamma=4e-49, total=2.5, setup=1.5, evaluation=1.0),
+    Row("SciPy DOP853", "tol 1e-6", error_gamma=3e-2, total=0.04),
+    Row("SciPy DOP853", "tol 3e-14", error_gamma=1.7e-10, total=0.4),
+    Row("SciPy DOP853", "tol 1e-1", note="gave up"),
+)
+REPORT = Report(
+    "A ball",
+    (0.0, 1000.0, 11),
+    3,
+    ROWS,
+    TruthCheck(65, 1.0, 1e-64, 1e-64, 0.1),
+    ((10, 1e-16), (1000, 3e-15)),
+    floor=(2e-13, 3e-13),
+)
+SCENE = SimpleNamespace(title="A ball")
+
+
+def curve(count=500):
+    t = np.linspace(0, 20, count)
+    x, y, z = np.cos(t), 0.9 * np.sin(1.3 * t), 0.4 * np.sin(t)
+    gamma = np.stack([x, y, z], axis=1)
+    return SimpleNamespace(times=t, gamma=gamma / np.linalg.norm(gamma, axis=1, keepdims=True))
+
+
+@pytest.mark.parametrize("suffix", FORMATS)
+@pytest.mark.parametrize("picture", ["work_precision", "sphere", "residual_growth"])
+def test_every_picture_in_every_format(picture, suffix):
+    before = mpl.rcParams.copy()
+    content = draw(picture, suffix, SCENE, REPORT, curve())
+    assert content.startswith(b"\x89PNG" if suffix == "png" else b"<?xml")
+    assert len(content) > 5000
+    assert mpl.rcParams.copy() == before
+
+
+def test_work_precision_shows_every_measured_row_once():
+    axes = work_precision(REPORT).axes[0]
+    assert (axes.get_xscale(), axes.get_yscale()) == ("log", "log")
+    texts = [text.get_text() for text in axes.texts]
+    assert [text for text in texts if text in ("floats", "50 digits", "tol 1e-6", "tol 3e-14")] == [
+        "tol 1e-6",
+        "tol 3e-14",
+        "floats",
+        "50 digits",
+    ]
+    assert "better" in texts
+    assert "inputs rounded to doubles: 2e-13" in texts
+    shown = {(x, y) for line in axes.lines for x, y in zip(line.get_xdata(), line.get_ydata(), strict=True)}
+    assert {(2.5e-3, 4e-13), (5e-4, 4e-13), (2.5, 4e-49), (0.04, 3e-2), (0.4, 1.7e-10)} <= shown
+    assert not any("first use" in text or "gave up" in text for text in texts)
+
+
+def test_work_precision_of_nothing_is_still_a_picture():
+    empty = Report("A ball", (0.0, 1.0, 2), 3, (), REPORT.truth, ())
+    assert draw("work_precision", "png", SCENE, empty, None).startswith(b"\x89PNG")
+
+
+def test_sphere_shows_each_segment_on_one_side_only():
+    shown = curve()
+    left, right = sphere(shown.gamma, shown.times, "A ball").axes[:2]
+    counts = [len(axes.collections[0].get_segments()) for axes in (left, right)]
+    assert sum(counts) == 499
+    assert min(counts) > 100
+    names = {text.get_text() for axes in (left, right) for text in axes.texts}
+    assert {"front: γ₁ ≥ 0", "back: γ₁ ≤ 0, seen from behind", "start"} <= names
+
+
+def test_residual_growth_has_its_points():
+    line = residual_growth(REPORT).axes[0].lines[0]
+    assert list(zip(line.get_xdata(), line.get_ydata(), strict=True)) == [(10, 1e-16), (1000, 3e-15)]
+
+
+def test_a_format_that_is_none_is_refused():
+    with pytest.raises(ArgumentError, match='format: "gif" given; one of png, svg is needed'):
+        draw("sphere", "gif", SCENE, REPORT, curve())
+
+
+@pytest.mark.parametrize(
+    ("module", "stays_out"), [("report", "matplotlib"), ("report", "scipy"), ("plot", "matplotlib.pyplot")]
+)
+def test_what_is_not_imported(module, stays_out):
+    code = f"import sys, integrable.scene.{module}; print({stays_out!r} in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "False"

@@ -1,0 +1,187 @@
+"""The report: its figures against independent ones, its table, its JSON."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+
+from integrable.oracles.reference import dop853
+from integrable.scene.data import Comparison, Times
+from integrable.scene.report import measure, pieces_of_work
+from integrable.scene.rows import Report, Row, TruthCheck
+from integrable.scene.run import load_scene, run
+from integrable.scene.tables import aligned, duration
+
+ASKED = Comparison(
+    digits=(15, 20),
+    tolerances=(Fraction("1e-5"), Fraction("1e-11")),
+    truth_digits=32,
+    check_time=Fraction(1, 2),
+    repeat=2,
+    steps=(10, 100),
+)
+
+
+def short(name="chaplygin"):
+    times = Times(given=(Fraction(3), Fraction(0), Fraction("7.5")))
+    return replace(load_scene(name), times=times, report=ASKED, pictures=("work_precision",), sphere=None)
+
+
+@pytest.fixture(scope="module", params=["chaplygin", "euler_top"])
+def measured(request):
+    labels = []
+    scene = short(request.param)
+    report, trajectory = measure(scene, 15, labels.append)
+    return scene, report, trajectory, labels
+
+
+def test_rows_are_what_was_asked_for(measured):
+    scene, report, _, labels = measured
+    assert [(row.method, row.setting) for row in report.rows] == [
+        ("divisor flow", "floats"),
+        ("divisor flow", "first use"),
+        ("divisor flow", "compiled"),
+        ("divisor flow", "20 digits"),
+        ("SciPy DOP853", "tol 1e-5"),
+        ("SciPy DOP853", "tol 1e-11"),
+    ]
+    assert len(labels) == pieces_of_work(scene, 15)
+    assert report.times == (0.0, 7.5, 3)
+
+
+def test_errors_and_drifts_are_of_the_size_they_should_be(measured):
+    _, report, _, _ = measured
+    floats, _, compiled, precise, loose, tight = report.rows
+    for row in (floats, compiled):
+        assert row.error_gamma < 1e-14 * (1 + 7.5)
+        assert row.error_M < 3e-14 * (1 + 7.5)
+        assert max(row.drift.values()) < 1e-13
+    assert max(precise.error_gamma, precise.error_M, *precise.drift.values()) < 1e-18
+    assert 1e-16 < report.floor[0] < 1e-13
+    assert f"eps·conditioning: {report.floor[0]:.1e} in γ" in report.table()
+    assert 1e-8 < loose.error_gamma < 1e-2
+    assert tight.error_gamma < 1e-4 * loose.error_gamma
+    assert list(floats.drift) == ["C1", "C2", "H1", "H2"]
+
+
+def test_the_figures_of_dop853_are_its_own(measured):
+    scene, report, trajectory, _ = measured
+    body, state = scene.start(15)
+    solution = dop853(body, state, scene.times.floats(), rtol=1e-5, atol=1e-5)
+    row = report.rows[4]
+    assert row.error_gamma == pytest.approx(np.abs(solution.gamma - trajectory.gamma).max(), rel=1e-6)
+    M = np.abs(solution.M - trajectory.M).max() / np.linalg.norm(trajectory.M[1])
+    assert row.error_M == pytest.approx(M, rel=1e-6)
+    assert row.drift["C1"] == pytest.approx(np.abs((solution.gamma**2).sum(axis=1) - 1).max(), rel=1e-6)
+    H2 = (solution.M**2).sum(axis=1)
+    assert row.drift["H2"] == pytest.approx(np.abs(H2 / H2[1] - 1).max(), rel=1e-6)
+    a = 1 / (np.array(body.inertia) + body.d)
+    n = (solution.gamma * a * solution.M).sum(axis=1) / (solution.gamma**2 * a * body.inertia).sum(axis=1)
+    H1 = (a * solution.M**2).sum(axis=1) + body.d * n * (a * solution.gamma * solution.M).sum(axis=1)
+    assert row.drift["H1"] == pytest.approx(np.abs(H1 / H1[1] - 1).max(), rel=1e-6)
+    assert row.evaluations == solution.evaluations
+
+
+def test_run_times_are_there_and_add_up(measured):
+    _, report, _, _ = measured
+    rows = [row for row in report.rows if row.setting != "first use"]
+    for row in rows:
+        assert row.total > 0
+        assert row.runs == 2
+        if row.setup is not None:
+            assert row.setup + row.evaluation == pytest.approx(row.total, rel=1e-9)
+
+
+def test_the_truth_is_held_against_the_taylor_series(measured):
+    _, report, _, _ = measured
+    assert report.truth.agrees
+    assert max(report.truth.error_gamma, report.truth.error_M) < 1e-28
+    assert (report.truth.digits, report.truth.time) == (32, 0.5)
+
+
+def test_residual_growth_is_what_the_flow_says(measured):
+    scene, report, _, _ = measured
+    body, state = scene.start(15)
+    assert [steps for steps, _ in report.residual_growth] == [10, 100]
+    assert list(report.residual_growth) == [tuple(pair) for pair in body.flow(state).residual_growth([10, 100])]
+
+
+def test_digits_of_the_run_are_measured_even_if_not_listed():
+    asked = replace(ASKED, tolerances=(), steps=(), repeat=1)
+    report, trajectory = measure(replace(short("euler_top"), report=asked), 25, lambda _: None)
+    assert [row.setting for row in report.rows] == ["floats", "first use", "compiled", "20 digits", "25 digits"]
+    assert report.truth.digits == 35
+    assert trajectory.gamma.dtype == object
+
+
+def test_the_table_fits_and_says_what_it_must(measured):
+    _, report, _, _ = measured
+    table = report.table()
+    lines = table.splitlines()
+    assert max(map(len, lines)) <= 100
+    assert all(word in table for word in ("error γ", "ΔH1", "SciPy DOP853", "tol 1e-11", "Taylor", "residual"))
+    assert "DISAGREE" not in table
+
+
+def test_a_truth_that_is_wrong_is_said_so():
+    wrong = Report("A ball", (0.0, 1.0, 2), 3, (), TruthCheck(40, 1.0, 1e-3, 1e-40, 0.1), ())
+    assert not wrong.truth.agrees
+    assert "THEY DISAGREE" in wrong.table()
+
+
+def test_a_method_that_gives_up_keeps_its_line():
+    row = Row("SciPy DOP853", "tol 1e-3", note="step size too small")
+    report = Report("A ball", (0.0, 1.0, 2), 3, (row,), TruthCheck(40, 1.0, 0.0, 0.0, 0.1), ())
+    assert "SciPy DOP853, tol 1e-3: step size too small" in report.table()
+
+
+def test_run_writes_the_report_and_the_picture(tmp_path):
+    trajectory = run(short("euler_top"), out=tmp_path, formats=("png", "svg"))
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        "report.txt",
+        "result.json",
+        "work_precision.png",
+        "work_precision.svg",
+    ]
+    assert (tmp_path / "report.txt").read_text(encoding="utf-8") == trajectory.report.table() + "\n"
+    result = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))
+    assert {"python", "numpy", "numba", "scipy", "mpmath"} <= set(result["versions"])
+    assert result["machine"]["cores"] >= 1
+    rows = result["report"]["rows"]
+    assert [row["error_gamma"] for row in rows] == [row.error_gamma for row in trajectory.report.rows]
+    assert result["report"]["truth_agrees"] is True
+    assert result["trajectory"]["gamma"] == trajectory.gamma.tolist()
+    assert result["scene"]["report"]["truth_digits"] == 32
+
+
+def test_multiprecision_goes_into_json_as_strings(tmp_path):
+    trajectory = run(replace(short("euler_top"), report=None, pictures=()), digits=40, out=tmp_path)
+    stored = json.loads((tmp_path / "result.json").read_text(encoding="utf-8"))["trajectory"]["gamma"]
+    assert len(stored[0][0]) > 35
+    for row, written in zip(trajectory.gamma, stored, strict=True):
+        for value, text in zip(row, written, strict=True):
+            assert abs(value - type(value)(text)) < 1e-38
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"),
+    [
+        (None, "–"),
+        (1.5, "1.5 s"),
+        (0.0123, "12.3 ms"),
+        (4.5e-6, "4.5 µs"),
+        (0.9999, "1000 ms"),
+        (3e-8, "30 ns"),
+        (1234.0, "1234 s"),
+    ],
+)
+def test_durations(seconds, text):
+    assert duration(seconds) == text
+
+
+def test_columns_line_up():
+    assert aligned([("a", "1.0"), ("long", "10.25")]) == ["a       1.0", "long  10.25"]

@@ -1,0 +1,622 @@
+"""``integrable report``: rows that survive kills, share work and say why they failed; errors that are what they say."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from contextlib import suppress
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+from numpy import format_float_positional
+
+from integrable.__main__ import main
+from integrable.oracles.methods import METHODS
+from integrable.scene.run import load_scene
+from integrable.study import plan, runner
+from integrable.study.command import planned, report
+from integrable.study.doubles import in_doubles
+from integrable.study.findings import fitted_slope, gather
+from integrable.study.measure import measured
+from integrable.study.page import Study, answer, page
+from integrable.study.plan import FLOW, LIMITS, Row, rows_of
+from integrable.study.runner import run_rows
+from integrable.study.store import Store, code_stamp
+from integrable.study.truth import Truth, compute, is_divisor_flow
+from jacobian import MP
+from jacobian.errors import ArgumentError
+
+TOP = """
+title = "A short run"
+description = "A test."
+system = "euler_top"
+[body]
+inertia = ["1", "2", "3"]
+[start]
+gamma = ["0.48", "0.6", "0.64"]
+M = ["0.384", "1.28", "-1.488"]
+[run]
+times = [1, 2.5, 4]
+"""
+ORBIT = """
+title = "A short orbit"
+system = "chaplygin_ball"
+field = "GF(2^61-1)"
+[body]
+inertia = [1, 2, 3]
+d = 1
+[start]
+gamma = ["3/13", "4/13", "12/13"]
+M = [4, -3, 0]
+[steps]
+maps = [{ kind = "translation", points = [3, 4], multiple = 2 }]
+count = 5
+repeat = 1
+"""
+# the same few rows as the fixture `rows`, run by a process of its own that says which it has written
+SCRIPT = """
+import sys
+from integrable.scene.run import load_scene
+from integrable.study.command import planned
+from integrable.study.runner import run_rows
+from integrable.study.store import Store
+
+class Saying(Store):
+    def write(self, key, stamp, content):
+        kept = super().write(key, stamp, content)
+        print(key, flush=True)
+        return kept
+
+if __name__ == "__main__":
+    source, folder = sys.argv[1:]
+    every = planned([load_scene(source)], [source], "quick")
+    rows = [r for r in every if r.kind in ("truth", "floor") or r.setting == "floats" or r.method == "SciPy DOP853"]
+    run_rows(rows, Saying(folder), 1)
+"""
+
+
+@pytest.fixture
+def source(tmp_path):
+    path = tmp_path / "top.toml"
+    path.write_text(TOP, encoding="utf-8")
+    return str(path)
+
+
+@pytest.fixture
+def rows(source):
+    every = planned([load_scene(source)], [source], "quick")
+    return [r for r in every if r.kind in ("truth", "floor") or r.setting == "floats" or r.method == "SciPy DOP853"]
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """The rows of one study of a few methods, finished, with their contents and the store."""
+    folder = tmp_path_factory.mktemp("study")
+    source = folder / "top.toml"
+    source.write_text(TOP, encoding="utf-8")
+    scene = load_scene(source)
+    kept = ("SciPy DOP853", "Gauss-Legendre 6", "implicit midpoint", "closed elliptic form", FLOW, "Bäcklund steps")
+    every = [r for r in planned([scene], [str(source)], "quick") if r.method in kept or r.kind in ("truth", "floor")]
+    rows = [r for r in every if r.kind not in ("first use", "left out") and r.setting != "compiled"]
+    store = Store(folder / "out")
+    return rows, run_rows(rows, store, 2), store
+
+
+def start(tmp_path, source, folder):
+    script = tmp_path / "script.py"
+    script.write_text(SCRIPT, encoding="utf-8")
+    command = [sys.executable, str(script), source, str(folder)]
+    return subprocess.Popen(command, stdout=subprocess.PIPE, text=True, cwd=os.getcwd())
+
+
+def numbers(folder):
+    """What the rows of a folder found, without what depends on the clock."""
+    clocked, found = ("seconds", "setup", "evaluation", "total", "runs", "check"), {}
+    for path in sorted((folder / "rows").glob("*.json")):
+        content = json.loads(path.read_text(encoding="utf-8"))
+        assert not content["error"], path.name
+        result = content["result"]
+        found[path.name] = {key: value for key, value in result.items() if key not in clocked}
+    return found
+
+
+def test_a_killed_study_goes_on_and_two_at_once_share_the_work(rows, source, tmp_path):
+    whole, broken = tmp_path / "whole", tmp_path / "broken"
+    # two processes on one folder: each row is measured by one of them
+    both = [start(tmp_path, source, whole) for _ in range(2)]
+    written = [process.communicate(timeout=300)[0].split() for process in both]
+    assert [process.returncode for process in both] == [0, 0]
+    assert sorted(written[0] + written[1]) == sorted(row.key for row in rows)
+    # one process, killed after its second row
+    process = start(tmp_path, source, broken)
+    with process.stdout:
+        kept = [process.stdout.readline().strip() for _ in range(2)]
+        process.send_signal(signal.SIGKILL)
+    process.wait()
+    before = {key: (broken / "rows" / f"{key}.json").stat().st_mtime_ns for key in kept}
+    again, _ = start(tmp_path, source, broken).communicate(timeout=300)
+    assert not set(again.split()) & set(kept)
+    assert {key: (broken / "rows" / f"{key}.json").stat().st_mtime_ns for key in kept} == before
+    assert numbers(broken) == numbers(whole)
+    assert len(numbers(whole)) == len(rows)
+    assert not list((broken / "rows").glob(".*")), "no file cut short"
+
+
+def test_errors_are_what_theory_says(done):
+    rows, contents, _ = done
+    results = {(row.method, row.setting): contents[row.key]["result"] for row in rows}
+    assert [contents[row.key]["error"] for row in rows] == [""] * len(rows)
+    floor = next(contents[row.key]["result"] for row in rows if row.kind == "floor")
+    truth = next(contents[row.key]["result"] for row in rows if row.kind == "truth")
+    assert truth["digits"] == 40
+    assert max(truth["check"]["error_gamma"], truth["check"]["error_M"]) < 1e-28
+    assert 1 < floor["conditioning_gamma"] < 100
+    flow = results[FLOW, "floats"]
+    assert flow["error_gamma"] < 100 * floor["floor_gamma"]
+    assert flow["error_M"] < 100 * floor["floor_M"]
+    assert set(flow["drift"]) == {"C1", "C2", "H1", "H2"}
+    assert max(flow["drift"].values()) < 1e-13
+    for (method, setting), result in results.items():
+        if method == "SciPy DOP853":
+            tolerance = float(setting.split()[1])
+            assert result["error_gamma"] < 100 * tolerance + 1e-13
+    midpoint = [r for (method, _), r in results.items() if method == "implicit midpoint"]
+    assert all(1e-6 < result["error_gamma"] < 1 for result in midpoint)
+    assert all(result["drift"]["C1"] < 1e-12 for result in midpoint)
+    coarse, fine = (results["Bäcklund steps", f"{n} steps"]["error_gamma"] for n in (30, 100))
+    assert 9 < coarse / fine < 14, "second order"
+    assert results["closed elliptic form", "digits 30"]["error_gamma"] < 1e-28
+
+
+def test_what_is_kept_is_read_and_what_is_stale_is_measured_again(done, monkeypatch, tmp_path):
+    rows, contents, store = done
+    monkeypatch.setattr(runner._Worker, "take", None)  # nothing is left to do
+    assert run_rows(rows, store, 1) == contents
+    row = next(row for row in rows if row.kind == "flow")
+    assert store.read(row.key, row.stamp) == contents[row.key]
+    changed = replace(row, scene=replace(row.scene, times=replace(row.scene.times, given=row.scene.times.given[:1])))
+    monkeypatch.setattr(plan, "code_stamp", lambda: "other code")
+    for stale in (changed, replace(row, value=1.0), replace(row, mode="full"), replace(row)):
+        assert stale.key == row.key
+        assert store.read(stale.key, stale.stamp) is None
+    monkeypatch.undo()
+    other = Store(tmp_path)
+    other.write("a", "stamp", {"status": "done"})
+    assert other.read("a", "stamp")["status"] == "done"
+    (tmp_path / "rows" / "a.json").write_text("{half a file", encoding="utf-8")
+    assert other.read("a", "stamp") is None
+
+
+def test_the_stamp_of_the_code_is_that_of_its_sources():
+    assert len(code_stamp()) == 16
+    found = subprocess.run(
+        [sys.executable, "-c", "from integrable.study.store import code_stamp; print(code_stamp())"],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    assert found.stdout.strip() == code_stamp()
+
+
+def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
+    store = Store(tmp_path)
+    with store.claimed("a") as mine, store.claimed("a") as theirs, store.claimed("b") as other:
+        assert (mine, theirs, other) == (True, False, True)
+    code = (
+        "import sys, time; from integrable.study.store import Store; "
+        "Store(sys.argv[1]).claim('a'); print('held', flush=True); time.sleep(600)"
+    )
+    process = subprocess.Popen([sys.executable, "-c", code, str(tmp_path)], stdout=subprocess.PIPE, text=True)
+    with process.stdout:
+        assert process.stdout.readline().strip() == "held"
+        with store.claimed("a") as mine:
+            assert not mine
+        process.kill()
+        process.wait()
+    with store.claimed("a") as mine:
+        assert mine
+
+
+def test_failures_are_rows_that_say_why(rows, done, tmp_path, monkeypatch):
+    truth = next(row for row in rows if row.kind == "truth")
+    scene, source = truth.scene, truth.source
+
+    def comparator(method, value, **needs):
+        return Row(scene, source, "comparator", method, f"step {value}", value, "quick", truth.key, **needs)
+
+    wild = comparator("implicit midpoint", 1000.0)
+    endless = comparator("implicit midpoint", 1e-6)
+    kept = done[1][truth.key]
+    store = Store(tmp_path)
+    store.write(truth.key, truth.stamp, kept)
+    contents = run_rows([truth, wild, endless], store, 1)
+    assert contents[wild.key]["status"] == contents[endless.key]["status"] == "failed"
+    assert contents[wild.key]["error"].startswith("PrecisionLoss: step = ")
+    assert "a whole run would take about" in contents[endless.key]["error"]
+    assert (contents[endless.key]["stopped"], contents[wild.key]["stopped"]) == (True, False)
+    assert json.loads((tmp_path / "rows" / f"{wild.key}.json").read_text(encoding="utf-8"))["result"] is None
+    # a row beyond its limit is given up, and a greater cost is not tried
+    monkeypatch.setitem(LIMITS, "quick", replace(LIMITS["quick"], row=0.0))
+    slow = comparator("Gauss-Legendre 6", 0.001)
+    slower = comparator("Gauss-Legendre 6", 0.0001, cheaper=slow.key)
+    store.write(truth.key, truth.stamp, kept)
+    contents = run_rows([truth, slow], store, 1)
+    assert (contents[slow.key]["error"], contents[slow.key]["stopped"]) == ("stopped after 0 s", True)
+    monkeypatch.undo()
+    store.write(truth.key, truth.stamp, kept)
+    store.write(slow.key, slow.stamp, contents[slow.key])
+    contents = run_rows([truth, slow, slower], store, 1)
+    assert contents[slower.key]["error"] == "not run: a cheaper setting takes too long"
+
+
+def test_a_worker_that_dies_costs_its_row_alone(rows, tmp_path):
+    store, row = Store(tmp_path), next(row for row in rows if row.kind == "truth")
+    worker = runner._Worker()
+    try:
+        assert worker.take(row, store, {})
+        os.kill(worker._process.pid, signal.SIGKILL)
+        until = time.monotonic() + 60
+        while (content := worker.finished()) is None and time.monotonic() < until:
+            time.sleep(0.05)
+        assert content["error"] == "the process died with exit code -9"
+    finally:
+        worker.stop()
+        worker.let_go(store)
+
+
+@pytest.mark.skipif(not os.path.isdir("/proc/self"), reason="processes are looked up in /proc")
+def test_what_a_stopped_worker_has_started_ends_with_it(source, tmp_path):
+    def started() -> int:
+        found = 0
+        for number in filter(str.isdigit, os.listdir("/proc")):
+            with suppress(OSError), open(f"/proc/{number}/cmdline", "rb") as command:
+                found += source.encode() in command.read()
+        return found
+
+    store = Store(tmp_path)
+    row = next(row for row in planned([load_scene(source)], [source], "quick") if row.kind == "left out")
+    worker = runner._Worker()
+    try:
+        assert worker.take(row, store, {})
+        until = time.monotonic() + 60
+        while not started() and time.monotonic() < until:
+            time.sleep(0.01)
+        assert started()
+    finally:
+        worker.stop()
+        worker.let_go(store)
+    until = time.monotonic() + 5
+    while started() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not started()
+
+
+def test_a_scene_in_doubles_has_doubles_and_in_more_digits_its_constraints():
+    for name in ("chaplygin", "tilted_ball", "tilde_potential", "gyroscopic", "near_torsion"):
+        given = load_scene(name)
+        scene = in_doubles(given)
+        system, state = scene.start(15)
+        usual, begun = given.start(15)
+        assert (system.body, state) == (usual.body, begun)
+        wide, restored = scene.start(60)
+        K = wide.field
+        assert abs(K.dot(restored.gamma, restored.gamma) - 1) < 1e-58
+        if not given.tilted:
+            assert abs(K.dot(restored.gamma, restored.M)) < 1e-58
+        for ours, doubles in ((restored.gamma, state.gamma), (restored.M, state.M)):
+            assert max(abs(x - y) for x, y in zip(ours, doubles, strict=True)) < 1e-15
+        assert list(wide.body.inertia) == list(system.body.inertia)
+        assert wide.body.d == system.body.d
+        assert in_doubles(scene) is scene
+    (argument,) = in_doubles(load_scene("near_torsion")).steps.maps[0].arguments[0][1]
+    assert argument == Fraction(float(argument)) != Fraction("1.4285714286714285714285714285714285714")
+    assert in_doubles(load_scene("finite_field")) == load_scene("finite_field")
+
+
+def test_special_positions_are_kept_in_doubles():
+    """The scenes that are about an exact position keep it when γ and M are rounded and γ made a unit vector again."""
+
+    def started(name):
+        system, state = in_doubles(load_scene(name)).start(50)
+        _, _, h1, h2 = system.integrals(state)
+        return system, state, system.divisor(state), h1 / h2
+
+    for name in ("separatrix", "double_root"):
+        system, _, _, middle = started(name)
+        assert abs(middle - system.a[1]) < 1e-48
+    _, _, D, middle = started("double_root")
+    assert abs(D.u[1] ** 2 - 4 * D.u[0]) < 1e-48
+    assert abs(D.v[0] + D.v[1] * middle) < 1e-48
+    _, _, D, turning = started("branch_point")
+    assert abs(D.u[0] + turning * (D.u[1] + turning)) < 1e-48
+    assert abs(D.v[0] + D.v[1] * turning) < 1e-48
+    assert abs(turning - Fraction(5, 9)) < 1e-48
+    assert started("gamma_zero")[1].gamma[1] == 0
+    for name, off in (("near_separatrix_4", 1.7e-5), ("near_separatrix_8", 1.7e-9), ("near_separatrix_14", 1.7e-15)):
+        system, _, _, middle = started(name)
+        assert middle - system.a[1] == pytest.approx(off, rel=0.02)
+    system, *_ = started("almost_equal_moments")
+    assert system.inertia[1] - system.inertia[0] == pytest.approx(1.00009e-12, rel=1e-5)
+
+
+def test_a_ball_of_mass_and_radius_has_in_doubles_the_d_of_doubles():
+    given = replace(load_scene("chaplygin"), d=None, mass=Fraction("0.3"), radius=Fraction("0.7"))
+    assert in_doubles(given).start(30)[0].d == given.start(15)[0].d
+
+
+@pytest.mark.parametrize("name", ["chaplygin", "euler_top"])
+def test_the_truth_and_every_comparator_begin_from_the_same_numbers(name, monkeypatch):
+    """Doubles as they are, or in more digits the same doubles with the constraints restored."""
+    scene = load_scene(name)
+    scene = replace(scene, times=replace(scene.times, given=(Fraction("0.1"),), count=0))
+    rows = rows_of(scene, name, "quick")
+    assert all(row.scene == rows[0].scene for row in rows)
+    kept = compute(rows[0].scene, 0.01)
+    truth = Truth(rows[0].scene, kept)
+    doubles = [float(x) for v in (scene.inertia, scene.gamma, scene.M) for x in v]
+    exact = [*truth.system.inertia, *truth.state.gamma, *truth.state.M]
+    assert max(abs(x - y) for x, y in zip(doubles, exact, strict=True)) < 1e-15
+    begun = {}
+
+    def recording(method):
+        def prepare(system, state, setting):
+            begun[method.name] = [*system.inertia, *state.gamma, *state.M]
+            return method.prepare_run(system, state, setting)
+
+        return replace(method, prepare_run=prepare)
+
+    for method in list(METHODS.values()):
+        monkeypatch.setitem(METHODS, method.name, recording(method))
+    for row in rows:
+        if row.kind != "comparator" or row.method in begun:
+            continue
+        measured(row, kept)
+        digits = METHODS[row.method].digits(row.value)
+        if digits == 15:
+            assert begun[row.method] == doubles, row.method
+        else:
+            bound = 10.0 ** (2 - min(digits, truth.digits))
+            assert max(abs(x - y) for x, y in zip(begun[row.method], exact, strict=True)) < bound, row.method
+    assert {method.name for method in METHODS.values() if method.takes(truth.system)} == set(begun)
+
+
+def test_the_flow_in_floats_solves_the_problem_of_the_truth():
+    scene = load_scene("chaplygin")
+    scene = in_doubles(replace(scene, times=replace(scene.times, given=(Fraction(1000),), count=0)))
+    system, state = scene.start(15)
+    trajectory = system.flow(state).at([1000.0])
+    judged = Truth(scene, compute(scene, 0.01)).judge(trajectory.gamma, trajectory.M)
+    assert max(judged["error_gamma"], judged["error_M"]) < 1e-15
+
+
+def test_a_long_double_keeps_its_digits():
+    pytest.importorskip("heyoka")
+    from integrable.oracles.heyoka_taylor import _long_double
+
+    third = MP(30).coerce(1) / 3
+    assert _long_double(1 / 3) == 1 / 3
+    assert abs(MP(30).coerce(format_float_positional(_long_double(third))) - third) < 1e-19
+
+
+def test_a_truth_judges_a_known_displacement():
+    scene = load_scene("gamma_zero")
+    scene = replace(scene, times=replace(scene.times, given=(scene.times.until * 0,), count=0))
+    truth = Truth(scene, compute(replace(scene, times=replace(scene.times, given=(1,))), 0.01) | {
+        "gamma": [["0.6", "0", "0.8"]], "M": [["0.8", "0.5", "-0.6"]], "tau": ["0"],
+    })  # fmt: skip
+    found = truth.judge([[0.6, 0.0, 0.8 + 2.0**-20]], [[0.8, 0.5, -0.6]])
+    assert found["error_gamma"] == pytest.approx(2.0**-20, rel=1e-9)
+    assert found["error_M"] < 1e-16
+    assert found["drift"]["C1"] == pytest.approx(1.6 * 2.0**-20, rel=1e-5)
+    with pytest.raises(ArithmeticError, match="not finite, and said nothing"):
+        truth.judge([[0.6, float("nan"), 0.8]], [[0.8, 0.5, -0.6]])
+
+
+def test_where_the_flow_refuses_a_motion_the_series_is_the_truth_and_says_so(source, monkeypatch):
+    from integrable.systems.system import System
+
+    scene = load_scene(source)
+    usual = compute(scene, 0.01)
+
+    def refused(self, state):
+        raise ArgumentError("no line on a torus")
+
+    monkeypatch.setattr(System, "motion_through", refused)
+    found = compute(scene, 0.01)
+    assert (found["check"], found["clock"], found["refusal"]) == (None, "Taylor series", "no line on a torus")
+    judged = Truth(scene, usual).judge(*(Truth(scene, found).__dict__[name] for name in ("gamma", "M")))
+    assert judged["error_gamma"] < 1e-30
+    assert judged["error_M"] < 1e-30
+
+
+def test_a_truth_that_its_check_does_not_confirm_is_doubtful(done):
+    found = studied(done).findings[0]
+    growth = max(found.floor["conditioning_gamma"], found.floor["conditioning_M"])
+
+    def doubtful(difference):
+        check = found.truth["check"] | {"error_gamma": difference, "digits": 30}
+        return replace(found, truth=found.truth | {"check": check}).doubtful
+
+    assert not doubtful(1e-30 * growth)
+    assert doubtful(20e-30 * growth)
+    assert replace(found, truth=found.truth | {"check": None}).doubtful
+
+
+def test_slopes_leave_the_plateau_out():
+    steps = [2.0**-k for k in range(10)]
+    errors = [max(3 * h**4, 1e-15) for h in steps[:7]] + [2e-15, 4e-15, 3e-15]
+    assert fitted_slope(steps, [h**6 * 1e-3 + 1e-16 for h in steps]) == pytest.approx(6, abs=0.1)
+    assert fitted_slope(steps, errors) == pytest.approx(4, abs=1e-9)
+    assert fitted_slope(steps[:2], errors[:2]) is None
+
+
+def studied(done, **changes):
+    rows, contents, _ = done
+    scene = rows[0].scene
+    study = Study(gather([scene], rows, contents), "quick", "integrable report", {"python": "3"},
+                  {"processor": "p", "cores": 2, "system": "s"}, {}, 1.0)  # fmt: skip
+    return replace(study, **changes)
+
+
+def test_behind_is_what_no_row_of_the_flow_beats(done):
+    scene = studied(done).findings[0]
+    flow, other = scene.flow[0], scene.comparators[0]
+
+    def behind(total, error):
+        row = {**other, "result": {**other["result"], "total": total, "error_gamma": error}}
+        found = replace(scene, comparators=[row], flow=[flow | {"result": flow["result"] | {"total": 1.0}}]).behind()
+        return [(b.flow_error, b.first["total"], b.overtaken, b.cheaper) for b in found]
+
+    error = flow["result"]["error_gamma"]
+    assert behind(2.0, 2 * error) == []
+    assert behind(2.0, error / 2) == [(error, 1.0, None, False)]
+    assert behind(0.5, 2 * error) == [(None, 1.0, 1.0, True)]
+
+
+def test_a_long_scene_has_a_line_that_says_when_the_flow_is_ahead_of_all(done):
+    study = studied(done)
+    scene = study.findings[0]
+    flow, other = scene.flow[0], scene.comparators[0]
+    far = replace(scene.scene, times=replace(scene.scene.times, given=(Fraction(2000),)))
+
+    def line(*rows):
+        shown = [{**other, "result": {**other["result"], "total": total, "error_gamma": e}} for total, e in rows]
+        mine = {**flow, "result": flow["result"] | {"total": 1.0, "error_gamma": 1e-15}}
+        better = {**flow, "result": flow["result"] | {"total": 4.0, "error_gamma": 1e-29}}
+        found = replace(scene, scene=far, comparators=shown, flow=[mine, better])
+        text = page(replace(study, findings=[found]))
+        section = text[text.index("## The scenes with T ≥ 1000") :].split("\n\n")[2]
+        return [cell.strip() for cell in section.splitlines()[2].split("|")[1:-1]]
+
+    assert line((2.0, 1e-12))[4:] == ["none", "–", "–", "none", "–", "1 s"]
+    cells = line((0.5, 1e-12), (2.0, 1e-15), (3.0, 1e-20))
+    assert cells[5:7] == ["2 s", "2"]
+    assert cells[8:] == ["1.0e-12", "4 s"]
+    assert line((5.0, 1e-35))[-1] == "never"
+
+
+def test_steps_that_would_take_too_long_are_given_up_soon(rows, done, monkeypatch):
+    from integrable.study import measure
+
+    kept = done[1][next(row for row in rows if row.kind == "truth").key]["result"]
+    row = next(row for row in done[0] if row.kind == "backlund")
+    monkeypatch.setattr(measure, "TRIAL", 0.001)
+    monkeypatch.setitem(LIMITS, "quick", replace(LIMITS["quick"], run=0.002))
+    with pytest.raises(measure.TooLong, match="not run: a whole run would take about"):
+        measured(row, kept)
+
+
+def test_a_miss_of_the_floor_is_told_with_its_cause_and_silent_errors_are_found(done):
+    scene = studied(done).findings[0]
+    flow, floor = scene.flow[0]["result"], scene.floor
+
+    def judged(error, drift):
+        changed = flow | {"error_gamma": error, "error_M": 0.0, "drift": dict.fromkeys(flow["drift"], drift)}
+        found = replace(scene, flow=[scene.flow[0] | {"result": changed}])
+        return found.over_floor, found.silently_wrong, found.cause
+
+    assert judged(5 * floor["floor_gamma"], 0.0)[:2] == (pytest.approx(5), False)
+    over, silent, cause = judged(1e-3, 1e-3)
+    assert over > 1e9
+    assert silent
+    assert cause == "additions leave the level set of the integrals"
+    assert judged(1e-3, 1e-6)[2].startswith("on the level set, in the phase")
+
+
+def test_the_page_lists_rows_behind_before_scenes(done):
+    study = studied(done)
+    text, said = page(study), answer(study)
+    assert text.index("## Claims") < text.index("## Rows where the divisor flow is not ahead")
+    assert text.index("## Rows where") < text.index("## The flow's error and the floor") < text.index("## top: A short")
+    assert "| The truth agrees with an independent integrator. | 1 of 1 scenes | holds |" in text
+    assert said.index("not ahead" if study.behind else "is ahead") < said.index("over floor")
+    assert not study.findings[0].long
+    assert not study.findings[0].doubtful
+
+
+def test_figures_have_axes_units_a_legend_and_the_floor(done):
+    from integrable.study.figures import as_bytes, error_against_run_time, floors
+
+    study = studied(done)
+    for drawing, words in (
+        (error_against_run_time(study.findings[0]), ("run time with set-up, seconds", "largest error of γ over the run",
+         "lower left is better", "floor of doubles", "SciPy DOP853", FLOW)),
+        (floors(study.findings), ("error of the flow in floats / floor", "top")),
+    ):  # fmt: skip
+        text = as_bytes(drawing, "svg").decode()
+        assert all(word in text for word in words)
+        assert as_bytes(drawing, "png").startswith(b"\x89PNG")
+
+
+def test_arguments_that_are_wrong_are_named(tmp_path, source, capsys):
+    with pytest.raises(ArgumentError, match="jobs: 0 given; at least one process"):
+        report([source], out=tmp_path, jobs=0)
+    with pytest.raises(ArgumentError, match='"top" given 2 times'):
+        report([source, source], out=tmp_path)
+    assert main(["report", "no_such_scene", "--out", str(tmp_path)]) == 2
+    assert "no such scene" in capsys.readouterr().err
+
+
+def test_rows_of_every_shipped_scene_have_keys_of_their_own():
+    from integrable.scene.run import scene_names
+
+    for mode in ("quick", "full"):
+        every = [row for name in scene_names() for row in rows_of(load_scene(name), name, mode)]
+        keys = [row.key for row in every]
+        assert len(set(keys)) == len(keys)
+        assert all(row.truth in keys for row in every if row.kind in ("flow", "comparator", "backlund"))
+
+
+def test_an_exact_orbit_has_error_zero(tmp_path):
+    path = tmp_path / "orbit.toml"
+    path.write_text(ORBIT, encoding="utf-8")
+    study = report([str(path)], out=tmp_path / "out", quick=True, formats=(), jobs=1)
+    (found,) = study.findings
+    assert found.orbit["rows"][0]["error_gamma"] == 0
+    assert found.orbit["jump"] == 0
+    assert not any(found.orbit["rows"][0]["drift"].values())
+    assert "Orbits over finite fields are exact. | 1 of 1 orbits" in (tmp_path / "out" / "report.md").read_text("utf-8")
+
+
+@pytest.mark.slow
+def test_the_command_from_end_to_end(source, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["report", source, "--quick", "--out", str(out), "--format", "both"]) == 0
+    said = capsys.readouterr().out
+    assert "over floor" in said
+    text = (out / "report.md").read_text(encoding="utf-8")
+    for section in ("Set-up, first use", "What a scene leaves out", "The flow's error and the floor"):
+        assert f"## {section}" in text
+    assert {path.name for path in (out / "figures" / "report").iterdir()} == {
+        f"{name}.{suffix}" for name in ("top", "floors") for suffix in ("png", "svg")
+    }
+    for link in ("figures/report/top", "figures/report/floors"):
+        assert f"]({link}." in text
+
+
+def test_additions_near_a_divisor_keep_their_digits_and_near_its_opposite_lose_them_by_one_over_the_distance():
+    from integrable.study.additions import near_additions
+
+    rows = near_additions(load_scene("chaplygin"))["rows"]
+    assert [row["distance"] for row in rows] == [1.0, 1e-3, 1e-6, 1e-9, 1e-12]
+    assert all(row["doubling"] < 1e-13 for row in rows)
+    for row in rows[:-1]:
+        assert row["opposite"] < 1e-12 / row["distance"]
+    assert rows[2]["opposite"] > 1e-12
+    assert rows[-1]["opposite"].startswith("PrecisionLoss")
+
+
+@pytest.mark.parametrize(
+    ("name", "adds"), [("tilde_poles", True), ("hat", True), ("tilde_potential", False), ("gyroscopic", False)]
+)
+def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
+    """In repelling poles too: they were labelled as integrated."""
+    scene = load_scene(name)
+    assert is_divisor_flow(scene.start(16)[0]) is adds
+    methods = {row.method for row in rows_of(scene, name, "quick") if row.kind == "flow"}
+    assert methods == {FLOW if adds else "extrapolation"}

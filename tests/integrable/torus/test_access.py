@@ -1,0 +1,272 @@
+"""Random access on the torus: against the table of counts and quadrature at more digits, on every kind of body."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop, load_scene
+from integrable.motion.precise import PreciseFlow
+from integrable.oracles.reference import taylor
+from integrable.torus import walks
+from integrable.torus.access import CompiledLoops, ReadableLoops, TorusFlow
+from integrable.torus.long_periods import directed
+from integrable.torus.series import TorusSeries, needed_sizes, spectrum
+from jacobian import MP
+from jacobian.errors import ArgumentError, PrecisionLoss
+
+START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+BALL = ChaplyginBall((1, 2, 3), 0.7)
+
+
+def beside_the_separatrix(size: float):
+    """M turned by ``size`` from the middle axis: H1/H2 is within size² of a2."""
+    return BALL, (0, 0, 1), (size, (1 - size * size) ** 0.5, 0)
+
+
+# name: system, γ, M, error of a component of γ in floats that is allowed
+SCENES = {
+    "S1": (BALL, *START, 4e-16),
+    "S2": (EulerTop((1, 2, 3)), *START, 4e-16),
+    "S4a, thin": (ChaplyginBall((1e-4, 1, 1.5), 1), *START, 4e-16),
+    "thinner": (ChaplyginBall((1e-8, 1, 1.5), 1), *START, 4e-16),
+    "1e-4 beside the separatrix": (*beside_the_separatrix(1e-2), 4e-16),
+    "1e-8 beside the separatrix": (*beside_the_separatrix(1e-4), 4e-16),
+    "1e-12 beside the separatrix": (*beside_the_separatrix(1e-6), 4e-15),
+    "1e-14 beside the separatrix": (*beside_the_separatrix(1e-7), 1e-12),
+    "two equal moments": (ChaplyginBall((1, 1, 2), 0.7), *START, 4e-16),
+    "two equal moments, top": (EulerTop((2, 1, 1)), *START, 4e-16),
+    "nearly equal moments, 1e-6": (ChaplyginBall((1, 1 + 1e-6, 2), 0.7), *START, 4e-16),
+    "nearly equal moments, 1e-12": (ChaplyginBall((1, 1 + 1e-12, 2), 0.7), *START, 4e-16),
+    "moments 1 : 10^4 : 10^8": (ChaplyginBall((1, 1e4, 1e8), 1), *START, 4e-16),
+    "moments 10^-4 : 1 : 10^4": (ChaplyginBall((1e-4, 1, 1e4), 1), *START, 4e-16),
+    "d = 1e-12": (ChaplyginBall((1, 2, 3), 1e-12), *START, 4e-16),
+    "heavy ball, d·max a → 1": (ChaplyginBall((1, 2, 3), 1000), *START, 4e-16),
+    "fast spin": (BALL, START[0], (3840, 12800, -14880), 4e-16),
+    "slow spin": (BALL, START[0], (0.384e-8, 1.28e-8, -1.488e-8), 4e-16),
+    "gamma_1 = gamma_2 = 0": (BALL, (0, 0, 1), (1, 0.5, 0), 4e-16),
+    "gamma_2 = 0": (BALL, (0.6, 0, 0.8), (0.8, 0.5, -0.6), 4e-16),
+    "relative equilibrium": (BALL, (0, 0, 1), (1, 0, 0), 4e-16),
+    "(γ, M) = 1.5": (BALL, START[0], (1.104, 2.18, -0.528), 4e-16),
+    "(γ, M) ≠ 0, top": (EulerTop((1, 2, 3)), START[0], (1.104, 2.18, -0.528), 4e-16),
+}
+
+
+def scene(name: str):
+    system, gamma, M, tolerance = SCENES[name]
+    return system, system.state(gamma, M, tilted="(γ, M)" in name), np.linalg.norm(M), tolerance
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_any_tau_against_the_table_of_counts_at_25_digits(name) -> None:
+    """τ|M| up to 10^6, forth and back: other additions, in other numbers."""
+    system, state, spin, tolerance = scene(name)
+    tau = np.array([0.0, 1.0, -30.0, 1e3, 1e6]) / spin
+    rows = system.flow(state, kernel="compiled").at_tau(tau)
+    precise = PreciseFlow(system.body, state, 25)
+    truth = precise.vectors(precise.at_tau(tau.tolist()))
+    for gamma, M, (true_gamma, true_M) in zip(rows.gamma, rows.M, truth, strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(gamma.tolist(), true_gamma, strict=True)) < tolerance
+        assert max(abs(float(x - y)) for x, y in zip(M.tolist(), true_M, strict=True)) < 2 * tolerance * spin
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["S1", "two equal moments", "gamma_2 = 0", "slow spin", "(γ, M) = 1.5", "S4a, thin", "moments 1 : 10^4 : 10^8"],
+)
+def test_any_time_against_quadrature_at_25_digits(name) -> None:
+    system, state, spin, _ = scene(name)
+    times = np.array([2.0, -14.0, 60.0]) / spin
+    rows = system.flow(state, kernel="compiled").at(times)
+    precise = PreciseFlow(system.body, state, 25)
+    tau, points = precise.at(times.tolist())
+    for found, (gamma, _) in zip(rows.gamma.tolist(), precise.vectors(points), strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(found, gamma, strict=True)) < 2e-15
+    for found, true in zip(rows.tau.tolist(), tau, strict=True):
+        assert abs(float(found - true)) < 4e-15 * float(abs(true))
+
+
+def test_branch_points_within_a_millionth_of_each_other() -> None:
+    """m r² = 10⁶ times the moments: series about centres that close leave the range of floats, the torus does not."""
+    system = ChaplyginBall((1, 2, 3), 1e6)
+    state = system.state(*START)
+    times = np.array([1e5, -3e5])
+    run = system.flow(state, kernel="compiled").at(times)
+    precise = PreciseFlow(system.body, state, 17)
+    for gamma, (truth, _) in zip(run.gamma.tolist(), precise.vectors(precise.at(times.tolist())[1]), strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(gamma, truth, strict=True)) < 1e-14
+
+
+@pytest.mark.parametrize("name", ["S1", "S2", "(γ, M) = 1.5", "gamma_2 = 0", "moments 1 : 10^4 : 10^8"])
+def test_the_error_does_not_grow_with_the_time(name) -> None:
+    """T = 10^6 … 10^12 beside 48 digits, by the same series in the readable loops."""
+    system, state, _, _ = scene(name)
+    times = [1e12, -1e9, 1e6]
+    compiled, readable = (system.flow(state, kernel=kernel).at(times) for kernel in ("compiled", "python"))
+    assert np.abs(compiled.gamma - readable.gamma).max() < 1e-12
+    assert np.abs(compiled.M - readable.M).max() < 2e-12
+
+
+@pytest.mark.parametrize("name", ["S1", "S4a, thin", "1e-4 beside the separatrix", "(γ, M) = 1.5"])
+def test_times_of_both_kinds_are_inverse_to_each_other(name) -> None:
+    system, state, spin, _ = scene(name)
+    flow = system.flow(state, kernel="compiled")
+    times = np.random.default_rng(3).uniform(-1e4, 1e4, 2000) / spin
+    run = flow.at(times)
+    assert flow.physical_time(run.tau) == pytest.approx(times, rel=1e-14, abs=1e-13 / spin)
+    # 0 < dt/dτ = 1/g ≤ 1 for an upright body
+    order = np.argsort(times)
+    assert (np.diff(run.tau[order]) > 0).all()
+
+
+def test_many_times_keep_the_integrals() -> None:
+    for name in SCENES:
+        system, state, spin, tolerance = scene(name)
+        times = np.random.default_rng(5).uniform(-1e5, 1e5, 600) / spin
+        run = system.flow(state, kernel="compiled").at(times)
+        for found, expected in zip(run.integrals[2:], system.integrals(state)[2:], strict=True):
+            assert np.abs(found / expected - 1).max() < max(10 * tolerance, 1e-14)
+
+
+@pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14"])
+def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
+    """One walk around the long period multiplies its errors by what the motion leaves the unstable rotation with."""
+    scene = load_scene(name)
+    system, state = scene.start(15)
+    flow = system.flow(state, kernel="compiled")
+    times = np.array([50.0, 1000.0])
+    run = flow.at(times)
+    assert flow._torus is not None
+    precise = PreciseFlow(system.body, state, 20)
+    truth = precise.vectors(precise.at(times.tolist())[1])
+    for gamma, (true, _) in zip(run.gamma.tolist(), truth, strict=True):
+        assert max(abs(float(x - y)) for x, y in zip(gamma, true, strict=True)) < 2e-13
+
+
+def test_the_corners_of_the_cells_close() -> None:
+    """A walk around either period of the torus leads back, to what the polynomials of a translation leave out."""
+    system, state, _, _ = scene("S1")
+    setup = system.flow(state).setup
+    assert TorusFlow(setup, CompiledLoops()).closure < 1e-26
+    assert TorusFlow(setup, ReadableLoops(setup)).closure < 1e-26
+
+
+def test_directions_are_polynomials() -> None:
+    """T(s, cs) from the table against Newton's method in the wide precision."""
+    system, state, _, _ = scene("S1")
+    setup = system.flow(state).setup
+    torus = TorusFlow(setup, ReadableLoops(setup))
+    n, origin = ReadableLoops.terms, torus.units.origin
+    for k, (centre, reach) in enumerate(zip(torus.lattice.chart.centres, torus.lattice.chart.reaches, strict=True)):
+        for x in (1.0, -0.4, 1e-3):
+            with setup.reals:
+                found = walks.small_translation(torus._axes, centre, torus._tables, 4 * n * k, n, setup.reals.number(x))
+            u0, u1, v0, v1, *pairs = directed(setup, centre + origin, setup.wide.coerce(x) * reach)
+            truth = (u0 + (u1 + origin) * origin, u1 + 2 * origin, v0 + v1 * origin, v1, *pairs)
+            assert (
+                max(abs(float(a) - float(b)) / (1 + abs(float(b))) for a, b in zip(found, truth, strict=True)) < 1e-15
+            )
+
+
+def test_turns_beyond_double_double_numbers_are_refused() -> None:
+    system, state, _, _ = scene("S1")
+    flow = system.flow(state, kernel="compiled")
+    for move in (flow.at, flow.at_tau, flow.physical_time):
+        with pytest.raises(PrecisionLoss, match=r"time 1e\+20.*turns of a phase.*more digits"):
+            move([1e20])
+
+
+# --- the series of a clock
+
+
+def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
+    nu = (MP(40).coerce("0.3"), MP(40).coerce("-0.71"))
+    first, second = np.meshgrid(np.arange(16) / 16, np.arange(8) / 8, indexing="ij")
+
+    def rate(a, b):
+        return 2 + np.cos(2 * np.pi * (3 * a - b)) - 0.5 * np.sin(2 * np.pi * 2 * b)
+
+    series = TorusSeries(spectrum(rate(first, second)), nu)
+    assert series.mean == pytest.approx(2)
+    tau = np.linspace(-5, 7, 50)
+    w1, w2 = 2 * np.pi * (0.9 + 0.71), -4 * np.pi * 0.71
+    swing = np.sin(w1 * tau) / w1 - 0.5 * (1 - np.cos(w2 * tau)) / w2
+    assert series.at(0.3 * tau, -0.71 * tau) == pytest.approx(swing, abs=1e-14)
+    packed = series.packed()
+    for t, expected in zip(tau, swing, strict=True):
+        found, slope = walks.swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed[5][1]))
+        assert found == pytest.approx(expected, abs=1e-14)
+        assert slope == pytest.approx(rate(0.3 * t, -0.71 * t), abs=1e-13)
+
+
+def test_a_mode_in_resonance_is_refused() -> None:
+    first, second = np.meshgrid(np.arange(8) / 8, np.arange(8) / 8, indexing="ij")
+    with pytest.raises(PrecisionLoss, match=r"mode \(1, 2\)"):
+        TorusSeries(spectrum(np.cos(2 * np.pi * (first + 2 * second))), (MP(20).coerce(2), MP(20).coerce(-1)))
+
+
+def test_a_grid_that_is_too_coarse_is_noticed() -> None:
+    def samples(size: int) -> np.ndarray:
+        angles = 2 * np.pi * np.arange(size) / size
+        return 1 / (1.3 + np.cos(angles)[:, None] + 0 * angles)
+
+    rows, columns = needed_sizes(spectrum(samples(32)), (1e-15, 1e-15))
+    assert rows > 32
+    assert columns == 32
+    # the coefficients fall like 0.47^k: to 1e-15 at 46
+    assert needed_sizes(spectrum(samples(128)), (1e-15, 1e-15)) == (128, 128)
+
+
+# --- dense output
+
+
+@pytest.mark.parametrize("name", ["S1", "S2", "S4a, thin", "(γ, M) = 1.5"])
+def test_dense_output_is_the_scattered_one(name) -> None:
+    system, state, _, tolerance = scene(name)
+    flow = system.flow(state, kernel="compiled")
+    times = np.linspace(-3, 17, 40_001)
+    run = flow.at(times)
+    chosen = np.random.default_rng(1).integers(0, len(times), 500)
+    scattered = flow.at(times[chosen])
+    assert np.abs(run.gamma[chosen] - scattered.gamma).max() < 2e-14 + 10 * tolerance
+    assert np.abs(run.M[chosen] - scattered.M).max() < 4e-14 + 10 * tolerance
+    assert np.abs(run.tau[chosen] - scattered.tau).max() < 1e-13
+    dense = flow.at_tau(times)
+    assert np.abs(dense.gamma[chosen] - flow.at_tau(times[chosen]).gamma).max() < 2e-14 + 10 * tolerance
+
+
+def test_a_stream_is_the_run_and_appears_when_complete(tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("integrable.motion.stream.CHUNK", 700)
+    flow = BALL.flow(BALL.state(*START), kernel="compiled")
+    flow.stream(tmp_path / "run.npy", -1.0, 5.0, 1501)
+    rows = np.load(tmp_path / "run.npy")
+    assert rows.shape == (1501, 7)
+    assert rows[:, 0] == pytest.approx(np.linspace(-1, 5, 1501), abs=1e-15)
+    run = flow.at(rows[:, 0])
+    assert np.abs(rows[:, 1:4] - run.gamma).max() < 1e-13
+    assert np.abs(rows[:, 4:] - run.M).max() < 1e-13
+    with pytest.raises(PrecisionLoss):
+        flow.stream(tmp_path / "never.npy", 0, 1e20, 10)
+    assert [path.name for path in tmp_path.iterdir()] == ["run.npy"]
+    for arguments, words in (((0, 1, 1), "count = 1"), ((0, 1, 2.5), "count = 2.5"), (("x", 1, 5), "start")):
+        with pytest.raises(ArgumentError, match=words):
+            flow.stream(tmp_path / "bad.npy", *arguments)
+
+
+# --- three equal moments
+
+
+@pytest.mark.parametrize("tilted", [False, True])
+@pytest.mark.parametrize("system", [ChaplyginBall((2, 2, 2), 0.7), EulerTop((2, 2, 2))], ids=["ball", "top"])
+def test_a_sphere_turns_uniformly(system, tilted) -> None:
+    state = system.state(START[0], (1.104, 2.18, -0.528) if tilted else START[1], tilted=tilted)
+    flow = system.flow(state, kernel="compiled")
+    times = [0.0, 1.5, -4.0]
+    truth = taylor(system, state, times, digits=20)
+    run = flow.at(times)
+    assert np.abs(run.gamma - truth.gamma.astype(float)).max() < 1e-15
+    assert np.abs(run.M - truth.M.astype(float)).max() < 2e-15
+    assert flow.at_tau(run.tau).gamma == pytest.approx(run.gamma, abs=1e-15)
+    assert flow.physical_time(run.tau) == pytest.approx(times, rel=1e-15)
+    # whole turns in 10^12 units of time
+    assert pytest.approx(1, abs=1e-15) == flow.at([1e12]).integrals.C1

@@ -1,0 +1,209 @@
+"""The real torus of a motion: its periods, its cells, the clock of multiprecision on it, and motions that have none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall
+from integrable.motion.precise import PreciseFlow
+from integrable.moving_point.setup import Setup
+from integrable.torus.access import ReadableLoops, TorusFlow
+from integrable.torus.lattice import TorusLattice
+from integrable.torus.long_clock import MultiprecisionTorusClock
+from integrable.torus.long_grid import TorusGrid
+from integrable.torus.long_periods import directed, ovals, translation
+from integrable.torus.survey import complete, oval_periods
+from jacobian import MP, HyperellipticCurve
+from jacobian.errors import PrecisionLoss
+from jacobian.periods.matrix import real_periods
+
+BALL = ChaplyginBall((1, 2, 3), 0.7)
+START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+# γ2 = 0: u1 is at a branch point, like the half periods
+AT_A_BRANCH_POINT = ((0.6, 0.0, 0.8), (0.8, 0.5, -0.6))
+# 1/d is next to a1
+THIN = ChaplyginBall((1e-4, 1, 1.5), 1)
+
+
+def setup_of(ball, gamma, M):
+    return ball.flow(ball.state(gamma, M)).setup
+
+
+@pytest.mark.parametrize("start", [START, AT_A_BRANCH_POINT], ids=["generic", "branch point"])
+def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
+    state = BALL.state(*start)
+    precise = PreciseFlow(BALL.body, state, 16)
+    setup = precise._motion.setup
+    for t in (-9.0, 3.0, 40.0):
+        (tau,), _ = precise.at([t])
+        scaled = MultiprecisionTorusClock(setup).tau([precise._motion.scaled(t)])[0]
+        assert abs(scaled / setup.clock - tau) < 1e-15
+
+
+@pytest.mark.parametrize("ball", [BALL, THIN], ids=["ball", "thin"])
+def test_the_arithmetic_geometric_mean_gives_the_periods_of_quadrature(ball) -> None:
+    setup = setup_of(ball, *START)
+    curve = HyperellipticCurve(setup.wide, setup.wide_f)
+    for found, oval in zip(ovals(setup), real_periods(curve, setup.wide_branch_points), strict=True):
+        assert max(abs(x - y) for x, y in zip(found.periods, oval.periods, strict=True)) < 1e-38
+        assert (found.start, found.end) == pytest.approx((oval.start, oval.end))
+
+
+def test_the_period_of_a_shrunk_oval_is_a_residue() -> None:
+    """α1 = α2 is an isolated double point: 2∫ → 2π/√|f/(x − α)²|, and nearly equal moments lead there."""
+    setup = setup_of(ChaplyginBall((1, 1, 2), 0.7), *START)
+    second = setup_of(ChaplyginBall((1, 1 + 1e-9, 2), 0.7), *START)
+    K = setup.wide
+    point = max(ovals(setup), key=lambda oval: -(oval.end - oval.start))
+    a = point.start
+    # f/(x − a)² from the other roots and the leading coefficient
+    rest = setup.wide_f[5]
+    for e in sorted(setup.wide_branch_points, key=lambda e: abs(e - a))[2:]:
+        rest *= a - e
+    assert abs(point.periods[0] - 2 * K.context.pi / K.sqrt(abs(rest))) < 1e-38
+    assert abs(point.periods[1] - a * point.periods[0]) < 1e-38
+    near = min(ovals(second), key=lambda oval: oval.end - oval.start)
+    assert float(near.periods[0]) == pytest.approx(float(point.periods[0]), rel=1e-7)
+
+
+def test_half_periods_are_differences_of_branch_points() -> None:
+    """T(Λ_k/2) has order two: its V' vanishes, and U' has branch points as roots."""
+    setup = setup_of(BALL, *START)
+    for low, high, period in ovals(setup):
+        u0, u1, v0, v1 = translation(setup, [c / 2 for c in period])[:4]
+        for e in (low, high):
+            assert abs(u0 + u1 * e + e * e) < 1e-30
+        assert max(abs(v0), abs(v1)) < 1e-30
+
+
+@pytest.mark.parametrize("d", [0.7, 0], ids=["ball", "top"])
+def test_a_period_leads_back_up_to_signs(d) -> None:
+    """At d = 0 too, where the periods of x dx/y differ by the residue at infinity."""
+    setup = setup_of(ChaplyginBall((1, 2, 3), d), *START)
+    for oval in ovals(setup):
+        third = translation(setup, [c / 3 for c in oval.periods])
+        point = setup.wide_start
+        for _ in range(3):
+            point = setup.moved(third, point)
+        for i in range(4):
+            assert abs(point[i] - setup.wide_start[i]) < 1e-30
+        for i in range(4, 10):
+            assert abs(abs(point[i]) - abs(setup.wide_start[i])) < 1e-30
+
+
+def test_directions_add_up() -> None:
+    """T(ε, cε) at two centres against the general translation."""
+    setup = setup_of(BALL, *START)
+    K = setup.wide
+    s, w = K.coerce("0.1"), K.coerce("0.07")
+    both = setup.combine(directed(setup, -2, s), directed(setup, "0.25", w))
+    found = translation(setup, (s + w, w / 4 - 2 * s))
+    assert max(abs(x - y) for x, y in zip(both, found, strict=True)) < 1e-35
+
+
+@pytest.mark.parametrize("ball", [BALL, THIN, ChaplyginBall((1, 1e4, 1e8), 1)], ids=["ball", "thin", "far apart"])
+def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball) -> None:
+    setup = setup_of(ball, *START)
+    lattice = TorusLattice(setup)
+    (a, b), (c, d) = lattice.chart.basis
+    assert abs(a * d - b * c) == 1
+    nu = lattice.frequencies
+    assert abs(sum(n * p[0] for n, p in zip(nu, lattice.periods, strict=True)) - 1) < 1e-35
+    assert abs(sum(n * p[1] for n, p in zip(nu, lattice.periods, strict=True))) < 1e-35
+    for parts in (lattice.parts[:2], lattice.parts[2:]):
+        corner = sum(abs(float(part)) / (2 * n) for part, n in zip(parts, lattice.cells, strict=True))
+        assert corner <= 1 + 1e-12
+
+
+@pytest.mark.parametrize(
+    ("ball", "start", "tilted"),
+    [
+        (BALL, START, False),
+        (THIN, START, False),
+        (ChaplyginBall((1, 1.01, 2), 0.7), START, False),
+        (BALL, (START[0], (1.104, 2.18, -0.528)), True),
+    ],
+    ids=["ball", "thin", "moments nearly equal", "tilted"],
+)
+def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> None:
+    """A determinant of complete elliptic integrals against the mean over grids, which nears it geometrically."""
+    state = ball.state(*start, tilted=tilted)
+    setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
+    grid = TorusGrid(setup)
+    found = TorusFlow(setup, ReadableLoops(setup)).mean
+    coarse, fine = (abs(float(grid.mean(grid.samples(*sizes)) / found - 1)) for sizes in ((16, 32), (64, 128)))
+    assert fine < max(coarse**2, 1e-30)
+    assert fine < 1e-15
+
+
+def test_the_general_complete_elliptic_integral() -> None:
+    """Against mpmath: cel(k, p, 1, 1) = Π(1 − p | 1 − k²), cel(k, 1, 1, k²) = E, cel(k, 1, 1, 1) = K."""
+    K = MP(60)
+    for k, p in (("0.3", "0.2"), ("0.9", "4"), ("1e-8", "1e-6"), ("5", "0.01")):
+        k, p = K.coerce(k), K.coerce(p)
+        pi, near = +K.context.pi, 1e-15
+        first = complete(k, p, K.one, K.one, pi, near)
+        assert abs(first / K.context.ellippi(1 - p, 1 - k * k) - 1) < 1e-24
+        assert abs(complete(k, K.one, K.one, k * k, pi, near) / K.context.ellipe(1 - k * k) - 1) < 1e-24
+        assert abs(complete(k, K.one, K.one, K.one, pi, near) / K.context.ellipk(1 - k * k) - 1) < 1e-24
+
+
+def test_ovals_that_nearly_meet_keep_the_digits_of_their_periods() -> None:
+    """Two ovals that are 2^-80 apart, at two precisions."""
+    K, L = MP(40), MP(80)
+    for exponent in (10, 40, 80):
+        rows = []
+        for field in (K, L):
+            out = [field.zero] * 4
+            middle = field.coerce("0.5")
+            ends = (field.coerce("0.3"), middle, middle + middle**exponent, field.one)
+            oval_periods(ends, field.coerce("0.9"), field.one, +field.context.pi, field.eps**0.5 / 16, out)
+            rows.append(out)
+        assert max(abs(float(K.coerce(x) / y - 1)) for y, x in zip(*rows, strict=True)) < 1e-29
+
+
+def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> None:
+    """H1/H2 = a2: e^(λt) outgrows every digit of a float by t = 400; more digits carry it."""
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    flow = ball.flow(ball.state((0, 0, 1), (0, 1, 0)))
+    with pytest.raises(PrecisionLoss, match="met"):
+        TorusLattice(flow.setup)
+    run = flow.at([1.0, 400.0])
+    # M rests, and γ turns about the middle axis
+    assert np.abs(run.M - [0, 1, 0]).max() < 1e-15
+    angle = MP(30).coerce(400) * ball.field.coerce(ball.a[1])
+    assert run.gamma[1] == pytest.approx(
+        [-float(MP(30).context.sin(angle)), 0, float(MP(30).context.cos(angle))], abs=1e-13
+    )
+    with pytest.raises(PrecisionLoss, match=r"loses more than \d+ digits .* times nearer to 0"):
+        flow.at([1e12])
+
+
+@pytest.mark.parametrize(
+    ("inertia", "gamma", "M"),
+    [((1, 1, 2), *START), ((1, 2, 3), (0, 0, 1), (1, 0, 0)), ((1, 1 + 1e-12, 2), *START)],
+    ids=["equal moments", "relative equilibrium", "nearly equal moments"],
+)
+def test_isolated_double_points_leave_the_torus_compact(inertia, gamma, M) -> None:
+    ball = ChaplyginBall(inertia, 0.7)
+    flow = ball.flow(ball.state(gamma, M), kernel="compiled")
+    run = flow.at([40.0, 1e12])
+    assert isinstance(flow._torus, TorusFlow)
+    assert np.abs(run.integrals.H1 / ball.integrals(flow.state).H1 - 1).max() < 1e-14
+    again = ball.flow(flow.state, kernel="python").at([40.0, 1e12])
+    assert np.abs(run.gamma - again.gamma).max() < 1e-15
+
+
+def test_far_times_against_the_same_motion_in_multiprecision() -> None:
+    """T = 10^6 and 10^9 at 30 digits, by an independent series on the torus and the table of counts."""
+    times = [1e6, 1e9]
+    found = BALL.flow(BALL.state(*START), kernel="compiled").at(times).gamma
+    K = MP(30)
+    ball = ChaplyginBall((1, 2, 3), 0.7, field=K)
+    gamma, M = ([K.coerce(x) for x in v] for v in START)
+    size = K.sqrt(K.dot(gamma, gamma))
+    gamma = [x / size for x in gamma]
+    tilt = K.dot(gamma, M)
+    truth = ball.flow(ball.state(gamma, [m - tilt * x for m, x in zip(M, gamma, strict=True)])).at(times).gamma
+    assert np.abs(found - truth.astype(float)).max() < 1e-14

@@ -1,0 +1,182 @@
+"""Which kernel a group runs, and when it changes over to compiled code."""
+
+import logging
+from importlib.util import find_spec
+from random import Random
+
+import pytest
+
+from jacobian import GF, QQ, RR, HyperellipticCurve
+from jacobian.addition import calls, choice, genus2_prime
+from jacobian.addition.calls import LineKernel, WordKernel
+from jacobian.addition.choice import Counted, compiled_kernel, kernel, python_kernel
+from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
+from tests.jacobian.group_curves import random_curve
+from tests.jacobian.jacobian_rows import Row
+
+CURVE = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1])
+
+
+@pytest.fixture
+def fresh(monkeypatch):
+    """A process that has not added yet and changes over after 1000 additions, or 5000 where nothing is cached."""
+    monkeypatch.setattr(Counted, "spent", 0)
+    monkeypatch.setattr(choice, "READY", 1000)
+    monkeypatch.setattr(choice, "COLD", 5000)
+    return monkeypatch
+
+
+def owner(J):
+    return type(J._sum_of.__self__)
+
+
+def test_work_makes_the_change(fresh):
+    fresh.setattr(calls, "is_cached", lambda: True)
+    J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
+    D = E = J.random(Random(1))
+    sums = [E := E + D for _ in range(900)]
+    assert owner(J) is Counted
+    counted = J._sum_of
+    sums += [E := E + D for _ in range(300)]
+    assert owner(J) is LineKernel
+    assert J._double.__self__ is J._multiple.__self__ is J._sum_of.__self__
+    # who kept the old kernel is served by the new one
+    assert counted.__self__._sum_of == J._sum_of
+    add = python_kernel(CURVE).sum_of
+    total = (D.u, D.v, D.n)
+    for found in sums:
+        total = add(total, (D.u, D.v, D.n))
+        assert (found.u, found.v, found.n) == total
+
+
+def test_nothing_is_compiled_for_little_work(fresh):
+    fresh.setattr(calls, "is_cached", lambda: False)
+    fresh.setattr(calls, "word_kernel", None)
+    J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
+    D = J.random(Random(1))
+    for _ in range(4700):
+        D = D.double()
+    assert owner(J) is Counted
+    fresh.setattr(calls, "word_kernel", WordKernel)
+    for _ in range(400):
+        D = D.double()
+    assert owner(J) is WordKernel
+
+
+def test_an_addition_does_not_fail_for_want_of_compiled_code(fresh, caplog):
+    def unusable(C):
+        raise RuntimeError("cannot cache function: no locator available")
+
+    fresh.setattr(calls, "is_cached", lambda: True)
+    fresh.setattr(calls, "word_kernel", unusable)
+    J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
+    D = J.random(Random(1))
+    assert 2**3000 * D == 2**1500 * (2**1500 * D)
+    for _ in range(2000):
+        D = D.double()
+    assert owner(J) is Counted
+    assert [record.getMessage() for record in caplog.records] == [
+        "no compiled kernels in this process: cannot cache function: no locator available"
+    ]
+
+
+def test_multiples_are_counted_by_their_length(fresh):
+    fresh.setattr(calls, "is_cached", lambda: True)
+    J = HyperellipticCurve(GF(2, 8, (1, 0, 1, 1, 1, 0, 0, 0, 1)), [1, 5, 7, 0, 2, 1], [1, 1]).jacobian()
+    D, m = J.random(Random(1)), (1 << 100) + 1
+    expected = m * D
+    for _ in range(7):
+        assert m * D == expected
+    assert owner(J) is Counted
+    for _ in range(3):
+        assert m * D == expected
+    assert owner(J) is WordKernel
+
+
+def test_a_group_of_few_additions_stays_as_it_is(fresh):
+    fresh.setattr(Counted, "spent", 10**9)
+    J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
+    D = J.random(Random(1))
+    J._adopt(kernel(J._model, J._adopt))
+    for _ in range(choice.SHARE):
+        D = D.double()
+    assert owner(J) is Counted
+    D.double()
+    assert owner(J) is LineKernel
+
+
+def test_compile_at_once(caplog):
+    C = random_curve(GF(101), 2, "compile", model="split", with_h=True)
+    J, rng = C.jacobian(), Random(2)
+    D, E = J.random(rng), J.random(rng)
+    expected = D + E, D.double(), 77 * D, -77 * D
+    with caplog.at_level(logging.WARNING):
+        J.compile()
+    assert owner(J) is WordKernel
+    assert (D + E, D.double(), 77 * D, -77 * D) == expected
+    assert not caplog.records
+
+
+def test_a_moved_model_is_compiled_too():
+    # of formal degree 6 with one point at infinity: added on another equation, shown in its own coordinates
+    C = Row("GF(7)", "moved", 2, True).curve
+    assert C.arithmetic_model is not C
+    J = C.jacobian()
+    every = list(J.points())
+    sums = [D + E for D in every for E in every[:5]]
+    J.compile()
+    assert issubclass(owner(J), WordKernel)
+    assert [D + E for D in every for E in every[:5]] == sums
+
+
+@pytest.mark.parametrize(
+    "C",
+    [
+        HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]),
+        HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2), [1, 0, 0, 0, 0, 1], [1]),
+        HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2**63 + 29), [1, 1, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2**61 - 1, 2, (1, 0, 1)), [1, 1, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2, 20), [1, 1, 0, 0, 0, 1], [1]),
+    ],
+    ids=lambda C: C.field.name,
+)
+def test_other_fields_have_no_compiled_kernel(C):
+    J = C.jacobian()
+    before = getattr(J, "_sum_of", None)
+    J.compile()
+    assert getattr(J, "_sum_of", None) == before
+    if C.field.exact:
+        assert owner(J) is not Counted
+        assert compiled_kernel(C) is None
+
+
+def test_long_primes_take_gmp_where_it_is_installed(monkeypatch):
+    C = HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1])
+    if find_spec("gmpy2"):
+        assert type(kernel(C).sum_of.__self__) is GmpFormulas
+    monkeypatch.setattr(genus2_prime, "find_spec", lambda _name: None)
+    assert type(kernel(C).sum_of.__self__) is PrimeFormulas
+
+
+@pytest.mark.parametrize("with_h", [False, True])
+@pytest.mark.parametrize("model", ["ramified", "split", "inert"])
+@pytest.mark.parametrize("p", [101, 2**61 - 1, 2**127 - 1, 2**255 - 19])
+def test_gmp_gives_the_same_ints(p, model, with_h):
+    pytest.importorskip("gmpy2")
+    C = random_curve(GF(p), 2, "gmp", model=model, with_h=with_h).arithmetic_model
+    on_gmp, on_ints = GmpFormulas(C), choice._with_ladder(C, PrimeFormulas(C).sum_of, PrimeFormulas(C).double)
+    rng, J = Random(p), C.jacobian()
+    a, b = ((D.u, D.v, D.n) for D in (J.from_points([C.random_point(rng) for _ in range(2)]) for _ in range(2)))
+    zero = (1,), (), J.weight_of_zero
+    for _ in range(10):
+        total = on_gmp.sum_of(a, b)
+        assert total == on_ints.sum_of(a, b)
+        assert on_gmp.double(a) == on_ints.double(a)
+        m = rng.getrandbits(rng.choice((3, 60, 140))) + 1
+        found = on_gmp.multiple(m, a)
+        assert found == on_ints.multiple(m, a)
+        assert {type(c) for c in (*total[0], *total[1], *found[0], *found[1])} == {int}
+        assert on_gmp.sum_of(a, zero) == a
+        a, b = b, total

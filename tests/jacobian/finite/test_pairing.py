@@ -1,0 +1,204 @@
+"""The Weil and Tate pairings: the laws on full m-torsion, over every model, and against Frobenius."""
+
+from itertools import combinations, product
+from random import Random
+
+import pytest
+
+from jacobian import GF, QQ, ArgumentError, CurveMismatch, FieldError, HyperellipticCurve, poly
+from jacobian.finite import pairing
+from jacobian.finite.pairing import norm, tate_pairing, weil_pairing
+from tests.jacobian.group_curves import random_curve
+
+# y² = x⁵ + 1 with p ≡ 4 modulo 5: Frobenius over GF(p²) is −p, and J(GF(p²)) = (Z/(p+1))⁴ (all its torsion)
+FIVE = [1, 0, 0, 0, 0, 1]
+
+
+def from_roots(p, xs):
+    return poly.from_roots(GF(p), xs)
+
+
+def split_product(p, xs, last):
+    """Π (x − x_i) · last, of even degree."""
+    return poly.scale(GF(p), last, from_roots(p, xs))
+
+
+FULL = [
+    pytest.param((GF(19, 2), FIVE, 5), id="m = 5, ramified"),
+    pytest.param((GF(19, 2), FIVE, 4), id="m = 4, ramified"),
+    pytest.param((GF(29, 2), FIVE, 3), id="m = 3, ramified"),
+    pytest.param((GF(29, 2), FIVE, 6), id="m = 6, ramified"),
+    pytest.param((GF(7), from_roots(7, range(5)), 2), id="m = 2, ramified, GF(7)"),
+    pytest.param((GF(101), from_roots(101, range(5)), 2), id="m = 2, ramified"),
+    pytest.param((GF(101), split_product(101, range(6), 1), 2), id="m = 2, split"),
+    pytest.param((GF(101), split_product(101, range(6), 2), 2), id="m = 2, inert"),
+    pytest.param((GF(101), from_roots(101, range(7)), 2), id="m = 2, genus 3, ramified"),
+    pytest.param((GF(101), split_product(101, range(8), 1), 2), id="m = 2, genus 3, split"),
+]
+
+
+@pytest.fixture(params=FULL)
+def full(request):
+    """(J, m, generators): all of J[m] is rational."""
+    K, f, m = request.param
+    J = HyperellipticCurve(K, f).jacobian()
+    T = J.torsion(m)
+    assert T.invariants == (m,) * (2 * J.curve.genus)
+    return J, m, T.generators
+
+
+def test_weil_is_bilinear_alternating_and_non_degenerate(full):
+    J, m, basis = full
+    K, rng = J.field, Random(1)
+    table = {(i, j): J.weil_pairing(basis[i], basis[j], m) for i, j in product(range(len(basis)), repeat=2)}
+    for (i, j), value in table.items():
+        assert K.power(value, m) == K.one
+        assert K.mul(value, table[j, i]) == K.one
+        assert i != j or value == K.one
+    # sums and multiples: the value is that of the table
+    for _ in range(2):
+        a, b = ([rng.randrange(m) for _ in basis] for _ in range(2))
+        expected = K.one
+        for (i, j), value in table.items():
+            expected = K.mul(expected, K.power(value, a[i] * b[j] % m))
+        assert J.weil_pairing(J.combination(a, basis), J.combination(b, basis), m) == expected
+    # no combination of two generators pairs trivially with all the others
+    for coefficients in product(range(m), repeat=2) if m < 5 else ():
+        for i, j in combinations(range(len(basis)), 2):
+            if any(coefficients):
+                a, b = coefficients
+                values = [K.mul(K.power(table[i, k], a), K.power(table[j, k], b)) for k in range(len(basis))]
+                assert any(value != K.one for value in values)
+
+
+def test_the_value_does_not_depend_on_the_shifts(full):
+    _, m, basis = full
+    D, E = basis[0], basis[-1] + basis[0]
+    assert len({weil_pairing(D, E, m, Random(seed)) for seed in range(3)}) == 1
+    assert len({tate_pairing(D, E, m, Random(seed)) for seed in range(4)}) == 1
+
+
+def test_tate_is_bilinear_and_of_order_m(full):
+    J, m, basis = full
+    K, rng = J.field, Random(2)
+    D, E = basis[0], basis[1]
+    F, G = J.random(rng), J.random(rng)
+    t = J.tate_pairing
+    assert t(D + E, F, m) == K.mul(t(D, F, m), t(E, F, m))
+    assert t(D, F + G, m) == K.mul(t(D, F, m), t(D, G, m))
+    assert t(D, m * F, m) == K.one
+    assert K.power(t(D, F, m), m) == K.one
+    # non-degenerate: some class of J pairs non-trivially with D
+    assert any(t(D, J.random(rng), m) != K.one for _ in range(40))
+
+
+@pytest.mark.parametrize(("p", "m"), [(19, 5), (29, 3), (29, 5), (19, 4)])
+def test_tate_is_the_weil_pairing_with_frobenius_minus_one(p, m):
+    # t_m(D, F) = e_m(D, (π − 1)F') with m·F' = F (Schaefer 2005), and π − 1 = −(p + 1) here
+    J = HyperellipticCurve(GF(p, 2), FIVE).jacobian()
+    rng = Random(p + m)
+    for _ in range(3):
+        D, F = (p + 1) // m * J.random(rng), J.random(rng)
+        E = -((p + 1) // m) * F
+        assert J.tate_pairing(D, F, m) == J.weil_pairing(D, E, m)
+
+
+@pytest.mark.parametrize(
+    ("q", "genus", "model"),
+    [
+        ((101,), 2, "ramified"),
+        ((101,), 2, "split"),
+        ((101,), 2, "inert"),
+        ((2, 8), 2, "ramified"),
+        ((2, 8), 2, "split"),
+        ((3, 5), 2, "split"),
+        ((31,), 3, "split"),
+        ((7,), 2, "ramified"),
+        ((2, 4), 2, "inert"),
+        ((2, 3), 2, "split"),
+        ((3, 2), 3, "ramified"),
+        ((3, 2), 2, "inert"),
+    ],
+)
+def test_tate_over_every_model(q, genus, model):
+    K, rng = GF(*q), Random(3)
+    found = 0
+    for seed in range(40):
+        J = random_curve(K, genus, f"tate {seed}", model=model, with_h=seed % 2 == 0).jacobian()
+        for m in (2, 3, 5, 7, 11, 13):
+            if (K.order - 1) % m == 0 and J.order() % m == 0 and found < 2:
+                (D, *_) = J.torsion(m).generators
+                E, F = J.random(rng), J.random(rng)
+                t = J.tate_pairing
+                assert t(D, E + F, m) == K.mul(t(D, E, m), t(D, F, m))
+                assert t(2 * D, E, m) == K.power(t(D, E, m), 2)
+                assert any(t(D, J.random(rng), m) != K.one for _ in range(40))
+                found += 1
+    assert found == 2
+
+
+def test_the_weil_pairing_of_branch_points_counts_those_in_common():
+    p = 101
+    xs = range(6)
+    J = HyperellipticCurve(GF(p), split_product(p, xs, 1)).jacobian()
+    for (a, b), (c, d) in list(product(combinations(xs, 2), repeat=2))[::5]:
+        D, E = J.from_points([(a, 0), (b, 0)]), J.from_points([(c, 0), (d, 0)])
+        # (−1)^(number in common) (Mumford 1984)
+        assert J.weil_pairing(D, E, 2) == pow(-1, len({a, b} & {c, d}), p)
+
+
+def test_norm_is_the_product_over_the_roots():
+    K, rng = GF(101), Random(4)
+    for _ in range(200):
+        xs = [K.random(rng) for _ in range(rng.randrange(0, 5))]
+        c = poly.random(K, len(xs), rng)
+        expected = K.one
+        for x in xs:
+            expected = K.mul(expected, poly.evaluate(K, c, x))
+        assert norm(K, poly.from_roots(K, xs), c) == expected
+
+
+@pytest.mark.parametrize(("q", "model", "m"), [((101,), "split", 5), ((31,), "ramified", 5), ((2, 6), "inert", 7)])
+def test_an_extension_for_the_shifts_does_not_change_the_value(q, model, m, monkeypatch):
+    rng = Random(5)
+    curves = (random_curve(GF(*q), 2, seed, model=model) for seed in range(400))
+    J = next(C.jacobian() for C in curves if C.jacobian().order() % m == 0)
+    D = J.torsion(m).generators[0]
+    classes = [J.random(rng) for _ in range(3)]
+    values = []
+    for room in (0, 100):
+        monkeypatch.setattr(pairing, "ROOM", room)
+        degree = pairing._Extension(J.curve, m, m).degree
+        assert (degree > 1) == (room > 0)
+        values.append([tate_pairing(D, E, m) for E in classes] + [weil_pairing(D, 3 * D, m)])
+    assert degree % m != 1
+    assert values[0] == values[1]
+    assert any(value != 1 for value in values[0])
+
+
+def test_trivial_pairings():
+    J = HyperellipticCurve(GF(19, 2), FIVE).jacobian()
+    D = J.torsion(5).generators[0]
+    assert J.weil_pairing(D, J.zero(), 5) == J.weil_pairing(J.zero(), D, 5) == 1
+    assert J.weil_pairing(J.zero(), J.zero(), 1) == 1
+    assert J.tate_pairing(D, J.zero(), 5) == 1
+
+
+def test_errors_of_pairings():
+    J = HyperellipticCurve(GF(19, 2), FIVE).jacobian()
+    D, E = J.torsion(5).generators[:2]
+    with pytest.raises(ArgumentError, match=r"D = .*: m·D must be 0, which it is not for m = 4"):
+        J.weil_pairing(D, E, 4)
+    with pytest.raises(ArgumentError, match=r"E = .*: m·E must be 0"):
+        J.weil_pairing(D, J.torsion(4).generators[0], 5)
+    with pytest.raises(ArgumentError, match=r"m = 19: a positive integer prime to the characteristic 19"):
+        J.weil_pairing(D, E, 19)
+    with pytest.raises(ArgumentError, match=r"m = 0"):
+        J.tate_pairing(D, E, 0)
+    with pytest.raises(ArgumentError, match=r"m = 7 does not divide q − 1 = 360"):
+        J.tate_pairing(D, E, 7)
+    with pytest.raises(CurveMismatch, match=r"E = .* does not lie in"):
+        J.weil_pairing(D, HyperellipticCurve(GF(29, 2), FIVE).jacobian().zero(), 5)
+    rational = HyperellipticCurve(QQ, FIVE).jacobian().zero()
+    with pytest.raises(FieldError, match="finite fields"):
+        weil_pairing(rational, rational, 5)

@@ -1,0 +1,172 @@
+"""Words: the compiled operations equal those on Python ints, and those equal arithmetic modulo p."""
+
+from random import Random
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from numba import njit
+
+from jacobian import ArgumentError
+from jacobian.numbers import words, words_compiled
+from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, double_context, word_context
+
+PRIMES = {Lazy32: (3, 5, 2**29 - 3), Wide32: (2**29 + 11, 2**31 - 1), Lazy64: (2**31 + 11, 2**61 - 1)}
+PRIMES[Wide64] = (2**62 - 57, 2**63 - 25)
+ROWS = [pytest.param(p, id=f"{kind.__name__}-{p}") for kind, primes in PRIMES.items() for p in primes]
+
+
+@njit
+def four_dots(K, a, b, c, d):
+    return (
+        words.mul(K, a, b),
+        words.dot2(K, a, b, c, d),
+        words.dot3(K, a, b, c, d, a, c),
+        words.dot4(K, a, b, c, d, a, c, b, d),
+    )
+
+
+@njit
+def sums(K, x, y):
+    return words.add(K, x, y), words.sub(K, x, y), words.neg(K, x), words.fit(K, x)
+
+
+@njit
+def least(K, x):
+    return words.canonical(K, x), words.settled(K, x)
+
+
+@njit
+def inverted(K, x):
+    return words.inverse(K, x)
+
+
+@njit
+def modular_inverse(x, p):
+    return words_compiled.modular_inverse(x, p)
+
+
+@njit
+def coded(K, a, x):
+    return words.encode(K, a), words.decode(K, x)
+
+
+def test_contexts():
+    for kind, primes in PRIMES.items():
+        for p in primes:
+            assert type(word_context(p)) is kind
+    assert type(word_context(7, 64)) is Lazy64
+    assert type(word_context(2**61 - 1)) is Lazy64
+    for p in (2, 9 * 2, 2**63 + 29, 1, -7):
+        with pytest.raises(ArgumentError, match="p ="):
+            word_context(p)
+    for p, bits in ((2**31 + 11, 32), (7, 16)):
+        with pytest.raises(ArgumentError, match="bits ="):
+            word_context(p, bits)
+
+
+@pytest.mark.parametrize("p", ROWS)
+def test_dots(p):
+    K, rng = word_context(p), Random(p)
+    for _ in range(300):
+        a, b, c, d = elements = [rng.randrange(p) for _ in range(4)]
+        if rng.random() < 0.3:
+            a, b, c, d = elements = [rng.choice([0, 1, p // 2, p // 2 + 1, p - 1]) for _ in range(4)]
+        x = [K.to_word(e) for e in elements]
+        assert [K.from_word(y) for y in x] == elements
+        found = four_dots(K, *x)
+        products = (a * b, a * b + c * d, a * b + c * d + a * c, a * b + c * d + a * c + b * d)
+        assert [K.from_word(y) for y in found] == [total % p for total in products]
+        mine = (words.mul(K, *x[:2]), words.dot2(K, *x), words.dot3(K, *x, x[0], x[2]))
+        assert found == (*mine, words.dot4(K, *x, x[0], x[2], x[1], x[3]))
+
+
+@pytest.mark.parametrize("p", ROWS)
+def test_dots_at_the_bounds(p):
+    """The largest operands and sums of products that are allowed, with every sign."""
+    K = word_context(p)
+    a, b = (p, p // 2) if K.wide else (4 * p, 2 * p)
+    for x in (a, -a):
+        for y in (b, -b):
+            for function, result in zip(("mul", "dot2", "dot3", "dot4"), four_dots(K, x, y, y, x), strict=True):
+                arguments = {"mul": (x, y), "dot2": (x, y, y, x), "dot3": (x, y, y, x, x, y), "dot4": None}[function]
+                if arguments is None or (K.wide and function == "dot3"):
+                    continue
+                assert result == getattr(words, function)(K, *arguments)
+                total = sum(u * v for u, v in zip(arguments[::2], arguments[1::2], strict=True))
+                assert (result << K.bits) % p == total % p
+                assert abs(result) <= (abs(total) >> K.bits) + p // 2 + 1
+
+
+@pytest.mark.parametrize("p", ROWS)
+def test_sums_and_least_residues(p):
+    K, rng = word_context(p), Random(p)
+    ends = [0, 1, p // 2, -(p // 2), p // 2 - 1]
+    for _ in range(200):
+        x, y = (rng.choice(ends) if rng.random() < 0.3 else rng.randrange(p) - p // 2 for _ in range(2))
+        assert sums(K, x, y) == (words.add(K, x, y), words.sub(K, x, y), words.neg(K, x), words.fit(K, x))
+        assert (words.add(K, x, y) - x - y) % p == 0
+        total = x + y if K.wide else x + y + x // 2
+        canonical, settled = least(K, total)
+        assert canonical == settled == words.canonical(K, total) == words.settled(K, total)
+        assert abs(canonical) <= p // 2
+        assert (canonical - total) % p == 0
+        if not K.wide:
+            for far in (4 * p, -4 * p, 3 * p + x, x - 3 * p):
+                assert least(K, far)[1] == words.settled(K, far) == words.canonical(K, (far + p // 2) % p - p // 2)
+
+
+@pytest.mark.parametrize("p", ROWS)
+def test_inverses_and_codes(p):
+    K, rng = word_context(p), Random(p)
+    for a in [1, p - 1, p // 2, p // 2 + 1, *(rng.randrange(1, p) for _ in range(100))]:
+        x = K.to_word(a)
+        assert inverted(K, x) == words.inverse(K, x) == K.to_word(pow(a, -1, p))
+        assert coded(K, a, x) == (x, a) == (words.encode(K, a), words.decode(K, x))
+    assert coded(K, 0, 0) == (0, 0)
+
+
+@settings(deadline=None)
+@given(st.data())
+def test_modular_inverse(data):
+    p = data.draw(st.sampled_from([primes[-1] for primes in PRIMES.values()]))
+    x = data.draw(st.integers(1, p // 2)) * data.draw(st.sampled_from([1, -1]))
+    found = modular_inverse(x, p)
+    assert found * x % p == 1
+    assert abs(found) < p
+
+
+# --- floats
+
+
+@pytest.mark.parametrize("p", [3, 101, 2**31 + 11, 2**49 - 81])
+def test_products_of_floats(p):
+    """Exact up to the bounds: a product below 16·p², sums below 16·p."""
+    K, rng = double_context(p), Random(p)
+    for i in range(500):
+        a, b, c, d = (rng.randint(-2 * p, 2 * p) for _ in range(4))
+        if i < 100:
+            a, b = rng.choice([4 * p - 1, 1 - 4 * p]), rng.choice([4 * p - 1, 4 * p - 2, p, p // 2])
+        x = [float(e) for e in (a, b, c, d)]
+        totals = (a * b, a * b + c * d, a * b + c * d + a * c, a * b + c * d + a * c + b * d)
+        for terms, total, found in zip((1, 2, 3, 4), totals, four_dots(K, *x), strict=True):
+            assert found == int(found)
+            assert (int(found) - total) % p == 0
+            # a half and three roundings of a quotient below 16·p for each product
+            assert abs(found) <= terms * 3.6 * p
+        settled = least(K, x[0])[1]
+        assert (int(settled) - a) % p == 0
+        assert abs(settled) <= p // 2
+
+
+@pytest.mark.parametrize("p", [3, 101, 2**49 - 81])
+def test_inverses_of_floats(p):
+    K, rng = double_context(p), Random(p)
+    for a in [1, p - 1, *(rng.randrange(1, p) for _ in range(100))]:
+        assert inverted(K, K.balanced(a)) == K.balanced(pow(a, -1, p))
+
+
+def test_primes_that_floats_do_not_take():
+    for p in (2, 9 * 2, 2**49 + 69):
+        with pytest.raises(ArgumentError, match="below 2"):
+            double_context(p)
