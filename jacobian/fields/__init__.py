@@ -6,7 +6,7 @@ from typing import Any
 
 from jacobian.errors import ArgumentError, flag, shown, whole
 from jacobian.fields.machine import ComplexField, RealField
-from jacobian.fields.prime import PrimeField, check_prime
+from jacobian.fields.prime import PrimeField, check_prime, prime_field, prime_fields
 from jacobian.fields.protocol import Field
 from jacobian.fields.rational import RationalField
 
@@ -14,10 +14,7 @@ QQ = RationalField()
 RR = RealField()
 CC = ComplexField()
 
-_prime_fields: dict[int, PrimeField] = {}
-_extension_fields: dict[tuple[int, tuple[int, ...]], Any] = {}
 _conway: dict[tuple[int, int], tuple[int, ...]] = {}
-_multiprecision: dict[tuple[int, bool], Any] = {}
 
 
 def GF(p: Any, k: int = 1, modulus: Any = None) -> Any:
@@ -31,9 +28,9 @@ def GF(p: Any, k: int = 1, modulus: Any = None) -> Any:
     if isinstance(p, type) and hasattr(p, "irreducible_poly"):
         return _from_galois(p)
     k = whole(k, "k", "the degree of the field over GF(p) is an int ≥ 1", 1)
-    if type(p) is not int or p not in _prime_fields:
+    if type(p) is not int or p not in prime_fields:
         p = check_prime(p)
-    base = _prime_fields.get(p) or _prime_fields.setdefault(p, PrimeField(p))
+    base = prime_field(p)
     if k == 1 and modulus is not None:
         raise ArgumentError(f"modulus = {shown(modulus)}: GF({p}) has none, it belongs to GF(p, k) with k > 1")
     return base if k == 1 else _extension(base, k, modulus)
@@ -47,18 +44,18 @@ def _extension(base: PrimeField, k: int, modulus: Any) -> Any:
             _conway[base.p, k] = extension.default_modulus(base, k)
         modulus = _conway[base.p, k]
     modulus = extension.coerce_modulus(base, k, modulus)
-    if (base.p, modulus) not in _extension_fields:
-        _extension_fields[base.p, modulus] = _build(base, extension.check_irreducible(base, modulus))
-    return _extension_fields[base.p, modulus]
+    return extension.extension_fields.get((base.p, modulus)) or _build(base, extension.check_irreducible(base, modulus))
 
 
 def _build(base: PrimeField, modulus: tuple[int, ...]) -> Any:
     from jacobian.fields.digits import DigitField, QuadraticField
+    from jacobian.fields.extension import extension_field
     from jacobian.fields.table import TABLE_LIMIT, TableField
 
     if base.p ** (len(modulus) - 1) <= TABLE_LIMIT:
-        return TableField(base, modulus)
-    return QuadraticField(base, modulus) if len(modulus) == 3 and base.p > 2 else DigitField(base, modulus)
+        return extension_field(TableField, base, modulus)
+    kind = QuadraticField if len(modulus) == 3 and base.p > 2 else DigitField
+    return extension_field(kind, base, modulus)
 
 
 def _from_galois(field: Any) -> Any:
@@ -77,12 +74,9 @@ def MP(dps: int, complex: bool = False) -> Any:
     The field has ``.dps``, ``.context`` and ``.eps``; its elements are mpf (or mpc). The same arguments give the same
     object.
     """
-    from jacobian.fields.multiprecision import MultiprecisionField, check_digits
+    from jacobian.fields.multiprecision import check_digits, multiprecision_field
 
-    key = (check_digits(dps), flag(complex, "complex"))
-    if key not in _multiprecision:
-        _multiprecision[key] = MultiprecisionField(*key)
-    return _multiprecision[key]
+    return multiprecision_field(check_digits(dps), flag(complex, "complex"))
 
 
 __all__ = ["CC", "GF", "MP", "QQ", "RR", "Field"]

@@ -45,9 +45,7 @@ class ExtensionField(FiniteField):
         return hash(("GF", self.p, self.modulus))
 
     def __reduce__(self) -> Any:
-        from jacobian.fields import GF
-
-        return GF, (self.p, self.degree, self.modulus)
+        return extension_field, (type(self), self.base, self.modulus)
 
     def coerce(self, value: Any, argument: str = "value") -> int:
         """A whole number in [0, p^k), ascending coefficients [c0, c1, …] of a, or a galois scalar of this field; else
@@ -136,6 +134,16 @@ def is_irreducible(K: Any, m: poly.Poly) -> bool:
         if i in needed and len(poly.gcd(K, poly.sub(K, power, x), m)) > 1:
             return False
     return power == x
+
+
+extension_fields: dict[tuple[int, tuple[int, ...]], ExtensionField] = {}
+"""The fields made so far, by p and modulus."""
+
+
+def extension_field(kind: type[ExtensionField], base: PrimeField, modulus: tuple[int, ...]) -> ExtensionField:
+    """The field of that modulus, irreducible over ``base``: the one that was made before, else one of this kind."""
+    key = base.p, modulus
+    return extension_fields.get(key) or extension_fields.setdefault(key, kind(base, modulus))
 
 
 def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:

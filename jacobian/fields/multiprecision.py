@@ -49,9 +49,7 @@ class MultiprecisionField(InexactField):
         return hash(("MP", self.dps, self.complex))
 
     def __reduce__(self) -> Any:
-        from jacobian.fields import MP
-
-        return MP, (self.dps, self.complex)
+        return multiprecision_field, (self.dps, self.complex)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
         """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
@@ -133,6 +131,16 @@ def _unpacked(K: MultiprecisionField, parts: Any) -> Any:
 
     numbers = [(sign, MPZ(mantissa), exponent, bits) for sign, mantissa, exponent, bits in parts]
     return K.context.make_mpf(numbers[0]) if len(numbers) == 1 else K.context.make_mpc(tuple(numbers))
+
+
+multiprecision_fields: dict[tuple[int, bool], MultiprecisionField] = {}
+"""The fields made so far, by digits and kind."""
+
+
+def multiprecision_field(dps: int, complex: bool) -> MultiprecisionField:
+    """The field of so many digits, the same object each time."""
+    key = dps, complex
+    return multiprecision_fields.get(key) or multiprecision_fields.setdefault(key, MultiprecisionField(*key))
 
 
 def check_digits(dps: Any) -> int:

@@ -34,9 +34,7 @@ class PrimeField(FiniteField):
         return hash(("GF", self.p))
 
     def __reduce__(self) -> Any:
-        from jacobian.fields import GF
-
-        return GF, (self.p,)
+        return prime_field, (self.p,)
 
     def coerce(self, value: Any, argument: str = "value") -> int:
         """The residue of a rational number, as in :meth:`Field.coerce`, or of a galois scalar of this field."""
@@ -161,6 +159,15 @@ def _trim(a: list[int]) -> tuple[int, ...]:
 
 LONG = 512
 """Bits of a number up to which an error says which prime is near."""
+
+
+prime_fields: dict[int, PrimeField] = {}
+"""The fields made so far, by p."""
+
+
+def prime_field(p: int) -> PrimeField:
+    """GF(p) for a prime p, the same object each time."""
+    return prime_fields.get(p) or prime_fields.setdefault(p, PrimeField(p))
 
 
 def check_prime(p: Any) -> int:
