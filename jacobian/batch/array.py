@@ -14,7 +14,7 @@ from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
-from jacobian.law.divisor import Divisor, check_scalar, is_zero_int
+from jacobian.law.divisor import Divisor, GroupLaw, check_scalar, is_zero_int
 from jacobian.numbers.compiler import interpreted
 
 OK = 0
@@ -91,7 +91,7 @@ class DivisorArray(Immutable):
         for i, part in enumerate(parts):
             if not isinstance(part, Divisor | DivisorArray):
                 raise ArgumentError(f"parts[{i}] = {shown(part)}: a Divisor or a DivisorArray is needed")
-            J = part.jacobian if J is None else J
+            J = check_group(part.jacobian) if J is None else J
             _check_same(J, part.jacobian)
         if J is None:
             raise ArgumentError("parts = []: an array of no rows needs its Jacobian, stack([], J)")
@@ -323,6 +323,6 @@ def _index_array(key: Any) -> Any:
         raise ArgumentError(f"index = {shown(key)}: a slice, a mask or a flat array of ints is needed") from None
 
 
-def _check_same(J: Jacobian, other: Jacobian) -> None:
+def _check_same(J: GroupLaw, other: GroupLaw) -> None:
     if other is not J and other != J:
         raise CurveMismatch(f"divisors of two curves cannot be combined: {J.curve!r} and {other.curve!r}")

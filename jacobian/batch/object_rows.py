@@ -63,7 +63,7 @@ class ObjectRows:
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
         """(u, v): field elements, (N, g + 1) and (N, g)."""
         g = self.jacobian.curve.genus
-        arrays = (
+        arrays: tuple[np.ndarray, np.ndarray] = (
             np.full((len(x), g + 1), self.jacobian.field.zero, self._dtype),
             np.full((len(x), g), self.jacobian.field.zero, self._dtype),
         )

@@ -8,8 +8,7 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import CurveMismatch
-from jacobian.immutable import Immutable
-from jacobian.law.divisor import check_divisor
+from jacobian.law.divisor import GroupLaw, check_divisor
 
 if TYPE_CHECKING:
     from jacobian.finite.scalar import FixedBase
@@ -17,10 +16,8 @@ if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
 
 
-class FiniteGroup(Immutable):
-    """Base of :class:`jacobian.group.Jacobian`; ``curve`` is the curve."""
-
-    curve: Any
+class FiniteGroup(GroupLaw):
+    """Base of :class:`jacobian.group.Jacobian`."""
 
     def _own(self, D: Any, argument: str) -> Divisor:
         """``D``; ArgumentError for what is no Divisor, CurveMismatch for one of another group."""
@@ -41,7 +38,7 @@ class FiniteGroup(Immutable):
         """Σ m_i·D_i, faster than term by term: Straus's method for few terms, Pippenger's for many."""
         from jacobian.finite.scalar import combination
 
-        return combination(self, scalars, divisors)  # type: ignore[arg-type]
+        return combination(self, scalars, divisors)
 
     def frobenius(self, D: Divisor, power: int = 1) -> Divisor:
         """The image of D under (x, y) → (x^(p^power), y^(p^power)); CurveMismatch when the curve is not fixed by it."""
@@ -79,7 +76,7 @@ class FiniteGroup(Immutable):
         """
         from jacobian.finite.structure import structure
 
-        return structure(self, primes)  # type: ignore[arg-type]
+        return structure(self, primes)
 
     def exponent(self, primes: Iterable[int] | None = None) -> int:
         """The least m > 0 with m·D = 0 for all D."""
@@ -89,7 +86,7 @@ class FiniteGroup(Immutable):
         """The classes D with m·D = 0: invariant factors and generators; ``.elements()`` lists them."""
         from jacobian.finite.structure import torsion
 
-        return torsion(self, m)  # type: ignore[arg-type]
+        return torsion(self, m)
 
     def is_divisible(self, D: Divisor, m: int) -> bool:
         """Whether D = m·E for a class E."""

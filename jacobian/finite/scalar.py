@@ -9,15 +9,13 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
-from jacobian.addition import cantor
 from jacobian.addition.ladder import signed_digits
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, entries, shown, whole
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import check_scalar
 
 if TYPE_CHECKING:
-    from jacobian.group import Jacobian
-    from jacobian.law.divisor import Divisor
+    from jacobian.law.divisor import Divisor, GroupLaw
 
 WINDOW = 4
 
@@ -75,7 +73,7 @@ class FixedBase(Immutable):
         return f"FixedBase({self.divisor!r}, window={self.window})"
 
 
-def combination(J: Jacobian, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
+def combination(J: GroupLaw, scalars: Iterable[int], divisors: Iterable[Divisor]) -> Divisor:
     """Σ m_i·D_i, for any number of terms: Straus for few, Pippenger for many, whichever makes fewer additions.
 
     Both counts are known beforehand: see :func:`straus` and :func:`pippenger`. The sum of no terms is 0. For two terms
@@ -113,7 +111,7 @@ def best_bucket_window(terms: int, bits: int) -> int:
     return min(range(1, 16), key=lambda window: pippenger_cost(terms, bits, window))
 
 
-def straus(J: Jacobian, pairs: list[tuple[int, Divisor]]) -> Divisor:
+def straus(J: GroupLaw, pairs: list[tuple[int, Divisor]]) -> Divisor:
     """Σ m_i·D_i, m_i > 0, with one chain of doublings for all (Straus 1964; signed windows, Möller 2001)."""
     digits = [signed_digits(m, WINDOW) for m, _ in pairs]
     tables = []
@@ -132,7 +130,7 @@ def straus(J: Jacobian, pairs: list[tuple[int, Divisor]]) -> Divisor:
     return total
 
 
-def pippenger(J: Jacobian, pairs: list[tuple[int, Divisor]], window: int) -> Divisor:
+def pippenger(J: GroupLaw, pairs: list[tuple[int, Divisor]], window: int) -> Divisor:
     """Σ m_i·D_i, m_i > 0, by buckets, one per digit, summed by running totals (Pippenger 1976; Bernstein 2002)."""
     digits = [_signed_windows(m, window) for m, _ in pairs]
     total = J.zero()
@@ -162,7 +160,7 @@ def _signed_windows(m: int, window: int) -> list[int]:
     return digits
 
 
-def _weighted_sum(J: Jacobian, buckets: dict[int, Divisor]) -> Divisor:
+def _weighted_sum(J: GroupLaw, buckets: dict[int, Divisor]) -> Divisor:
     """Σ d·bucket_d, by sums of the upper buckets."""
     running = total = J.zero()
     for d in range(max(buckets, default=0), 0, -1):
@@ -199,4 +197,4 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
     if n is not None and K.power(C.infinity_plus, exponent) != C.infinity_plus:
         # ∞₊ and ∞₋ change places, in D as well as in D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋
         n = C.genus - D.degree - n + C.genus % 2
-    return J._out(cantor.reduce(J._model, J._in_triple(image(D.u), image(D.v), n)))
+    return J.reduced(image(D.u), image(D.v), n)

@@ -18,8 +18,7 @@ from jacobian.finite.integers import factorization
 from jacobian.law.divisor import check_scalar
 
 if TYPE_CHECKING:
-    from jacobian.group import Jacobian
-    from jacobian.law.divisor import Divisor
+    from jacobian.law.divisor import Divisor, GroupLaw
 
 FULL_TABLE = 4096
 LARGEST_TABLE = 1 << 21
@@ -182,7 +181,7 @@ def _valuation(entry: int, prime: int, top: int) -> int:
     return top
 
 
-def sylow_subgroup(J: Jacobian, prime: int, rng: Any = None) -> PrimaryGroup:
+def sylow_subgroup(J: GroupLaw, prime: int, rng: Any = None) -> PrimaryGroup:
     """The elements of ℓ-power order. ``rng`` is seeded by default: the same generators every time."""
     rng = Random(0) if rng is None else rng
     order, exponent = J.order(), 0
@@ -196,7 +195,7 @@ def sylow_subgroup(J: Jacobian, prime: int, rng: Any = None) -> PrimaryGroup:
     return group
 
 
-def structure(J: Jacobian, primes: Iterable[int] | None = None, rng: Any = None) -> Structure:
+def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Any = None) -> Structure:
     """The invariant factors d_1 | d_2 | … of the group, at most 2g of them, and generators of these orders.
 
     ``primes``: the prime factors of #J, where they are known. Time: √ℓ^r for the largest prime ℓ whose Sylow subgroup
@@ -217,7 +216,7 @@ def _joined(groups: list[PrimaryGroup]) -> Structure:
     return Structure(tuple(invariants[::-1]), tuple(generators[::-1]))
 
 
-def torsion(J: Jacobian, m: int, rng: Any = None) -> Structure:
+def torsion(J: GroupLaw, m: int, rng: Any = None) -> Structure:
     """The classes D with m·D = 0 over the finite field, as a group with generators; only primes of m are looked at."""
     m = _check_positive(m)
     rng = Random(0) if rng is None else rng
@@ -246,7 +245,7 @@ def is_divisible(D: Divisor, m: int) -> bool:
     return True
 
 
-def exponent(J: Jacobian, primes: Iterable[int] | None = None) -> int:
+def exponent(J: GroupLaw, primes: Iterable[int] | None = None) -> int:
     """The exponent of the group: the largest invariant factor."""
     return lcm(*structure(J, primes).invariants)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterable
 from math import lcm
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
@@ -13,14 +13,11 @@ from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Po
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.fields.embedding import Embedding, embedding
 from jacobian.fields.factor import factor, rational_roots, roots
-from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
 
-if TYPE_CHECKING:
-    from jacobian.group import Jacobian
 
-
-def divisor_of_conjugates(J: Jacobian, points: Iterable[Any], extension: Any) -> Divisor:
+def divisor_of_conjugates(J: GroupLaw, points: Iterable[Any], extension: Any) -> Divisor:
     """The class of Σ P_i minus infinity for points over an extension of the field, each with all its conjugates.
 
     A point at infinity is one of the curve over its own field. Raises NotRepresentable when the points are not closed

@@ -1,16 +1,82 @@
-"""Divisor classes in Mumford form: immutable values that know their Jacobian; the arithmetic is the Jacobian's."""
+"""Divisor classes in Mumford form: immutable values that know their group; the arithmetic is the group's.
+
+:class:`GroupLaw` is what a divisor, and every function on divisors, may ask of that group. The groups themselves are
+above: :class:`jacobian.group.Jacobian`, :class:`jacobian.relatives.glued.GeneralizedJacobian`.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from operator import index
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, CurveMismatch, shown, whole
 from jacobian.immutable import Immutable
 
-if TYPE_CHECKING:
-    from jacobian.group import Jacobian
+
+class GroupLaw(Immutable):
+    """A group of divisor classes on ``curve``, over ``field``. Divisors are of this group, and nothing is checked."""
+
+    curve: HyperellipticCurve
+    field: Any
+    weight_of_zero: int | None
+    """n of the identity on a split model, else None."""
+
+    def zero(self) -> Divisor:
+        """The identity."""
+        raise NotImplementedError
+
+    def add(self, D: Divisor, E: Divisor) -> Divisor:
+        """D + E."""
+        raise NotImplementedError
+
+    def double(self, D: Divisor) -> Divisor:
+        """D + D."""
+        raise NotImplementedError
+
+    def negate(self, D: Divisor) -> Divisor:
+        """−D."""
+        raise NotImplementedError
+
+    def multiply(self, m: int, D: Divisor) -> Divisor:
+        """m·D for any int m."""
+        raise NotImplementedError
+
+    def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
+        """The class of the Mumford pair (u, v), which is checked."""
+        raise NotImplementedError
+
+    def from_points(
+        self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
+    ) -> Divisor:
+        """The class of Σ P_i minus as many points at infinity."""
+        raise NotImplementedError
+
+    def __call__(self, P: Any, Q: Any = None) -> Divisor:
+        """The class of P − Q, or of P alone minus a point at infinity."""
+        raise NotImplementedError
+
+    def reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
+        """The class of a semi-reduced triple, of any degree, over an exact field."""
+        raise NotImplementedError
+
+    def random(self, rng: Any) -> Divisor:
+        """A random class."""
+        raise NotImplementedError
+
+    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Any, int]]:
+        """The points of D with multiplicities: see :meth:`Divisor.support`."""
+        raise NotImplementedError
+
+    def order(self) -> int:
+        """The number of classes, over a finite field."""
+        raise NotImplementedError
+
+    def order_of(self, D: Divisor, multiple: int | None = None, primes: Any = None) -> int | float:
+        """The order of D: see :meth:`Divisor.order`."""
+        raise NotImplementedError
 
 
 class Divisor(Immutable):
@@ -31,9 +97,9 @@ class Divisor(Immutable):
     u: poly.Poly
     v: poly.Poly
     n: int | None
-    jacobian: Jacobian
+    jacobian: GroupLaw
 
-    def __init__(self, jacobian: Jacobian, u: poly.Poly, v: poly.Poly, n: int | None) -> None:
+    def __init__(self, jacobian: GroupLaw, u: poly.Poly, v: poly.Poly, n: int | None) -> None:
         _set_jacobian(self, jacobian)
         _set_u(self, u)
         _set_v(self, v)
@@ -137,7 +203,7 @@ _set_v = Divisor.__dict__["v"].__set__
 _set_n = Divisor.__dict__["n"].__set__
 
 
-def _rebuild(jacobian: Jacobian, u: Any, v: Any, n: int | None) -> Divisor:
+def _rebuild(jacobian: GroupLaw, u: Any, v: Any, n: int | None) -> Divisor:
     K = jacobian.curve.field
     return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
 

@@ -4,17 +4,14 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint, Point
 from jacobian.errors import ArgumentError, NotRepresentable, entries, shown, whole
-from jacobian.law.divisor import Divisor
-
-if TYPE_CHECKING:
-    from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor, GroupLaw
 
 # one by one; more of them is a matter of multiples in the group
 MOST_REPEATED = 100
@@ -53,7 +50,7 @@ def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> lis
     return result
 
 
-def divisor_of_points(J: Jacobian, points: list[Point], descent: Descent | None = None) -> Divisor:
+def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None = None) -> Divisor:
     """The class of Σ P_i minus infinity, as :meth:`jacobian.group.Jacobian.from_points` says."""
     C = J.curve
     if C.model == "inert" and len(points) % 2:
@@ -70,7 +67,7 @@ def divisor_of_points(J: Jacobian, points: list[Point], descent: Descent | None 
     return _exact_sum(J, semireduced, n, descent) if C.field.exact else _inexact_sum(J, semireduced, n)
 
 
-def _exact_sum(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
     """Parts of about g points, reduced and added in the group: in one pair, time would grow with their cube.
 
     On a split model a class is (weight at ∞₊) − ⌈g/2⌉ there: the last part makes up for those of the others.
@@ -97,14 +94,14 @@ def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[
     return parts
 
 
-def _reduced(J: Jacobian, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
+def _reduced(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
     u, v = pair_of_points(descent.curve if descent else J.curve, points)
     if descent is not None:
         u, v = descent.back(u), descent.back(v)
-    return J._out(cantor.reduce(J._model, J._in_triple(u, v, n)))
+    return J.reduced(u, v, n)
 
 
-def _inexact_sum(J: Jacobian, points: list[AffinePoint], n: int | None) -> Divisor:
+def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divisor:
     """Parts of at most g points, added by the inexact kernel; on a split model one part, with its weight in range."""
     from jacobian.law.inexact_points import in_order
 

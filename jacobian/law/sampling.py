@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import product
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from jacobian import poly
 from jacobian.addition import cantor
@@ -21,13 +21,10 @@ from jacobian.fields.factor import factor, linear_part
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
 from jacobian.fields.residue import ResidueField, polynomial_number
-from jacobian.law.divisor import Divisor
-
-if TYPE_CHECKING:
-    from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor, GroupLaw
 
 
-def random_divisor(J: Jacobian, rng: Any) -> Divisor:
+def random_divisor(J: GroupLaw, rng: Any) -> Divisor:
     """A uniform class over a finite field; over other fields Σ of g random points (not uniform in any sense)."""
     if J.field.order is None:
         return J.from_points(_random_points(J.curve, rng))
@@ -56,7 +53,7 @@ def _degrees(C: HyperellipticCurve) -> list[tuple[int, int]]:
     return [(d, C.genus - d + 1 if C.model == "split" else 1) for d in range(0, C.genus + 1, step)]
 
 
-def _try_random(J: Jacobian, rng: Any) -> Divisor | None:
+def _try_random(J: GroupLaw, rng: Any) -> Divisor | None:
     C, K = J.curve, J.field
     degrees = _degrees(C)
     ticket = random_below(rng, sum(weights * (2 * K.order) ** d for d, weights in degrees))
@@ -81,7 +78,7 @@ def _try_random(J: Jacobian, rng: Any) -> Divisor | None:
     return Divisor(J, *pair, random_below(rng, weights) if C.model == "split" else None)
 
 
-def all_divisors(J: Jacobian) -> Iterator[Divisor]:
+def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
     """Every class once, over a finite field (NotRepresentable elsewhere); about q^g factorisations."""
     C, K = J.curve, J.field
     if K.order is None:
