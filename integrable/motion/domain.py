@@ -11,11 +11,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from integrable.motion.symmetric import symmetry_axis
+from integrable.phase.space import PhaseSpace
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
-    from integrable.systems.system import System
 
 LARGEST = 1e100
 """Moments, d and |M| are at most this, and at least one over it: their products stay in the range of floats."""
@@ -31,7 +31,7 @@ NEAREST = 1e-18
 _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 
-def check_domain(system: System, state: State) -> None:
+def check_domain(system: PhaseSpace, state: State) -> None:
     """ArgumentError where a flow over RR does not take a body or a state: the argument, its value and what helps."""
     named = [*((f"inertia[{i}]", x) for i, x in enumerate(system.inertia)), ("d", system.d)]
     for name, x in (*named, *((f"M[{i}]", x) for i, x in enumerate(state.M))):
@@ -44,7 +44,7 @@ def check_domain(system: System, state: State) -> None:
         _check_shape(system)
 
 
-def _check_shape(system: System) -> None:
+def _check_shape(system: PhaseSpace) -> None:
     """The ratios of the moments and d of a body whose moments all differ."""
     inertia, d = system.inertia, system.d
     least, most = min(inertia), max(inertia)

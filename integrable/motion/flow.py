@@ -19,6 +19,7 @@ import numpy as np
 from integrable.motion.domain import check_domain
 from integrable.motion.trajectory import Trajectory
 from integrable.moving_point.setup import Setup
+from integrable.phase.space import PhaseSpace
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
@@ -34,7 +35,6 @@ if TYPE_CHECKING:
     from integrable.motion.precise import PreciseFlow
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.phase.state import State
-    from integrable.systems.system import System
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
@@ -59,7 +59,7 @@ class Flow(Immutable):
     :meth:`at` and :meth:`at_tau` may be called any number of times.
     """
 
-    def __init__(self, system: System, state: State, kernel: str = "auto") -> None:
+    def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
         kernel = one_of(kernel, "kernel", KERNELS, f"choose one of {', '.join(map(repr, KERNELS))}")
         if kernel == "compiled" and system.field != RR:
             raise ArgumentError(

@@ -28,6 +28,7 @@ import numpy as np
 from integrable.moving_point.elliptic_integrals import amplitude, carlson_j, first_kind_swing
 from integrable.moving_point.setup import FLOAT_DIGITS
 from integrable.phase.body import Body, Vector
+from integrable.phase.space import PhaseSpace
 from integrable.phase.upright import ChaplyginTransformation
 from integrable.torus.survey import complete
 from jacobian import MP
@@ -36,7 +37,6 @@ from jacobian.numbers.double_double import split
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
-    from integrable.systems.system import System
 
 Long = np.longdouble
 # more turns than this leave no digits of a float behind
@@ -104,7 +104,7 @@ class SymmetricFlow:
     in long doubles. PrecisionLoss beyond 2^50 turns.
     """
 
-    def __init__(self, system: System, state: State) -> None:
+    def __init__(self, system: PhaseSpace, state: State) -> None:
         K = self._wide = MP(FLOAT_DIGITS)
         axis = symmetry_axis(system.inertia)
         assert axis is not None

@@ -17,17 +17,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.phase import coordinates
 from integrable.phase.body import Body, Vector, cross
 from integrable.phase.jets import JetField
+from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
-
-if TYPE_CHECKING:
-    from integrable.systems.system import System
 
 Matrix = tuple[tuple[Any, ...], ...]
 # weights of a central difference quotient of sixth order
@@ -100,14 +98,14 @@ def _difference(function: Callable[[Any], Sequence[Any]], point: tuple[Any, ...]
     return [x / scale for x in total]
 
 
-def over(system: System, field: Any) -> Any:
+def over(system: PhaseSpace, field: Any) -> Any:
     """The same system with its body over another field, such as jets over its own."""
     if hasattr(system, "over"):
         return system.over(field)
     return replaced(system, body=replace(system.body, field=field))
 
 
-def on_leaf(system: System, like: State, gamma: Vector, M: Vector) -> State:
+def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     """(γ, M) moved to the values of C1 and C2 of ``like``, to first order, with the root g on the side of ``like``.
 
     A function extended off its symplectic leaf by this map has the same brackets as before, for C1 and C2 are Casimirs.
@@ -127,7 +125,7 @@ def on_leaf(system: System, like: State, gamma: Vector, M: Vector) -> State:
     return State(gamma, (m1, m2, m3), K.sqrt(K.inv(system.body.conformal(gamma)), like.g), like.tilted)
 
 
-def differential(system: System, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
+def differential(system: PhaseSpace, function: Callable[[Any, State], Sequence[Any]], state: State) -> Matrix:
     """The rows ∂f_i/∂(γ, M) at ``state`` of f(system, state), along its symplectic leaf."""
 
     def of_point(field: Any, point: tuple[Any, ...]) -> Sequence[Any]:
@@ -138,7 +136,7 @@ def differential(system: System, function: Callable[[Any, State], Sequence[Any]]
     return jacobian_matrix(system.field, of_point, (*state.gamma, *state.M))
 
 
-def bracket(system: System, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Any:
+def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any, State], Any], state: State) -> Any:
     """{F, G} at ``state``, for the bracket of :meth:`System.poisson`."""
     rows = differential(system, lambda s, x: (F(s, x), G(s, x)), state)
     return pushed(system.field, rows, system.poisson(state))[0][1]
@@ -150,7 +148,7 @@ def pushed(K: Any, rows: Matrix, matrix: Matrix) -> Matrix:
     return tuple(tuple(K.dot(first, second) for second in rows) for first in left)
 
 
-def image_brackets(system: System, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
+def image_brackets(system: PhaseSpace, step: Callable[..., State], state: State) -> tuple[Matrix, Matrix]:
     """(brackets of the image of (γ, M) under a step, the matrix of :meth:`System.poisson` at the image).
 
     A Poisson map makes them equal. ``step(system, state)`` or a step with ``.over(system)``, as in
@@ -192,7 +190,7 @@ def jacobi_defects(
     }
 
 
-def conformal_field(system: System, state: State) -> tuple[Any, ...]:
+def conformal_field(system: PhaseSpace, state: State) -> tuple[Any, ...]:
     """g{x, H1/2} for x = (γ, M): the vector field of the motion in its conformally Hamiltonian form."""
     K = system.field
     (row,) = differential(system, lambda s, x: (s.integrals(x).H1,), state)
@@ -201,7 +199,7 @@ def conformal_field(system: System, state: State) -> tuple[Any, ...]:
     return tuple(K.mul(scale, K.dot(line, row)) for line in system.poisson(state))
 
 
-def root(system: System, state: State) -> Any:
+def root(system: PhaseSpace, state: State) -> Any:
     """The root g of g² = 1/(1 − d(γ, Aγ)) of a state."""
     return coordinates.root_of_g(system.body, state.gamma) if state.g is None else state.g
 

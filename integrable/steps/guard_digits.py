@@ -12,6 +12,7 @@ from math import ceil, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body
+from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from jacobian import MP
 from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
@@ -21,7 +22,6 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.phase.upright import ChaplyginTransformation
     from integrable.steps.step import Step
-    from integrable.systems.system import System
 
 MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
@@ -30,7 +30,7 @@ ATTEMPTS = 3
 FLOAT_DIGITS = 16
 
 
-def drift(system: System, image: State, state: State) -> Any:
+def drift(system: PhaseSpace, image: State, state: State) -> Any:
     """The larger relative difference of H1 and H2 between two states."""
     after, before = system.integrals(image)[2:], system.integrals(state)[2:]
     return max(abs(x - y) / (abs(y) or 1) for x, y in zip(after, before, strict=True))
@@ -66,7 +66,7 @@ def with_enough_digits(step: Step, state: State) -> State:
     return image
 
 
-def body_condition(system: System) -> float:
+def body_condition(system: PhaseSpace) -> float:
     """What is lost where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
     K, body = system.field, system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
@@ -109,13 +109,13 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
     raise PrecisionLoss(f"{step!r}: H1 and H2 are off by {float(lost):.1e} of their size even over {system.field.name}")
 
 
-def widened(system: System, field: Any) -> System:
+def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
     """The same system, the numbers of its body taken exactly, over a field of more digits."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
 
-def onto_constraints(system: System, state: State) -> State:
+def onto_constraints(system: PhaseSpace, state: State) -> State:
     """The state in the numbers of a wider field: (γ, γ) = 1 and (γ, M) = 0 there, not only to the digits it came with.
 
     A divisor that is off its curve by the rounding of a state moves by that times the condition of the step.

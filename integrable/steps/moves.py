@@ -8,11 +8,12 @@ Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 from integrable.phase import coordinates
 from integrable.phase.body import Body, cross, square_root
 from integrable.phase.jets import JetField, apply
+from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from integrable.steps.extrapolation import extrapolated
 from integrable.steps.guard_digits import LARGEST, body_condition, tilt_condition, with_enough_digits
@@ -22,9 +23,6 @@ from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.relatives.signed import Pair, SignedDivisor, SignedGroup
-
-if TYPE_CHECKING:
-    from integrable.systems.system import System
 
 
 class Move(Step):
@@ -72,7 +70,7 @@ class Multiplication(Move):
     :meth:`System.divisor` is what can be multiplied.
     """
 
-    def __init__(self, system: System, factor: int) -> None:
+    def __init__(self, system: PhaseSpace, factor: int) -> None:
         self.factor = whole(factor, "factor", "a divisor is multiplied by an int")
         if self.factor == 0:
             raise ArgumentError("factor = 0: the zero divisor belongs to no state")
@@ -108,7 +106,7 @@ class Keyless(Move):
     is at infinity, γ̃ = γ × M/|M|, M̃ = M. It preserves the bracket and has B² = (−γ, M).
     """
 
-    def __init__(self, system: System, signs: Sequence[int] | None = None) -> None:
+    def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:
         self.system = system
         self.signs = checked_signs(signs, 3, "signs")
 
@@ -153,7 +151,7 @@ class ConicStep(Move):
     preserved.
     """
 
-    def __init__(self, system: System, x0: Any, y0: Any, sign: int = 1) -> None:
+    def __init__(self, system: PhaseSpace, x0: Any, y0: Any, sign: int = 1) -> None:
         if system.body.rolls:
             raise ArgumentError(f"d = {system.d}: the parabolas of a conic step are the pencil of the curve at d = 0")
         K = system.field
@@ -212,7 +210,7 @@ class Shift(Move):
     the pairs to the precision of the field (Gragg 1965; Bulirsch and Stoer 1966).
     """
 
-    def __init__(self, system: System, F: Callable[[Any, Any], Any]) -> None:
+    def __init__(self, system: PhaseSpace, F: Callable[[Any, Any], Any]) -> None:
         if system.field.exact:
             raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
         if not callable(F):

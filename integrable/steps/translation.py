@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.phase import coordinates
 from integrable.phase.jets import apply
+from integrable.phase.space import PhaseSpace
 from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
 from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import poly
@@ -23,7 +24,6 @@ from jacobian.relatives.signed import SignedDivisor, SignedGroup
 if TYPE_CHECKING:
     from integrable.phase.state import State
     from integrable.phase.upright import ChaplyginTransformation
-    from integrable.systems.system import System
 
 
 class Translation(Step):
@@ -41,11 +41,11 @@ class Translation(Step):
 
     _caches = ("_last", "_upright")
     _last: tuple[Any, ...] | None = None
-    _upright: tuple[System, Translation] | None = None
+    _upright: tuple[PhaseSpace, Translation] | None = None
 
     def __init__(
         self,
-        system: System,
+        system: PhaseSpace,
         points: Sequence[Any],
         sheets: Sequence[int] | None = None,
         signs: Sequence[int] | None = None,
@@ -290,7 +290,7 @@ def on_line(c0: Any, c1: Any) -> Callable[[Any, Any], Any]:
     return abscissa
 
 
-def _abscissas(system: System, points: Sequence[Any]) -> tuple[Any, ...]:
+def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
     K = system.field
     given = entries(points, "points", "a sequence of one or two abscissas x'")
     if len(given) not in (1, 2):
