@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.precise import PreciseFlow, digits_of
+from integrable.motion.trajectory import Motion
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss, whole
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
-    from integrable.motion.flow import Flow
     from integrable.motion.trajectory import Trajectory
 
 # digits by which the second run is wider, and its least number of digits
@@ -25,7 +25,7 @@ SLACK = 1
 FLOAT_SLACK = 3
 
 
-def certified(flow: Flow, times: Any, digits: int | None) -> Trajectory:
+def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
     """The states at physical times, with ``error`` and ``digits``: see :meth:`integrable.motion.flow.Flow.certify`."""
     field = flow.system.field
     own = FLOAT_DIGITS if field == RR else field.dps

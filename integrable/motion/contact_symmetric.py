@@ -16,22 +16,20 @@ The roots are 1/g and 1/g̃.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from integrable.motion.trajectory import Motion
 from integrable.phase.body import cross
 from integrable.steps.guard_digits import onto_constraints, widened
 from jacobian import RR
-
-if TYPE_CHECKING:
-    from integrable.motion.flow import Flow
 
 
 class SymmetricPath:
     """The bounded part of (x, y) in radii as a function of the state; the constants are made in wide numbers."""
 
-    def __init__(self, flow: Flow) -> None:
+    def __init__(self, flow: Motion) -> None:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field
         system = widened(flow.system, wide)
         state, body = onto_constraints(system, flow.state), system.body

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.motion.trajectory import Motion
 from integrable.phase.body import Body
 from integrable.phase.state import State
 from integrable.torus.panel_calculus import distinct, zeros
@@ -17,7 +18,6 @@ from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, sh
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
-    from integrable.motion.flow import Flow
     from integrable.motion.trajectory import Trajectory
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -37,7 +37,7 @@ ROUNDING = 1e3
 MOST_STEPS = 100
 
 
-def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
+def events(flow: Motion, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
     """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
     if not callable(condition):
         raise ArgumentError(f"condition = {shown(condition)}: give a function of γ and M, arrays of shape (N, 3)")
@@ -55,17 +55,17 @@ def events(flow: Flow, condition: Condition, start: Any, end: Any, direction: in
     return flow.at(_polished(flow, condition, times[kept], slopes[kept], halves[kept], first, last))
 
 
-def _in_floats(flow: Flow) -> Flow:
+def _in_floats(flow: Motion) -> Motion:
     """The same motion in floats, for the search."""
     if flow.system.field == RR:
         return flow
     body = flow.system.body
     system = replaced(flow.system, body=Body.make(tuple(map(float, body.inertia)), float(body.d), RR))
     gamma, M = (tuple(map(float, v)) for v in (flow.state.gamma, flow.state.M))
-    return system.flow(State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
+    return type(flow)(system, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
 
 
-def _stretches(flow: Flow, first: float, last: float) -> Iterator[tuple[float, float, float]]:
+def _stretches(flow: Motion, first: float, last: float) -> Iterator[tuple[float, float, float]]:
     """(start, end, length of a panel): a panel is some part of a turn of the body."""
     length = PANEL_STEPS * flow.setup.step_time
     coarse = float(np.spacing(max(abs(first), abs(last))))
@@ -85,11 +85,11 @@ def _stretches(flow: Flow, first: float, last: float) -> Iterator[tuple[float, f
         first = end
 
 
-def _column(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _column(flow: Motion, condition: Condition, times: np.ndarray) -> np.ndarray:
     return _values(flow, condition, times)[:, None]
 
 
-def _values(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _values(flow: Motion, condition: Condition, times: np.ndarray) -> np.ndarray:
     run = flow.at(times)
     values = np.asarray(condition(run.gamma, run.M))
     if values.shape != (len(times),):
@@ -100,7 +100,7 @@ def _values(flow: Flow, condition: Condition, times: np.ndarray) -> np.ndarray:
 
 
 def _polished(
-    flow: Flow, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
+    flow: Motion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
 ) -> np.ndarray:
     """The zeros in the precision of the flow, by Newton with the slopes of the panels; those between the two times."""
     field = flow.system.field

@@ -17,13 +17,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.domain import check_domain
-from integrable.motion.trajectory import Trajectory
+from integrable.motion.trajectory import Motion, Trajectory
 from integrable.moving_point.setup import Setup
 from integrable.phase.space import PhaseSpace
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
-from jacobian.immutable import Immutable
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
@@ -51,7 +50,7 @@ MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 
 
-class Flow(Immutable):
+class Flow(Motion):
     """The motion through one state. Get one from ``system.flow(state)``.
 
     ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
@@ -221,6 +220,12 @@ class Flow(Immutable):
         from integrable.motion.contact import on_torus
 
         return on_torus(self)
+
+    def contact_points(self, run: Trajectory) -> np.ndarray:
+        """What :attr:`Trajectory.contact` is (:mod:`integrable.motion.contact`)."""
+        from integrable.motion.contact import positions
+
+        return positions(run)
 
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers."""

@@ -5,16 +5,14 @@ from __future__ import annotations
 import os
 import tempfile
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.lib import format as npy
 
+from integrable.motion.trajectory import Motion
 from jacobian import RR
 from jacobian.errors import ArgumentError, shown, whole
-
-if TYPE_CHECKING:
-    from integrable.motion.flow import Flow
 
 # states computed at a time
 CHUNK = 200_000
@@ -28,7 +26,7 @@ def _is_a_name(path: Any) -> bool:
         return False
 
 
-def stream(flow: Flow, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
+def stream(flow: Motion, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
     """What :meth:`integrable.motion.flow.Flow.stream` does."""
     if flow.system.field != RR:
         raise ArgumentError(f"field = {flow.system.field.name}: a stream is of floats; use RR")

@@ -3,15 +3,56 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from integrable.moving_point.setup import Setup
 from integrable.phase.body import Integrals
-from jacobian.immutable import Record, read_only
+from integrable.phase.space import PhaseSpace
+from integrable.phase.state import State
+from jacobian.immutable import Immutable, Record, read_only
 
-if TYPE_CHECKING:
-    from integrable.motion.flow import Flow
+
+class Motion(Immutable):
+    """The motion through one state, as its results see it: base of :class:`integrable.motion.flow.Flow`."""
+
+    system: PhaseSpace
+    state: State
+
+    def __init__(self, system: PhaseSpace, state: State) -> None:
+        raise NotImplementedError
+
+    def at(self, times: Any) -> Trajectory:
+        """The states at physical times."""
+        raise NotImplementedError
+
+    def at_tau(self, tau: Any) -> Trajectory:
+        """The states at values of the flow's own time."""
+        raise NotImplementedError
+
+    def physical_time(self, tau: Any) -> np.ndarray:
+        """t(τ) for an array of τ."""
+        raise NotImplementedError
+
+    @cached_property
+    def setup(self) -> Setup:
+        """What the motion is computed from."""
+        raise NotImplementedError
+
+    def contact_points(self, run: Trajectory) -> np.ndarray:
+        """What :attr:`Trajectory.contact` is."""
+        raise NotImplementedError
+
+    @cached_property
+    def contact_on_torus(self) -> Any:
+        """The same far from the start, or None; kept from one run to the next."""
+        raise NotImplementedError
+
+    @cached_property
+    def _torus(self) -> Any:
+        """Random access to the states, or None."""
+        raise NotImplementedError
 
 
 class Trajectory(Record):
@@ -22,7 +63,7 @@ class Trajectory(Record):
     what :meth:`integrable.motion.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
     """
 
-    def __init__(self, flow: Flow, times: np.ndarray | None, tau: np.ndarray, rows: np.ndarray) -> None:
+    def __init__(self, flow: Motion, times: np.ndarray | None, tau: np.ndarray, rows: np.ndarray) -> None:
         self.flow = flow
         self._times = times
         self.tau = tau
@@ -90,9 +131,7 @@ class Trajectory(Record):
         (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
         that does not roll (:mod:`integrable.motion.contact`).
         """
-        from integrable.motion import contact
-
-        return read_only(contact.positions(self))
+        return read_only(self.flow.contact_points(self))
 
     @cached_property
     def integrals(self) -> Integrals:
