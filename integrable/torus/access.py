@@ -259,7 +259,7 @@ class TorusFlow:
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._corners()
-        if not confirmed(self):
+        if not confirmed(setup, self.frequencies, self._rows_at_tau):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         if setup.wide_d != 0:
             self.clock = TorusClock(self, self._rates())

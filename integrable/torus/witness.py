@@ -7,6 +7,7 @@ by doublings of a small one: no period, no corner and no choice of a sign goes i
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,6 @@ from integrable.moving_point.translations import power_series
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
-    from integrable.torus.access import TorusFlow
 
 # turns of a phase at the times that are looked at: once round in either direction, a quarter or so beyond
 TURNS = (1.23, -1.38)
@@ -32,15 +32,15 @@ RIGHT = 1e-8
 HALVINGS, TERMS, NEWTON_PASSES = 2, 16, 3
 
 
-def confirmed(torus: TorusFlow) -> bool:
+def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray]) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
     sign that a period changes has been changed, in both directions.
     """
-    rates = [float(nu) for nu in torus.frequencies]
+    rates = [float(nu) for nu in frequencies]
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
     tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
-    setup, found = torus._setup, torus._rows_at_tau(tau)
+    found = states(tau)
     matrix = None if setup.tilt is None else tuple(float(x) for x in setup.tilt.inverse_matrix())
     if _difference(found, [vectors(point, setup.momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
         return True
