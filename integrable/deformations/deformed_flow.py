@@ -10,18 +10,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import ceil
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import digits_of
 from integrable.phase.state import State
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
 from jacobian.immutable import Immutable, Record
-
-if TYPE_CHECKING:
-    from integrable.deformations.deformation import Deformation
 
 FLOAT_DIGITS = 17
 """Digits that are asked for where the states are rounded to floats."""
@@ -102,7 +100,7 @@ class DeformedFlow(Immutable):
     method = "elliptic curves"
     _caches = ("_motion", "_witness", "_witnessed")
 
-    def __init__(self, system: Deformation, state: State) -> None:
+    def __init__(self, system: Hamiltonian, state: State) -> None:
         self.system, self.state = system, state
         self._asked = digits_asked(system.field)
         self._motion = self._started(self._asked + GUARD_DIGITS)
@@ -227,7 +225,7 @@ def digits_asked(K: Any) -> int:
     return FLOAT_DIGITS if K == RR else int(K.dps)
 
 
-def widened(system: Deformation, state: State, digits: int) -> tuple[Any, State]:
+def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]:
     """The same system and state with so many digits, the constraints made exact."""
     wide = MP(digits)
     gamma, M = ([wide.coerce(x) for x in v] for v in (state.gamma, state.M))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from integrable.deformations.deformed_flow import (
     GUARD_DIGITS,
@@ -14,13 +14,11 @@ from integrable.deformations.deformed_flow import (
     numbers_of,
     widened,
 )
+from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.phase.state import State
 from integrable.steps.extrapolation import integrate
 from jacobian.errors import PrecisionLoss
 from jacobian.immutable import Immutable
-
-if TYPE_CHECKING:
-    from integrable.deformations.deformation import Deformation
 
 # digits of a step beyond those asked for, and what all steps together may lose of H and K
 STEP_DIGITS = 2
@@ -49,7 +47,7 @@ class IntegratedMotion(Immutable):
 
     method = "extrapolation"
 
-    def __init__(self, system: Deformation, state: State) -> None:
+    def __init__(self, system: Hamiltonian, state: State) -> None:
         self.system, self.state = system, state
         self._asked = digits_asked(system.field)
 

@@ -9,7 +9,7 @@ Coefficients are integers in units of 2^−bits: numpy multiplies matrices of th
 from __future__ import annotations
 
 from math import ceil, isqrt, log
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.deformations.oval import Oval
-    from integrable.deformations.separated_flow import OvalMotion
 
 GUARD_BITS = 30
 MOST_MODES = 1 << 16
@@ -34,13 +33,31 @@ ROUNDS = 200
 ROUGH_ROUNDS = 20
 
 
+class OnTwoCurves(Protocol):
+    """A motion on two curves, as its clock sees it."""
+
+    system: Any
+    curves: list[Oval]
+
+    @property
+    def field(self) -> Any:
+        """The numbers it runs over."""
+
+    @property
+    def weights(self) -> tuple[Any, Any]:
+        """Of 1 + dz_k in g²."""
+
+    def pace(self, first: Any, second: Any) -> Any:
+        """1/g from z on both curves."""
+
+
 class SeparatedClock:
     """t(τ) and τ(t) of one motion to ``digits`` digits of its longer period.
 
     PrecisionLoss where 1/g needs too many modes.
     """
 
-    def __init__(self, motion: OvalMotion, digits: int) -> None:
+    def __init__(self, motion: OnTwoCurves, digits: int) -> None:
         self.digits = digits
         self._motion = motion
         K = motion.field
@@ -273,12 +290,12 @@ def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.cos(angles), np.sin(angles)
 
 
-def _highest(motion: OvalMotion) -> list[Any]:
+def _highest(motion: OnTwoCurves) -> list[Any]:
     """z_k on the ovals where g is largest."""
     return [max(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
 
 
-def _lowest(motion: OvalMotion) -> list[Any]:
+def _lowest(motion: OnTwoCurves) -> list[Any]:
     """z_k where g is least."""
     return [min(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
 

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from operator import index
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.phase import coordinates
 from integrable.phase.body import cross, square_root
 from integrable.phase.isometry import lift, roots
@@ -23,7 +24,6 @@ from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, shown
 from jacobian.fields.quadratic import quadratic_roots
 
 if TYPE_CHECKING:
-    from integrable.deformations.deformation import Deformation
     from jacobian import Divisor
 
 
@@ -43,7 +43,7 @@ class _Image(NamedTuple):
     pairs: tuple[coordinates.Pair, ...]
 
 
-def divisors(system: Deformation, state: State) -> TwoPoints:
+def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     """The two points of a state of a tilde pair without potential.
 
     NotASquare where ũ1, ũ2 or g are not in the field, NotRepresentable where moments are equal, ũ1 = ũ2, or K = 0.
@@ -60,7 +60,7 @@ def divisors(system: Deformation, state: State) -> TwoPoints:
     return TwoPoints(*points)
 
 
-def from_divisors(system: Deformation, points: TwoPoints, like: State) -> State:
+def from_divisors(system: Hamiltonian, points: TwoPoints, like: State) -> State:
     """The state of two points, with the signs of ``like`` (over an exact field: the field's roots, or those of
     ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
     """
@@ -97,7 +97,7 @@ def from_divisors(system: Deformation, points: TwoPoints, like: State) -> State:
     return _state(system, pairs, u, h1, h2, like)
 
 
-def curve(system: Deformation, mu: Any) -> HyperellipticCurve:
+def curve(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
     """Y² = 4Π(Z − μ/I_i)."""
     K = system.field
     f: poly.Poly = (poly.integer(K, 4),)
@@ -106,19 +106,19 @@ def curve(system: Deformation, mu: Any) -> HyperellipticCurve:
     return HyperellipticCurve(K, f)
 
 
-def _contact(system: Deformation) -> Any:
+def _contact(system: Hamiltonian) -> Any:
     K, r = system.field, system.body.contact
     return K.mul(r[0], K.mul(r[1], r[2]))
 
 
-def _mu(system: Deformation, value: Any) -> Any:
+def _mu(system: Hamiltonian, value: Any) -> Any:
     K = system.field
     if value == K.zero:
         raise NotRepresentable("λ = 0: K vanishes, and one of the two curves degenerates")
     return K.mul(value, _contact(system))
 
 
-def _mu_of(system: Deformation, f: poly.Poly) -> Any:
+def _mu_of(system: Hamiltonian, f: poly.Poly) -> Any:
     """μ of the curve 4Π(Z − μ/I_i) = f: from Σ1/I, or where that vanishes in the field from ΣI and f's lower end."""
     K, inertia = system.field, system.body.inertia
     four, total = poly.integer(K, 4), K.dot([K.inv(x) for x in inertia], (K.one,) * 3)
@@ -129,7 +129,7 @@ def _mu_of(system: Deformation, f: poly.Poly) -> Any:
     return K.neg(K.mul(K.div(f[0], f[1]), K.dot(inertia, (K.one,) * 3)))
 
 
-def _image(system: Deformation, state: State) -> _Image:
+def _image(system: Hamiltonian, state: State) -> _Image:
     K, body, a = system.field, system.body, system.a
     if any(c == K.zero for c in body.differences):
         raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
@@ -164,7 +164,7 @@ def _first(K: Any, x: Any, y: Any) -> bool:
     return bool(K.key(x) < K.key(y))
 
 
-def _pairs(system: Deformation, state: State, w: Any, h2: Any) -> tuple[coordinates.Pair, ...]:
+def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[coordinates.Pair, ...]:
     """(w_i, N_i), N_i = c·w_i − 2g(1 − da_i)γ_i with (w, N) = 0."""
     K, body = system.field, system.body
     g = K.one
@@ -175,7 +175,7 @@ def _pairs(system: Deformation, state: State, w: Any, h2: Any) -> tuple[coordina
     return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))
 
 
-def _state(system: Deformation, pairs: Any, u: Any, h1: Any, h2: Any, like: State) -> State:
+def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: State) -> State:
     K, body = system.field, system.body
     w, n = (tuple(column) for column in zip(*pairs, strict=True))
     over = [K.div(x, r) for x, r in zip(w, body.contact, strict=True)]
@@ -204,7 +204,7 @@ class CurveTranslation(Step):
     """
 
     def __init__(
-        self, system: Deformation, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+        self, system: Hamiltonian, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
     ) -> None:
         self.system = system
         given = list(points) if isinstance(points, (list, tuple)) else []
@@ -277,7 +277,7 @@ class CurveTranslation(Step):
 class IsometricStep(Step):
     """A step of the tilde pair of A⁻¹ taken over to a check or hat pair by the lift of B."""
 
-    def __init__(self, system: Deformation, step: CurveTranslation) -> None:
+    def __init__(self, system: Hamiltonian, step: CurveTranslation) -> None:
         self.system = system
         self.step = step
 
@@ -300,13 +300,13 @@ class IsometricStep(Step):
         return unlifted(self.system, self.step(lifted(self.system, state)))
 
 
-def lifted(system: Deformation, state: State) -> State:
+def lifted(system: Hamiltonian, state: State) -> State:
     """The state of the tilde pair of A⁻¹ that belongs to one of a check or hat pair."""
     K = system.field
     return State(*lift(K, roots(K, system.isometry()[0]), state.gamma, state.M))
 
 
-def unlifted(system: Deformation, state: State) -> State:
+def unlifted(system: Hamiltonian, state: State) -> State:
     """The inverse of :func:`lifted`."""
     K = system.field
     return State(*lift(K, [K.inv(x) for x in roots(K, system.isometry()[0])], state.gamma, state.M))
