@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from integrable.deformations.hat import Hat
     from integrable.deformations.tilde import Tilde
     from integrable.motion.trajectory import Trajectory
-    from integrable.scene.run import load_scene, run
+    from integrable.scene.file import load_scene
+    from integrable.scene.run import run
     from integrable.systems.chaplygin_ball import ChaplyginBall
     from integrable.systems.euler_top import EulerTop
 
@@ -29,7 +30,7 @@ _HOME = {
     "Hat": "integrable.deformations.hat",
     "Tilde": "integrable.deformations.tilde",
     "Trajectory": "integrable.motion.trajectory",
-    "load_scene": "integrable.scene.run",
+    "load_scene": "integrable.scene.file",
     "run": "integrable.scene.run",
 }
 

@@ -23,7 +23,8 @@ from jacobian.errors import (
     PrecisionLoss,
     SingularCurve,
 )
-from jacobian.fields import CC, GF, MP, QQ, RR, Field
+from jacobian.fields import CC, GF, MP, QQ, RR
+from jacobian.fields.protocol import Field
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 

@@ -1,0 +1,144 @@
+"""Rooms, arrows and homes: no import leads in a circle, no room is a corridor, every public name has one home.
+
+Counted are all imports, those inside functions and under TYPE_CHECKING too. The one exception are the facades: the
+packages themselves, whose public names are imported when they are used, and ``C.jacobian()``.
+"""
+
+from __future__ import annotations
+
+import ast
+import importlib
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+PACKAGES = ("jacobian", "integrable")
+MOST_FILES = 20
+# files of a package that lie in no room: below the rooms, above them, or public names of what lies in one
+OUTSIDE = {
+    "jacobian": {"__init__", "__main__", "compilation", "errors", "group", "immutable", "poly", "terminal"},
+    "integrable": {"__init__", "__main__", "extras", "reference"},
+}
+FACADES = {("jacobian.curve.curve", "jacobian.group")}
+
+
+@cache
+def modules() -> dict[str, Path]:
+    """All modules of both packages by their dotted names."""
+    found = {}
+    for package in PACKAGES:
+        for path in sorted((ROOT / package).rglob("*.py")):
+            parts = path.relative_to(ROOT).with_suffix("").parts
+            found[".".join(parts[:-1] if parts[-1] == "__init__" else parts)] = path
+    return found
+
+
+@cache
+def tree(name: str) -> ast.Module:
+    return ast.parse(modules()[name].read_text(encoding="utf-8"))
+
+
+def imported(name: str) -> set[str]:
+    """The modules of both packages that a module imports, anywhere in it."""
+    package = name.split(".") if modules()[name].name == "__init__.py" else name.split(".")[:-1]
+    found = set()
+    for node in ast.walk(tree(name)):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else []
+            base = ".".join([*above, *([node.module] if node.module else [])])
+            for alias in node.names:
+                whole = f"{base}.{alias.name}"
+                found.add(whole if whole in modules() else base)
+    return {other for other in found & set(modules()) if other not in PACKAGES and (name, other) not in FACADES}
+
+
+def circles(edges: dict[str, set[str]]) -> list[set[str]]:
+    """The strongly connected parts of more than one module (Kosaraju 1978)."""
+
+    def reached(start: str, along: dict[str, set[str]], seen: set[str]) -> list[str]:
+        order, stack = [], [(start, iter(sorted(along[start])))]
+        seen.add(start)
+        while stack:
+            rest = stack[-1][1]
+            for other in rest:
+                if other not in seen:
+                    seen.add(other)
+                    stack.append((other, iter(sorted(along[other]))))
+                    break
+            else:
+                order.append(stack.pop()[0])
+        return order
+
+    seen: set[str] = set()
+    order = [name for start in edges if start not in seen for name in reached(start, edges, seen)]
+    back: dict[str, set[str]] = {name: set() for name in edges}
+    for name, others in edges.items():
+        for other in others:
+            back[other].add(name)
+    seen = set()
+    parts = [reached(start, back, seen) for start in reversed(order) if start not in seen]
+    return [set(part) for part in parts if len(part) > 1]
+
+
+def test_a_circle_would_be_found():
+    edges = {"a": {"b"}, "b": {"c"}, "c": {"a", "d"}, "d": {"e"}, "e": set()}
+    assert circles(edges) == [{"a", "b", "c"}]
+    assert circles({**edges, "c": {"d"}}) == []
+
+
+def test_no_imports_lead_in_a_circle():
+    assert circles({name: imported(name) for name in modules() if name not in PACKAGES}) == []
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_rooms(package):
+    """Every file lies in a room of at most twenty files, whose ``__init__`` says what is in it; tests have the same."""
+    assert {path.stem for path in (ROOT / package).glob("*.py")} == OUTSIDE[package]
+    rooms = {path.parent for path in (ROOT / package).rglob("*.py")} - {ROOT / package}
+    for room in rooms:
+        assert room.parent == ROOT / package
+        assert len(list(room.glob("*.py"))) <= MOST_FILES, room.name
+        assert ast.get_docstring(tree(f"{package}.{room.name}")), room.name
+    tested = {path.parent for path in (ROOT / "tests" / package).rglob("*.py")} - {ROOT / "tests" / package}
+    assert {path.name for path in tested} <= {path.name for path in rooms}
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_every_public_name_has_one_home(package):
+    """One module defines it, whatever it is called there besides, and the facade leads to that module."""
+    facade = importlib.import_module(package)
+    leads = {
+        alias.name: node.module
+        for node in ast.walk(tree(package))
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    for name in facade.__all__:
+        homes = [module for module in modules() if module.split(".")[0] == package and name in defined(module)]
+        assert homes == [leads[name]], name
+        assert getattr(facade, name) is getattr(importlib.import_module(leads[name]), name)
+    home = getattr(facade, "_HOME", None)
+    assert home is None or home == {name: leads[name] for name in facade.__all__}
+
+
+def defined(name: str) -> set[str]:
+    """What a module defines at its top: classes, functions and names of values."""
+    found = set()
+    for node in tree(name).body:
+        if isinstance(node, ast.ClassDef | ast.FunctionDef):
+            found.add(node.name)
+        elif isinstance(node, ast.Assign | ast.AnnAssign):
+            targets = node.targets if isinstance(node, ast.Assign) else [node.target]
+            found |= {target.id for target in targets if isinstance(target, ast.Name)}
+    return found
+
+
+def test_what_a_study_leaves_out_of_its_stamp_is_there():
+    from integrable.study.store import _SHOWN_ONLY
+
+    for name in _SHOWN_ONLY:
+        assert any((ROOT / package / name).exists() for package in PACKAGES), name
