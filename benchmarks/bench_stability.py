@@ -18,7 +18,6 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-import jacobian.inexact.retraction_compiled  # noqa: F401
 from benchmarks.classical import classical
 from benchmarks.figures import command, save
 from integrable import ChaplyginBall, EulerTop

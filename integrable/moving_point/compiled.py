@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from numba.extending import overload, register_jitable
 
-import jacobian.inexact.retraction_compiled  # noqa: F401  (makes the retraction known to numba)
 from integrable.moving_point import kernel
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers import double_double_compiled as double_double

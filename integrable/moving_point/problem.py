@@ -9,7 +9,7 @@ from integrable.phase.body import Body, Vector, cross
 from integrable.phase.upright import ChaplyginTransformation
 from jacobian import poly
 from jacobian.errors import ArgumentError
-from jacobian.inexact.genus2_real import root
+from jacobian.numbers.roots import root
 
 
 class MotionProblem:

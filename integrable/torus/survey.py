@@ -11,7 +11,7 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import Any
 
-from jacobian.inexact.genus2_real import root
+from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any

@@ -19,7 +19,7 @@ from typing import Any
 from integrable.moving_point.kernel import carried, clock_rate, moving_point, near_identity, rate_at, shift
 from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
-from jacobian.inexact.genus2_real import root
+from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any

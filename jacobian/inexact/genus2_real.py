@@ -9,28 +9,13 @@ compiles these functions with numba, for floats and for double-double numbers.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from math import sqrt
 from typing import Any
+
+from jacobian.numbers.roots import negligible, root
 
 Real = Any  # float, or the mpf of one context
 Four = tuple[Real, Real, Real, Real]
 Six = tuple[Real, Real, Real, Real, Real, Real]
-
-
-# for types that have something quicker than x ** 0.5; jacobian.numbers.long_reals adds its own
-ROOTS: dict[type, Callable[[Any], Any]] = {float: sqrt}
-
-
-def root(x: Real) -> Real:
-    """√x."""
-    special = ROOTS.get(type(x))
-    return special(x) if special else x**0.5
-
-
-def negligible(small: Real, large: Real) -> bool:
-    """Whether ``small`` adds nothing to ``large``, to rounding."""
-    return bool(large + small == large)
 
 
 def add(f: Six, first: Four, second: Four) -> tuple[Four, tuple[Real, Real, Real, Real, Real, Real, Real, Real]]:

@@ -3,7 +3,7 @@
 Rounding takes the sums of :mod:`jacobian.inexact.genus2_real` off the curve, and what is off the curve need not stay
 small: over many additions of one divisor it grows, for some steps exponentially (``python -m benchmarks stability``).
 One step of Newton's method here and there stops that. Bare reals, as in :mod:`jacobian.inexact.genus2_real`; compiled
-code may call it after ``import jacobian.inexact.retraction_compiled``.
+code may call it after ``import jacobian.inexact.compiled``.
 """
 
 from __future__ import annotations

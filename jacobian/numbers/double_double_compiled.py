@@ -1,7 +1,7 @@
 """Double-double numbers for code compiled by numba: importing this module makes the types known.
 
 In compiled code ``number(hi, lo)`` is a number and ``numbers(array)`` a view of a float array (…, 2) whose items are
-numbers and rows of numbers; + − × ÷, comparisons, abs, max, min, float() and ``genus2_real.root`` take them, mixed with
+numbers and rows of numbers; + − × ÷, comparisons, abs, max, min, float() and ``roots.root`` take them, mixed with
 floats and integers (which count as floats: exact up to 2^53). Attributes ``hi`` and ``lo`` read the parts.
 
 Functions that use them must be compiled without fastmath (:data:`JIT`): an optimizer that contracts or reorders sums

@@ -11,7 +11,7 @@ from contextlib import AbstractContextManager, contextmanager
 from typing import Any
 
 from jacobian.errors import ArgumentError
-from jacobian.inexact import genus2_real
+from jacobian.numbers.roots import ROOTS
 
 KINDS = ("gmpy2", "python-flint", "mpmath")
 
@@ -111,7 +111,7 @@ class _Gmpy2(BareReals):
         self._gmpy2: Any = gmpy2
         self._type = type(gmpy2.mpfr(0))
         self._exact: Any = gmpy2.context(precision=bits)
-        genus2_real.ROOTS[self._type] = gmpy2.sqrt
+        ROOTS[self._type] = gmpy2.sqrt
 
     def at(self, bits: int) -> AbstractContextManager[Any]:
         result: AbstractContextManager[Any] = self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
@@ -140,7 +140,7 @@ class _Flint(BareReals):
 
         super().__init__(bits)
         self._flint: Any = flint
-        genus2_real.ROOTS[flint.arb] = flint.arb.sqrt
+        ROOTS[flint.arb] = flint.arb.sqrt
 
     @contextmanager
     def at(self, bits: int) -> Iterator[Any]:

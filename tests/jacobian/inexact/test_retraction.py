@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-import jacobian.inexact.retraction_compiled  # noqa: F401  (makes the functions known to numba)
 from jacobian import MP, QQ, poly
 from jacobian.inexact import genus2_real, retraction
 from jacobian.inexact.compiled import JIT

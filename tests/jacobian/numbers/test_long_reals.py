@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from jacobian import MP
 from jacobian.errors import ArgumentError
-from jacobian.inexact.genus2_real import root
 from jacobian.numbers.long_reals import KINDS, BareReals
+from jacobian.numbers.roots import root
 
 K = MP(60)
 NUMBERS = st.one_of(
