@@ -16,13 +16,12 @@ import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import digits_of
+from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
 from jacobian.immutable import Immutable, Record
 
-FLOAT_DIGITS = 17
-"""Digits that are asked for where the states are rounded to floats."""
 GUARD_DIGITS = 18
 SPARE = 2
 """Digits that a result keeps beyond those asked for."""
@@ -222,7 +221,7 @@ def digits_asked(K: Any) -> int:
     """The digits that states over RR or MP(digits) are rounded to; ArgumentError for other fields."""
     if K.exact or getattr(K, "complex", False):
         raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
-    return FLOAT_DIGITS if K == RR else int(K.dps)
+    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from integrable.motion.precise import PreciseFlow, digits_of
 from integrable.motion.trajectory import Motion
+from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss, whole
 from jacobian.immutable import replaced
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 # digits by which the second run is wider, and its least number of digits
 WIDER = 15
 LEAST = 30
-FLOAT_DIGITS = 15
 # digits that agree unless more are asked for: all but the last few bits
 SLACK = 1
 FLOAT_SLACK = 3

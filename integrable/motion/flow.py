@@ -19,6 +19,7 @@ import numpy as np
 from integrable.motion.domain import check_domain
 from integrable.motion.trajectory import Motion, Trajectory
 from integrable.moving_point.setup import Setup
+from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
@@ -42,8 +43,6 @@ COMPILE_FROM = 500
 # states whose integrals differ from those of the start by this part are refused; so many are looked at together
 DRIFT = 1e-9
 CHUNK = 8192
-# digits with which states are computed that are rounded to floats
-FLOAT_DIGITS = 17
 # what floats may cost where the compiled loops do not carry a motion, half a second either: corners and samples of the
 # torus in interpreted loops, values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
@@ -272,7 +271,7 @@ class PreciseRows:
         from integrable.motion.precise import PreciseFlow
 
         if self._floats:
-            return PreciseFlow(self._body, self._state, FLOAT_DIGITS, most=MOST_RATES)
+            return PreciseFlow(self._body, self._state, ROUNDED_TO_FLOATS, most=MOST_RATES)
         return PreciseFlow(self._body, self._state, self._field.dps, self._setup)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -26,8 +26,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import amplitude, carlson_j, first_kind_swing
-from integrable.moving_point.setup import FLOAT_DIGITS
 from integrable.phase.body import Body, Vector
+from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.upright import ChaplyginTransformation
 from integrable.torus.survey import complete
@@ -105,7 +105,7 @@ class SymmetricFlow:
     """
 
     def __init__(self, system: PhaseSpace, state: State) -> None:
-        K = self._wide = MP(FLOAT_DIGITS)
+        K = self._wide = MP(SET_UP_DIGITS)
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         self._rolls = system.body.rolls
@@ -340,4 +340,4 @@ def _wide(K: Any, x: Any) -> Any:
     return K.coerce(high) + K.coerce(float(x - high))
 
 
-PI = _long(MP(FLOAT_DIGITS).context.pi)
+PI = _long(MP(SET_UP_DIGITS).context.pi)

@@ -11,11 +11,11 @@ from integrable.moving_point.legendre import legendre_rule
 from integrable.moving_point.problem import MotionProblem
 from integrable.moving_point.translations import REACH, Translations, series_of
 from integrable.phase.body import Body, Vector
+from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
 
-FLOAT_DIGITS = 45
 GUARD_DIGITS = 10
 WIDER = 20
 GUARD_BITS = 10
@@ -39,7 +39,7 @@ class Setup:
         if field != RR and (type(field) is not type(MP(15)) or field.complex):
             raise ArgumentError(f"field = {field.name}: a flow runs over RR or MP(digits)")
         if field == RR and digits is None:
-            self.wide, self.work, digits = MP(FLOAT_DIGITS + digits_of_closeness(body)), RR, 16
+            self.wide, self.work, digits = MP(SET_UP_DIGITS + digits_of_closeness(body)), RR, EPS_DIGITS
         else:
             digits = (field.dps if digits is None else digits) + GUARD_DIGITS
             self.wide, self.work = MP(digits + WIDER), MP(digits)

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian.errors import ArgumentError, whole
 
-__all__ = ["FLOAT_DIGITS", "MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
+__all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
 
-FLOAT_DIGITS = 15
-"""Up to this many digits a run is in floats, above it in multiprecision."""
 MOST_STEPS = 10_000_000
 """Of an orbit, whose states are all kept."""
 

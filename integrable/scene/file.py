@@ -10,7 +10,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from integrable.scene.data import FLOAT_DIGITS, MOST_STEPS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import MOST_STEPS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
 from integrable.scene.toml import Table, suggestion
 from jacobian.errors import ArgumentError, shown
 

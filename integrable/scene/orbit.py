@@ -16,8 +16,9 @@ from typing import Any
 
 import numpy as np
 
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
-from integrable.scene.data import FLOAT_DIGITS, MOST_STEPS, Scene
+from integrable.scene.data import MOST_STEPS, Scene
 from integrable.scene.tables import aligned, duration, figure
 from integrable.steps.guard_digits import MOST_CONDITION, in_wider_numbers
 from integrable.steps.step import Step

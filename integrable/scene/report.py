@@ -18,8 +18,9 @@ from time import perf_counter
 from typing import Any
 
 from integrable.extras import installed
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.scene.data import Scene
 from integrable.scene.rows import INTEGRALS, Report, Row, TruthCheck
 from integrable.scene.tables import DOP853
 from jacobian.errors import PrecisionLoss

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from integrable.extras import without
-from integrable.scene.data import FLOAT_DIGITS, Comparison, Map, Scene, Steps, Times
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Comparison, Map, Scene, Steps, Times
 from integrable.scene.file import load_scene, scene_names
 from integrable.scene.progress import bar_of_pieces
 from jacobian.errors import ArgumentError, shown

@@ -12,6 +12,7 @@ from math import ceil, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body
+from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from jacobian import MP
@@ -27,7 +28,6 @@ MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
 LARGEST = 1e300
 ATTEMPTS = 3
-FLOAT_DIGITS = 16
 
 
 def drift(system: PhaseSpace, image: State, state: State) -> Any:
@@ -136,7 +136,7 @@ def _rounded(field: Any, state: State) -> State:
 
 def _digits(field: Any, condition: float) -> Iterator[tuple[bool, int]]:
     """(whether it is the last, digits): those of the field and those that the condition costs, twice, 4 and 8 times."""
-    own = getattr(field, "dps", FLOAT_DIGITS)
+    own = getattr(field, "dps", EPS_DIGITS)
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))
     return ((k == ATTEMPTS - 1, first << k) for k in range(ATTEMPTS))

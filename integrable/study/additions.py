@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
 from jacobian.errors import JacobianError
 
 __all__ = ["DIGITS", "EXPONENTS", "near_additions"]

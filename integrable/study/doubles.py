@@ -12,8 +12,9 @@ from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
 
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import constrained
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.scene.data import Scene
 
 __all__ = ["SceneInDoubles", "in_doubles"]
 

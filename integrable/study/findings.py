@@ -8,7 +8,8 @@ from math import log
 from typing import Any
 
 from integrable.oracles.methods import METHODS, time_scale
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
 from integrable.study.plan import FLOW, Row
 
 __all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "fitted_slope", "gather"]

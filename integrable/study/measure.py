@@ -11,7 +11,8 @@ from time import perf_counter
 from typing import Any
 
 from integrable.oracles.methods import METHODS, time_scale
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
 from integrable.study.plan import LIMITS, Row
 from integrable.study.truth import Truth, compute
 from integrable.study.ways import clock_of

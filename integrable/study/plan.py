@@ -11,7 +11,8 @@ from typing import Any
 
 from integrable.extras import APP, installed
 from integrable.oracles.methods import METHODS
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
 from integrable.scene.output import portable
 from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp

@@ -11,8 +11,9 @@ from typing import Any
 
 from integrable.oracles.methods import time_scale
 from integrable.oracles.reference import is_body, taylor
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
-from integrable.scene.data import FLOAT_DIGITS, Scene
+from integrable.scene.data import Scene
 from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError, PrecisionLoss
 
