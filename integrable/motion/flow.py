@@ -202,7 +202,8 @@ class Flow(Motion):
     @cached_property
     def _torus(self) -> TorusFlow | None:
         """None where the torus is not compact, or nearly so that its corners lose too many digits."""
-        from integrable.torus.access import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
+        from integrable.torus.access import TorusFlow
+        from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
         try:
             if self.kernel == "python" or interpreted():

@@ -10,8 +10,8 @@ from __future__ import annotations
 from numba.extending import overload, register_jitable
 
 from integrable.moving_point import compiled, translations
+from integrable.torus import clock_loops, states, tables, walks
 from integrable.torus import survey as torus_survey
-from integrable.torus import walks
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double_compiled import JIT, numbers
 
@@ -33,44 +33,44 @@ for _inner in (
     torus_survey.best_chart,
     torus_survey.about_centre,
     translations.power_series,
-    walks.direction,
-    walks.recentred,
-    walks.alike,
-    walks.point_in,
-    walks.put,
+    tables.direction,
+    tables.recentred,
+    tables.alike,
+    tables.point_in,
+    tables.put,
     walks.conditioning,
     walks.opposite,
     walks.turn,
     walks.step_over,
-    walks.small_translation,
-    walks.whole_turns,
-    walks.state_at,
-    walks.turned,
-    walks.delay,
-    walks.loud_swing,
-    walks.on_circle,
+    tables.small_translation,
+    states.whole_turns,
+    states.state_at,
+    states.turned,
+    clock_loops.delay,
+    clock_loops.loud_swing,
+    clock_loops.on_circle,
 ):
     register_jitable(_inner)
 
 _FLOATS = {"nogil": True, "error_model": "numpy", "fastmath": True}
-_swing_and_rate = njit(**_FLOATS)(walks.swing_and_rate)
-panel_values = njit(**{**_FLOATS, "fastmath": {"contract"}})(walks.panel_values)
+_swing_and_rate = njit(**_FLOATS)(clock_loops.swing_and_rate)
+panel_values = njit(**{**_FLOATS, "fastmath": {"contract"}})(clock_loops.panel_values)
 
 
-@overload(walks.swing_and_rate)
+@overload(clock_loops.swing_and_rate)
 def _overloaded(series, a, b, room):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
     return lambda series, a, b, room: _swing_and_rate(series, a, b, room)
 
 
 _survey = register_jitable(torus_survey.survey)
-_directions = register_jitable(walks.directions)
+_directions = register_jitable(tables.directions)
 _corners = register_jitable(walks.corners)
 _offsets = register_jitable(walks.offsets)
 _sampled = register_jitable(walks.sampled)
-_states_at_phases = register_jitable(walks.states_at_phases)
-_states_at_tau = register_jitable(walks.states_at_tau)
-_states_at_times = register_jitable(walks.states_at_times)
-_times_at_tau = register_jitable(walks.times_at_tau)
+_states_at_phases = register_jitable(states.states_at_phases)
+_states_at_tau = register_jitable(states.states_at_tau)
+_states_at_times = register_jitable(clock_loops.states_at_times)
+_times_at_tau = register_jitable(clock_loops.times_at_tau)
 
 
 @njit(**JIT)
@@ -81,7 +81,7 @@ def survey(motion, near, points, out):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def directions(motion, chart, parts, nodes, passes, series, roots, room, tables, halves):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.walks.directions`."""
+    """:func:`integrable.torus.tables.directions`."""
     _directions(
         numbers(motion),
         chart,
@@ -152,19 +152,19 @@ def sampled(f, axes, states, cells, finer, odd, steps, counts, rates, others):  
 
 @njit(**JIT)
 def states_at_phases(rows, sizes, phases, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.walks.states_at_phases`."""
+    """:func:`integrable.torus.states.states_at_phases`."""
     _states_at_phases(_torus(rows, sizes), phases, out)
 
 
 @njit(**JIT)
 def states_at_tau(rows, sizes, frequencies, tau, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.walks.states_at_tau`; ``rows`` are the arrays of ``torus`` in order."""
+    """:func:`integrable.torus.states.states_at_tau`; ``rows`` are the arrays of ``torus`` in order."""
     _states_at_tau(_torus(rows, sizes), _two(frequencies), tau, out)
 
 
 @njit(**JIT)
 def states_at_times(rows, sizes, pace, clock, modes, loud, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.walks.states_at_times`."""
+    """:func:`integrable.torus.clock_loops.states_at_times`."""
     p = numbers(pace)
     mean = p[0], p[1], p[2], p[3], p[4]
     _states_at_times(_torus(rows, sizes), mean, clock, modes, numbers(loud), times, tau, delays, out, room)
@@ -172,7 +172,7 @@ def states_at_times(rows, sizes, pace, clock, modes, loud, times, tau, delays, o
 
 @njit(**JIT)
 def times_at_tau(frequencies, clock, mean, tau, times, room):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.walks.times_at_tau`."""
+    """:func:`integrable.torus.clock_loops.times_at_tau`."""
     _times_at_tau(_two(frequencies), clock, numbers(mean)[0], tau, times, room)
 
 

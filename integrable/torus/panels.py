@@ -61,7 +61,7 @@ class Panels:
         self.coefficients = np.ascontiguousarray(np.concatenate(series)[order])
 
     def at(self, times: np.ndarray, evaluate: Any) -> np.ndarray:
-        """The rows at times inside, by :func:`integrable.torus.walks.panel_values` or its compiled version."""
+        """The rows at times inside, by :func:`integrable.torus.clock_loops.panel_values` or its compiled version."""
         width = self.coefficients.shape[2]
         out = np.empty((len(times), width))
         evaluate(self.middles, self.halves, self.coefficients, times, np.empty((2, width)), out)

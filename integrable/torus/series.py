@@ -92,8 +92,8 @@ class TorusSeries:
         return np.array(modes, dtype=np.int64), coefficients
 
     def packed(self, part: float = 0.0, without: Any = ()) -> tuple[Any, ...]:
-        """What :func:`integrable.torus.walks.swing_and_rate` takes; only modes of F beyond ``part`` of its mean, or
-        without some modes as :meth:`loudest` gives them and without their part of the value at the start.
+        """What :func:`integrable.torus.clock_loops.swing_and_rate` takes; only modes of F beyond ``part`` of its mean,
+        or without some modes as :meth:`loudest` gives them and without their part of the value at the start.
         """
         kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
         left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first

@@ -13,7 +13,8 @@ from integrable.__main__ import main
 from integrable.motion.precise import PreciseFlow
 from integrable.oracles import reference
 from integrable.phase.state import State
-from integrable.torus.access import CompiledLoops, TorusFlow
+from integrable.torus.access import TorusFlow
+from integrable.torus.loops import CompiledLoops
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 

@@ -8,11 +8,12 @@ import pytest
 from integrable import ChaplyginBall
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.setup import Setup
-from integrable.torus.access import ReadableLoops, TorusFlow
+from integrable.torus.access import TorusFlow
 from integrable.torus.lattice import TorusLattice
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.long_grid import TorusGrid
 from integrable.torus.long_periods import directed, ovals, translation
+from integrable.torus.loops import ReadableLoops
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss

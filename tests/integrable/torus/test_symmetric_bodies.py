@@ -14,7 +14,8 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.oracles import reference
 from integrable.phase.state import State
 from integrable.torus import lattice
-from integrable.torus.access import CompiledLoops, NotClosed, ReadableLoops, TorusFlow
+from integrable.torus.access import TorusFlow
+from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 

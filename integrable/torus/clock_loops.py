@@ -1,0 +1,172 @@
+"""States at physical times on a torus, on bare reals for numba as they stand: the clock's series, and panels."""
+
+from __future__ import annotations
+
+from math import cos, floor, pi, sin
+from typing import Any
+
+from integrable.torus.states import state_at, whole_turns
+
+Real = Any
+Row = Any
+
+
+def states_at_times(
+    torus: Any, pace: Any, clock: Any, modes: Row, loud: Row, times: Row, tau: Row, delays: Row, out: Row, room: Row
+) -> None:
+    """γ and M at physical times, six floats each, the times of the flow into ``tau``, and how far they are from their
+    mean into ``delays``.
+
+    ``pace`` is (turns of either phase in a unit of t, frequencies, dτ/dt), all means; ``clock`` (periods of 1/g in
+    turns, rough series, series, series without its largest modes), ``modes`` and ``loud`` the latter
+    (:func:`loud_swing`), as :class:`integrable.torus.access.TorusClock` makes them. τ = t·dτ/dt + x with a bounded x
+    from :func:`delay`, whose rounding is then taken off. ``room`` is for powers.
+    """
+    pace1, pace2, nu1, nu2, mean = pace
+    (double1, double2), rough, series, quiet = clock
+    for i in range(len(times)):
+        first, turn1 = whole_turns(pace1 * times[i])
+        second, turn2 = whole_turns(pace2 * times[i])
+        a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
+        start, rate = delay(rough, series, a, b, room)
+        x = 0 * nu1 + start
+        if len(modes) > 0:
+            p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
+            rest, _ = swing_and_rate(quiet, float(p), float(q), room)
+            x -= (loud_swing(modes, loud, p, q) + x + rest) / rate
+        first, more1 = whole_turns(first + nu1 * x)
+        second, more2 = whole_turns(second + nu2 * x)
+        tau[i] = float(mean * times[i] + x)
+        delays[i] = float(x)
+        state_at(torus, first, second, turn1 + more1, turn2 + more2, out, 6 * i)
+
+
+def times_at_tau(frequencies: Any, clock: Any, mean: Real, tau: Row, times: Row, room: Row) -> None:
+    """Physical times at the times ``tau`` of the flow, ``mean`` = dt/dτ."""
+    (double1, double2), _, series, _ = clock
+    for i in range(len(tau)):
+        first, turn1 = whole_turns(frequencies[0] * tau[i])
+        second, turn2 = whole_turns(frequencies[1] * tau[i])
+        a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
+        swing, _ = swing_and_rate(series, a, b, room)
+        times[i] = float(mean * tau[i] + float(mean) * swing)
+
+
+def loud_swing(modes: Row, loud: Row, a: Real, b: Real) -> Real:
+    """The part of S in a few modes, pairs of integers (k, m) in ``modes``: ``loud`` holds a constant, 2π and the real
+    and imaginary parts of the coefficients.
+    """
+    total = loud[0]
+    for n in range(len(modes) // 2):
+        c, s = on_circle(modes[2 * n] * a + modes[2 * n + 1] * b, loud[1])
+        total += loud[2 + 2 * n] * c - loud[3 + 2 * n] * s
+    return total
+
+
+def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
+    """(cos 2πx, sin 2πx) to 20 decimals."""
+    quarters = floor(4 * float(x) + 0.5)
+    y = (x - quarters / 4) * two_pi
+    square = y * y
+    c, s = 1 + 0 * y, 1 + 0 * y
+    for n in range(20, 0, -2):
+        c = 1 - square * c / (n * (n - 1))
+        s = 1 - square * s / (n * (n + 1))
+    s *= y
+    if quarters % 2 != 0:
+        c, s = -s, c
+    return (-c, -s) if quarters % 4 > 1 else (c, s)
+
+
+def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> tuple[float, float]:
+    """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
+    of x + S there.
+
+    x + S grows with x: Newton's steps on the few largest modes, held inside the interval that signs leave; then on all.
+    """
+    nu1, nu2, bound = series[6]
+    low, high, x = -bound, bound, 0.0
+    for _ in range(100):
+        rest, rate = swing_and_rate(rough, a + nu1 * x, b + nu2 * x, room)
+        rest += x
+        if rest > 0:
+            high = x
+        else:
+            low = x
+        step = rest / rate
+        if not low < x - step < high:
+            step = x - 0.5 * (low + high)
+        x -= step
+        if abs(step) <= 1e-5 * bound:
+            break
+    for _ in range(8):
+        rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
+        step = (rest + x) / rate
+        x -= step
+        if abs(step) <= 1e-9 * bound:
+            break
+    return x, rate
+
+
+def swing_and_rate(series: Any, a: float, b: float, room: Row) -> tuple[float, float]:
+    """(S, mean rate + dS/dτ) at the phases (a, b) in turns, S a real Fourier series that vanishes at the start.
+
+    ``series`` is (lines, real parts of the coefficients of S, imaginary, those of dS/dτ, imaginary, (least second mode,
+    number of second modes), (ν₁, ν₂, bound of |S|), (−S at the start, mean rate)). For every first mode k = 0, 1, …
+    three lines are the place of its first second mode, and where its coefficients begin and end; for k > 0 they are
+    doubled, in place of those of −k. ``room`` is for twice the number of second modes.
+    """
+    lines, real, imaginary, slope_real, slope_imaginary, (least, count), _, (swing, rate) = series
+    x, y = cos(2 * pi * b), sin(2 * pi * b)
+    p, q = cos(2 * pi * b * least), sin(2 * pi * b * least)
+    for m in range(count):
+        room[m] = p
+        room[count + m] = q
+        p, q = p * x - q * y, p * y + q * x
+    x, y = cos(2 * pi * a), sin(2 * pi * a)
+    p, q = 1.0, 0.0
+    for k in range(len(lines) // 3):
+        first, begin, end = lines[3 * k], lines[3 * k + 1], lines[3 * k + 2]
+        s, t, u, v = 0.0, 0.0, 0.0, 0.0
+        for m in range(end - begin):
+            c, d = room[first + m], room[count + first + m]
+            n = begin + m
+            s += real[n] * c - imaginary[n] * d
+            t += real[n] * d + imaginary[n] * c
+            u += slope_real[n] * c - slope_imaginary[n] * d
+            v += slope_real[n] * d + slope_imaginary[n] * c
+        swing += s * p - t * q
+        rate += u * p - v * q
+        p, q = p * x - q * y, p * y + q * x
+    return swing, rate
+
+
+def panel_values(middles: Row, halves: Row, coefficients: Row, times: Row, room: Row, out: Row) -> None:
+    """Rows of Chebyshev series at ``times`` into ``out``: the panel p around middles[p], halves[p] to either side, has
+    the series coefficients[p, k, column].
+
+    Clenshaw's recurrence, all columns at once in the two rows of ``room``; the panel of the time before is tried first.
+    """
+    panels, terms, width = coefficients.shape
+    p = 0
+    for i in range(len(times)):
+        t = times[i]
+        if abs(t - middles[p]) > halves[p]:
+            low, high = 0, panels
+            while high - low > 1:
+                middle = (low + high) // 2
+                if t < middles[middle] - halves[middle]:
+                    high = middle
+                else:
+                    low = middle
+            p = low
+        x = 2 * (t - middles[p]) / halves[p]
+        for c in range(width):
+            room[0, c] = room[1, c] = 0.0
+        for k in range(terms - 1, 0, -1):
+            for c in range(width):
+                value = coefficients[p, k, c] + x * room[0, c] - room[1, c]
+                room[1, c] = room[0, c]
+                room[0, c] = value
+        for c in range(width):
+            out[i, c] = coefficients[p, 0, c] + 0.5 * x * room[0, c] - room[1, c]

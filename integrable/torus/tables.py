@@ -1,0 +1,177 @@
+"""The tables of a torus, on bare reals for numba as they stand: translations near the identity, rows of points."""
+
+from __future__ import annotations
+
+from math import floor, log2
+from typing import Any
+
+from integrable.moving_point.kernel import near_identity
+from integrable.moving_point.translations import power_series
+from integrable.torus.survey import about_centre
+from jacobian.numbers.roots import root
+
+Real = Any
+Row = Any
+
+
+def directions(
+    motion: Row,
+    chart: Any,
+    parts: Row,
+    nodes: Row,
+    passes: int,
+    series: Row,
+    roots: Row,
+    room: Row,
+    tables: Row,
+    halves: Row,
+) -> None:
+    """:func:`direction` about either centre, one after the other into ``tables``, and into ``halves`` the translations
+    by half a cell in either direction, both parts of the first, then of the second.
+
+    ``motion`` is as for :func:`integrable.torus.survey.survey`; ``chart`` is (centres, reaches, cells); ``series`` and
+    ``roots`` are room for power series, ``room`` for nine numbers and one for each node.
+    """
+    centres, reaches, cells = chart
+    for k in range(2):
+        centre = centres[k]
+        # about the distance to the nearest branch point: no power of it leaves the range of floats, no product rounds
+        near = abs(float(motion[7]) - centre)
+        for i in range(3):
+            near = min(near, abs(float(motion[4 + i]) - centre))
+        if motion[8] > 0:
+            near = min(near, abs(float(motion[10] / motion[8]) - centre))
+        unit = 2.0 ** floor(log2(near))
+        about_centre(motion, centre, unit, room)
+        power_series(room, -1, series)
+        power_series(room, 1, roots)
+        f0, axes, reach = room[0], (room[6], room[7], room[8]), reaches[k] / unit + 0 * room[0]
+        for n in range(2):
+            x = parts[2 * k + n] * (0.5 / cells[n])
+            step = near_identity(series, roots, f0, axes, reach * x, passes)
+            put(recentred(step, axes, centre, unit), halves, 20 * n + 10 * k)
+        direction(series, roots, f0, axes, reach, unit, nodes, passes, room, 4 * len(nodes) * k, tables)
+
+
+def recentred(step: Row, axes: Row, centre: float, unit: float) -> Row:
+    """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
+
+    Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
+    """
+    unit1, unit2, unit3 = alike(axes[0], unit), alike(axes[1], unit), alike(axes[2], unit)
+    u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
+    return (
+        u0 - u1 * centre + (0 * u0 + centre) * centre,
+        u1 - 2 * centre,
+        v0 - v1 * centre,
+        v1,
+        step[4] * unit1,
+        step[5] * unit2,
+        step[6] * unit3,
+        step[7] / unit1,
+        step[8] / unit2,
+        step[9] / unit3,
+    )
+
+
+def alike(x: Real, size: Real) -> Real:
+    """``size`` with the sign of x."""
+    return -size if x < 0 else size
+
+
+def direction(
+    series: Row,
+    roots: Row,
+    f0: Real,
+    axes: Row,
+    reach: Real,
+    unit: float,
+    nodes: Row,
+    passes: int,
+    room: Row,
+    begin: int,
+    table: Row,
+) -> None:
+    """Polynomials of T(s) in one direction, |s| ≤ reach, into ``table`` from ``begin`` on: with x = s/reach and z = x²,
+    its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v
+    one after the other, ascending.
+
+    ``reach``, ``axes`` and the series (:func:`integrable.moving_point.kernel.near_identity`) are taken about the centre
+    c in units of ``unit``; ``nodes`` are values of z, ``room`` is for nine numbers more than there are nodes.
+    """
+    size = len(nodes)
+    for n in range(size):
+        x = root(nodes[n] + 0 * reach)
+        step = near_identity(series, roots, f0, axes, reach * x, passes)
+        m = -step[1] / 2
+        table[begin + n] = m * unit / nodes[n]
+        table[begin + size + n] = (m * m - step[0]) * (unit * unit) / nodes[n]
+        table[begin + 2 * size + n] = step[3] / unit * x
+        table[begin + 3 * size + n] = step[2] / x
+    for part in range(4):
+        first = begin + part * size
+        # divided differences, and Newton's form as powers of z
+        for k in range(1, size):
+            for n in range(size - 1, k - 1, -1):
+                table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
+        for n in range(size):
+            room[9 + n] = 0 * reach
+        for k in range(size - 1, -1, -1):
+            for n in range(size - 1, 0, -1):
+                room[9 + n] = room[8 + n] - nodes[k] * room[9 + n]
+            room[9] = table[first + k] - nodes[k] * room[9]
+        for n in range(size):
+            table[first + n] = room[9 + n]
+
+
+def small_translation(axes: Row, centre: float, table: Row, first: int, size: int, x: Real) -> Row:
+    """T(x·reach) from the table of :func:`direction` that begins at ``first``, as a moving point with κ = 1."""
+    z = x * x
+    n = first + size - 1
+    m, r, t, v = table[n], table[n + size], table[n + 2 * size], table[n + 3 * size]
+    for _ in range(size - 1):
+        n -= 1
+        m = m * z + table[n]
+        r = r * z + table[n + size]
+        t = t * z + table[n + 2 * size]
+        v = v * z + table[n + 3 * size]
+    m, r, t1, t0 = m * z, r * z, t / x, v * x
+    a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
+    x1, x2, x3 = a1 - m, a2 - m, a3 - m
+    # as in recentred
+    r1, r2, r3 = alike(a1, root(x1 * x1 - r)), alike(a2, root(x2 * x2 - r)), alike(a3, root(x3 * x3 - r))
+    middle = m + centre
+    return (
+        middle * middle - r,
+        -2 * middle,
+        t0 - t1 * centre,
+        t1,
+        r1,
+        r2,
+        r3,
+        (t0 + t1 * a1) / r1,
+        (t0 + t1 * a2) / r2,
+        (t0 + t1 * a3) / r3,
+    )
+
+
+def point_in(row: Row, place: int) -> Row:
+    """The moving point at row[place … place + 9]."""
+    return (
+        row[place],
+        row[place + 1],
+        row[place + 2],
+        row[place + 3],
+        row[place + 4],
+        row[place + 5],
+        row[place + 6],
+        row[place + 7],
+        row[place + 8],
+        row[place + 9],
+    )
+
+
+def put(point: Row, out: Row, place: int) -> None:
+    """A moving point into out[place … place + 9]."""
+    for c in range(10):
+        out[place + c] = point[c]
