@@ -37,13 +37,16 @@ _HOME = {
 __all__ = ["ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "Tilde", "Trajectory", "load_scene", "run"]
 
 
-def __getattr__(name: str) -> Any:
-    # a name is imported when it is used: one step of a ball needs neither numpy nor the reading of scenes
-    if name not in _HOME:
-        raise AttributeError(f"module 'integrable' has no attribute {name!r}")
-    from importlib import import_module
+if not TYPE_CHECKING:
+    # hidden from type checkers, which would take any misspelt name for one that it gives
 
-    return getattr(import_module(_HOME[name]), name)
+    def __getattr__(name: str) -> Any:
+        # a name is imported when it is used: one step of a ball needs neither numpy nor the reading of scenes
+        if name not in _HOME:
+            raise AttributeError(f"module 'integrable' has no attribute {name!r}")
+        from importlib import import_module
+
+        return getattr(import_module(_HOME[name]), name)
 
 
 def __dir__() -> list[str]:

@@ -124,7 +124,7 @@ def _run(arguments: argparse.Namespace) -> None:
     if trajectory.report is not None:
         print(trajectory.report.table())
     else:
-        print(f"{scene.title}: {len(trajectory.times)} times computed, no report asked for")
+        print(f"{scene.title}: {len(trajectory.gamma)} times computed, no report asked for")
     print(f"\nfiles written to {out}")
 
 

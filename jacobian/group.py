@@ -294,5 +294,4 @@ class Jacobian(FiniteGroup):
 
 
 def _jacobian_of(curve: HyperellipticCurve) -> Jacobian:
-    jacobian: Jacobian = curve.jacobian()
-    return jacobian
+    return curve.jacobian()

@@ -34,7 +34,7 @@ MOST_LOST = 400
 """What a motion may lose, beyond as many digits as are asked for."""
 
 
-class Motion(Record):
+class DeformedTrajectory(Record):
     """γ and M of shape (N, 3) at physical times ``times`` and times ``tau`` of the flow, shape (N,), dτ = g dt.
 
     ``times`` is None where only τ was asked for at d ≠ 0. ``report`` is the report of a scene's run, or None.
@@ -109,11 +109,11 @@ class DeformedFlow(Immutable):
     def __reduce__(self) -> Any:
         return type(self), (self.system, self.state)
 
-    def at(self, times: Any) -> Motion:
+    def at(self, times: Any) -> DeformedTrajectory:
         """The states at physical times t, of any order, size and sign."""
         return self._at(times, "times", physical=True)
 
-    def at_tau(self, tau: Any) -> Motion:
+    def at_tau(self, tau: Any) -> DeformedTrajectory:
         """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0), of any order, size and sign."""
         return self._at(tau, "tau", physical=not self.system.body.rolls)
 
@@ -123,7 +123,7 @@ class DeformedFlow(Immutable):
         """The motion over the wide numbers of ``system``."""
         raise NotImplementedError
 
-    def _at(self, values: Any, argument: str, physical: bool) -> Motion:
+    def _at(self, values: Any, argument: str, physical: bool) -> DeformedTrajectory:
         K = self.system.field
         given = numbers_of(K, values, argument)
         tau, rows = self._good(given, physical)
@@ -240,7 +240,7 @@ def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
     return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(one_or_more(values, argument))]
 
 
-def motion_of(K: Any, times: Any, tau: Any, rows: Sequence[Any]) -> Motion:
+def motion_of(K: Any, times: Any, tau: Any, rows: Sequence[Any]) -> DeformedTrajectory:
     """Times and rows (γ, M) rounded to the field K."""
     kind = np.float64 if K == RR else object
     number = float if K == RR else K.coerce
@@ -249,4 +249,4 @@ def motion_of(K: Any, times: Any, tau: Any, rows: Sequence[Any]) -> Motion:
         return np.array([[number(x) for x in row] for row in values], dtype=kind).reshape(-1, 3)
 
     t, s = (None if x is None else np.array([number(y) for y in x], dtype=kind) for x in (times, tau))
-    return Motion(t, s, table([row[0] for row in rows]), table([row[1] for row in rows]))
+    return DeformedTrajectory(t, s, table([row[0] for row in rows]), table([row[1] for row in rows]))

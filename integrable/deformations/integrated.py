@@ -7,7 +7,7 @@ from typing import Any
 
 from integrable.deformations.deformed_flow import (
     GUARD_DIGITS,
-    Motion,
+    DeformedTrajectory,
     digits_asked,
     integrals_missing,
     motion_of,
@@ -51,7 +51,7 @@ class IntegratedMotion(Immutable):
         self.system, self.state = system, state
         self._asked = digits_asked(system.field)
 
-    def at(self, times: Any) -> Motion:
+    def at(self, times: Any) -> DeformedTrajectory:
         """The states at physical times, in any order and of either sign."""
         K = self.system.field
         given = numbers_of(K, times, "times")

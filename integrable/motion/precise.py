@@ -36,7 +36,7 @@ MOST_LOST = 400
 TORUS_FROM = 100
 
 
-class Motion:
+class PreciseMotion:
     """The flow at one internal precision, in bare reals; times and τ are in the units of the setup.
 
     ``problem`` is what :class:`~integrable.moving_point.setup.Setup` makes one of more digits from, ``most`` how many
@@ -137,7 +137,7 @@ class PreciseFlow:
         self._problem = body, state.gamma, state.M, state.tilted
         self.digits = digits
         self._most = most
-        self._motion = Motion(setup or Setup(*self._problem, digits=digits), self._problem, most)
+        self._motion = PreciseMotion(setup or Setup(*self._problem, digits=digits), self._problem, most)
         self._witness: Setup | None = None
         self._witnessed = 0.0
 
@@ -197,7 +197,7 @@ class PreciseFlow:
                 f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it "
                 "starts; times nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
-        self._motion = Motion(Setup(*self._problem, digits=digits), self._problem, self._most)
+        self._motion = PreciseMotion(Setup(*self._problem, digits=digits), self._problem, self._most)
         self._witness, self._witnessed = None, 0.0
 
     def _missing(self, tau: list[Any], points: list[Any]) -> int:
@@ -213,7 +213,7 @@ class PreciseFlow:
         wider = motion.setup.digits - GUARD_DIGITS + WIDER + self._lost(tau)
         if self._witness is None or self._witness.digits - GUARD_DIGITS < wider:
             self._witness = Setup(*self._problem, digits=wider)
-        again = Motion(self._witness, self._problem).point(tau[far])
+        again = PreciseMotion(self._witness, self._problem).point(tau[far])
         with self._witness.reals:
             number = self._witness.reals.number
             mine = [number(motion.setup.reals.element(motion.setup.wide, x)) for x in points[far]]

@@ -13,6 +13,13 @@ from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from jacobian.immutable import Immutable, Record, read_only
 
+Times = np.ndarray[tuple[int], np.dtype[Any]]
+"""Shape (N,)."""
+Vectors = np.ndarray[tuple[int, int], np.dtype[Any]]
+"""Shape (N, 3), or as said."""
+Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
+"""Shape (N, 3, 3)."""
+
 
 class Motion(Immutable):
     """The motion through one state, as its results see it: base of :class:`integrable.motion.flow.Flow`."""
@@ -31,7 +38,7 @@ class Motion(Immutable):
         """The states at values of the flow's own time."""
         raise NotImplementedError
 
-    def physical_time(self, tau: Any) -> np.ndarray:
+    def physical_time(self, tau: Any) -> Times:
         """t(τ) for an array of τ."""
         raise NotImplementedError
 
@@ -81,7 +88,7 @@ class Trajectory(Record):
         return f"<Trajectory of {len(self)} states of {self.flow.system!r}>"
 
     @cached_property
-    def times(self) -> np.ndarray:
+    def times(self) -> Times:
         """Physical times t, shape (N,)."""
         return read_only(self.flow.physical_time(self.tau)) if self._times is None else self._times
 
@@ -91,24 +98,24 @@ class Trajectory(Record):
         return self._times is None
 
     @property
-    def gamma(self) -> np.ndarray:
+    def gamma(self) -> Vectors:
         """The vertical γ in the body frame, shape (N, 3)."""
         return self._rows[:, :3]
 
     @property
-    def M(self) -> np.ndarray:
+    def M(self) -> Vectors:
         """The angular momentum M about the contact point in the body frame, shape (N, 3)."""
         return self._rows[:, 3:]
 
     @cached_property
-    def omega(self) -> np.ndarray:
+    def omega(self) -> Vectors:
         """The angular velocity ω in the body frame, shape (N, 3)."""
         from integrable.phase import attitude
 
         return read_only(attitude.angular_velocities(self.flow.system.body, self.gamma, self.M)[0])
 
     @cached_property
-    def attitude(self) -> np.ndarray:
+    def attitude(self) -> Matrices:
         """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
         frame, z = γ vertical, x along the horizontal part of M, which rests in space
         (:mod:`integrable.phase.attitude`).
@@ -118,14 +125,14 @@ class Trajectory(Record):
         return read_only(attitude.matrices(self.gamma, self.M))
 
     @cached_property
-    def quaternion(self) -> np.ndarray:
+    def quaternion(self) -> Vectors:
         """The same rotations as unit quaternions (w, x, y, z) with w ≥ 0, shape (N, 4)."""
         from integrable.phase import attitude
 
         return read_only(attitude.quaternions(self.attitude))
 
     @cached_property
-    def contact(self) -> np.ndarray:
+    def contact(self) -> Vectors:
         """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
 
         (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body

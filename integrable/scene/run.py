@@ -17,6 +17,9 @@ from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
+    from integrable.deformations.deformed_flow import DeformedTrajectory
+    from integrable.motion.trajectory import Trajectory
+    from integrable.scene.orbit import Orbit
     from integrable.scene.rows import Report
 
 __all__ = ["Comparison", "Map", "Scene", "Steps", "Times", "load_scene", "run", "scene_names"]
@@ -30,8 +33,8 @@ def run(
     progress: bool = False,
     pictures: bool = True,
     formats: tuple[str, ...] = ("png",),
-) -> Any:
-    """Run a scene (or load and run it): a Trajectory or Motion at the scene's times, an Orbit for steps; with
+) -> Trajectory | DeformedTrajectory | Orbit:
+    """Run a scene (or load and run it): a Trajectory or DeformedTrajectory at its times, an Orbit for steps; with
     ``.report`` if the scene asks for one, an Orbit always.
 
     ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Any
+from typing import Any, overload
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
 from jacobian.law.divisor import Divisor, GroupLaw, check_scalar, is_zero_int
 from jacobian.numbers.compiler import interpreted
+
+Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
+Vector = np.ndarray[tuple[int], np.dtype[Any]]
 
 OK = 0
 """The status of a row that holds a class."""
@@ -134,29 +137,29 @@ class DivisorArray(Immutable):
         return len(self._rows)
 
     @property
-    def u(self) -> Any:
+    def u(self) -> Matrix:
         """(N, g + 1): u, ascending."""
         return read_only(self._engine.to_arrays(self._rows)[0])
 
     @property
-    def v(self) -> Any:
+    def v(self) -> Matrix:
         """(N, g): v, ascending."""
         return read_only(self._engine.to_arrays(self._rows)[1])
 
     @property
-    def n(self) -> Any:
+    def n(self) -> Vector | None:
         """(N,): the weights at ∞₊ on a split model; None on others."""
         found = self._engine.weights(self._rows)
         return None if found is None else read_only(found)
 
     @property
-    def degree(self) -> Any:
+    def degree(self) -> Vector:
         """(N,): the number of affine points of each row."""
         u = self.u
         return u.shape[1] - 1 - np.argmax(u[:, ::-1] != self.jacobian.field.zero, axis=1)
 
     @property
-    def status(self) -> Any:
+    def status(self) -> Vector:
         """(N,): 0 for a row that holds a class; over RR and CC 1 for one whose digits an addition lost, and 2 for a sum
         with a point at infinity of a split model, which inexact divisors do not carry."""
         of_rows = getattr(self._engine, "status", None)
@@ -176,7 +179,13 @@ class DivisorArray(Immutable):
     def __iter__(self) -> Iterator[Divisor]:
         return iter(self.to_list())
 
-    def __getitem__(self, key: Any) -> Any:
+    @overload
+    def __getitem__(self, key: int | np.integer[Any]) -> Divisor: ...
+
+    @overload
+    def __getitem__(self, key: slice | list[int] | list[bool] | np.ndarray) -> DivisorArray: ...
+
+    def __getitem__(self, key: Any) -> Divisor | DivisorArray:
         if not isinstance(key, slice | list | np.ndarray):
             i = whole(key, "index", f"an int, a slice, a mask of {len(self)} or an array of ints is needed")
             if not -len(self) <= i < len(self):

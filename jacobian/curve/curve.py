@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jacobian import poly
 from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
@@ -29,6 +29,9 @@ from jacobian.fields.protocol import check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
+
+if TYPE_CHECKING:
+    from jacobian.group import Jacobian
 
 MOST_BOUND = 1000
 
@@ -168,12 +171,12 @@ class HyperellipticCurve(Immutable):
         plus = poly.trim(K, plus) if K.exact else plus
         return plus, poly.neg(K, poly.add(K, plus, self.h))
 
-    def jacobian(self) -> Any:
+    def jacobian(self) -> Jacobian:
         """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
         return self._jacobian
 
     @cached_property
-    def _jacobian(self) -> Any:
+    def _jacobian(self) -> Jacobian:
         from jacobian.group import Jacobian
 
         return Jacobian(self)
@@ -237,7 +240,13 @@ class HyperellipticCurve(Immutable):
         """The rational points at infinity: (∞,), (∞₊, ∞₋) or ()."""
         return {"ramified": (INFINITY,), "split": (INFINITY_PLUS, INFINITY_MINUS), "inert": ()}[self.model]
 
-    def lift_x(self, x: Any, *, all: bool = False) -> Any:
+    @overload
+    def lift_x(self, x: Any, *, all: Literal[False] = False) -> AffinePoint: ...
+
+    @overload
+    def lift_x(self, x: Any, *, all: Literal[True]) -> list[AffinePoint]: ...
+
+    def lift_x(self, x: Any, *, all: bool = False) -> AffinePoint | list[AffinePoint]:
         """One affine point with this x, or NotASquare; with ``all`` the list of none, one or two."""
         K, all = self.field, flag(all, "all")
         x = K.coerce(x, "x")

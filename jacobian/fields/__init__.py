@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from jacobian.errors import ArgumentError, flag, shown, whole
 from jacobian.fields.machine import ComplexField, RealField
 from jacobian.fields.prime import PrimeField, check_prime, prime_field, prime_fields
 from jacobian.fields.protocol import Field
 from jacobian.fields.rational import RationalField
+
+if TYPE_CHECKING:
+    from jacobian.fields.finite import FiniteField
+    from jacobian.fields.multiprecision import MultiprecisionField
 
 QQ = RationalField()
 RR = RealField()
@@ -17,7 +21,7 @@ CC = ComplexField()
 _conway: dict[tuple[int, int], tuple[int, ...]] = {}
 
 
-def GF(p: Any, k: int = 1, modulus: Any = None) -> Any:
+def GF(p: Any, k: int = 1, modulus: Any = None) -> FiniteField:
     """The finite field of p^k elements; the same arguments give the same object.
 
     ``p`` is a prime, or a galois field class (then alone). ``modulus``: ascending coefficients of a monic irreducible
@@ -68,7 +72,7 @@ def _from_galois(field: Any) -> Any:
     return K
 
 
-def MP(dps: int, complex: bool = False) -> Any:
+def MP(dps: int, complex: bool = False) -> MultiprecisionField:
     """The real (or complex) numbers with ``dps`` decimal digits, on an mpmath context that no one else uses.
 
     The field has ``.dps``, ``.context`` and ``.eps``; its elements are mpf (or mpc). The same arguments give the same

@@ -22,6 +22,19 @@ class FiniteField(Immutable):
     zero: Any
     one: Any
 
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """The element that ``value`` stands for, or a FieldError that names ``argument``."""
+        raise NotImplementedError
+
+    @property
+    def galois(self) -> Any:
+        """galois's class of this field."""
+        raise NotImplementedError
+
+    def to_galois(self, elements: Sequence[int]) -> Any:
+        """A galois array of elements."""
+        raise NotImplementedError
+
     def add(self, x: Any, y: Any) -> Any:
         raise NotImplementedError
 

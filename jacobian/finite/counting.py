@@ -12,8 +12,8 @@ from typing import Any
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError, Infeasible
-from jacobian.fields import GF
 from jacobian.fields.extension import is_irreducible
+from jacobian.fields.prime import prime_field
 from jacobian.fields.residue import polynomial_number
 from jacobian.fields.table import TableField
 
@@ -74,7 +74,7 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     size = degree * (getattr(K, "degree", 1))
     if size == 1:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
-    base = GF(K.characteristic)
+    base = prime_field(K.characteristic)
     L = K if degree == 1 and isinstance(K, TableField) else TableField(base, irreducible(base, size))
     h, f = _embed(K, L, C.h), _embed(K, L, C.f)
     if L.p == 2:

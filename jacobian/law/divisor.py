@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from operator import index
-from typing import Any
+from typing import Any, Literal, SupportsIndex
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
@@ -124,19 +124,19 @@ class Divisor(Immutable):
         K = self.jacobian.curve.field
         return poly.to_galois(K, self.u), poly.to_galois(K, self.v)
 
-    def __add__(self, other: Any) -> Divisor:
+    def __add__(self, other: Divisor | Literal[0]) -> Divisor:
         if not isinstance(other, Divisor):
             return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self._compatible(other))
 
-    def __radd__(self, other: Any) -> Divisor:
+    def __radd__(self, other: int) -> Divisor:
         # sum([D, E]) begins with the int 0, which stands for the identity as in J(0)
         return self if is_zero_int(other) else NotImplemented
 
-    def __rsub__(self, other: Any) -> Divisor:
+    def __rsub__(self, other: int) -> Divisor:
         return -self if is_zero_int(other) else NotImplemented
 
-    def __sub__(self, other: Any) -> Divisor:
+    def __sub__(self, other: Divisor | Literal[0]) -> Divisor:
         if not isinstance(other, Divisor):
             return self if is_zero_int(other) else NotImplemented
         return self.jacobian.add(self, self.jacobian.negate(self._compatible(other)))
@@ -165,7 +165,7 @@ class Divisor(Immutable):
         """
         return self.jacobian.order_of(self, multiple, primes)
 
-    def __mul__(self, scalar: Any) -> Divisor:
+    def __mul__(self, scalar: SupportsIndex) -> Divisor:
         if isinstance(scalar, Divisor):
             return NotImplemented
         return self.jacobian.multiply(check_scalar(scalar), self)

@@ -8,7 +8,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
-from integrable.motion.precise import EXPECTED, Motion, PreciseFlow, digits_of, lost_digits
+from integrable.motion.precise import EXPECTED, PreciseFlow, PreciseMotion, digits_of, lost_digits
 from integrable.motion.precise_clock import LONG, NEAR_CELLS, PanelClock
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
 from integrable.moving_point.setup import Setup
@@ -125,7 +125,7 @@ def test_times_and_places_are_inverse_to_each_other() -> None:
 def test_the_torus_takes_over_far_away_and_agrees() -> None:
     system, state = ball(20)
     problem = system.body, state.gamma, state.M, False
-    motion, stepping = (Motion(Setup(*problem), problem) for _ in range(2))
+    motion, stepping = (PreciseMotion(Setup(*problem), problem) for _ in range(2))
     stepping._torus = False
     far = [motion.scaled(5000)]
     assert motion._far(far)
@@ -170,8 +170,8 @@ def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
     state = system.state((0, 0, 1), (0, 1, 0))
     problem = system.body, state.gamma, state.M, False
     setup, wider = (Setup(*problem, digits=digits) for digits in (100, 250))
-    tau = Motion(setup, problem).scaled(1.5 * t)
-    point, truth = Motion(setup, problem).point(tau), Motion(wider, problem).point(tau)
+    tau = PreciseMotion(setup, problem).scaled(1.5 * t)
+    point, truth = PreciseMotion(setup, problem).point(tau), PreciseMotion(wider, problem).point(tau)
     with wider.reals:
         number = wider.reals.number
         error = max(abs(number(setup.reals.element(setup.wide, x)) - y) for x, y in zip(point, truth, strict=True))

@@ -1,0 +1,96 @@
+"""What a type checker knows of a user's script: the types of values, and a misspelt name before it is run."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+# an expression of a user and what mypy has to say of it, without the names of modules
+KNOWN = {
+    "GF(101)": "FiniteField",
+    "GF(7, 2)": "FiniteField",
+    "MP(30)": "MultiprecisionField",
+    "C.genus": "int",
+    "J": "Jacobian",
+    "D": "Divisor",
+    "D + D": "Divisor",
+    "D - D": "Divisor",
+    "-D": "Divisor",
+    "3 * D": "Divisor",
+    "sum([D, D])": "Divisor | Literal[0]",
+    "D.double()": "Divisor",
+    "D.u": "tuple[Any, ...]",
+    "D.n": "int | None",
+    "J.zero()": "Divisor",
+    "C.lift_x(0, all=True)": "list[tuple[Any, Any, fallback=AffinePoint]]",
+    "many": "DivisorArray",
+    "many + D": "DivisorArray",
+    "many[0]": "Divisor",
+    "many[:1]": "DivisorArray",
+    "many.u": "ndarray[tuple[int, int], dtype[Any]]",
+    "many.degree": "ndarray[tuple[int], dtype[Any]]",
+    "ball": "ChaplyginBall",
+    "state": "State",
+    "ball.divisor(state)": "Divisor",
+    "ball.integrals(state)": "tuple[Any, Any, Any, Any, fallback=Integrals]",
+    "ball.translation([1.8, 2.5])(state)": "State",
+    "ball.flow(state)": "Flow",
+    "run": "Trajectory",
+    "run.gamma": "ndarray[tuple[int, int], dtype[Any]]",
+    "run.times": "ndarray[tuple[int], dtype[Any]]",
+    "run.attitude": "ndarray[tuple[int, int, int], dtype[Any]]",
+    "load_scene('chaplygin')": "Scene",
+    "integrable.run('chaplygin')": "Trajectory | DeformedTrajectory | Orbit",
+}
+WRONG = {
+    "J.from_pionts([(0, 1)])": "from_pionts",
+    "D + 'E'": "Unsupported operand",
+    "D * 'E'": "Unsupported operand",
+    "D.degre": "degre",
+    "many.w": '"w"',
+    "ball.flow(state).att([1])": "att",
+    "run.gama": "gama",
+    "load_scene('chaplygin').tittle": "tittle",
+    "integrable.ChaplyginBal": "ChaplyginBal",
+}
+SCRIPT = """
+import integrable
+from integrable import ChaplyginBall, load_scene
+from jacobian import GF, MP, HyperellipticCurve
+from jacobian.batch import DivisorArray
+
+C = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1])
+J = C.jacobian()
+D = J.from_points([(0, 1)])
+many = DivisorArray.stack([D, D + D])
+ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
+state = ball.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488))
+run = ball.flow(state).at([0, 1])
+"""
+
+
+@pytest.mark.slow
+def test_what_mypy_knows_of_a_script(tmp_path):
+    script = tmp_path / "script.py"
+    lines = [*(f"reveal_type({text})" for text in KNOWN), *WRONG]
+    script.write_text(SCRIPT + "\n".join(lines) + "\n", encoding="utf-8")
+    command = [sys.executable, "-m", "mypy", "--strict", "--follow-imports=silent", "--config-file="]
+    command += ["--ignore-missing-imports", "--cache-dir", str(tmp_path / "cache"), str(script)]
+    said = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, timeout=600).stdout
+    first = SCRIPT.count("\n") + 1
+    answers: dict[int, str] = {}
+    for line, text in re.findall(r"^.*script\.py:(\d+): (.*)$", said, re.MULTILINE):
+        answers[int(line) - first] = answers.get(int(line) - first, "") + text
+    # nothing is said of the script itself
+    assert min(answers) >= 0, said
+    for i, (text, kind) in enumerate(KNOWN.items()):
+        found = re.sub(r"\b(?:[a-z_]\w*\.)+(?=[A-Za-z])", "", answers[i])
+        assert found == f'note: Revealed type is "{kind}"', text
+    for i, (text, word) in enumerate(WRONG.items(), len(KNOWN)):
+        assert "error:" in answers[i], text
+        assert word in answers[i], text
