@@ -24,7 +24,7 @@ __all__ = ["Sum", "add", "compose"]
 # bits that f may vary by, at the points and in its leading coefficient, where the field's own digits are tried
 SPREAD = 24
 # what remainders may be, in units of the last digit
-REMAINDER = 16
+REMAINDER = 64
 # the multiples of the field's bits that are tried
 FACTORS = (4, 8, 16, 32, 64)
 
@@ -182,6 +182,6 @@ def _watched(
     digits.even = _even(f, units)
     first, second = (digits.pair(f, half, units.of_u(u, digits.number), units.of_p(v, digits.number)) for u, v in pairs)
     total, rest = stacked.compose(digits, genus, digits.plain(f), first, second)
-    digits.check(total, rest)
+    digits.check(total, rest, 2.0 ** max(units.low - units.x, -1000))
     u, v, p, q = digits.settled(total)
     return _returned(u, v, p, q, half, units, digits.element)

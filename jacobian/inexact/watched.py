@@ -227,8 +227,10 @@ class Digits:
 
     # --- results
 
-    def check(self, total: Any, rest: Any) -> None:
-        """PrecisionLoss where nothing is known of a sum, MoreDigits where it is not resolved."""
+    def check(self, total: Any, rest: Any, least: float) -> None:
+        """PrecisionLoss where nothing is known of a sum, beside its own points or the nearest to 0 of the summands, at
+        ``least``; MoreDigits where it is not resolved.
+        """
         if isinstance(rest, Watched) and rest.value > max(self.floor, REMAINDER * self._dropped):
             raise MoreDigits
         u = total.u
@@ -239,7 +241,8 @@ class Digits:
         unknown = CLEAR * self.own_eps if self._opposite else UNKNOWN
         m = len(u) - 1
         radius = max((abs(c.value) ** (1 / (m - i)) for i, c in enumerate(u[:-1])), default=0)
-        size = max((abs(c.value) * radius**i for i, c in enumerate(u)), default=0)
+        radius = max(radius, least)
+        size = radius**m
         if any(c.noise() * radius**i > unknown * size for i, c in enumerate(u[:-1])):
             raise PrecisionLoss(_LOST)
 
