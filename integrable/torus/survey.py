@@ -237,7 +237,11 @@ def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, 
         if s1 * s1 + t1 * t1 > s2 * s2 + t2 * t2:
             s1, t1, s2, t2 = s2, t2, s1, t1
             m1, n1, m2, n2 = m2, n2, m1, n1
-        turns = floor((s1 * s2 + t1 * t2) / (s1 * s1 + t1 * t1) + 0.5)
+        square = s1 * s1 + t1 * t1
+        if square == 0:
+            # parallel as far as floats tell: any basis will do, this one hides no cells
+            return 1, 0, 0, 1
+        turns = floor((s1 * s2 + t1 * t2) / square + 0.5)
         if turns == 0:
             break
         s2, t2 = s2 - turns * s1, t2 - turns * t1

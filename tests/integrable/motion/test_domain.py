@@ -230,3 +230,19 @@ def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
     output = capsys.readouterr().err
     assert "d = 1e+17 with inertia" in output
     assert "Traceback" not in output
+
+
+def test_nearly_equal_moments_of_a_rotation_have_a_basis() -> None:
+    """Translations of all centres are parallel there, as far as floats tell: the search divided by zero."""
+    top = EulerTop((0.0057145586283730175, 0.005711781037631545, 0.005711781068494241))
+    gamma = (0.8576226493448597, 0.5142794875655687, 0.0)
+    momentum = (3.0759214329919927e-13, -3.725592069384504e-13, 10.618810453629719)
+    times = [-1.0851903957073762e-05, 0.0012159009622757385, 0.1343251609071277, -0.01953864377087347]
+    run = top.flow(top.state(gamma, momentum, tilted=True)).at(times)
+    K = MP(40)
+    start = State(tuple(map(K.coerce, gamma)), tuple(map(K.coerce, momentum)))
+    size = K.sqrt(K.dot(start.gamma, start.gamma))
+    start = State(tuple(x / size for x in start.gamma), start.M)
+    right = reference.taylor(top.body, start, times, digits=20)
+    assert np.abs(run.gamma - right.gamma.astype(float)).max() < 3e-14
+    assert np.abs(run.M - right.M.astype(float)).max() < 3e-14 * momentum[2]
