@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
 from integrable.phase.state import State
-from jacobian.errors import ArgumentError, FieldError, NotRepresentable, entries, flag, shown
+from jacobian.errors import ArgumentError, FieldError, NotASquare, NotRepresentable, entries, flag, shown
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -58,7 +58,7 @@ class PhaseSpace(Immutable):
         if _distance(K, square, K.one) > tolerance:
             raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
         if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
-            raise ArgumentError(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
+            raise NotASquare(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
         integrals = self.body.integrals(gamma, M)
         tilt = integrals.C2
         # |M|, whose square may be below the floats

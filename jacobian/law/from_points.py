@@ -15,6 +15,8 @@ from jacobian.law.divisor import Divisor, GroupLaw
 
 # one by one; more of them is a matter of multiples in the group
 MOST_REPEATED = 100
+# points up to this times g make one pair, without the group's addition
+AT_ONCE = 8
 
 
 class Descent(NamedTuple):
@@ -68,7 +70,7 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
 
 
 def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
-    """Parts of about g points, reduced and added in the group: in one pair, time would grow with their cube.
+    """Parts of some points, reduced and added in the group: in one pair, time would grow with the cube of their number.
 
     On a split model a class is (weight at ∞₊) − ⌈g/2⌉ there: the last part makes up for those of the others.
     """
@@ -85,10 +87,10 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
-    """Orbits put together to g points or more, an even number on an inert model; the last part may have fewer."""
+    """Orbits put together to 8g points or more, an even number on an inert model; the last part may have fewer."""
     parts: list[list[AffinePoint]] = [[]]
     for orbit in orbits:
-        if len(parts[-1]) >= C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
+        if len(parts[-1]) >= AT_ONCE * C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
             parts.append([])
         parts[-1] += orbit
     return parts

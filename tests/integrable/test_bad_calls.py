@@ -7,7 +7,7 @@ from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, r
 from integrable.phase.brackets import image_brackets
 from integrable.scene.orbit import orbit
 from jacobian import CC, GF, ArgumentError, FieldError
-from jacobian.errors import Infeasible
+from jacobian.errors import Infeasible, NotASquare
 from tests.messages import assert_says
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -43,7 +43,7 @@ CASES = {
     ),
     "g without a value": (
         lambda: ChaplyginBall((1, 2, 3), 2, field=GF(7)).state((2, 0, 2), (0, 0, 0)),
-        ArgumentError,
+        NotASquare,
         "gamma = (2, 0, 2): ",
         "g is infinite",
     ),

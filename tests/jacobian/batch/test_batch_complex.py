@@ -291,7 +291,7 @@ def test_arrays_and_divisors_are_the_same_numbers(name):
         assert (again == A).all()
         assert again.to_list() == found
     for k in (0, 1):
-        v = A.v
+        v = A.v.copy()
         v[k, 0] += 0.125
         with pytest.raises(NotOnCurve, match=f"row {k}"):
             DivisorArray.from_arrays(J, A.u, v, A.n)
