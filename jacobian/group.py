@@ -90,9 +90,9 @@ class Jacobian(FiniteGroup):
             raise NotRepresentable(
                 f"u has degree {len(u) - 1} > g = {self.curve.genus}: over {self.field.name} add smaller ones"
             )
-        return self.reduced(u, v, n)
+        return self._reduced(u, v, n)
 
-    def reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
+    def _reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
         """The class of a semi-reduced triple, of any degree, over an exact field; nothing is checked."""
         return self._out(cantor.reduce(self._model, self._in_triple(u, v, n)))
 

@@ -221,7 +221,7 @@ class Flow(Motion):
 
         return on_torus(self)
 
-    def contact_points(self, run: Trajectory) -> np.ndarray:
+    def _contact_points(self, run: Trajectory) -> np.ndarray:
         """What :attr:`Trajectory.contact` is (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 

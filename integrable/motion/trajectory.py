@@ -47,7 +47,7 @@ class Motion(Immutable):
         """What the motion is computed from."""
         raise NotImplementedError
 
-    def contact_points(self, run: Trajectory) -> np.ndarray:
+    def _contact_points(self, run: Trajectory) -> np.ndarray:
         """What :attr:`Trajectory.contact` is."""
         raise NotImplementedError
 
@@ -138,7 +138,7 @@ class Trajectory(Record):
         (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
         that does not roll (:mod:`integrable.motion.contact`).
         """
-        return read_only(self.flow.contact_points(self))
+        return read_only(self.flow._contact_points(self))
 
     @cached_property
     def integrals(self) -> Integrals:

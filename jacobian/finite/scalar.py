@@ -197,4 +197,4 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
     if n is not None and K.power(C.infinity_plus, exponent) != C.infinity_plus:
         # ∞₊ and ∞₋ change places, in D as well as in D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋
         n = C.genus - D.degree - n + C.genus % 2
-    return J.reduced(image(D.u), image(D.v), n)
+    return J._reduced(image(D.u), image(D.v), n)

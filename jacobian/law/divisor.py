@@ -58,7 +58,7 @@ class GroupLaw(Immutable):
         """The class of P − Q, or of P alone minus a point at infinity."""
         raise NotImplementedError
 
-    def reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
+    def _reduced(self, u: poly.Poly, v: poly.Poly, n: int | None) -> Divisor:
         """The class of a semi-reduced triple, of any degree, over an exact field."""
         raise NotImplementedError
 

@@ -100,7 +100,7 @@ def _reduced(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Des
     u, v = pair_of_points(descent.curve if descent else J.curve, points)
     if descent is not None:
         u, v = descent.back(u), descent.back(v)
-    return J.reduced(u, v, n)
+    return J._reduced(u, v, n)
 
 
 def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divisor:
