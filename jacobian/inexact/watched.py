@@ -1,9 +1,8 @@
 """Numbers that know how many of their digits are right, for sums that a field's own digits do not settle.
 
 A :class:`Watched` number is computed three times at once: from the inputs, from the inputs moved by a few units of the
-last working bit, and from the inputs moved by a few units of the last
-bit *that the field has*. The second difference is what
-rounding does at the working precision, the third what the field's own rounding of the inputs does whatever the
+last working bit, and from the inputs moved by a few units of the last bit *that the field has*. The second difference
+is what rounding does at the working precision, the third what the field's own rounding of the inputs does whatever the
 algorithm. All three take the same branches. What is zero beside the third difference is zero; what is not resolved
 beside the second needs more digits (:class:`MoreDigits`), which the caller tries.
 
