@@ -153,12 +153,12 @@ def test_a_few_cases(name):
 
 
 # suites and as many cases of them as take about a minute; --cases runs any number
-MANY = {"engine": 250}
+MANY = {"engine": 250, "inexact": 300, "calls": 6000}
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", MANY)
 def test_many_cases(name):
-    tally = follow(Plan(suite_of(name), 1, cases=MANY[name]))
+    tally = follow(Plan(suite_of(name), 1, cases=MANY[name], patience=10))
     assert not tally.failures, tally.failures[0]
     assert tally.of("unjudged") < MANY[name] / 10
