@@ -26,6 +26,8 @@ if TYPE_CHECKING:
 
 MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
+MOST_DRIFT = 64
+"""Roundings by which H1 and H2 may differ there: what an image has lost shows in them (measured on random bodies)."""
 LARGEST = 1e300
 ATTEMPTS = 3
 
@@ -55,7 +57,7 @@ def with_enough_digits(step: Step, state: State) -> State:
     if step.guarded or not isinstance(K, InexactField):
         return step.plain(state)
     image = step.plain(state) if step.condition(state) <= MOST_CONDITION else None
-    if image is None or not drift(step.system, image, state) <= K.eps**0.77:
+    if image is None or not drift(step.system, image, state) <= MOST_DRIFT * K.eps:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:

@@ -280,3 +280,12 @@ def test_the_double_of_one_point_is_two_steps_exactly() -> None:
     image = (2 * step)(state)
     assert ball.divisor(image) == ball.divisor(twice)
     assert ball.integrals(image) == ball.integrals(state)
+
+
+def test_an_image_that_lost_digits_without_a_large_condition_is_made_again() -> None:
+    # found by fuzz: H1 and H2 agreed to 4e-13, γ to 5e-11; one ulp of the inputs turns it by 1e-13
+    body = ChaplyginBall((7.224848711972044, 154058.83667820314, 150.75219193946626), 219372.22681163336)
+    start = (0.9158403751911175, -0.3239266314249799, 0.2372929510614643)
+    state = body.state(start, (0.0005287120130907244, 0.0015951828985413187, 0.00013698853779160443))
+    options = {"points": [0.0017203554466065011], "sheets": (-1,)}
+    assert _error(body.translation(**options)(state), _truth(body, options, state)[-1]) < 1e-12
