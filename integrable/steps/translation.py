@@ -237,7 +237,7 @@ class Translation(Step):
             return (K.neg(x[0]), K.one), poly.trim(K, (y[0],)) if K.exact else (y[0],)
         x1, x2 = x
         if x1 == x2:
-            if y[0] != y[1]:
+            if y[0] != y[1] or y[0] == K.zero:
                 raise ArgumentError(f"points = ({x1}, {x2}): a point and its opposite add up to zero")
             slope = K.div(poly.evaluate(K, poly.derivative(K, f), x1), K.add(y[0], y[0]))
         else:

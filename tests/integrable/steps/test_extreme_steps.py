@@ -12,7 +12,7 @@ from integrable.scene.orbit import orbit
 from integrable.steps.guard_digits import MOST_CONDITION, onto_constraints, widened
 from integrable.steps.step import Composition
 from integrable.steps.translation import Translation, moving_branch_point
-from jacobian import GF, MP, RR, NotASquare, PrecisionLoss
+from jacobian import GF, MP, RR, ArgumentError, NotASquare, PrecisionLoss
 from tests.integrable.exact_states import random_state, until_defined
 from tests.integrable.motion.test_near_times import random_motion
 
@@ -289,3 +289,12 @@ def test_an_image_that_lost_digits_without_a_large_condition_is_made_again() -> 
     state = body.state(start, (0.0005287120130907244, 0.0015951828985413187, 0.00013698853779160443))
     options = {"points": [0.0017203554466065011], "sheets": (-1,)}
     assert _error(body.translation(**options)(state), _truth(body, options, state)[-1]) < 1e-12
+
+
+def test_a_branch_point_of_the_state_taken_twice_adds_up_to_zero() -> None:
+    # found by fuzz: H1/H2 of a rotation about an axis is one of the a_i, and the tangent there is vertical
+    body = ChaplyginBall((84172.0298444276, 64659.23334272831, 26291.59073387261), 13161.45396954562)
+    state = body.state((0.0, -1.0, 0.0), (-282452.38348754134, 0.0, 0.0))
+    step = body.translation([1.0273956718853618e-05, 1.0273956718853618e-05], (-1, 1))
+    with pytest.raises(ArgumentError, match="a point and its opposite add up to zero"):
+        step(state)
