@@ -41,7 +41,8 @@ class Jacobian(FiniteGroup):
 
     def _adopt(self, chosen: Kernel) -> None:
         """Makes a kernel the one that adds here; the first one may name a better one later."""
-        vars(self).update(_sum_of=chosen.sum_of, _double=chosen.double, _multiple=chosen.multiple)
+        for name, function in zip(("_sum_of", "_double", "_multiple"), chosen, strict=True):
+            object.__setattr__(self, name, function)
 
     def compile(self) -> None:
         """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.addition.choice`).

@@ -12,11 +12,9 @@ from typing import Any, ClassVar, TypeVar
 
 Kind = TypeVar("Kind")
 
-_OPEN = "_open"
-
 
 class Immutable:
-    """Attributes are set while ``__init__`` runs, and not afterwards: AttributeError.
+    """Attributes are set while ``__init__`` runs, and not afterwards: AttributeError. ``_open`` is set meanwhile.
 
     What is computed later and kept goes into ``vars(self)``, where ``cached_property`` puts it too; a class names it in
     ``_caches``, and gives it a default, if it is no ``cached_property``. Comparison, hash and pickles leave that out:
@@ -24,7 +22,8 @@ class Immutable:
     without ``__dict__`` sets its slots by their descriptors.
     """
 
-    __slots__ = ()
+    # not in __dict__, which would be slower to read from then on
+    __slots__ = ("_open",)
     _caches: ClassVar[tuple[str, ...]] = ()
 
     def __init_subclass__(cls, **options: Any) -> None:
@@ -33,7 +32,7 @@ class Immutable:
             cls.__init__ = _opened(cls.__init__)  # type: ignore[method-assign]
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if _OPEN not in getattr(self, "__dict__", ()):
+        if not hasattr(self, "_open"):
             raise AttributeError(_refusal(self, name, "set"))
         object.__setattr__(self, name, value)
 
@@ -71,17 +70,20 @@ def _refusal(value: Any, name: str, verb: str) -> str:
 def _opened(initialize: Callable[..., None]) -> Any:
     @wraps(initialize)
     def __init__(self: Any, *args: Any, **options: Any) -> None:
-        values = vars(self)
-        if _OPEN in values:
+        if hasattr(self, "_open"):
             # called by the __init__ of a subclass
             return initialize(self, *args, **options)
-        values[_OPEN] = True
+        _set_open(self, True)
         try:
             initialize(self, *args, **options)
         finally:
-            del values[_OPEN]
+            _close(self)
 
     return __init__
+
+
+_set_open = Immutable.__dict__["_open"].__set__
+_close = Immutable.__dict__["_open"].__delete__
 
 
 def _without_caches(value: Any) -> dict[str, Any]:

@@ -7,6 +7,7 @@ ascending lists.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from operator import add, mul
 from typing import Any
 
 from jacobian.errors import PrecisionLoss
@@ -18,7 +19,7 @@ Coefficients = list[Number]
 def added(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
     """a + b."""
     short, long = (a, b) if len(a) < len(b) else (b, a)
-    return [x + y for x, y in zip(short, long, strict=False)] + list(long[len(short) :])
+    return [*map(add, short, long), *long[len(short) :]]
 
 
 def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
@@ -35,17 +36,23 @@ def product(a: Sequence[Number], b: Sequence[Number]) -> Coefficients:
 def divided(a: Sequence[Number], monic: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
     """(quotient, remainder) of a by a monic polynomial."""
     rest, m = list(a), len(monic) - 1
+    lower = monic[:m]
     for i in range(len(rest) - m - 1, -1, -1):
         lead = rest[i + m]
-        for j in range(m):
-            rest[i + j] -= lead * monic[j]
+        for j, c in enumerate(lower, i):
+            rest[j] -= lead * c
     return rest[m:], rest[:m]
 
 
 def remainder(a: Sequence[Number], monic: Sequence[Number]) -> Coefficients:
     """a mod u, of length deg u exactly."""
-    rest = divided(a, monic)[1]
-    return rest + [0 * monic[0]] * (len(monic) - 1 - len(rest))
+    rest, lower = list(a), monic[:-1]
+    m = len(lower)
+    for i in range(len(rest) - m - 1, -1, -1):
+        lead = rest.pop()
+        for j, c in enumerate(lower, i):
+            rest[j] -= lead * c
+    return rest if len(rest) == m else rest + [0 * monic[0]] * (m - len(rest))
 
 
 def residue(f: Sequence[Number], u: Sequence[Number], v: Sequence[Number]) -> tuple[Coefficients, Coefficients]:
@@ -63,12 +70,12 @@ def value_at(a: Sequence[Number], x: Number) -> Number:
 
 def size(a: Sequence[Number]) -> Number:
     """The largest coefficient."""
-    return max((abs(c) for c in a), default=0)
+    return max(map(abs, a), default=0)
 
 
 def absolute(a: Sequence[Number]) -> Coefficients:
     """The sizes of the coefficients."""
-    return [abs(c) for c in a]
+    return list(map(abs, a))
 
 
 def bound(monic: Sequence[Number]) -> Coefficients:
@@ -88,7 +95,7 @@ def multiplication(factor: Sequence[Number], monic: Sequence[Number]) -> list[Co
 
 def norm(values: Any) -> Number:
     """The Euclidean norm."""
-    return sum(abs(x) ** 2 for x in values) ** 0.5
+    return sum([abs(x) ** 2 for x in values]) ** 0.5
 
 
 def pivoted_qr(columns: list[Coefficients]) -> tuple[list[int], list[Coefficients]]:
@@ -129,10 +136,11 @@ def _reflect(columns: list[Coefficients], k: int) -> None:
         return
     turn = phase(head[0])
     head[0] += length * turn
-    factor = 2 * inverse(sum(abs(x) ** 2 for x in head))
+    factor = 2 * inverse(sum([abs(x) ** 2 for x in head]))
     back = -turn.conjugate()
+    conjugates = [x.conjugate() for x in head]
     for column in columns[k:]:
-        overlap = factor * sum(x.conjugate() * y for x, y in zip(head, column[k:], strict=True))
+        overlap = factor * sum(map(mul, conjugates, column[k:]))
         for i, x in enumerate(head, k):
             column[i] -= overlap * x
         column[k] *= back
