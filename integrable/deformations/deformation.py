@@ -52,12 +52,14 @@ class Deformation(Hamiltonian):
         self._check_curves()
         return two_curves.divisors(self, self._checked(state))
 
-    def from_divisor(self, D: TwoPoints, like: State) -> State:
-        """The state of two points, of the eight that share them the one with the signs of ``like``."""
+    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
+        """The state of two points, of the eight that share them the one with the signs of ``like``, without it with
+        those of the field's own roots of w_i², w = γ × M, and of g².
+        """
         from integrable.deformations import two_curves
 
         self._check_curves()
-        return two_curves.from_divisors(self, D, self._checked(like))
+        return two_curves.from_divisors(self, D, None if like is None else self._checked(like))
 
     def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
         """The map that adds a point of fixed abscissa on each curve
@@ -107,11 +109,12 @@ class IsometricDeformation(Deformation):
         points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
         return points
 
-    def from_divisor(self, D: TwoPoints, like: State) -> State:
+    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
         from integrable.deformations.two_curves import lifted, unlifted
 
         self._check_curves()
-        return unlifted(self, self.curves_of().from_divisor(D, lifted(self, self._checked(like))))
+        model = None if like is None else lifted(self, self._checked(like))
+        return unlifted(self, self.curves_of().from_divisor(D, model))
 
     def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
         """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on

@@ -220,7 +220,7 @@ class Hamiltonian(Immutable):
         """The two points of a state, one on each elliptic curve."""
         raise NotImplementedError
 
-    def from_divisor(self, D: Any, like: State) -> State:
+    def from_divisor(self, D: Any, like: State | None = None) -> State:
         """The state of two points, of the eight that share them the one with the signs of ``like``."""
         raise NotImplementedError
 

@@ -60,14 +60,14 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
     return TwoPoints(*points)
 
 
-def from_divisors(system: Hamiltonian, points: TwoPoints, like: State) -> State:
-    """The state of two points, with the signs of ``like`` (over an exact field: the field's roots, or those of
-    ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
+def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
+    """The state of two points, with the signs of ``like`` (without it, and over an exact field: the field's roots, or
+    those of ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
     K, body = system.field, system.body
-    model = _image(system, like)
+    known_pairs = (None,) * 3 if like is None else _image(system, like).pairs
     u, y, lambdas = [], [], []
     for name, D in zip(points._fields, points, strict=True):
         if len(D.u) != 2:
@@ -90,7 +90,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State) -> State:
     square = poly.mul(K, poly.trim(K, v), poly.trim(K, v)) if K.exact else poly.mul(K, v, v)
     cofactor = poly.quotient(K, poly.sub(K, body.polynomial(h1, h2), square), quadratic)
     pairs = []
-    for a, c, known in zip(system.a, body.differences, model.pairs, strict=True):
+    for a, c, known in zip(system.a, body.differences, known_pairs, strict=True):
         w2, product = (K.div(poly.evaluate(K, p, a), c) for p in (quadratic, v))
         other = K.neg(K.div(poly.evaluate(K, cofactor, a), K.mul(c, h2)))
         pairs.append(coordinates.root_pair(K, K.mul(w2, h2), product, other, known))
@@ -175,7 +175,7 @@ def _pairs(system: Hamiltonian, state: State, w: Any, h2: Any) -> tuple[coordina
     return tuple((x, K.sub(K.mul(lean, x), y)) for x, y in zip(w, scaled, strict=True))
 
 
-def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: State) -> State:
+def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: State | None) -> State:
     K, body = system.field, system.body
     w, n = (tuple(column) for column in zip(*pairs, strict=True))
     over = [K.div(x, r) for x, r in zip(w, body.contact, strict=True)]
@@ -185,12 +185,12 @@ def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: Stat
         above = K.sub(h2, K.mul(body.d, h1))
         below = K.mul(h2, K.mul(*(K.sub(K.one, K.mul(body.d, x)) for x in u)))
         g = square_root(K, K.div(above, below), "g²")
-        if like.g is not None and K.neg(g) == like.g:
+        if like is not None and like.g is not None and K.neg(g) == like.g:
             g = K.neg(g)
     half = K.inv(K.add(g, g))
     x1, x2, x3 = (K.mul(half, K.div(K.sub(K.mul(lean, x), y), r)) for x, y, r in zip(w, n, body.contact, strict=True))
     gamma = (x1, x2, x3)
-    return State(gamma, cross(K, w, gamma), g if like.g is not None else None)
+    return State(gamma, cross(K, w, gamma), g if body.rolls and K.exact else None)
 
 
 class CurveTranslation(Step):

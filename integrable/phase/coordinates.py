@@ -12,13 +12,16 @@ the nonholonomic Chaplygin ball", section 2.1, put into coordinates without squa
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.errors import ArgumentError, NotRepresentable
-from jacobian.relatives.signed import Pair
+from jacobian.errors import ArgumentError, CurveMismatch, NotRepresentable
+from jacobian.relatives.signed import Pair, sheared
+
+if TYPE_CHECKING:
+    from jacobian import Divisor
 
 
 def branch_points(body: Body) -> tuple[Any, ...]:
@@ -43,23 +46,32 @@ def root_of_g(body: Body, gamma: Vector) -> Any:
     return square_root(body.field, body.field.inv(body.conformal(gamma)), "g²")
 
 
-def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
-    """The pairs at :func:`branch_points` of a state; NotASquare when g = √g² is not in the field."""
+def upright_pairs(body: Body, state: State) -> tuple[Pair, ...]:
+    """(gγ_i, 2w_i), the pairs at a1, a2, a3 of the parabola P = V − λU, which passes through (1/d, 0); at d = 0 of V.
+
+    NotASquare when g = √g² is not in the field.
+    """
     if state.tilted:
         raise ArgumentError("state: (γ, M) may differ from 0 here; take the state of system.upright(state)")
-    K, gamma, M = body.field, state.gamma, state.M
-    w = cross(K, gamma, M)
-    two = K.add(K.one, K.one)
+    K, sigma = body.field, state.gamma
+    w = cross(K, state.gamma, state.M)
+    if body.rolls:
+        g = root_of_g(body, state.gamma) if state.g is None else state.g
+        sigma = (K.mul(g, sigma[0]), K.mul(g, sigma[1]), K.mul(g, sigma[2]))
+    return tuple((x, K.add(y, y)) for x, y in zip(sigma, w, strict=True))
+
+
+def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
+    """The pairs at :func:`branch_points` of a state; NotASquare when g = √g² is not in the field."""
+    K, pairs = body.field, upright_pairs(body, state)
     if not body.rolls:
-        return tuple((x, K.mul(two, y)) for x, y in zip(gamma, w, strict=True))
-    g = root_of_g(body, gamma) if state.g is None else state.g
-    tilt = K.dot([K.mul(a, x) for a, x in zip(body.a, gamma, strict=True)], w)
-    lean = K.mul(K.mul(two, K.mul(g, body.d)), tilt)
-    sigma = [K.mul(g, x) for x in gamma]
-    pairs = [(x, K.add(K.mul(two, y), K.mul(lean, x))) for x, y in zip(sigma, w, strict=True)]
+        return pairs
+    lean = K.mul(body.d, K.dot([K.mul(a, x) for a, (x, _) in zip(body.a, pairs, strict=True)], [y for _, y in pairs]))
+    pairs = sheared(K, pairs, lean)
     if len(branch_points(body)) == 4:
-        pairs.append((g, K.mul(lean, g)))
-    return tuple(pairs)
+        g = root_of_g(body, state.gamma) if state.g is None else state.g
+        return (*pairs, (g, K.mul(lean, g)))
+    return pairs
 
 
 def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
@@ -93,8 +105,11 @@ def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Pol
     return (u0, u1, K.one), poly.trim(K, v) if K.exact else v
 
 
-def pairs_of(body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...]) -> tuple[Pair, ...]:
-    """The pairs of a divisor; of the two signs on every axis the one on the side of ``like``.
+def pairs_of(
+    body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...] | None = None
+) -> tuple[Pair, ...]:
+    """The pairs of a divisor; of the two signs on every axis the one on the side of ``like``, without it the field's
+    own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
 
     NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not know how
     γ turns then.
@@ -102,7 +117,8 @@ def pairs_of(body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[P
     K = body.field
     cofactor = poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
     pairs = []
-    for e, kappa, model in zip(branch_points(body), kappas(body), like, strict=True):
+    points = branch_points(body)
+    for e, kappa, model in zip(points, kappas(body), like or (None,) * len(points), strict=True):
         if kappa == K.zero:
             raise NotRepresentable(
                 "two moments of inertia are equal: a divisor does not determine γ; step on states instead"
@@ -114,8 +130,27 @@ def pairs_of(body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[P
     return tuple(pairs)
 
 
-def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair) -> Pair:
-    """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``."""
+def integrals_of(body: Body, D: Divisor) -> tuple[Any, Any]:
+    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that a divisor is on; CurveMismatch where it is on no curve
+    of the body, to half the digits.
+    """
+    K, curve = body.field, D.jacobian.curve
+    if curve.field == K and not curve.h:
+        # −4e3·H1 is the lower end of f; −4H2 or 4dH2 the upper one
+        f, (lower, upper) = curve.f, (body.polynomial(K.one, K.zero), body.polynomial(K.zero, K.one))
+        if len(f) == len(upper):
+            h1, h2 = K.div(f[0], lower[0]), K.div(f[-1], upper[-1])
+            allowed = 0 if K.exact else K.eps**0.5 * max(map(abs, f))
+            pairs = zip(f, body.polynomial(h1, h2), strict=True)
+            if all(x == y if K.exact else abs(x - y) <= allowed for x, y in pairs):
+                return h1, h2
+    raise CurveMismatch(f"D = {D!r} is on {curve!r}, which is no curve of this system: give one as divisor(state) does")
+
+
+def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None = None) -> Pair:
+    """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``; without it as in
+    :func:`pairs_of`.
+    """
     if (square == K.zero) if K.exact else (abs(square) < abs(other)):
         nu = square_root(K, other, "n̂²")
         pair = (K.div(product, nu), nu)
@@ -123,6 +158,9 @@ def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair) -> Pai
         sigma = square_root(K, square, "γ̂²")
         pair = (sigma, K.div(product, sigma))
     opposite = (K.neg(pair[0]), K.neg(pair[1]))
+    if model is None:
+        # a γ̂ that is rounding decides nothing
+        return opposite if not K.exact and pair[0] < -64 * K.eps * abs(pair[1]) else pair
     if K.exact:
         return opposite if opposite == model else pair
     return opposite if pair[0] * model[0] + pair[1] * model[1] < 0 else pair

@@ -105,12 +105,9 @@ def from_separated(body: Body, point: Separated, like: State | None = None) -> S
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.
     """
-    K = body.field
     u, v = to_mumford(body, point)
     f = body.polynomial(*integrals(body, point))
-    model = ((K.one, K.zero),) * len(coordinates.branch_points(body))
-    if like is not None:
-        model = coordinates.to_pairs(body, like)
+    model = None if like is None else coordinates.to_pairs(body, like)
     return coordinates.from_pairs(body, coordinates.pairs_of(body, f, u, v, model))
 
 

@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
 from integrable.phase.state import State
-from jacobian.errors import ArgumentError, FieldError, NotASquare, NotRepresentable, entries, flag, shown
+from jacobian.errors import (
+    ArgumentError,
+    FieldError,
+    NotASquare,
+    NotRepresentable,
+    PrecisionLoss,
+    entries,
+    flag,
+    shown,
+)
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
@@ -156,24 +165,39 @@ class PhaseSpace(Immutable):
         u, v = coordinates.to_mumford(self.body, coordinates.to_pairs(self.body, state))
         return self.group(*self.integrals(state)[2:]).from_mumford(u, v)
 
-    def from_divisor(self, D: Divisor, like: State) -> State:
+    def from_divisor(self, D: Divisor, like: State | None = None) -> State:
         """The state with divisor D, of the eight that share it the one with the signs of ``like``.
 
-        Over an exact field ``like`` decides only where D is its own divisor up to signs; elsewhere the field's roots
-        are taken.
+        Over an exact field ``like`` decides only where D is its own divisor up to signs; elsewhere, and without it, the
+        signs are those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0): over the reals γ_i > 0.
+        A tilted ``like`` gives the transformation that D's state is taken back by. NotASquare where a root is not in
+        the field, NotRepresentable for another weight than two or equal moments, CurveMismatch where D is on no curve
+        of this system, PrecisionLoss where H1 or H2 of the state are not the curve's (to 10⁻⁹ in floats).
         """
         from integrable.phase import coordinates
         from jacobian.law.divisor import check_divisor
 
-        D, like = check_divisor(D, "D"), self._checked(like)
-        if like.tilted:
-            system, plain, change = self.upright(like)
-            return change.invert(system.from_divisor(D, plain))
+        D, model = check_divisor(D, "D"), None
+        if like is not None:
+            like = self._checked(like)
+            if like.tilted:
+                system, plain, change = self.upright(like)
+                return change.invert(system.from_divisor(D, plain))
+            model = coordinates.to_pairs(self.body, like)
         if len(D.u) != 3:
             raise NotRepresentable(f"D = {D!r} has weight {len(D.u) - 1}: a state has a divisor of weight two")
-        model = coordinates.to_pairs(self.body, like)
+        integrals = coordinates.integrals_of(self.body, D)
         pairs = coordinates.pairs_of(self.body, D.jacobian.curve.f, D.u, D.v, model)
-        return coordinates.from_pairs(self.body, pairs)
+        state = coordinates.from_pairs(self.body, pairs)
+        if not self.field.exact:
+            found = self.integrals(state)[2:]
+            lost = max(abs(x - y) / abs(y) for x, y in zip(found, integrals, strict=True))
+            if not lost <= self.field.eps**0.575:
+                raise PrecisionLoss(
+                    f"D = {D!r}: H1 and H2 of its state are off by {float(lost):.1e} of their size, D does not "
+                    f"determine γ and M over {self.field.name}; use more digits, or step on states"
+                )
+        return state
 
     def separated(self, state: State) -> Separated:
         """The canonical coordinates (u, p) of a state (:func:`integrable.phase.separation.to_separated`)."""

@@ -1,5 +1,5 @@
-"""Maps that do not add a divisor of fixed points: multiples of the state's own divisor, the keyless map in closed form,
-the walk along a conic's pencil, and time shifts.
+"""Maps that add no divisor of points that are chosen: multiples of the state's own divisor, the branch point 1/d, the
+walk along a conic's pencil, and time shifts.
 
 Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` is said with each, and tested by
 :func:`integrable.phase.brackets.image_brackets`.
@@ -11,7 +11,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Self
 
 from integrable.phase import coordinates
-from integrable.phase.body import Body, cross, square_root
+from integrable.phase.body import Body, square_root
 from integrable.phase.jets import JetField, apply
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
@@ -22,7 +22,8 @@ from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_of, shown, whole
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
-from jacobian.relatives.signed import Pair, SignedDivisor, SignedGroup
+from jacobian.relatives.conic import parameter
+from jacobian.relatives.signed import Pair, SignedDivisor, SignedGroup, reflected, sheared
 
 
 class Move(Step):
@@ -100,10 +101,12 @@ class Multiplication(Move):
 
 
 class Keyless(Move):
-    """Tsiganov's map chap-keyless in closed form: e = (γ × M)/|M|, γ̃_i = σ_ie_i/(g̃r_i), M̃ = |M| γ̃ × (σ_i g r_iγ_i).
+    """D ↦ D + (1/d, 0) − ∞, at d = 0 the element of order two of the pencil: Tsiganov's map chap-keyless.
 
-    On divisors it is the addition of the branch point (1/d, 0), as :meth:`System.torsion`; at d = 0, where that point
-    is at infinity, γ̃ = γ × M/|M|, M̃ = M. It preserves the bracket and has B² = (−γ, M).
+    The parabola P = V − λU passes through D and (1/d, 0); what y − P leaves beside them is D's image, turned over
+    (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, goes to
+    (2w_i/ρ_i, −ρ_igγ_i): the same divisor as by :meth:`System.torsion`, whose lift is the one to −γ, and real for every
+    body. It preserves the bracket and has B² = (−γ, M).
     """
 
     def __init__(self, system: PhaseSpace, signs: Sequence[int] | None = None) -> None:
@@ -115,40 +118,38 @@ class Keyless(Move):
 
     def _image(self, state: State) -> State:
         """The image; NotASquare where |M|, a √(1 − d·a_i) or g̃ is not in the field."""
-        system, body, K = self.system, self.system.body, self.system.field
-        gamma, M = state.gamma, state.M
-        h2 = system.integrals(state).H2
+        body, K = self.system.body, self.system.field
+        h2 = K.dot(state.M, state.M)
         _check_moving(K, h2)
         size = square_root(K, h2, "H2 = |M|²")
-        axes = [K.div(self._signed(s, x), size) for s, x in zip(self.signs, cross(K, gamma, M), strict=True)]
-        turned = [self._signed(s, x) for s, x in zip(self.signs, gamma, strict=True)]
-        if not body.rolls:
-            x = (axes[0], axes[1], axes[2])
-            return State(x, self._momentum(size, x, turned))
-        roots = [square_root(K, r, f"1 − d·a_{i + 1}") for i, r in enumerate(body.contact)]
-        g = coordinates.root_of_g(body, gamma) if state.g is None else state.g
-        # (H2 − dH1)/(g²H2Π(1 − da_i)) as a sum, which does not cancel on thin bodies
-        g_image = square_root(K, K.dot(axes, [K.div(e, r) for e, r in zip(axes, body.contact, strict=True)]), "g̃²")
-        x1, x2, x3 = (K.div(e, K.mul(g_image, r)) for e, r in zip(axes, roots, strict=True))
-        scaled = [K.mul(K.mul(g, r), x) for r, x in zip(roots, turned, strict=True)]
-        return State((x1, x2, x3), self._momentum(size, (x1, x2, x3), scaled), None if state.g is None else g_image)
+        roots = [K.add(size, size)] * 3
+        if body.rolls:
+            contact = [square_root(K, r, f"1 − d·a_{i + 1}") for i, r in enumerate(body.contact)]
+            roots = [K.mul(root, r) for root, r in zip(roots, contact, strict=True)]
+        roots = [root if sign > 0 else K.neg(root) for root, sign in zip(roots, self.signs, strict=True)]
+        pairs = reflected(K, coordinates.upright_pairs(body, state), roots)
+        if state.g is not None:
+            sigma = [x for x, _ in pairs]
+            pairs = (*pairs, (square_root(K, K.dot(sigma, sigma), "g̃²"), K.zero))
+        return coordinates.from_pairs(body, pairs)
 
-    def _signed(self, sign: int, x: Any) -> Any:
-        return x if sign > 0 else self.system.field.neg(x)
-
-    def _momentum(self, size: Any, gamma: Any, other: Any) -> Any:
-        K = self.system.field
-        m1, m2, m3 = (K.mul(size, x) for x in cross(K, gamma, (other[0], other[1], other[2])))
-        return m1, m2, m3
+    def divisor(self, state: State) -> Any:
+        """(1/d, 0) − ∞ on the curve of a state, of its upright body if it is tilted; NotRepresentable at d = 0."""
+        system, K = self.system, self.system.field
+        if system._checked(state).tilted:
+            system, state, _ = system.upright(state)
+        if not system.body.rolls:
+            raise NotRepresentable("d = 0: the keyless map leaves the class of a divisor, and walks along its pencil")
+        return system.group(*system.integrals(state)[2:]).from_mumford((K.neg(K.inv(system.d)), K.one), ())
 
 
 class ConicStep(Move):
     """The step along the pencil y = V(x) + cU(x) to the parabola through a plane point (x0, y0), at d = 0.
 
-    (U, V) goes to ((P² − f)/U made monic, −P), P = V + cU: the class on the curve stays, and γ turns about M: γ̃ = (2γ×M
-    + cγ)/s, M̃ = M, s² = c² + 4H2. For y0 a constant or a function of x0·H2 − H1 it multiplies {u_i, p_j} = (u_i −
-    x0)δ_ij by 1, the bracket W for x0 = 0; for x0 = None, the point at infinity, y0 is c and the canonical bracket is
-    preserved.
+    (U, V) goes to ((P² − f)/U made monic, −P), P = V + cU, as by :meth:`jacobian.relatives.conic.Representative.step`:
+    the class on the curve stays, and γ turns about M by the pairs of P, reflected in s, s² = c² + 4H2; M̃ = M. For y0 a
+    constant or a function of x0·H2 − H1 it multiplies {u_i, p_j} = (u_i − x0)δ_ij by 1, the bracket W for x0 = 0; for
+    x0 = None, the point at infinity, y0 is c and the canonical bracket is preserved.
     """
 
     def __init__(self, system: PhaseSpace, x0: Any, y0: Any, sign: int = 1) -> None:
@@ -184,21 +185,12 @@ class ConicStep(Move):
         pairs = coordinates.to_pairs(system.body, state)
         h1, h2 = system.integrals(state)[2:]
         _check_moving(K, h2)
-        c = self._coefficient(coordinates.to_mumford(system.body, pairs), h1, h2)
-        s = square_root(K, K.add(K.mul(c, c), K.mul(poly.integer(K, 4), h2)), "c² + 4H2")
-        s = s if self.sign > 0 else K.neg(s)
-        x1, x2, x3 = (K.div(K.add(nu, K.mul(c, sigma)), s) for sigma, nu in pairs[:3])
-        return State((x1, x2, x3), state.M)
-
-    def _coefficient(self, divisor: tuple[poly.Poly, poly.Poly], h1: Any, h2: Any) -> Any:
-        K, (u, v) = self.system.field, divisor
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
-        if self.x0 is None:
-            return y0
-        below = poly.evaluate(K, u, self.x0)
-        if below == K.zero:
-            raise NotRepresentable(f"x0 = {self.x0} is the abscissa of a point of the divisor: no parabola passes both")
-        return K.div(K.sub(y0, poly.evaluate(K, v, self.x0)), below)
+        c = parameter(K, coordinates.to_mumford(system.body, pairs), self.x0, y0)
+        s = square_root(K, K.add(K.mul(c, c), K.mul(poly.integer(K, 4), h2)), "c² + 4H2")
+        (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
+        # M as it was: every member of the pencil has it
+        return State((x1, x2, x3), state.M)
 
 
 class Shift(Move):

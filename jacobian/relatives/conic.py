@@ -124,17 +124,10 @@ class Representative(Immutable):
             raise ArgumentError(
                 f"(x0, y0) = ({x0}, {y0}) is a point of {self.curve!r}: the step through it has no inverse"
             )
-        return self.member(y0 if fibre.x0 is None else self._parameter(fibre.x0, y0))
+        return self.member(self._parameter(fibre.x0, y0))
 
     def _parameter(self, x0: Any, y0: Any) -> Any:
-        K = self.curve.field
-        value = poly.evaluate(K, self.u, x0)
-        size = None if K.exact else sum(abs(c) * abs(x0) ** i for i, c in enumerate(self.u))
-        if K.is_zero(value, size):
-            raise NotRepresentable(
-                f"x0 = {x0}: the divisor {self!r} has a point there, no curve y = P(x) is free to pass elsewhere"
-            )
-        return K.div(K.sub(y0, poly.evaluate(K, self.v, x0)), value)
+        return parameter(self.curve.field, (self.u, self.v), x0, y0)
 
     def translate(self, x0: Any, unit: Unit) -> Representative:
         """The step that adds a class (a : b) of ``FibreGroup(curve, x0)``: at one x₀ steps compose as classes do."""
@@ -163,6 +156,24 @@ class Representative(Immutable):
     def ray_class(self, x0: Any = None) -> RayClass:
         """The class in the generalized Jacobian with modulus over x₀ (exact fields; g odd for x₀ = ∞)."""
         return RayClassGroup(self.curve, x0).from_mumford(self.u, self.v)
+
+
+def parameter(K: Any, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> Any:
+    """The c of :meth:`Representative.member` with P(x0) = y0 for the pair (u, v); c = y0 for ``x0`` = None, x₀ = ∞.
+
+    NotRepresentable where u vanishes at x0.
+    """
+    if x0 is None:
+        return y0
+    u, v = pair
+    value = poly.evaluate(K, u, x0)
+    size = None if K.exact else sum(abs(c) * abs(x0) ** i for i, c in enumerate(u))
+    if K.is_zero(value, size):
+        raise NotRepresentable(
+            f"x0 = {x0}: the divisor ({poly.text(K, u)}, {poly.text(K, v)}) has a point there, no curve y = P(x) is "
+            "free to pass elsewhere"
+        )
+    return K.div(K.sub(y0, poly.evaluate(K, v, x0)), value)
 
 
 def representative(D: Divisor, point: Any) -> Representative:

@@ -233,5 +233,19 @@ class SignedGroup(Immutable):
         return poly.evaluate(K, cofactor, e)
 
 
+def sheared(K: Any, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
+    """The pairs of (U, V + cU), another parabola through the same points: κσν is its value at the branch point."""
+    return tuple((sigma, K.add(nu, K.mul(c, sigma))) for sigma, nu in pairs)
+
+
+def reflected(K: Any, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
+    """(ν/ρ, −ρσ) at every branch point e: the pairs of the pair (Ũ, −P) that y − P leaves beside (U, P).
+
+    P² − f = R·U·Ũ with κσ² = U(e), κσν = P(e), and ρ² = R(e) ≠ 0; κ stays. R is the leading coefficient of P² − f for a
+    step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
+    """
+    return tuple((K.div(nu, rho), K.neg(K.mul(rho, sigma))) for (sigma, nu), rho in zip(pairs, roots, strict=True))
+
+
 def _frozen(value: Any) -> Any:
     return tuple(value) if isinstance(value, list) else value

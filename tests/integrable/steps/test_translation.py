@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from random import Random
 
@@ -11,7 +12,16 @@ from hypothesis import strategies as st
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.phase.state import State
-from jacobian import GF, MP, NotASquare, NotRepresentable, SingularCurve
+from jacobian import (
+    GF,
+    MP,
+    CurveMismatch,
+    HyperellipticCurve,
+    NotASquare,
+    NotRepresentable,
+    PrecisionLoss,
+    SingularCurve,
+)
 from jacobian.errors import ArgumentError
 from tests.integrable.exact_states import random_state, systems, unit_vector, until_defined
 
@@ -41,6 +51,55 @@ def test_the_eight_lifts_share_a_divisor(system) -> None:
         lift = State(gamma, M, state.g)
         assert system.divisor(lift) == D
         assert system.from_divisor(D, like=lift) == lift
+
+
+@systems()
+def test_without_a_model_the_roots_are_those_of_the_field(system) -> None:
+    """from_divisor(D) is one of the lifts of a state (with g of either sign), always the same one."""
+    system, rng = system(), Random(11)
+    K = system.field
+    for _ in range(10):
+        state = random_state(system, rng)
+        found = system.from_divisor(system.divisor(state))
+        assert system.divisor(found) == system.divisor(state)
+        # (γ, M, g) and (−γ, −M, −g) are one set of pairs up to signs
+        other = replace(found, M=tuple(map(K.neg, found.M)), g=None if found.g is None else K.neg(found.g))
+        assert found in system.lifts(state) or other in system.lifts(state)
+        assert {system.from_divisor(system.divisor(x)) for x in system.lifts(state)} == {found}
+
+
+@pytest.mark.parametrize("system", [RR_BALL, RR_TOP], ids=["ball", "top"])
+def test_without_a_model_gamma_is_positive(system) -> None:
+    lifts = system.lifts(system.state(*START))
+    images = [system.from_divisor(system.divisor(x)) for x in lifts]
+    for image in images:
+        assert image.gamma == pytest.approx(START[0], abs=1e-13)
+        assert pytest.approx(START[1], abs=1e-13) == image.M
+    # where γ_i = 0 the sign is that of (γ × M)_i
+    for M in ((1, 0.8, -0.6), (-1, 0.8, -0.6)):
+        image = system.from_divisor(system.divisor(system.state((0, 0.6, 0.8), M)))
+        assert image.gamma == pytest.approx((0, 0.6, 0.8), abs=1e-13)
+        assert image.gamma[1] * image.M[2] - image.gamma[2] * image.M[1] > 0
+
+
+def test_a_divisor_of_another_system_is_refused() -> None:
+    D = RR_BALL.divisor(RR_BALL.state(*START))
+    for other in (ChaplyginBall((1, 2, 4), 0.7), ChaplyginBall((1, 2, 3), 0.8), RR_TOP):
+        with pytest.raises(CurveMismatch, match="no curve of this system"):
+            other.from_divisor(D)
+    exact = ChaplyginBall((1, 2, 3), 1, field=GF(10007))
+    with pytest.raises(CurveMismatch, match="no curve of this system"):
+        exact.from_divisor(HyperellipticCurve(GF(10007), [1, 0, 0, 0, 0, 1]).jacobian().random(Random(1)))
+
+
+def test_a_divisor_that_does_not_determine_its_state_is_refused() -> None:
+    """The moments are alike to 10⁻⁴ beside d: half of the digits of (U, V) hold no γ."""
+    heavy = ChaplyginBall((1, 2, 3), 1e4)
+    with pytest.raises(PrecisionLoss, match="does not determine"):
+        heavy.from_divisor(heavy.divisor(heavy.state(*START)))
+    wide = ChaplyginBall((1, 2, 3), 1e4, field=MP(40))
+    found = wide.from_divisor(wide.divisor(wide.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))))
+    assert [float(x) for x in found.gamma] == pytest.approx(START[0], abs=1e-15)
 
 
 @systems()

@@ -7,8 +7,9 @@ import pytest
 
 from jacobian import GF, QQ, RR, ArgumentError, HyperellipticCurve, NotASquare, NotRepresentable, poly
 from jacobian.fields import MP
+from jacobian.relatives.conic import Representative, parameter
 from jacobian.relatives.glued import GeneralizedJacobian
-from jacobian.relatives.signed import SignedDivisor, SignedGroup
+from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 from tests.jacobian.rational_curves import QUARTIC, QUINTIC, known_points, pairs_of
 
 PRIMES = (101, 10007, 2**61 - 1)
@@ -170,6 +171,51 @@ def test_two_single_points_add_up_as_if_one_by_one(p):
         with pytest.raises(NotRepresentable, match="opposite points"):
             group.add(P, P._replace(v=poly.neg(K, P.v)))
     assert checked >= 35
+
+
+@pytest.mark.parametrize("p", PRIMES)
+def test_a_point_is_added_by_a_reflection(p):
+    """c = (Y' − V(x'))/U(x') and ρ = −√f₅σ': the sum of the general law, signs included, for D' a branch point too."""
+    rng = Random(f"reflection {p}")
+    group = group_over(p, 5, rng)
+    K, checked = group.field, 0
+    for A in elements(group, rng, 30):
+        for P in (single_point(group, rng), *_branch_points_of(group)):
+            x = K.neg(P.u[0])
+            try:
+                c = parameter(K, (A.u, A.v), x, poly.evaluate(K, P.v, x))
+                total = group.add(A, P)
+            except NotRepresentable:
+                continue
+            # at the branch point that is added both σ and ν of the parabola vanish
+            kept = [i for i, e in enumerate(group.branch_points) if e != x]
+            lead = K.neg(K.sqrt(group.curve.f[5]))
+            turned = reflected(K, [sheared(K, A.pairs, c)[i] for i in kept], [K.mul(lead, P.pairs[i][0]) for i in kept])
+            # V'' = −P + cU''
+            assert sheared(K, turned, c) == tuple(total.pairs[i] for i in kept)
+            checked += 1
+    assert checked >= 25
+
+
+@pytest.mark.parametrize("p", PRIMES)
+def test_a_step_of_the_conic_group_is_a_reflection(p):
+    """ρ² = c² − f₄: the pairs belong to the member of the pencil, c² = f₄ being a point at infinity."""
+    rng = Random(f"pencil {p}")
+    group = group_over(p, 4, rng)
+    K, checked = group.field, 0
+    for A in elements(group, rng, 30):
+        x0, y0 = rng.choice((None, K.random(rng))), K.random(rng)
+        try:
+            c = parameter(K, (A.u, A.v), x0, y0)
+            image = Representative(group.curve, A.u, A.v).step(x0, y0)
+            rho = K.sqrt(K.sub(K.mul(c, c), group.curve.f[4]))
+        except (NotRepresentable, NotASquare, ArgumentError):
+            continue
+        pairs = reflected(K, sheared(K, A.pairs, c), [rho] * 3)
+        # −P = Ṽ − cŨ
+        assert_pairs(group, SignedDivisor(image.u, image.v, sheared(K, pairs, c), A.kappas))
+        checked += 1
+    assert checked >= 8
 
 
 def _branch_points_of(group):
