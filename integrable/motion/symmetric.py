@@ -45,6 +45,8 @@ MOST_TURNS = 2.0**50
 HALVER = 134217729.0
 # the complete integrals end where this, squared, is nothing
 NEAR = 1e-22
+# up to this θ − θ₀ is known to the last digit of itself
+NEARBY = 0.75
 # Newton's steps for the phase of a tilted body, bisections among them
 PASSES = 80
 
@@ -173,6 +175,7 @@ class SymmetricFlow:
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = np.array([_long(swing.theta - count * pi)])
+        self._start_angle = _long(K.context.sin(swing.theta)), _long(K.context.cos(swing.theta))
         self._start_lean = self._lean(np.cos(x) * (-1) ** count)
         self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
         self._start_swing = self._swing(x)
@@ -187,7 +190,8 @@ class SymmetricFlow:
         count, x = self._at_times(times)
         delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
         _, turns = _turns(times, self._turning[0], self._wide.zero)
-        rows = self._rows(count, x, turns + _long(self._advance) * delay - self._factors[0] * swing / (2 * PI))
+        turned = turns + _long(self._advance) * delay - self._factors[0] * swing / (2 * PI)
+        rows = self._rows(count, x, self._turned_nearby(times, turned))
         if not self._rolls:
             return rows, times
         gap = (delay + swing / (4 * self._quarter)) / _long(self._flow_rate)
@@ -230,6 +234,57 @@ class SymmetricFlow:
                 break
         half = np.rint(2 * y)
         return 2 * whole + half.astype(float), PI * (2 * y - half)
+
+    def _turned_nearby(self, times: np.ndarray, turned: Any) -> Any:
+        """``turned``, but of F(θ) − F(θ₀) itself where that is small: φ may follow F a million times as fast, and the
+        two F's are long doubles only. By the addition theorem F(θ) − F(θ₀) = F(ψ).
+        """
+        goal = 2 * PI * times * _long(self._rate)
+        near = np.flatnonzero(np.abs(goal) + 4 * PI * self._farthest_lean < NEARBY)
+        if self._flat or not len(near):
+            return turned
+        gap = self._gap(goal[near])
+        (s0, c0), (s, c) = self._start_angle, self._angle_at(gap)
+        k2 = self._complement**2
+        root0, root = np.sqrt(c0 * c0 + k2 * s0 * s0), np.sqrt(c * c + k2 * s * s)
+        left, right = s * c0 * root0, s0 * c * root
+        # sin ψ·(1 − m sin²θ sin²θ₀) is left − right, and its conjugate the difference of squares
+        squares = -self._change_of_square(gap)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            sine = np.where(left * right > 0, squares / (left + right), left - right)
+        sine = np.where(left * right > 0, sine, sine / (c0 * c0 + s0 * s0 * (c * c + k2 * s * s)))
+        small = (np.abs(sine) <= 0.5) & (c0 * c + s0 * s * root0 * root > 0)
+        turned = turned.copy()
+        turned[near[small]] = -self._factors[0] * self._first_kind(np.arcsin(sine[small])) / (2 * PI)
+        return turned
+
+    def _gap(self, goal: Any) -> Any:
+        """θ − θ₀ where it would be ``goal`` but for what a tilted body's clock makes of it; small."""
+        gap, (_, c0) = goal, self._start_angle
+        for _ in range(PASSES if self._kepler else 0):
+            s, c = self._angle_at(gap)
+            root0, root = (np.sqrt(1 + self._bulge * y * y) for y in (c0, c))
+            # G(cos θ) − G(cos θ₀) is G of this
+            with np.errstate(divide="ignore", invalid="ignore"):
+                far = c0 * c <= 0
+                difference = np.where(far, c * root0 - c0 * root, self._change_of_square(gap) / (c * root0 + c0 * root))
+            missed = gap - goal - 2 * PI * self._kepler * self._lean(difference)
+            step = missed / (1 + 2 * PI * self._kepler * s / (self._root_mu * root))
+            gap = gap - step
+            if (np.abs(step) <= 4 * np.finfo(Long).eps * np.abs(gap)).all():
+                break
+        return gap
+
+    def _angle_at(self, gap: Any) -> tuple[Any, Any]:
+        """sin θ and cos θ at θ₀ + gap."""
+        (s0, c0), s, c = self._start_angle, np.sin(gap), np.cos(gap)
+        return s0 * c + c0 * s, c0 * c - s0 * s
+
+    def _change_of_square(self, gap: Any) -> Any:
+        """cos²θ − cos²θ₀."""
+        s, c = self._angle_at(gap)
+        s0, c0 = self._start_angle
+        return -np.sin(gap) * (s0 * c + c0 * s)
 
     @property
     def _farthest_lean(self) -> Any:
