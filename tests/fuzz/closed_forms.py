@@ -173,7 +173,7 @@ def _ball_rows(inertia: Any, gamma: Any, M: Any, d: Any, times: Any) -> np.ndarr
     by_gamma = (1 - x * x).min() > (1 - m * m).min()
     vector, rate = (gamma, rate_of_gamma) if by_gamma else (M, rate_of_M)
     phases = origin + omega * times
-    angle = np.arctan2(vector[2], vector[1]) + (_integral(rate, phases) - _integral(rate, origin)) / omega
+    angle = np.arctan2(vector[2], vector[1]) + _integral(rate, origin, omega * times) / omega
     x, m, N, _ = at(phases)
     across = np.sqrt(1 - (x * x if by_gamma else m * m))
     u, v = across * np.cos(angle), across * np.sin(angle)
@@ -188,8 +188,8 @@ def _partner(u: Any, v: Any, product: Any, area: Any) -> tuple[Any, Any]:
     return (product * u - area * v) / square, (product * v + area * u) / square
 
 
-def _integral(rate: Any, phases: Any) -> Any:
-    """∫_0^phase of an even function of period π, by its Fourier series from equidistant values."""
+def _integral(rate: Any, origin: Any, lengths: Any) -> Any:
+    """∫ of an even function of period π from a phase over so long, by its Fourier series from equidistant values."""
     nodes = 32
     while nodes <= MOST_NODES:
         values = rate(PI * np.arange(nodes, dtype=np.longdouble) / nodes)
@@ -200,9 +200,11 @@ def _integral(rate: Any, phases: Any) -> Any:
     else:
         raise Undecided("a Fourier series has not ended")
     k = np.flatnonzero(abs(series) > 1e-20 * abs(series).max())
-    k = k[k > 0]
-    waves = np.sin(2 * np.multiply.outer(phases, k.astype(np.longdouble)))
-    return series[0] * phases + waves @ (series[k] / k)
+    k = k[k > 0].astype(np.longdouble)
+    # sines less those of the origin, as products: short lengths keep all their digits
+    half = np.multiply.outer(lengths, k)
+    waves = 2 * np.sin(half) * np.cos(half + 2 * k * origin)
+    return series[0] * lengths + waves @ (series[k.astype(int)] / k)
 
 
 def odd_axis(inertia: Any) -> int:
