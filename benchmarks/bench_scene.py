@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from fractions import Fraction
 
-from integrable.scene.report import measure
-from integrable.scene.run import Times, load_scene
+from integrable.scene.data import Times
+from integrable.scene.file import load_scene
+from integrable.study.motions import measure
 
 SCENES = ("chaplygin", "euler_top")
 

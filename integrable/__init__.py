@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from integrable.deformations.tilde import Tilde
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.file import load_scene
-    from integrable.scene.run import run
+    from integrable.study.run import run
     from integrable.systems.chaplygin_ball import ChaplyginBall
     from integrable.systems.euler_top import EulerTop
 
@@ -31,7 +31,7 @@ _HOME = {
     "Tilde": "integrable.deformations.tilde",
     "Trajectory": "integrable.motion.trajectory",
     "load_scene": "integrable.scene.file",
-    "run": "integrable.scene.run",
+    "run": "integrable.study.run",
 }
 
 __all__ = ["ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "Tilde", "Trajectory", "load_scene", "run"]

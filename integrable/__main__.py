@@ -107,7 +107,7 @@ def _list_scenes() -> None:
 
 def _run(arguments: argparse.Namespace) -> None:
     from integrable.scene.output import portable
-    from integrable.scene.run import run
+    from integrable.study.run import run
 
     scene = load_scene(arguments.scene)
     out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name)

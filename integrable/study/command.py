@@ -15,8 +15,8 @@ from integrable.scene.output import OutputFolder, portable
 from integrable.scene.progress import going, often
 from integrable.study.findings import gather
 from integrable.study.page import Study, answer, page
-from integrable.study.plan import Row, compile_rows, rows_of
-from integrable.study.runner import run_rows
+from integrable.study.plan import Task, compile_tasks, tasks_of
+from integrable.study.runner import run_tasks
 from integrable.study.store import Store
 from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import look_for_a_place
@@ -63,23 +63,23 @@ def report(
     look_for_a_place()
     store = Store(out)
     with _bar(progress, rows) as tick:
-        contents = run_rows(rows, store, jobs or os.cpu_count() or 1, tick)
+        contents = run_tasks(rows, store, jobs or os.cpu_count() or 1, tick)
     study = _study(scenes, rows, contents, chosen, quick)
     _write(study, Path(out), formats)
     return study
 
 
-def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Row]:
+def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Task]:
     """All rows of a study: the truths first, since others wait for them."""
-    rows = [row for scene, source in zip(scenes, sources, strict=True) for row in rows_of(scene, source, mode)]
+    rows = [row for scene, source in zip(scenes, sources, strict=True) for row in tasks_of(scene, source, mode)]
     if mode == "full":
-        rows += compile_rows(scenes, sources)
+        rows += compile_tasks(scenes, sources)
     return sorted(rows, key=lambda row: row.kind != "truth")
 
 
 def _study(
     scenes: Sequence[Scene],
-    rows: Sequence[Row],
+    rows: Sequence[Task],
     contents: dict[str, dict[str, Any]],
     chosen: Sequence[str],
     quick: bool,
@@ -117,7 +117,7 @@ def _write(study: Study, out: Path, formats: tuple[str, ...]) -> None:
 
 
 @contextmanager
-def _bar(progress: bool, rows: Sequence[Row]) -> Iterator[Callable[[Row], None]]:
+def _bar(progress: bool, rows: Sequence[Task]) -> Iterator[Callable[[Task], None]]:
     """A function to call with each finished row; it moves a bar on stderr if there is one."""
     if not progress:
         yield lambda _row: None
@@ -127,7 +127,7 @@ def _bar(progress: bool, rows: Sequence[Row]) -> Iterator[Callable[[Row], None]]
     layout = "{l_bar}{bar:20}| {n_fmt}/{total_fmt} [{elapsed}<{remaining}]"
     with tqdm(total=len(rows), leave=False, mininterval=0.2, bar_format=layout) as bar, going(bar, often()):
 
-        def tick(row: Row) -> None:
+        def tick(row: Task) -> None:
             bar.set_description(f"{row.scene.name}: {row.method}", refresh=False)
             bar.update(1)
 

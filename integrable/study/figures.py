@@ -9,9 +9,9 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
-from integrable.scene.plot import GREY, INK, STYLE, WIDTH, decades, new_figure
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
+from integrable.study.plot import GREY, INK, STYLE, WIDTH, decades, new_figure
 
 __all__ = ["as_bytes", "error_against_run_time", "floors"]
 

@@ -10,7 +10,7 @@ from typing import Any
 from integrable.oracles.methods import METHODS, time_scale
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.study.plan import FLOW, Row
+from integrable.study.plan import FLOW, Task
 
 __all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "fitted_slope", "gather"]
 
@@ -174,7 +174,7 @@ class SceneFindings:
         return found
 
 
-def gather(scenes: Sequence[Scene], rows: Sequence[Row], contents: dict[str, dict[str, Any]]) -> list[SceneFindings]:
+def gather(scenes: Sequence[Scene], rows: Sequence[Task], contents: dict[str, dict[str, Any]]) -> list[SceneFindings]:
     """The findings of each scene, from the contents of the files of its rows."""
     found = {scene.name: SceneFindings(scene) for scene in scenes}
     for row in rows:

@@ -49,7 +49,7 @@ for name in ("gamma", "M", "omega", "integrals", "attitude", "quaternion", "cont
 if scene.rolls_or_spins:
     flow.at_tau([0.0]).times
     flow.residual_growth([100_000])
-from integrable.scene.plot import sphere
+from integrable.study.plot import sphere
 if scene.rolls_or_spins and len(times) > 2:
     import io
     sphere(trajectory.gamma, trajectory.times, scene.title).savefig(io.BytesIO(), format="png", dpi=200)

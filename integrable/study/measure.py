@@ -1,28 +1,28 @@
-"""The measurement of one row, by its kind. Each function returns plain data for JSON, or raises: the row then says why.
+"""The measurement of one task, by its kind: plain data for JSON, or what is raised, and its row then says why.
 
 Run times are medians of ``time.perf_counter``, set-up included; every run starts from a new system and state.
+``tick(label)`` is called between the pieces of a task.
 """
 
 from __future__ import annotations
 
-import statistics
 from collections.abc import Callable
+from functools import partial
 from time import perf_counter
 from typing import Any
 
 from integrable.oracles.methods import METHODS, time_scale
+from integrable.oracles.reference import dop853
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.study.plan import LIMITS, Row
+from integrable.study.plan import Task
+from integrable.study.timing import Timed, silent, timed
 from integrable.study.truth import Truth, compute
 from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError
 
-__all__ = ["TooLong", "Unjudged", "measured"]
+__all__ = ["TooLong", "Unjudged", "flow_measured", "measured"]
 
-PATIENCE = 3.0  # seconds of repeats after which a median of fewer runs is taken
-FLOOR_TIMES = 20
-"""About how many of the scene's times the conditioning is the largest of."""
 PILOT = 2.0**-7
 """Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
 ENOUGH = 0.1
@@ -32,6 +32,7 @@ TRIAL = 0.5
 """Seconds of successive steps from which the time of all of them is told."""
 
 Data = dict[str, Any]
+Tick = Callable[[str], None]
 
 
 class TooLong(RuntimeError):
@@ -42,22 +43,23 @@ class Unjudged(RuntimeError):
     """There is nothing to hold a run against."""
 
 
-def measured(row: Row, truth: Data | None) -> Data:
-    """The result of a row, given the result of the row that it takes its truth from."""
-    return _KINDS[row.kind](row, truth)
+def measured(task: Task, truth: Data | None, tick: Tick = silent) -> Data:
+    """The result of a task, given the result of the task that it takes its truth from."""
+    return _KINDS[task.kind](task, truth, tick)
 
 
-def _truth(row: Row, _: Data | None) -> Data:
-    return compute(row.scene, LIMITS[row.mode].check)
+def _truth(task: Task, _: Data | None, tick: Tick) -> Data:
+    digits = None if task.value is None else int(task.value)
+    return compute(task.scene, task.limits.check, digits=digits, time=task.limits.check_time, tick=tick)
 
 
-def _floor(row: Row, _: Data | None) -> Data:
+def _floor(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.motion.conditioning import conditioning
 
-    scene = row.scene
+    scene = task.scene
     for digits in (FLOAT_DIGITS, 30):
         begun = perf_counter()
-        chosen, motion = _chosen(scene, digits)
+        chosen, motion = _chosen(scene, digits, task.limits.floor_times)
         try:
             found = conditioning(*scene.start(digits), chosen, motion)
         except (JacobianError, ArithmeticError):
@@ -78,11 +80,11 @@ def _floor(row: Row, _: Data | None) -> Data:
     }
 
 
-def _chosen(scene: Scene, digits: int) -> tuple[list[Any], Any]:
-    """Some of the scene's times, the last among them, or of an orbit its last step; and what moves there."""
+def _chosen(scene: Scene, digits: int, most: float) -> tuple[list[Any], Any]:
+    """About so many of the scene's times, the last among them, or of an orbit its last step; and what moves there."""
     if scene.steps is None:
         times = scene.times.at(digits)
-        return times[:: -max(1, (len(times) - 1) // FLOOR_TIMES)], None
+        return times[:: -max(1, int((len(times) - 1) // most))], None
     last = scene.steps.count
 
     def motion(system: Any, state: Any, _times: Any) -> Any:
@@ -94,39 +96,46 @@ def _chosen(scene: Scene, digits: int) -> tuple[list[Any], Any]:
     return [last], motion
 
 
-def _flow(row: Row, kept: Data | None) -> Data:
-    digits = 30 if row.setting == "30 digits" else FLOAT_DIGITS
-    options = {"kernel": "compiled"} if row.setting == "compiled" else {}
-    times = row.scene.times.at(digits)
+def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
+    result, _ = flow_measured(task, kept, tick)
+    del result["first"]  # tasks of their own measure that in a fresh process
+    return result
 
-    def once() -> tuple[tuple[float, float], Any]:
-        system, state = row.scene.start(digits)
+
+def flow_measured(task: Task, kept: Data | None, tick: Tick) -> tuple[Data, Any]:
+    """The result of a task of the kind "flow", and the trajectory."""
+    scene, digits = task.scene, int(task.value or FLOAT_DIGITS)
+    times = scene.times.at(digits)
+
+    def once() -> Timed:
+        system, state = scene.start(digits)
         begun = perf_counter()
-        flow = system.flow(state, **options) if options else system.motion_through(state)
+        flow = system.flow(state, kernel=task.kernel) if scene.rolls_or_spins else system.motion_through(state)
         ready = perf_counter()
         trajectory = flow.at(times)
-        found = flow, trajectory.gamma, trajectory.M
-        return (ready - begun, perf_counter() - ready), found
+        _ = trajectory.gamma, trajectory.M
+        return (ready - begun, perf_counter() - ready), (flow, trajectory)
 
-    if digits <= FLOAT_DIGITS:
-        once()  # imports and compiles, or loads what an earlier run has compiled: rows of their own
-    result, (flow, gamma, M) = _timed(once, row)
-    return result | {"clock": clock_of(flow)} | _truth_of(row, kept).judge(gamma, M)
+    # what imports and compiles, or loads what an earlier run has compiled, counts as the first use
+    first = sum(once()[0]) if digits <= FLOAT_DIGITS else None
+    result, (flow, trajectory) = _timed(once, task, tick)
+    result |= {"first": first, "clock": clock_of(flow)}
+    return result | _truth_of(task, kept).judge(trajectory.gamma, trajectory.M), trajectory
 
 
-def _backlund(row: Row, kept: Data | None) -> Data:
+def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
     """Successive additions of the pair {±iη}, the H1 flow to second order in η, between the τ of the scene's times.
 
     The τ are those of the truth: the map knows no physical time, and its error is that of the points alone.
     """
-    truth = _truth_of(row, kept)
+    truth = _truth_of(task, kept)
     if truth.tau is None:
         raise Unjudged("not run: the truth is that of an integrator, which knows no τ")
     targets = [float(t) for t in truth.tau]
-    count = int(row.value or 0)
+    count = int(task.value or 0)
 
-    def once() -> tuple[tuple[float, float], Any]:
-        system, state = row.scene.start(FLOAT_DIGITS)
+    def once() -> Timed:
+        system, state = task.scene.start(FLOAT_DIGITS)
         begun = perf_counter()
         a1, a2, a3 = system.a
         scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
@@ -143,46 +152,69 @@ def _backlund(row: Row, kept: Data | None) -> Data:
                     if done == 1:
                         first = perf_counter()  # from here on nothing is imported
                     elif (spent := perf_counter() - first) > TRIAL:
-                        _affordable(spent * count / (done - 1), row)
+                        _affordable(spent * count / (done - 1), task)
             now = target
             rows.append(state)
         return (ready - begun, perf_counter() - ready), rows
 
-    result, rows = _timed(once, row)
+    result, rows = _timed(once, task, tick)
     return result | truth.judge([x.gamma for x in rows], [x.M for x in rows])
 
 
-def _comparator(row: Row, kept: Data | None) -> Data:
-    method, scene, truth = METHODS[row.method], row.scene, _truth_of(row, kept)
-    value = row.value or 0.0
+def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:
+    method, scene, truth = METHODS[task.method], task.scene, _truth_of(task, kept)
+    value = task.value or 0.0
     times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
     begin = method.digits(value)
-    _affordable(_pilot(row, times), row)
+    _affordable(_pilot(task, times), task)
 
-    def once() -> tuple[tuple[float, float], Any]:
+    def once() -> Timed:
         system, state = scene.start(begin)
         begun = perf_counter()
-        run = method.prepare(system, state, row.value)
+        run = method.prepare(system, state, task.value)
         ready = perf_counter()
         solution = run(times)
         return (ready - begun, perf_counter() - ready), solution
 
-    result, solution = _timed(once, row)
+    result, solution = _timed(once, task, tick)
     return result | {"evaluations": solution.evaluations} | truth.judge(solution.gamma, solution.M)
 
 
-def _affordable(told: float, row: Row) -> None:
+def _tolerance(task: Task, kept: Data | None, tick: Tick) -> Data:
+    """DOP853 as a user of SciPy would run it, with one tolerance for everything."""
+    system, state = task.scene.start(FLOAT_DIGITS)
+    tolerance, times = float(task.value or 0.0), task.scene.times.floats()
+
+    def once() -> Timed:
+        begun = perf_counter()
+        solution = dop853(system, state, times, rtol=tolerance, atol=tolerance)
+        return (perf_counter() - begun,), solution
+
+    dop853(system, state, [min(times, key=abs) or 1e-3], rtol=1e-3, atol=1e-3)  # imports SciPy, outside of the timing
+    result, solution = _timed(once, task, tick)
+    judged = _truth_of(task, kept).judge(solution.gamma, solution.M)
+    return result | {"evaluations": solution.evaluations} | judged
+
+
+def _growth(task: Task, _: Data | None, __: Tick) -> Data:
+    system, state = task.scene.start(FLOAT_DIGITS)
+    assert task.scene.report is not None, "the scene has no [report]"
+    found = system.flow(state).residual_growth(list(task.scene.report.steps))
+    return {"growth": tuple((int(n), float(r)) for n, r in found)}
+
+
+def _affordable(told: float, task: Task) -> None:
     """TooLong where a whole run would take more seconds than the study allows."""
-    allowed = LIMITS[row.mode].run
+    allowed = task.limits.run
     if told > allowed:
         raise TooLong(f"not run: a whole run would take about {told:.2g} s, more than the {allowed:g} s of this study")
 
 
-def _pilot(row: Row, times: list[Any]) -> float:
+def _pilot(task: Task, times: list[Any]) -> float:
     """Seconds that a whole run would take, from short ones, each to four times the time of the one before."""
-    system, state = row.scene.start(FLOAT_DIGITS)
+    system, state = task.scene.start(FLOAT_DIGITS)
     last = float(max(times))
-    run = METHODS[row.method].prepare(system, state, row.value)
+    run = METHODS[task.method].prepare(system, state, task.value)
 
     def seconds_to(time: float) -> float:
         begun = perf_counter()
@@ -201,58 +233,46 @@ def _pilot(row: Row, times: list[Any]) -> float:
     return seconds + max(0.0, seconds - before) / (time - done) * (last - time) if time < last else seconds
 
 
-def _truth_of(row: Row, kept: Data | None) -> Truth:
+def _truth_of(task: Task, kept: Data | None) -> Truth:
     if kept is None:
         raise Unjudged("not run: there is no truth to hold it against")
-    return Truth(row.scene, kept)
+    return Truth(task.scene, kept)
 
 
-def _timed(once: Callable[[], tuple[tuple[float, float], Any]], row: Row) -> tuple[Data, Any]:
-    """``once`` up to the study's number of repeats; medians of set-up, evaluation and both, and what it returned last.
-
-    A run longer than the study allows is taken for what it is, once.
-    """
-    durations: list[tuple[float, float]] = []
-    limits = LIMITS[row.mode]
-    while len(durations) < limits.repeat and sum(map(sum, durations)) < min(PATIENCE, limits.run):
-        duration, found = once()
-        durations.append(duration)
-    return {
-        "setup": statistics.median(setup for setup, _ in durations),
-        "evaluation": statistics.median(evaluation for _, evaluation in durations),
-        "total": statistics.median(map(sum, durations)),
-        "runs": len(durations),
-    }, found
+def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any]:
+    """As :func:`timed`; a run longer than the limits allow is taken for what it is, once."""
+    limits = task.limits
+    return timed(once, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
 
-def _first_use(row: Row, _: Data | None) -> Data:
+def _first_use(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.fresh import first_use
 
-    return first_use(row.source)
+    return first_use(task.source)
 
 
-def _additions(row: Row, _: Data | None) -> Data:
+def _additions(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.additions import near_additions
 
-    return near_additions(row.scene)
+    return near_additions(task.scene)
 
 
-def _left_out(row: Row, _: Data | None) -> Data:
+def _left_out(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.fresh import left_out
 
-    return left_out(row.source)
+    return left_out(task.source)
 
 
-def _compile(row: Row, _: Data | None) -> Data:
+def _compile(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.fresh import compilation
 
-    return compilation(row.source, row.method)
+    return compilation(task.source, task.method)
 
 
-def _orbit(row: Row, _: Data | None) -> Data:
-    from integrable.scene.orbit import measure_orbit
+def _orbit(task: Task, _: Data | None, __: Tick) -> Data:
+    from integrable.study.orbits import measure_orbit
 
-    report = measure_orbit(row.scene, row.scene.digits, lambda _label: None).report
+    report = measure_orbit(task.scene, task.scene.digits, silent).report
     assert report is not None, "an orbit that is measured has a report"
     found = report.as_dict()
     for one in found["rows"]:
@@ -260,7 +280,7 @@ def _orbit(row: Row, _: Data | None) -> Data:
     return found
 
 
-_KINDS: dict[str, Callable[[Row, Data | None], Data]] = {
+_KINDS: dict[str, Callable[[Task, Data | None, Tick], Data]] = {
     "truth": _truth,
     "floor": _floor,
     "flow": _flow,
@@ -268,6 +288,8 @@ _KINDS: dict[str, Callable[[Row, Data | None], Data]] = {
     "compile": _compile,
     "backlund": _backlund,
     "comparator": _comparator,
+    "tolerance": _tolerance,
+    "growth": _growth,
     "left out": _left_out,
     "additions": _additions,
     "orbit": _orbit,

@@ -482,7 +482,7 @@ def _failed(study: Study) -> str:
         return ""
     limits = LIMITS[study.mode]
     return (
-        f"## Rows without a figure\n\nA run may take {limits.run:g} s, a row {limits.row:g} s. Of rows that say the "
+        f"## Rows without a figure\n\nA run may take {limits.run:g} s, a row {limits.task:g} s. Of rows that say the "
         "same but for numbers the first is shown.\n\n" + _markdown(rows)
     )
 

@@ -1,12 +1,19 @@
-"""Which rows a study has: for every scene its truth, its floor, the divisor flow, Bäcklund steps, every comparator."""
+"""The tasks of a measurement: each one scene × method × setting, and what it may take.
+
+A study has for every scene its truth, its floor, the divisor flow, Bäcklund steps and every comparator
+(:func:`tasks_of`); the run of a scene has what its own ``[report]`` asks for (:func:`tasks_of_run`). Both are measured
+by :mod:`integrable.study.measure`.
+"""
 
 from __future__ import annotations
 
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from functools import cached_property
 from hashlib import sha256
+from math import inf
 from typing import Any
 
 from integrable.extras import APP, installed
@@ -14,35 +21,40 @@ from integrable.oracles.methods import METHODS
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.output import portable
+from integrable.scene.tables import DOP853
 from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp
-from integrable.study.truth import DIGITS, is_divisor_flow
+from integrable.study.truth import DIGITS, INTEGRATED, moved_by, parts
 
-__all__ = ["BACKLUND", "FLOW", "INTEGRATED", "LIMITS", "Limits", "Row", "compile_rows", "rows_of"]
+__all__ = ["BACKLUND", "FLOW", "INTEGRATED", "LIMITS", "Limits", "Task", "compile_tasks", "tasks_of", "tasks_of_run"]
 
 FLOW = "divisor flow"
-INTEGRATED = "extrapolation"
-"""What the package moves by where no divisor flow is known."""
 BACKLUND = "Bäcklund steps"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """How much a study may take: seconds for one run of a method, for a whole row, for a truth; repeats of a timing."""
+    """How much a task may take: seconds for one run of a method, for a whole task, for a truth; repeats of a timing."""
 
     run: float
-    row: float
+    task: float
     truth: float
     repeat: int
     check: float
     """Seconds for the Taylor series that the truth is held against."""
+    check_time: Fraction | None = None
+    """The one time at which it is; None: as far as these seconds allow."""
+    patience: float = 3.0
+    """Seconds of repeats after which a median of fewer runs is taken."""
+    floor_times: float = 20
+    """About how many of the scene's times the conditioning is the largest of."""
 
 
 LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(6, 90, 240, 5, 8.0)}
 
 
 @dataclass(frozen=True)
-class Row:
+class Task:
     """One unit of work: ``kind`` says which function of :mod:`integrable.study.measure` does it."""
 
     scene: Scene
@@ -52,15 +64,20 @@ class Row:
     method: str
     setting: str
     value: float | None = None
-    mode: str = "full"
+    limits: Limits = LIMITS["full"]
     truth: str | None = None
-    """The key of the row with the truth, which has to be finished before."""
+    """The key of the task with the truth, which has to be finished before."""
     cheaper: str | None = None
-    """The key of the row of the same method at the setting before: where that was stopped, this one is not tried."""
+    """The key of that of the same method at the setting before: where that was stopped, this one is not tried."""
+    kernel: str = "auto"
+    """Of the flow of a body."""
+    label: str = ""
+    """What the progress bar of a run says, and in how many pieces."""
+    pieces: int = 1
 
     @cached_property
     def key(self) -> str:
-        """The name of the row's file: no other row of the study has it, on any system."""
+        """The name of the file of its row: no other task of the study has it, on any system."""
         words = [_plain(word) for word in (self.scene.name, self.kind, self.method, self.setting)]
         # names that differ in other letters alone would be one
         name = self.scene.name if words[0] != self.scene.name else ""
@@ -71,68 +88,97 @@ class Row:
         """A hash of all that the result depends on: scene, setting, limits, the code, the version of each library."""
         from integrable.scene.output import versions
 
-        limits = asdict(LIMITS[self.mode])
-        parts = [self.scene.describe(), self.kind, self.method, self.setting, self.value, limits, code_stamp()]
-        text = json.dumps([*parts, versions()], sort_keys=True)
+        parts = [self.scene.describe(), self.kind, self.method, self.setting, self.value, asdict(self.limits)]
+        text = json.dumps([*parts, code_stamp(), versions()], sort_keys=True)
         return sha256(text.encode()).hexdigest()[:16]
 
     @property
     def limit(self) -> float:
-        """Seconds after which the row is given up."""
-        limits = LIMITS[self.mode]
-        return limits.truth if self.kind in ("truth", "floor") else limits.row
+        """Seconds after which the task is given up."""
+        return self.limits.truth if self.kind in ("truth", "floor") else self.limits.task
 
 
 def _plain(word: str) -> str:
     return "".join(c if c.isascii() and (c.isalnum() or c in "-.") else "_" for c in word.lower())
 
 
-def rows_of(scene: Scene, source: str, mode: str) -> list[Row]:
-    """The rows of a scene in doubles (:mod:`.doubles`), each after what it needs."""
+def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
+    """What a study, "quick" or "full", measures of a scene in doubles (:mod:`.doubles`), each after what it needs."""
     scene = in_doubles(scene)
 
-    def row(kind: str, method: str, setting: str, value: float | None = None, *needed: str) -> Row:
-        return Row(scene, source, kind, method, setting, value, mode, *needed)
+    def task(kind: str, method: str, setting: str, value: float | None = None, truth: str = "", **more: Any) -> Task:
+        return Task(scene, source, kind, method, setting, value, LIMITS[mode], truth or None, **more)
 
     if scene.steps is not None:
-        rows = [row("orbit", BACKLUND, scene.finite_field or "floats")]
-        return rows if scene.finite_field else [*rows, row("floor", "conditioning", "floor")]
-    truth = row("truth", "truth", "twice the digits")
-    rows = [truth, row("floor", "conditioning", "floor")]
-    name = FLOW if is_divisor_flow(scene.start(FLOAT_DIGITS)[0]) else INTEGRATED
-    costs = ["floats", "compiled", "30 digits"] if scene.rolls_or_spins else ["floats", "30 digits"]
-    rows += [row("flow", name, cost, None, truth.key) for cost in costs]
-    rows.append(row("first use", name, "first use"))
+        tasks = [task("orbit", BACKLUND, scene.finite_field or "floats")]
+        return tasks if scene.finite_field else [*tasks, task("floor", "conditioning", "floor")]
+    truth = task("truth", "truth", "twice the digits")
+    tasks = [truth, task("floor", "conditioning", "floor")]
+    name = INTEGRATED if moved_by(scene.start(FLOAT_DIGITS)[0]) == INTEGRATED else FLOW
+    tasks.append(task("flow", name, "floats", FLOAT_DIGITS, truth.key))
+    if scene.rolls_or_spins:
+        tasks.append(task("flow", name, "compiled", FLOAT_DIGITS, truth.key, kernel="compiled"))
+    tasks.append(task("flow", name, "30 digits", 30, truth.key))
+    tasks.append(task("first use", name, "first use"))
     if scene.rolls_or_spins:
         counts = (30, 100) if mode == "quick" else (100, 1000, 3000)
-        rows += [row("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
+        tasks += [task("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
         if not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):  # of three moments, not of two
-            rows.append(row("additions", BACKLUND, "near D and near −D"))
-    rows += _comparators(scene, row, mode, truth.key)
+            tasks.append(task("additions", BACKLUND, "near D and near −D"))
+    tasks += _comparators(scene, task, mode, truth.key)
     if all(map(installed, APP)):
-        rows.append(row("left out", name, "what the scene leaves out"))
-    return rows
+        tasks.append(task("left out", name, "what the scene leaves out"))
+    return tasks
 
 
-def compile_rows(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Row]:
-    """One row for each compiled method, on the first scene that it takes: code is compiled once for all scenes."""
-    rows: dict[str, Row] = {}
+def tasks_of_run(scene: Scene, digits: int) -> list[Task]:
+    """What the scene's own ``[report]`` asks for, with the flow at ``digits`` digits: the truth first."""
+    asked = scene.report
+    assert asked is not None, "the scene has no [report]"
+    limits = Limits(inf, inf, inf, asked.repeat, 0.0, asked.check_time, patience=10.0, floor_times=inf)
+
+    def task(kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1, **more: Any) -> Task:
+        return Task(scene, scene.name, kind, method, setting, value, limits, label=label, pieces=pieces, **more)
+
+    truth_digits, moved = max(asked.truth_digits, digits + 10), moved_by(scene.start(FLOAT_DIGITS)[0])
+    pieces = len(parts(scene, FLOAT_DIGITS)) + 1
+    tasks = [task("truth", moved, "truth", truth_digits, f"truth, {truth_digits} digits", pieces)]
+    for cost in sorted({*asked.digits, digits}):
+        setting = "floats" if cost <= FLOAT_DIGITS else f"{cost} digits"
+        tasks.append(task("flow", moved, setting, cost, setting, asked.repeat, kernel="python"))
+        if cost <= FLOAT_DIGITS and scene.rolls_or_spins:
+            more: dict[str, Any] = {"pieces": asked.repeat, "kernel": "compiled"}
+            tasks.append(task("flow", moved, "compiled", cost, "compiled floats", **more))
+    for tolerance in map(float, asked.tolerances):
+        shown = f"{tolerance:.0e}"
+        name = f"tol {shown}".replace("e-0", "e-")
+        tasks.append(task("tolerance", DOP853, name, tolerance, f"DOP853 at {shown}", asked.repeat))
+    if asked.steps:
+        tasks.append(task("growth", moved, "residual growth", len(asked.steps), "residual growth"))
+    if moved != INTEGRATED:
+        tasks.append(task("floor", "conditioning", "floor", FLOAT_DIGITS, "conditioning"))
+    return tasks
+
+
+def compile_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
+    """One task for each compiled method, on the first scene that it takes: code is compiled once for all scenes."""
+    tasks: dict[str, Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
         if scene.steps is not None:
             continue
         system, _ = scene.start(FLOAT_DIGITS)
         names = [name for name, method in METHODS.items() if method.compiled and method.takes(system)]
         for name in [FLOW, *names] if scene.rolls_or_spins else names:
-            rows.setdefault(name, Row(scene, source, "compile", name, "compile"))
-    return list(rows.values())
+            tasks.setdefault(name, Task(scene, source, "compile", name, "compile"))
+    return list(tasks.values())
 
 
-def _comparators(scene: Scene, row: Any, mode: str, truth: str) -> list[Row]:
+def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
     """A chain for each method, cheapest setting first: what has run out of time is not tried at a greater cost.
 
     Settings of as many digits as the truth has are left out: errors would be those of the truth.
     """
-    rows = []
+    tasks = []
     system, state = scene.start(FLOAT_DIGITS)
     for method in METHODS.values():
         if not method.takes(system):
@@ -144,6 +190,6 @@ def _comparators(scene: Scene, row: Any, mode: str, truth: str) -> list[Row]:
             name = (
                 f"{method.parameter} {value:.3g}" if method.parameter == "step" else f"{method.parameter} {setting:g}"
             )
-            rows.append(row("comparator", method.name, name, value, truth, cheaper))
-            cheaper = rows[-1].key
-    return rows
+            tasks.append(task("comparator", method.name, name, value, truth, cheaper=cheaper))
+            cheaper = tasks[-1].key
+    return tasks

@@ -17,18 +17,18 @@ from typing import Any
 
 from filelock import FileLock
 
-from integrable.study.plan import Row
+from integrable.study.plan import Task
 from integrable.study.store import Store
 from jacobian.numbers.compiler import NoCacheWarning
 
-__all__ = ["run_rows"]
+__all__ = ["run_tasks"]
 
 _POLL = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
-def run_rows(
-    rows: Sequence[Row], store: Store, jobs: int, progress: Callable[[Row], None] = lambda _row: None
+def run_tasks(
+    rows: Sequence[Task], store: Store, jobs: int, progress: Callable[[Task], None] = lambda _row: None
 ) -> dict[str, dict[str, Any]]:
     """Every row, kept ones read and the others measured by ``jobs`` processes: contents of their files by key.
 
@@ -78,7 +78,7 @@ def run_rows(
     return finished
 
 
-def _ready(row: Row, finished: dict[str, Any]) -> bool:
+def _ready(row: Task, finished: dict[str, Any]) -> bool:
     return all(key is None or key in finished for key in (row.truth, row.cheaper))
 
 
@@ -86,7 +86,7 @@ class _Worker:
     """A process that measures one row at a time; it is started when it gets its first row, and again after a death."""
 
     def __init__(self) -> None:
-        self.row: Row | None = None
+        self.row: Task | None = None
         self.connection: Connection | None = None
         self._process: Any = None
         self._lock: FileLock | None = None
@@ -97,7 +97,7 @@ class _Worker:
         """Seconds since the row was begun."""
         return time.monotonic() - self._begun
 
-    def take(self, row: Row, store: Store, finished: dict[str, Any]) -> bool:
+    def take(self, row: Task, store: Store, finished: dict[str, Any]) -> bool:
         """Begin a row, unless another process is at it or has just finished it."""
         lock = store.claim(row.key)
         if lock is None:
@@ -164,11 +164,11 @@ def _end(process: Any) -> None:
     process.join()
 
 
-def _failure(row: Row, error: str, *, stopped: bool = False) -> dict[str, Any]:
+def _failure(row: Task, error: str, *, stopped: bool = False) -> dict[str, Any]:
     return {**_head(row), "status": "failed", "error": error, "stopped": stopped, "result": None}
 
 
-def _head(row: Row) -> dict[str, Any]:
+def _head(row: Task) -> dict[str, Any]:
     from integrable.scene.output import machine, versions
 
     return {

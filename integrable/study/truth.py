@@ -1,11 +1,12 @@
-"""The truth of a scene: the divisor flow at more than twice the digits, held against an integrator that shares no code.
+"""The truth of a scene: its motion at more digits than any row, held against an integrator that shares no code.
 
-It is kept as decimal strings; :class:`Truth` reads it back and judges the states that other rows found.
+It is kept as decimal strings; :class:`Truth` reads it back and judges the states that other tasks found.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
@@ -14,158 +15,190 @@ from integrable.oracles.reference import is_body, taylor
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.scene.data import Scene
+from integrable.study.timing import silent
 from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError, PrecisionLoss
 
-__all__ = ["CHECK_DIGITS", "DIGITS", "Truth", "compute", "is_divisor_flow"]
+__all__ = ["CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
 
 DIGITS = (40, 60, 100)
-"""Digits of the truth: the first of these that carries the motion."""
+"""Digits of the truth of a study: the first of these that carries the motion."""
 CHECK_DIGITS = 30
+PART = 20
+"""States of the truth that are computed between two steps of the progress bar."""
+INTEGRATED = "extrapolation"
+"""What the package moves by where no divisor flow is known."""
 
 
-def compute(scene: Scene, patience: float) -> dict[str, Any]:
-    """The truth at the scene's times as plain data, with what the check against the Taylor series found.
+def compute(
+    scene: Scene,
+    patience: float,
+    *,
+    digits: int | None = None,
+    time: Fraction | None = None,
+    tick: Callable[[str], None] = silent,
+) -> dict[str, Any]:
+    """The truth at the scene's times as plain data, with what the check against another integrator found.
 
-    ``patience``: seconds that the series may take; the check goes as far in time as they allow. Where the flow of a
-    body refuses the motion at any digits, the series alone is the truth, "check" is None and "refusal" what was said.
+    With ``digits``, the truth at these, checked at one ``time`` to as many digits; ``tick(label)`` is called between
+    the pieces of the work. Otherwise at the first of :data:`DIGITS` that carries the motion, checked as far in time as
+    ``patience`` allows, the seconds that the integrator may take; where the flow of a body refuses the motion at any of
+    them, the Taylor series alone is the truth, "check" is None and "refusal" what was said.
     """
     begun = perf_counter()
-    refusal: JacobianError | None = None
+    if digits is not None:
+        flow, found = _carried(scene, digits, tick)
+        tick("truth against an integrator")
+        return {**found, "seconds": perf_counter() - begun, "check": _check(scene, flow, digits, time=time)}
     for digits in DIGITS:
-        system, state = scene.start(digits)
         try:
-            flow = system.motion_through(state)
-            trajectory = flow.at(scene.times.at(digits))
-            found = {"clock": clock_of(flow), **_kept(system, trajectory, digits)}
-            return {**found, "seconds": perf_counter() - begun, "check": _check(scene, flow, patience)}
-        except PrecisionLoss as error:
-            refusal = error
+            flow, found = _carried(scene, digits, tick)
+            seconds = perf_counter() - begun
+            return {**found, "seconds": seconds, "check": _check(scene, flow, CHECK_DIGITS, patience)}
         except JacobianError as error:
             refusal = error
-            break
-    assert refusal is not None, "no digits to try"
+            if not isinstance(error, PrecisionLoss):
+                break
     digits = CHECK_DIGITS + 2
     system, state = scene.start(digits)
     if not is_body(system):
         raise refusal
     series = taylor(system, state, scene.times.at(digits), digits=digits)
-    found = {"clock": "Taylor series", **_kept(system, series, digits), "refusal": str(refusal)}
+    found = {"clock": "Taylor series", **_kept(system, [series], digits), "refusal": str(refusal)}
     return {**found, "seconds": perf_counter() - begun, "check": None}
 
 
-def _kept(system: Any, found: Any, digits: int) -> dict[str, Any]:
-    context = system.field.context
-    tau = getattr(found, "tau", None)
+def _carried(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Any, dict[str, Any]]:
+    """The motion of a scene at so many digits and its states at the scene's times, as they are kept."""
+    system, state = scene.start(digits)
+    flow = system.motion_through(state)
+    trajectories: list[Any] = []
+    for times in parts(scene, digits):
+        if trajectories:
+            tick(f"truth, {digits} digits")
+        trajectories.append(flow.at(times))
+    return flow, {"clock": clock_of(flow), **_kept(system, trajectories, digits)}
+
+
+def parts(scene: Scene, digits: int) -> list[list[Any]]:
+    """The scene's times as pieces of work: what has to integrate up to each time does it once."""
+    times = scene.times.at(digits)
+    size = PART if scene.rolls_or_spins else len(times)
+    return [times[first : first + size] for first in range(0, len(times), size)]
+
+
+def _kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
+    def written(values: Any) -> list[str]:
+        return [system.field.context.nstr(x, digits) for x in values]
+
+    known = all(getattr(part, "tau", None) is not None for part in found)
     return {
         "digits": digits,
-        "gamma": _strings(context, found.gamma, digits),
-        "M": _strings(context, found.M, digits),
-        "tau": None if tau is None else [context.nstr(t, digits) for t in tau],
+        "gamma": [written(row) for part in found for row in part.gamma],
+        "M": [written(row) for part in found for row in part.M],
+        "tau": written(t for part in found for t in part.tau) if known else None,
     }
 
 
-def _strings(context: Any, rows: Any, digits: int) -> list[list[str]]:
-    return [[context.nstr(x, digits) for x in row] for row in rows]
-
-
-def _check(scene: Scene, flow: Any, patience: float) -> dict[str, Any]:
-    """The largest differences between the truth and the independent integrator, as far in time as it can afford."""
-    system, state = scene.start(CHECK_DIGITS + 10)
-    K, last = system.field, max(scene.times.at(CHECK_DIGITS + 10))
-    time = min(K.coerce(time_scale(*scene.start(FLOAT_DIGITS))), last)
-    method = "Taylor series" if is_body(system) else "extrapolation" if is_divisor_flow(system) else "mpmath.odefun"
+def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fraction | None = None) -> dict[str, Any]:
+    """The largest differences between the truth and the independent integrator: at one ``time``, or from one time scale
+    of the motion on as far as the integrator can afford.
+    """
+    system = flow.system
+    context = system.field.context
+    last = context.mpf(max(scene.times.at(digits)))
+    by = "Taylor series" if is_body(system) else INTEGRATED
+    if time is None:
+        by = "mpmath.odefun" if moved_by(system) == INTEGRATED else by
+        moment = min(context.mpf(time_scale(*scene.start(FLOAT_DIGITS))), last)
+    else:
+        moment = last = context.mpf(time.numerator) / time.denominator
     while True:
         begun = perf_counter()
-        found = _independent(method, system, state, time)
+        found = _independent(by, scene, flow, moment, digits)
         seconds = perf_counter() - begun
-        if seconds > patience / 3 or time == last:
+        if seconds > patience / 3 or moment == last:
             break
-        time = min(2 * time, last)
-    context = flow.system.field.context
-    ours = flow.at([context.mpf(time)])
-    size = context.sqrt(sum(m * m for m in _row(context, state.M)))
-    differences = [
-        max(abs(x - y) for x, y in zip(_row(context, a), _row(context, b), strict=True))
-        for a, b in ((ours.gamma[0], found[0]), (ours.M[0], found[1]))
-    ]
-    return {
-        "by": method,
-        "digits": CHECK_DIGITS,
-        "time": float(time),
-        "error_gamma": float(differences[0]),
-        "error_M": float(differences[1] / size),
-        "seconds": seconds,
-    }
+        moment = min(2 * moment, last)
+    errors = Judge(system, flow.state, *_states(flow.at([moment]))).errors(*found)
+    return {"by": by, "digits": digits, "time": float(moment), **errors, "seconds": seconds}
 
 
-def is_divisor_flow(system: Any) -> bool:
-    """Whether the motion of a system is an addition of divisors; otherwise its equations are integrated."""
-    return is_body(system) or bool(system.separates or system.repels)
+def moved_by(system: Any) -> str:
+    """What gives the motion of a system: divisors on one curve, or on two elliptic ones, or its equations."""
+    if is_body(system):
+        return "divisor flow"
+    return "elliptic curves" if system.separates or system.repels else INTEGRATED
 
 
-def _independent(method: str, system: Any, state: Any, time: Any) -> tuple[Any, Any]:
-    """γ and M at one time by an integrator that has nothing in common with the truth."""
+def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
+    """γ and M at one time, shapes (1, 3), by an integrator that has nothing in common with the truth."""
     from integrable.deformations.integrated import IntegratedMotion, rates
 
-    if method == "mpmath.odefun":
-        rate = rates(system)
-        solution = system.field.context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])
-        row = solution(time)
-        return row[:3], row[3:]
-    if method == "Taylor series":
-        found: Any = taylor(system, state, [time], digits=CHECK_DIGITS)
-    else:
-        found = IntegratedMotion(system, state).at([time])
-    return found.gamma[0], found.M[0]
+    if by == "Taylor series":
+        return _states(taylor(flow.system, flow.state, [time], digits=digits))
+    system, state = scene.start(digits + 10)
+    if by == INTEGRATED:
+        return _states(IntegratedMotion(system, state).at([time]))
+    rate, context = rates(system), system.field.context
+    row = context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])(context.mpf(time))
+    return [row[:3]], [row[3:]]
 
 
-def _row(context: Any, values: Any) -> list[Any]:
-    """Floats or mpf of another context as mpf of this one, digit for digit."""
-    return [context.mpf(x) for x in values]
+def _states(found: Any) -> tuple[Any, Any]:
+    return found.gamma, found.M
 
 
-class Truth:
-    """A computed truth, read back: the states to hold others against, and the integrals of the exact start."""
+class Judge:
+    """States of a motion or an orbit to hold others against, each row γ or M, and the integrals of the exact start."""
 
-    def __init__(self, scene: Scene, kept: dict[str, Any]) -> None:
-        self.digits: int = kept["digits"]
-        self.system, self.state = scene.start(self.digits + 10)
-        self.context = self.system.field.context
-        read = self.context.mpf
-        self.gamma = [[read(x) for x in row] for row in kept["gamma"]]
-        self.M = [[read(x) for x in row] for row in kept["M"]]
-        self.tau = None if kept["tau"] is None else [read(x) for x in kept["tau"]]
-        self.integrals = self.system.integrals(self.state)
-        self.size_of_M = self.context.sqrt(sum(m * m for m in self.state.M))
+    def __init__(self, system: Any, state: State, gamma: Any, M: Any) -> None:
+        self.system, self.state = system, state
+        self.context = system.field.context
+        self.gamma, self.M = self._rows(gamma), self._rows(M)
+        self.integrals = system.integrals(state)
+        self.size_of_M = self.context.sqrt(sum(m * m for m in state.M))
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
-        """Errors of γ and of M (relative to |M|), the largest over the times, and the drift of each integral.
+        """:meth:`errors`, and the "drift" of each integral from the start, the largest over the rows.
 
         Drifts are relative to the value at the start, that of (γ, M) to |M|.
         """
-        rows = [[self._vector(a), self._vector(b)] for a, b in zip(gamma, M, strict=True)]
         scales = {
             name: self.size_of_M if name == "C2" else abs(value) or self.context.one
             for name, value in zip(self.integrals._fields, self.integrals, strict=True)
         }
         drift = dict.fromkeys(scales, self.context.zero)
-        for x, m in rows:
+        for x, m in zip(self._rows(gamma), self._rows(M), strict=True):
             now = self.system.integrals(State((x[0], x[1], x[2]), (m[0], m[1], m[2])))
             for name, start, value in zip(drift, self.integrals, now, strict=True):
                 drift[name] = max(drift[name], abs(value - start) / scales[name])
+        return {**self.errors(gamma, M), "drift": {name: float(value) for name, value in drift.items()}}
+
+    def errors(self, gamma: Any, M: Any) -> dict[str, float]:
+        """The errors of γ and of M (relative to |M|), the largest over the rows."""
         return {
-            "error_gamma": float(_distance([x for x, _ in rows], self.gamma)),
-            "error_M": float(_distance([m for _, m in rows], self.M) / self.size_of_M),
-            "drift": {name: float(value) for name, value in drift.items()},
+            "error_gamma": float(max(self.distances(gamma, self.gamma))),
+            "error_M": float(max(self.distances(M, self.M)) / self.size_of_M),
         }
 
-    def _vector(self, values: Sequence[Any]) -> list[Any]:
-        row = _row(self.context, values)
-        if not all(self.context.isfinite(x) for x in row):
+    def distances(self, rows: Any, true: list[list[Any]]) -> list[Any]:
+        """The largest difference of a component in each row."""
+        pairs = zip(self._rows(rows), true, strict=True)
+        return [max(abs(x - y) for x, y in zip(row, other, strict=True)) for row, other in pairs]
+
+    def _rows(self, array: Any) -> list[list[Any]]:
+        """Rows of floats, of strings or of mpf of another context as mpf of this one, digit for digit."""
+        rows = [[self.context.mpf(x) for x in row] for row in array]
+        if not all(self.context.isfinite(x) for row in rows for x in row):
             raise ArithmeticError("the method returned a number that is not finite, and said nothing")
-        return row
+        return rows
 
 
-def _distance(rows: list[list[Any]], others: list[list[Any]]) -> Any:
-    return max(abs(x - y) for row, other in zip(rows, others, strict=True) for x, y in zip(row, other, strict=True))
+class Truth(Judge):
+    """A computed truth, read back."""
+
+    def __init__(self, scene: Scene, kept: dict[str, Any]) -> None:
+        self.digits: int = kept["digits"]
+        super().__init__(*scene.start(self.digits + 10), kept["gamma"], kept["M"])
+        self.tau = None if kept["tau"] is None else [self.context.mpf(x) for x in kept["tau"]]

@@ -136,7 +136,7 @@ def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
 
 
 def test_the_folder_is_tried_before_anything_is_computed(here, capsys, monkeypatch):
-    monkeypatch.setattr("integrable.scene.run._compute", lambda *_: pytest.fail("computed"))
+    monkeypatch.setattr("integrable.study.run._compute", lambda *_: pytest.fail("computed"))
     assert main(["run", "ball.toml", "--out", "ball.toml/x"]) == 2
 
 
@@ -145,7 +145,7 @@ def test_a_run_that_ends_early_leaves_nothing_behind(here, capsys, monkeypatch, 
     def stop(*_):
         raise error
 
-    monkeypatch.setattr("integrable.scene.run._compute", stop)
+    monkeypatch.setattr("integrable.study.run._compute", stop)
     if code is None:
         with pytest.raises(error):
             main(["run", "ball.toml"])

@@ -16,11 +16,12 @@ from integrable.__main__ import main
 from integrable.extras import MissingExtraWarning
 from integrable.oracles import methods
 from integrable.oracles.methods import METHODS
-from integrable.scene import run
+from integrable.scene.file import load_scene
 from integrable.scene.output import portable
 from integrable.scene.progress import bar_of_pieces
-from integrable.scene.report import measure, pieces_of_work
-from integrable.study.plan import rows_of
+from integrable.study import run
+from integrable.study.motions import measure, pieces_of_work
+from integrable.study.plan import tasks_of
 from jacobian import compilation
 from jacobian.__main__ import main as jacobian_main
 from jacobian.errors import ArgumentError
@@ -208,7 +209,7 @@ def test_only_what_a_run_would_use_is_named(here, monkeypatch, capsys):
 
 def test_an_integrator_that_is_not_installed_says_what_installs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy", None)
-    ball, state = run.load_scene("chaplygin").start(15)
+    ball, state = load_scene("chaplygin").start(15)
     with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
         METHODS["SciPy DOP853"].solve(ball, state, [1.0], 1e-6)
     with pytest.raises(ArgumentError, match=r"needs scipy.*pip install 'jacobian-integrable\[app\]'"):
@@ -225,7 +226,7 @@ def test_a_study_without_the_extras(here, monkeypatch, capsys):
         "integrable: warning: not installed, so left out: SciPy's integrators (scipy), the figures (mat"
     )
     assert (here / "runs" / "report-quick" / "report.md").is_file()
-    rows = rows_of(run.load_scene("ball.toml"), "ball.toml", "quick")
+    rows = tasks_of(load_scene("ball.toml"), "ball.toml", "quick")
     assert {"SciPy", "left out"}.isdisjoint({word for row in rows for word in (row.kind, row.method.split()[0])})
 
 
@@ -283,9 +284,9 @@ def test_a_scene_of_a_name_that_windows_forbids(here):
 
 def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
     """Two scenes with one key would show one result for both."""
-    base = run.load_scene("chaplygin")
+    base = load_scene("chaplygin")
     names = ("ä", "ö", "Ball", "ball", "ba ll", "ba_ll", "con", "con.x")
-    keys = [row.key for name in names for row in rows_of(replace(base, name=name), name, "quick")]
+    keys = [row.key for name in names for row in tasks_of(replace(base, name=name), name, "quick")]
     assert len({key.lower() for key in keys}) == len(keys)
     assert all(re.fullmatch(r"[a-z0-9_.-]+", key) and portable(key) == key for key in keys)
 
@@ -316,7 +317,7 @@ def test_the_bar_moves_within_a_piece_of_work(capsys):
 
 
 def test_each_run_of_a_method_is_a_piece_of_its_own(here):
-    asked = run.load_scene("orbit.toml")
+    asked = load_scene("orbit.toml")
     labels = []
     found = run._compute(replace(asked, steps=replace(asked.steps, repeat=3)), 15, labels.append)
     assert found.report.rows[0].runs == 3
@@ -325,7 +326,7 @@ def test_each_run_of_a_method_is_a_piece_of_its_own(here):
 
 def test_the_truth_of_many_times_is_many_pieces(here):
     """With mpmath alone it takes half a minute, in which a bar should not stand still."""
-    given = run.load_scene("ball.toml")
+    given = load_scene("ball.toml")
     many = replace(given, times=replace(given.times, given=tuple(range(50))))
     labels = []
     report, _ = measure(many, 20, labels.append)
@@ -336,7 +337,7 @@ def test_the_truth_of_many_times_is_many_pieces(here):
 
 def test_a_reason_is_given_once(here, monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy", None)
-    given = run.load_scene("ball.toml")
+    given = load_scene("ball.toml")
     two = replace(given, report=replace(given.report, tolerances=(Fraction("1e-4"), Fraction("1e-6"))))
     lines = measure(two, 20, lambda _label: None)[0].table().splitlines()
     assert lines.count("SciPy DOP853, tol 1e-4, tol 1e-6: not run: SciPy is not installed") == 1

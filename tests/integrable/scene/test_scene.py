@@ -10,8 +10,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from integrable.scene.data import SYSTEMS
-from integrable.scene.run import Scene, Times, load_scene, run, scene_names
+from integrable.scene.data import SYSTEMS, Scene, Times
+from integrable.scene.file import load_scene, scene_names
+from integrable.study.run import run
 from jacobian.errors import ArgumentError
 
 BALL = """
@@ -196,7 +197,7 @@ def test_a_scene_without_report_or_pictures_imports_neither(write):
     code = (
         "import sys; from integrable import run; run(sys.argv[1]);"
         "print(sorted({name.split('.')[0] for name in sys.modules} & {'scipy', 'matplotlib', 'tqdm', 'galois'}));"
-        "print([name for name in sys.modules if name in ('integrable.scene.report', 'integrable.scene.plot', "
+        "print([name for name in sys.modules if name in ('integrable.study.motions', 'integrable.study.plot', "
         "'integrable.scene.output')])"
     )
     done = subprocess.run(

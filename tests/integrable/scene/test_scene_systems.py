@@ -12,9 +12,10 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.__main__ import main
 from integrable.scene.data import Comparison, Times, finite_field
-from integrable.scene.orbit import measure_orbit, pieces_of_orbit
-from integrable.scene.report import measure, pieces_of_work
-from integrable.scene.run import load_scene, run
+from integrable.scene.file import load_scene
+from integrable.study.motions import measure, pieces_of_work
+from integrable.study.orbits import measure_orbit, pieces_of_orbit
+from integrable.study.run import run
 from jacobian import GF
 from jacobian.errors import ArgumentError
 

@@ -17,17 +17,17 @@ from numpy import format_float_positional
 
 from integrable.__main__ import main
 from integrable.oracles.methods import METHODS
-from integrable.scene.run import load_scene
+from integrable.scene.file import load_scene
 from integrable.study import plan, runner
 from integrable.study.command import planned, report
 from integrable.study.doubles import in_doubles
 from integrable.study.findings import fitted_slope, gather
 from integrable.study.measure import measured
 from integrable.study.page import Study, answer, page
-from integrable.study.plan import FLOW, LIMITS, Row, rows_of
-from integrable.study.runner import run_rows
+from integrable.study.plan import FLOW, LIMITS, Task, tasks_of
+from integrable.study.runner import run_tasks
 from integrable.study.store import Store, code_stamp
-from integrable.study.truth import Truth, compute, is_divisor_flow
+from integrable.study.truth import INTEGRATED, Truth, compute, moved_by
 from jacobian import MP
 from jacobian.errors import ArgumentError
 
@@ -61,9 +61,9 @@ repeat = 1
 # the same few rows as the fixture `rows`, run by a process of its own that says which it has written
 SCRIPT = """
 import sys
-from integrable.scene.run import load_scene
+from integrable.scene.file import load_scene
 from integrable.study.command import planned
-from integrable.study.runner import run_rows
+from integrable.study.runner import run_tasks
 from integrable.study.store import Store
 
 class Saying(Store):
@@ -76,7 +76,7 @@ if __name__ == "__main__":
     source, folder = sys.argv[1:]
     every = planned([load_scene(source)], [source], "quick")
     rows = [r for r in every if r.kind in ("truth", "floor") or r.setting == "floats" or r.method == "SciPy DOP853"]
-    run_rows(rows, Saying(folder), 1)
+    run_tasks(rows, Saying(folder), 1)
 """
 
 
@@ -104,7 +104,7 @@ def done(tmp_path_factory):
     every = [r for r in planned([scene], [str(source)], "quick") if r.method in kept or r.kind in ("truth", "floor")]
     rows = [r for r in every if r.kind not in ("first use", "left out") and r.setting != "compiled"]
     store = Store(folder / "out")
-    return rows, run_rows(rows, store, 2), store
+    return rows, run_tasks(rows, store, 2), store
 
 
 def start(tmp_path, source, folder):
@@ -176,12 +176,12 @@ def test_errors_are_what_theory_says(done):
 def test_what_is_kept_is_read_and_what_is_stale_is_measured_again(done, monkeypatch, tmp_path):
     rows, contents, store = done
     monkeypatch.setattr(runner._Worker, "take", None)  # nothing is left to do
-    assert run_rows(rows, store, 1) == contents
+    assert run_tasks(rows, store, 1) == contents
     row = next(row for row in rows if row.kind == "flow")
     assert store.read(row.key, row.stamp) == contents[row.key]
     changed = replace(row, scene=replace(row.scene, times=replace(row.scene.times, given=row.scene.times.given[:1])))
     monkeypatch.setattr(plan, "code_stamp", lambda: "other code")
-    for stale in (changed, replace(row, value=1.0), replace(row, mode="full"), replace(row)):
+    for stale in (changed, replace(row, value=1.0), replace(row, limits=LIMITS["full"]), replace(row)):
         assert stale.key == row.key
         assert store.read(stale.key, stale.stamp) is None
     monkeypatch.undo()
@@ -222,35 +222,31 @@ def test_a_claim_is_for_one_and_ends_with_its_process(tmp_path):
         assert mine
 
 
-def test_failures_are_rows_that_say_why(rows, done, tmp_path, monkeypatch):
+def test_failures_are_rows_that_say_why(rows, done, tmp_path):
     truth = next(row for row in rows if row.kind == "truth")
     scene, source = truth.scene, truth.source
 
     def comparator(method, value, **needs):
-        return Row(scene, source, "comparator", method, f"step {value}", value, "quick", truth.key, **needs)
+        return Task(scene, source, "comparator", method, f"step {value}", value, LIMITS["quick"], truth.key, **needs)
 
     wild = comparator("implicit midpoint", 1000.0)
     endless = comparator("implicit midpoint", 1e-6)
     kept = done[1][truth.key]
     store = Store(tmp_path)
     store.write(truth.key, truth.stamp, kept)
-    contents = run_rows([truth, wild, endless], store, 1)
+    contents = run_tasks([truth, wild, endless], store, 1)
     assert contents[wild.key]["status"] == contents[endless.key]["status"] == "failed"
     assert contents[wild.key]["error"].startswith("PrecisionLoss: step = ")
     assert "a whole run would take about" in contents[endless.key]["error"]
     assert (contents[endless.key]["stopped"], contents[wild.key]["stopped"]) == (True, False)
     assert json.loads((tmp_path / "rows" / f"{wild.key}.json").read_text(encoding="utf-8"))["result"] is None
     # a row beyond its limit is given up, and a greater cost is not tried
-    monkeypatch.setitem(LIMITS, "quick", replace(LIMITS["quick"], row=0.0))
     slow = comparator("Gauss-Legendre 6", 0.001)
     slower = comparator("Gauss-Legendre 6", 0.0001, cheaper=slow.key)
-    store.write(truth.key, truth.stamp, kept)
-    contents = run_rows([truth, slow], store, 1)
+    contents = run_tasks([truth, replace(slow, limits=replace(LIMITS["quick"], task=0.0))], store, 1)
     assert (contents[slow.key]["error"], contents[slow.key]["stopped"]) == ("stopped after 0 s", True)
-    monkeypatch.undo()
-    store.write(truth.key, truth.stamp, kept)
-    store.write(slow.key, slow.stamp, contents[slow.key])
-    contents = run_rows([truth, slow, slower], store, 1)
+    store.write(slow.key, slow.stamp, contents[slow.key] | {"stamp": slow.stamp})
+    contents = run_tasks([truth, slow, slower], store, 1)
     assert contents[slower.key]["error"] == "not run: a cheaper setting takes too long"
 
 
@@ -354,7 +350,7 @@ def test_the_truth_and_every_comparator_begin_from_the_same_numbers(name, monkey
     """Doubles as they are, or in more digits the same doubles with the constraints restored."""
     scene = load_scene(name)
     scene = replace(scene, times=replace(scene.times, given=(Fraction("0.1"),), count=0))
-    rows = rows_of(scene, name, "quick")
+    rows = tasks_of(scene, name, "quick")
     assert all(row.scene == rows[0].scene for row in rows)
     kept = compute(rows[0].scene, 0.01)
     truth = Truth(rows[0].scene, kept)
@@ -506,7 +502,7 @@ def test_steps_that_would_take_too_long_are_given_up_soon(rows, done, monkeypatc
     kept = done[1][next(row for row in rows if row.kind == "truth").key]["result"]
     row = next(row for row in done[0] if row.kind == "backlund")
     monkeypatch.setattr(measure, "TRIAL", 0.001)
-    monkeypatch.setitem(LIMITS, "quick", replace(LIMITS["quick"], run=0.002))
+    row = replace(row, limits=replace(row.limits, run=0.002))
     with pytest.raises(measure.TooLong, match="not run: a whole run would take about"):
         measured(row, kept)
 
@@ -562,11 +558,11 @@ def test_arguments_that_are_wrong_are_named(tmp_path, source, capsys):
     assert "no such scene" in capsys.readouterr().err
 
 
-def test_rows_of_every_shipped_scene_have_keys_of_their_own():
-    from integrable.scene.run import scene_names
+def test_tasks_of_every_shipped_scene_have_keys_of_their_own():
+    from integrable.scene.file import scene_names
 
     for mode in ("quick", "full"):
-        every = [row for name in scene_names() for row in rows_of(load_scene(name), name, mode)]
+        every = [row for name in scene_names() for row in tasks_of(load_scene(name), name, mode)]
         keys = [row.key for row in every]
         assert len(set(keys)) == len(keys)
         assert all(row.truth in keys for row in every if row.kind in ("flow", "comparator", "backlund"))
@@ -617,6 +613,6 @@ def test_additions_near_a_divisor_keep_their_digits_and_near_its_opposite_lose_t
 def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
     """In repelling poles too: they were labelled as integrated."""
     scene = load_scene(name)
-    assert is_divisor_flow(scene.start(16)[0]) is adds
-    methods = {row.method for row in rows_of(scene, name, "quick") if row.kind == "flow"}
+    assert (moved_by(scene.start(16)[0]) != INTEGRATED) is adds
+    methods = {row.method for row in tasks_of(scene, name, "quick") if row.kind == "flow"}
     assert methods == {FLOW if adds else "extrapolation"}

@@ -11,10 +11,11 @@ import pytest
 
 from integrable.oracles.reference import dop853
 from integrable.scene.data import Comparison, Times
-from integrable.scene.report import measure, pieces_of_work
-from integrable.scene.rows import Report, Row, TruthCheck
-from integrable.scene.run import load_scene, run
+from integrable.scene.file import load_scene
 from integrable.scene.tables import aligned, duration
+from integrable.study.motions import measure, pieces_of_work
+from integrable.study.report import Report, Row, TruthCheck
+from integrable.study.run import run
 
 ASKED = Comparison(
     digits=(15, 20),

@@ -23,8 +23,8 @@ from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.scene.data import Scene
-    from integrable.scene.orbit import OrbitReport
-    from integrable.scene.rows import Report, Row
+    from integrable.study.orbits import OrbitReport
+    from integrable.study.report import Report, Row
 
 __all__ = ["FORMATS", "draw", "orbit_error", "residual_growth", "sphere", "work_precision"]
 

@@ -10,8 +10,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from integrable.scene.plot import FORMATS, draw, residual_growth, sphere, work_precision
-from integrable.scene.rows import Report, Row, TruthCheck
+from integrable.study.plot import FORMATS, draw, residual_growth, sphere, work_precision
+from integrable.study.report import Report, Row, TruthCheck
 from jacobian.errors import ArgumentError
 
 ROWS = (
@@ -94,9 +94,9 @@ def test_a_format_that_is_none_is_refused():
 
 
 @pytest.mark.parametrize(
-    ("module", "stays_out"), [("report", "matplotlib"), ("report", "scipy"), ("plot", "matplotlib.pyplot")]
+    ("module", "stays_out"), [("motions", "matplotlib"), ("motions", "scipy"), ("plot", "matplotlib.pyplot")]
 )
 def test_what_is_not_imported(module, stays_out):
-    code = f"import sys, integrable.scene.{module}; print({stays_out!r} in sys.modules)"
+    code = f"import sys, integrable.study.{module}; print({stays_out!r} in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "False"

@@ -1,4 +1,4 @@
-"""What the report of a run holds: rows of error against run time, the check of the truth, and their table."""
+"""The report of a motion: rows of error against run time, the check of the truth, and their table."""
 
 from __future__ import annotations
 
@@ -8,14 +8,16 @@ from typing import Any
 
 from integrable.scene.tables import aligned, duration, figure
 
-__all__ = ["INTEGRALS", "Report", "Row", "TruthCheck", "report_table"]
+__all__ = ["INTEGRALS", "Report", "Row", "TruthCheck"]
 
 INTEGRALS = ("C1", "C2", "H1", "H2")
 
 
 @dataclass(frozen=True)
 class Row:
-    """One method at one cost. Times in seconds; ``setup``, ``evaluation`` are None where a method has no such part."""
+    """What a task found: one method at one cost. Times in seconds; ``setup``, ``evaluation`` are None where a method
+    has no such part.
+    """
 
     method: str
     setting: str
@@ -74,7 +76,7 @@ class Report:
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""
-        return report_table(self)
+        return _table(self)
 
     def as_dict(self) -> dict[str, Any]:
         """The report as plain data for JSON."""
@@ -121,7 +123,7 @@ def _floor(report: Report) -> list[str]:
     return [f"Rounding the inputs to doubles alone, eps·conditioning: {gamma} in γ, {M} in M."]
 
 
-def report_table(report: Report) -> str:
+def _table(report: Report) -> str:
     """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
     first, last, count = report.times
     check = report.truth

@@ -1,4 +1,4 @@
-"""A run described as data, and the running of it: what a scene does not ask for is neither computed nor imported."""
+"""The running of a scene: what it does not ask for is neither computed nor imported."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.extras import without
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.scene.data import Comparison, Map, Scene, Steps, Times
-from integrable.scene.file import load_scene, scene_names
+from integrable.scene.data import Scene
+from integrable.scene.file import load_scene
 from integrable.scene.progress import bar_of_pieces
 from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
     from integrable.deformations.deformed_flow import DeformedTrajectory
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.orbit import Orbit
-    from integrable.scene.rows import Report
+    from integrable.scene.output import OutputFolder
 
-__all__ = ["Comparison", "Map", "Scene", "Steps", "Times", "load_scene", "run", "scene_names"]
+__all__ = ["run"]
 
 
 def run(
@@ -42,10 +42,26 @@ def run(
     tried before anything is computed. ``progress`` draws a bar on stderr. What needs a library that is not installed is
     left out, and a MissingExtraWarning says so before anything is computed.
     """
-    if not isinstance(scene, (Scene, str, os.PathLike)):
-        raise ArgumentError(f"scene = {shown(scene)}: give a Scene, the name of one or the path of a .toml file")
-    if not isinstance(scene, Scene):
-        scene = load_scene(scene)
+    scene, digits = _checked(scene, digits, out)
+    drawn = pictures and out is not None and bool(scene.pictures)
+    missing = without(_uses(scene, drawn, progress))
+    pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
+    if out is None:
+        with _ticks(progress, scene, digits) as tick:
+            return _compute(scene, digits, tick)
+    from integrable.scene.output import OutputFolder
+
+    with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
+        trajectory = _compute(scene, digits, tick)
+        _write(scene, digits, trajectory, folder, formats if pictures else ())
+        return trajectory
+
+
+def _checked(given: Any, digits: Any, out: Any) -> tuple[Scene, int]:
+    """The scene, loaded, and the digits of its run; ArgumentError before anything is computed."""
+    if not isinstance(given, (Scene, str, os.PathLike)):
+        raise ArgumentError(f"scene = {shown(given)}: give a Scene, the name of one or the path of a .toml file")
+    scene = given if isinstance(given, Scene) else load_scene(given)  # type: ignore[arg-type]
     if out is not None and not isinstance(out, (str, os.PathLike)):
         raise ArgumentError(f"out = {shown(out)}: give the path of a folder")
     digits = scene.digits if digits is None else digits
@@ -57,18 +73,7 @@ def run(
     system, _ = scene.start(digits)
     if scene.steps is not None:
         scene.step(system, digits)
-    drawn = pictures and out is not None and bool(scene.pictures)
-    missing = without(_uses(scene, drawn, progress))
-    pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
-    if out is None:
-        with _ticks(progress, scene, digits) as tick:
-            return _compute(scene, digits, tick)
-    from integrable.scene.output import OutputFolder
-
-    with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
-        trajectory = _compute(scene, digits, tick)
-        _write(scene, digits, trajectory, folder, pictures, formats)
-        return trajectory
+    return scene, digits
 
 
 def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
@@ -83,12 +88,12 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
 
 def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
     if scene.report is not None:
-        from integrable.scene.report import measure
+        from integrable.study.motions import measure
 
         report, trajectory = measure(scene, digits, tick)
         return replaced(trajectory, report=report)
     if scene.steps is not None:
-        from integrable.scene.orbit import measure_orbit
+        from integrable.study.orbits import measure_orbit
 
         return measure_orbit(scene, digits, tick)
     tick(f"{digits} digits")
@@ -104,23 +109,24 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
         return
     total = 1
     if scene.report is not None:
-        from integrable.scene.report import pieces_of_work
+        from integrable.study.motions import pieces_of_work
 
         total = pieces_of_work(scene, digits)
     elif scene.steps is not None:
-        from integrable.scene.orbit import pieces_of_orbit
+        from integrable.study.orbits import pieces_of_orbit
 
         total = pieces_of_orbit(scene, digits)
     with bar_of_pieces(scene.name, total) as tick:
         yield tick
 
 
-def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bool, formats: tuple[str, ...]) -> None:
+def _write(scene: Scene, digits: int, trajectory: Any, folder: OutputFolder, formats: tuple[str, ...]) -> None:
+    """``result.json``, ``report.txt`` and, in each of the formats, the pictures."""
     from integrable.scene.output import as_json, result
 
-    report: Report | None = trajectory.report
+    report = trajectory.report
     curve = None
-    if "sphere" in scene.pictures and pictures:
+    if "sphere" in scene.pictures and formats:
         curve = trajectory
         if scene.steps is None:
             shown = scene.sphere or scene.times
@@ -129,8 +135,8 @@ def _write(scene: Scene, digits: int, trajectory: Any, folder: Any, pictures: bo
     folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
     if report is not None:
         folder.write_text("report.txt", report.table() + "\n")
-    if pictures:
-        from integrable.scene.plot import draw
+    if formats:
+        from integrable.study.plot import draw
 
         for picture in scene.pictures:
             for suffix in formats:

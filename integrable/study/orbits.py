@@ -1,0 +1,201 @@
+"""The report of an orbit: error, drift of the integrals and cost per step of what ``[steps]`` of a scene asks for.
+
+Over real numbers errors are against the same orbit at ``truth_digits`` digits. Over a finite field every step is exact:
+the error is 0, the integrals do not move, and what is left to measure is the cost. Where the map is one translation,
+its multiple [count]D' added once must lead to the end of the orbit; that check is part of the report.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from math import inf
+from time import perf_counter
+from typing import Any
+
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.phase.state import State
+from integrable.scene.data import Scene
+from integrable.scene.orbit import Orbit, orbit
+from integrable.scene.tables import aligned, duration, figure
+from integrable.steps.translation import Translation
+from integrable.study.timing import Timed, timed
+from integrable.study.truth import Judge
+
+__all__ = ["OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
+
+
+@dataclass(frozen=True)
+class OrbitRow:
+    """An orbit at one cost. Errors and drifts are the largest over the orbit; ``growth`` has error γ by step number."""
+
+    setting: str
+    digits: int | None
+    error_gamma: float
+    error_M: float
+    drift: dict[str, float] = field(hash=False)
+    seconds_per_step: float
+    runs: int
+    growth: tuple[tuple[int, float], ...] = ()
+
+
+@dataclass(frozen=True)
+class OrbitReport:
+    """Error, drift and cost per step of an orbit; ``jump`` is its end against [count]D' added once, None if unknown."""
+
+    title: str
+    map: str
+    count: int
+    repeat: int
+    rows: tuple[OrbitRow, ...]
+    truth_digits: int | None
+    jump: float | None
+
+    def table(self) -> str:
+        """The report as plain text, at most 100 columns wide."""
+        return _table(self)
+
+    def as_dict(self) -> dict[str, Any]:
+        """The report as plain data for JSON."""
+        return asdict(self)
+
+
+def pieces_of_orbit(scene: Scene, digits: int) -> int:
+    """How many times :func:`measure_orbit` calls ``tick``."""
+    assert scene.steps is not None
+    costs = 1 if scene.finite_field else len({*scene.steps.digits, digits})
+    return scene.steps.repeat * costs + (not scene.finite_field)
+
+
+def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orbit:
+    """The orbit of ``scene.steps`` at ``digits`` digits, with its report; ``tick(label)`` before each piece of work."""
+    steps = scene.steps
+    assert steps is not None, "the scene has no [steps]"
+    if scene.finite_field:
+        return _exact(scene, tick)
+    truth_digits = max(steps.truth_digits, digits + 10)
+    tick(f"truth, {truth_digits} digits")
+    system, state = scene.start(truth_digits)
+    step = scene.step(system, truth_digits)
+    truth = orbit(step, state, steps.count)
+    judge = Judge(system, state, truth.gamma, truth.M)
+    rows, kept = [], None
+    for cost in sorted({*steps.digits, digits}):
+        setting = "floats" if cost <= FLOAT_DIGITS else f"{cost} digits"
+        found, costs = _timed(scene, cost, partial(tick, setting))
+        judged = judge.judge(found.gamma, found.M)
+        growth = enumerate(map(float, judge.distances(found.gamma, judge.gamma)))
+        rows.append(OrbitRow(setting, cost, **judged, **costs, growth=tuple(growth)))
+        kept = found if cost == digits else kept
+    assert kept is not None
+    return replace(kept, report=_report(scene, rows, truth_digits, _jump(step, state, truth)))
+
+
+def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
+    """The orbit over the scene's finite field: the drift of an integral counts the states at which it is another."""
+    found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
+    system, state = scene.start(FLOAT_DIGITS)
+    before = system.integrals(state)
+    after = [system.integrals(x) for x in found.states]
+    drift = {
+        name: float(sum(row[i] != value for row in after))
+        for i, (name, value) in enumerate(zip(before._fields, before, strict=True))
+    }
+    row = OrbitRow("exact", None, 0.0, 0.0, drift, **costs)
+    jump = _jump(scene.step(system, FLOAT_DIGITS), state, found)
+    return replace(found, report=_report(scene, [row], None, jump))
+
+
+def _report(scene: Scene, rows: list[OrbitRow], truth_digits: int | None, jump: float | None) -> OrbitReport:
+    assert scene.steps is not None
+    count, repeat = scene.steps.count, scene.steps.repeat
+    return OrbitReport(scene.title, _words(scene), count, repeat, tuple(rows), truth_digits, jump)
+
+
+def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, dict[str, Any]]:
+    """An orbit and its cost, each run with a new system and map."""
+    steps = scene.steps
+    assert steps is not None
+
+    def once() -> Timed:
+        system, state = scene.start(digits)
+        step = scene.step(system, digits)
+        begun = perf_counter()
+        found = orbit(step, state, steps.count)
+        return (perf_counter() - begun,), found
+
+    tick()
+    result, found = timed(once, steps.repeat, inf, tick)
+    return found, {"seconds_per_step": result["total"] / steps.count, "runs": result["runs"]}
+
+
+def _jump(step: Any, state: State, found: Orbit) -> float | None:
+    """The largest difference of γ and M/|M| between the end of an orbit and one addition of the multiple of D'."""
+    if not isinstance(step, Translation):
+        return None
+    once = (step * (len(found.states) - 1))(state)
+    end = found.states[-1]
+    K = step.system.field
+    if K.exact:
+        return float((once.gamma, once.M) != (end.gamma, end.M))
+    size = K.sqrt(K.dot(state.M, state.M))
+    return max(
+        float(abs(x - y) / scale)
+        for scale, v, w in ((1, once.gamma, end.gamma), (size, once.M, end.M))
+        for x, y in zip(v, w, strict=True)
+    )
+
+
+def _words(scene: Scene) -> str:
+    """The map in words, as the scene gives it."""
+    assert scene.steps is not None
+    maps = []
+    for one in scene.steps.maps:
+        given = (f"{key} = {_shown(value)}" for key, value in one.arguments)
+        maps.append(f"{one.kind}({', '.join(given)})")
+    return ", then ".join(maps)
+
+
+def _shown(value: Any) -> str:
+    return f"({', '.join(map(_shown, value))})" if isinstance(value, tuple) else "∞" if value is None else str(value)
+
+
+def _table(report: OrbitReport) -> str:
+    names = list(report.rows[0].drift)
+    head = ("setting", "error γ", "error M", *(f"Δ{name}" for name in names), "per step")
+    cells = [
+        (
+            row.setting,
+            figure(row.error_gamma),
+            figure(row.error_M),
+            *(figure(row.drift[name], 1) for name in names),
+            duration(row.seconds_per_step),
+        )
+        for row in report.rows
+    ]
+    lines = [
+        report.title,
+        f"{report.count} steps of {report.map}",
+        f"costs are medians of {report.repeat} runs",
+        "",
+        *aligned([head, *cells]),
+        "",
+    ]
+    if report.truth_digits is None:
+        lines.append("Every step is exact; Δ: states of the orbit at which the integral is another.")
+    else:
+        lines += [
+            "error γ: largest over components and steps, against the same orbit at "
+            f"{report.truth_digits} digits; error M: the",
+            "same, relative to |M|; Δ: largest drift from the exact start, of the last two relative.",
+        ]
+    if report.jump is not None:
+        how = "exactly" if report.jump == 0 else f"to {report.jump:.0e}"
+        wrong = report.truth_digits is None and report.jump != 0
+        lines.append(
+            "THE END OF THE ORBIT IS NOT that of one addition of the multiple."
+            if wrong
+            else f"The end of the orbit is that of one addition of {report.count}·D', {how}."
+        )
+    return "\n".join(lines)
