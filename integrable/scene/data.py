@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
+from importlib import import_module
 from typing import Any
 
 from integrable.phase.precisions import FLOAT_DIGITS
@@ -19,14 +20,14 @@ MOST_STEPS = 10_000_000
 """Of an orbit, whose states are all kept."""
 
 SYSTEMS = {
-    "chaplygin_ball": "ChaplyginBall",
-    "euler_top": "EulerTop",
-    "tilde": "Tilde",
-    "check": "Check",
-    "hat": "Hat",
-    "gyroscopic": "Gyroscopic",
+    "chaplygin_ball": ("systems", "ChaplyginBall"),
+    "euler_top": ("systems", "EulerTop"),
+    "tilde": ("deformations", "Tilde"),
+    "check": ("deformations", "Check"),
+    "hat": ("deformations", "Hat"),
+    "gyroscopic": ("deformations", "Gyroscopic"),
 }
-"""The systems of scenes, and their classes in :mod:`integrable`."""
+"""The systems of scenes, each a module; its room, and its class in it."""
 
 
 @dataclass(frozen=True)
@@ -149,8 +150,6 @@ class Scene:
 
         ArgumentError if there is no such body.
         """
-        import integrable
-
         number = self._numbers(digits)
         given = {"d": self.d, "mass": self.mass, "radius": self.radius, "c": self.c}
         shape = {key: number(value) for key, value in given.items() if value is not None}
@@ -158,8 +157,9 @@ class Scene:
             shape["potential"] = tuple(map(number, self.potential))
         with self._placed("[body]"):
             field = self._field(digits)
-            kind = getattr(integrable, SYSTEMS[self.system])
-            return kind(inertia=tuple(map(number, self.inertia)), field=field, **shape)
+            room, kind = SYSTEMS[self.system]
+            make = getattr(import_module(f"integrable.{room}.{self.system}"), kind)
+            return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
 
     def start(self, digits: int) -> tuple[Any, Any]:
         """The system and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""
