@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 
 from integrable import ChaplyginBall
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from jacobian import MP
 from jacobian.numbers import double_double
 
@@ -100,11 +100,11 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     from integrable.moving_point import compiled
     from jacobian.numbers.double_double_compiled import JIT, numbers
 
-    numba.extending.register_jitable(kernel.march)
+    numba.extending.register_jitable(addition.march)
 
     @numba.njit(**{**JIT, "cache": False})
     def march(f, axes, point, step, count, out):  # type: ignore[no-untyped-def]
-        moved = kernel.march(numbers(f), numbers(axes), numbers(point), numbers(step), count)
+        moved = addition.march(numbers(f), numbers(axes), numbers(point), numbers(step), count)
         for c in range(10):
             numbers(out)[c] = moved[c]
 
@@ -112,18 +112,18 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     ball = ChaplyginBall((1, 2, 3), K.coerce("0.7"), field=K)
     setup = ball.flow(
         ball.state(*(map(K.coerce, v) for v in (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))))
-    ).setup
+    ).setup.mpf
     step = setup.table(1, 1)[1][0]
     problem = setup.f, setup.axes, setup.start, step
     packed = [double_double.pack(x) for x in problem]
     exact = [double_double.unpack(x, K.coerce) for x in packed]
     floats = [np.array([float(c) for c in x]) for x in problem]
-    true = kernel.march(*exact, 1)
+    true = addition.march(*exact, 1)
     out = np.empty((10, 2))
     march(*packed, 1, out)
     error = max(abs(x - y) / abs(y) for x, y in zip(double_double.unpack(out, K.coerce), true, strict=True))
     from_floats = compiled.march(*floats, 1)
-    rounded = kernel.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
+    rounded = addition.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
     float_error = max(abs(x - y) / abs(y) for x, y in zip(map(K.coerce, from_floats), rounded, strict=True))
     narrow = MP(32)
     short = [[narrow.coerce(c) for c in x] for x in problem]
@@ -131,7 +131,7 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     found: list[tuple[str, float, float | None]] = [
         ("float64", _least(lambda: compiled.march(*floats, count), count, smoke), float(float_error)),
         ("double-double", _least(lambda: march(*packed, count, out), count, smoke), float(error)),
-        ("mpf, 32 digits, interpreted", _least(lambda: kernel.march(*short, steps), steps, smoke), None),
+        ("mpf, 32 digits, interpreted", _least(lambda: addition.march(*short, steps), steps, smoke), None),
     ]
     return [
         {"what": "an addition with its pairs", "number": name, "us": us, "error": wrong} for name, us, wrong in found

@@ -53,7 +53,7 @@ def _states() -> DivisorArray:
     from integrable.moving_point.compiled import march
 
     ball = ChaplyginBall((1, 2, 3), 0.7)
-    setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup
+    setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup.floats
     f, step, axes = np.array(setup.f), np.array(setup.table(1, 1)[1][0]), np.array(setup.axes)
     point, found = np.array(setup.start), [step[:4]]
     for _ in range(997):

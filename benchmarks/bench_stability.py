@@ -250,7 +250,7 @@ def _interpreted(f: Any, point: Any, step: Any, count: int) -> Any:
 WAYS: dict[str, tuple[Way, int, str]] = {
     "stacked": (_iterated(_stacked, float), 10**8, "(U, V), both congruences, compiled"),
     "retracted": (_iterated(_retracted, float), 10**8, "(U, V), put back on the curve every 16"),
-    "with signs": (_with_signs, 10**7, "(U, V) and pairs: flow_kernel.march"),
+    "with signs": (_with_signs, 10**7, "(U, V) and pairs: addition.march"),
     "classical": (_iterated(_classical, float), 10**8, "(U, V), one congruence (classical)"),
     "pairs alone": (_without_curve, 10**6, "pairs (Γ, n) alone, without the curve"),
     "random access": (_random_access, 10**8, "random access from a table of [2^k]D′"),

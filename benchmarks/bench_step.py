@@ -52,7 +52,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 def _interpreted(name: str, system: ChaplyginBall | EulerTop, calls: int) -> list[dict[str, object]]:
     state = system.state(GAMMA, MOMENTUM)
-    setup = system.flow(state).setup
+    setup = system.flow(state).setup.floats
     f, start, step = setup.f, setup.start[:4], setup.near(setup.half_step)[:4]
     rows = [
         _row(

@@ -124,7 +124,7 @@ class Rolling:
 
     def _integrated(self, run: Trajectory) -> np.ndarray:
         flow, tau = self.flow, run.tau
-        length = PANEL_STEPS * flow.setup.step_length / flow.setup.clock
+        length = PANEL_STEPS * flow.setup.step_length / flow.setup.time_scale
         count = int(max(map(abs, tau), default=0) / length)
         if flow.system.field != RR:
             self._bound(count, MOST_GAUSS)

@@ -18,10 +18,10 @@ import numpy as np
 from mpmath import mag
 
 from integrable.motion.precise import PreciseFlow
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
+from integrable.moving_point.addition import opposite
 from integrable.moving_point.balls import BallField, BallTranslations, arithmetic, is_bounded
 from integrable.moving_point.problem import MotionProblem, vectors
-from integrable.moving_point.setup import opposite
 from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -93,7 +93,8 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
     """The motion at values of τ."""
     arithmetic()
     rows = [
-        _narrow(body, state, digits, t, lambda motion, t=t: motion.field.coerce(t) * motion.problem.clock) for t in tau
+        _narrow(body, state, digits, t, lambda motion, t=t: motion.field.coerce(t) * motion.problem.time_scale)
+        for t in tau
     ]
     return Enclosure(None if body.rolls else _exact(tau), rows)
 
@@ -121,7 +122,7 @@ def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tupl
             if found and is_bounded(found):
                 radius = max(x.rad() for x in found).abs_upper()
                 if radius * motion.field.coerce(10) ** digits < 1:
-                    return scaled / motion.problem.clock, gamma, M, _rounded_up(radius)
+                    return scaled / motion.problem.time_scale, gamma, M, _rounded_up(radius)
         bits = bits * 3 // 2 + 64
     raise PrecisionLoss(
         f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
@@ -148,7 +149,7 @@ class BallMotion:
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
             self._translations = BallTranslations(problem, plain)
-            # an exact 0 would let the kernel take a branch for degenerate positions that is no identity
+            # an exact 0 would let an addition take a branch for degenerate positions that is no identity
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
 
@@ -158,7 +159,7 @@ class BallMotion:
         point = self._start
         if middle != 0:
             step = self._translations.near(middle)
-            point = kernel.carried(self.problem.f, self.problem.axes, self._start, step)
+            point = addition.carried(self.problem.f, self.problem.axes, self._start, step)
         return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
 
     def _spread(self, point: Any, width: Any) -> tuple[Any, ...]:
@@ -176,17 +177,17 @@ class BallMotion:
     def tau_at(self, t: Any, guess: Any) -> Any:
         """τ, in the flow's units, at the physical time t (an exact ball), by a guess for it in the user's units."""
         problem = self.problem
-        target = self.field.coerce(t) * problem.clock
+        target = self.field.coerce(t) * problem.time_scale
         if not problem.tilt and problem.d == 0:
             return target
-        tau = (self.field.coerce(guess) * problem.clock).mid()
+        tau = (self.field.coerce(guess) * problem.time_scale).mid()
         if t == 0:
             return self.field.zero
         rest = target - self.time(tau)
         width = abs(rest).abs_upper() * 4
         for _ in range(MOST_ATTEMPTS):
             around = tau + self._flint.arb(0, width)
-            rate = kernel.rate_at(problem.axes, self.point(around))
+            rate = addition.rate_at(problem.axes, self.point(around))
             step = rest / rate
             # t(τ) increases, and over this ball by more than the rest
             if rate > 0 and abs(step).abs_upper() < width:
@@ -227,7 +228,7 @@ class BallMotion:
             if not disc >= needed:
                 return None
             error = bound * 64 / 15 / (1 - arb(ELLIPSE) ** -2) * arb(ELLIPSE) ** (2 - 2 * count)
-            total += sum((w * kernel.clock_rate(f, axes, centre, step) for step, w in nodes), arb(0, error))
+            total += sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
         return abs(half) * total * sign
 
     # --- a disc of complex τ on which the motion is analytic

@@ -123,7 +123,7 @@ class Flow(Motion):
         from integrable.motion.enclosure import enclosure
 
         given = self._checked(times, "times")
-        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits), self.setup.clock)
+        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits), self.setup.time_scale)
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.near_clock import Clock
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from integrable.moving_point.problem import vectors
 from integrable.phase.attitude import angular_velocities
 from jacobian.errors import PrecisionLoss
@@ -39,7 +39,7 @@ class SteppedFlow:
 
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
-        self._clocks = {sign: Clock(setup, sign) for sign in (1, -1)} if setup.wide_d != 0 else {}
+        self._clocks = {sign: Clock(setup, sign) for sign in (1, -1)} if setup.problem.d != 0 else {}
         self._losses: dict[int, tuple[np.ndarray, np.ndarray]] = {}
 
     def carries(self, times: np.ndarray, clock: bool) -> bool:
@@ -52,7 +52,7 @@ class SteppedFlow:
         slowest = float(min(setup.body.contact)) ** 0.5 if clock else 1.0
         with np.errstate(over="ignore"):
             # far beyond any step for times near the end of the floats
-            steps = times * float(setup.clock / setup.step_length) / slowest
+            steps = times * float(setup.time_scale / setup.step_length) / slowest
         if np.abs(steps).max(initial=0) > FARTHEST:
             return False
         for sign in (1, -1):
@@ -79,9 +79,9 @@ class SteppedFlow:
         known = self._losses.get(sign)
         if known is not None and len(known[0]) > last:
             return known
-        setup, count = self.setup, max(FIRST, 1 << last.bit_length())
-        levels = setup.table(sign, count)
-        points = [kernel.reach(setup.f, setup.axes, setup.start, *levels, steps) for steps in range(count + 1)]
+        setup, floats, count = self.setup, self.setup.floats, max(FIRST, 1 << last.bit_length())
+        levels = floats.table(sign, count)
+        points = [addition.reach(floats.f, floats.axes, floats.start, *levels, steps) for steps in range(count + 1)]
         off, late = (np.array(part) for part in zip(*self._differences(sign, points), strict=True))
         if not np.isfinite(off).all() or not np.isfinite(late).all():
             self._losses[sign] = np.full(count + 1, inf), np.full(count + 1, inf)
@@ -90,7 +90,7 @@ class SteppedFlow:
         size = float(np.linalg.norm(rows[0, 3:]))
         omega, _ = angular_velocities(setup.body, rows[:, :3], rows[:, 3:])
         speeds = np.maximum(*(np.abs(np.cross(v, omega)).max(axis=1) for v in (rows[:, :3], rows[:, 3:] / size)))
-        delays = np.abs(np.cumsum(late)) * float(setup.step_length / setup.clock) * np.maximum.accumulate(speeds)
+        delays = np.abs(np.cumsum(late)) * float(setup.step_length / setup.time_scale) * np.maximum.accumulate(speeds)
         errors = np.maximum(off[:, :3].max(axis=1), off[:, 3:].max(axis=1) / size)
         self._losses[sign] = np.maximum.accumulate(errors), np.maximum.accumulate(delays)
         return self._losses[sign]
@@ -99,22 +99,22 @@ class SteppedFlow:
         """How far γ, M and 1/g are from those in the wide precision at the first basic steps, and γ and M a part of a
         step beyond: shape (6,), and a number.
         """
-        setup, reals = self.setup, self.setup.reals
-        problem, exact, step = setup.bare_problem, setup.bare_start, setup.bare_table(sign, 1)[1][0]
+        reals, floats, bare = self.setup.reals, self.setup.floats, self.setup.bare
+        problem, exact, step = (bare.f, bare.axes), bare.start, bare.table(sign, 1)[1][0]
         probes = self._probes
         for k, point in enumerate(points):
             off = np.zeros(6)
             # all of them at the start, where a single addition is all that is asked for
             for near, wide in (None, None), *(probes if k == 0 else probes[k % len(probes) :][:1]):
                 with reals:
-                    there = exact if wide is None else kernel.shift(*problem, exact, wide)
+                    there = exact if wide is None else addition.shift(*problem, exact, wide)
                     true = self._wide_vectors(there)
-                here = point if near is None else kernel.shift(setup.f, setup.axes, point, near)
+                here = point if near is None else addition.shift(floats.f, floats.axes, point, near)
                 found = self._vectors(np.array([here]))[0].tolist()
                 off = np.maximum(off, [abs(self._gap(x, y)) for x, y in zip(found, true, strict=True)])
             with reals:
-                late = self._gap(kernel.rate_at(setup.axes, point), kernel.rate_at(problem[1], exact))
-                exact = reals.plain_row(kernel.shift(*problem, exact, step))
+                late = self._gap(addition.rate_at(floats.axes, point), addition.rate_at(bare.axes, exact))
+                exact = reals.plain_row(addition.shift(*problem, exact, step))
             yield off, late
 
     def _gap(self, x: float, y: Any) -> float:
@@ -126,32 +126,30 @@ class SteppedFlow:
     def _probes(self) -> list[tuple[Any, Any]]:
         """Translations by parts of a step, in floats and in the wide precision."""
         setup, reals = self.setup, self.setup.reals
-        half = reals.number(setup.wide_half_step)
         with reals:
-            wide = [setup.translations.near(reals.number(x) * half) for x in OFFSETS]
-        return [(setup.near(x * setup.half_step), row) for x, row in zip(OFFSETS, wide, strict=True)]
+            wide = [setup.translations.near(reals.number(x) * setup.bare.half_step) for x in OFFSETS]
+        return [(setup.floats.near(x * setup.floats.half_step), row) for x, row in zip(OFFSETS, wide, strict=True)]
 
     def _wide_vectors(self, point: Any) -> list[Any]:
         """γ and M of a point of bare reals, side by side."""
         reals = self.setup.reals
         matrix = None if self._matrix is None else reals.row(self._matrix)
-        gamma, M = vectors(point, reals.number(self.setup.wide_momentum), matrix)
+        gamma, M = vectors(point, self.setup.bare.momentum, matrix)
         return [*gamma, *M]
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         if not self._clocks:
             return self.at_tau(times), times
-        setup = self.setup
         scaled = self._scaled(times)
         points, halves = np.empty((len(times), 10)), np.empty(len(times))
         for sign, chosen in _by_sign(scaled):
             clock = self._clocks[sign]
-            high, low = (list(part) for part in zip(*(setup.split(abs(scaled[i])) for i in chosen), strict=True))
+            high, low = (list(part) for part in zip(*(self._split(abs(scaled[i])) for i in chosen), strict=True))
             clock.extend(max(high))
             points[chosen], offsets = clock.states(high, low)
             halves[chosen] = sign * offsets
-        return self._vectors(points), self._unscaled(halves * setup.half_step)
+        return self._vectors(points), self._unscaled(halves * self.setup.floats.half_step)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
@@ -174,12 +172,12 @@ class SteppedFlow:
 
     def _points(self, sign: int, steps: list[int], offsets: list[Any]) -> np.ndarray:
         """The moving points ``offsets`` half steps beyond ``steps`` basic steps."""
-        setup, levels = self.setup, self.setup.table(sign, max(steps))
-        points = [kernel.reach(setup.f, setup.axes, setup.start, *levels, step) for step in steps]
+        floats = self.setup.floats
+        levels = floats.table(sign, max(steps))
+        points = [addition.reach(floats.f, floats.axes, floats.start, *levels, step) for step in steps]
+        series = floats.series, floats.roots, floats.half_step, floats.passes
         moved = [
-            kernel.offset_point(
-                setup.f, setup.axes, point, setup.series, setup.roots, setup.half_step, setup.passes, sign * offset
-            )
+            addition.offset_point(floats.f, floats.axes, point, *series, sign * offset)
             for point, offset in zip(points, offsets, strict=True)
         ]
         return np.array(moved, float)
@@ -191,16 +189,22 @@ class SteppedFlow:
             turns = abs(tau) / setup.step_length
             whole = int(setup.wide.context.nint(turns))
             steps.append(whole)
-            offsets.append(setup.number(2 * (turns - whole)))
+            offsets.append(float(2 * (turns - whole)))
         return steps, offsets
 
     def _scaled(self, times: np.ndarray) -> list[Any]:
         """Times in the flow's units, in the wide precision."""
-        coerce, clock = self.setup.wide.coerce, self.setup.clock
-        return [coerce(t) * clock for t in times]
+        coerce, scale = self.setup.wide.coerce, self.setup.time_scale
+        return [coerce(t) * scale for t in times]
 
     def _unscaled(self, times: Any) -> np.ndarray:
-        return np.array([self.setup.unscaled(t) for t in times])
+        coerce, scale = self.setup.wide.coerce, self.setup.time_scale
+        return np.array([float(coerce(t) / scale) for t in times])
+
+    def _split(self, t: Any) -> tuple[float, float]:
+        """A wide number as (high, low)."""
+        high = float(t)
+        return high, float(t - self.setup.wide.coerce(high))
 
     @cached_property
     def _matrix(self) -> tuple[Any, ...] | None:
@@ -209,7 +213,7 @@ class SteppedFlow:
 
     def _vectors(self, points: np.ndarray) -> np.ndarray:
         matrix = None if self._matrix is None else [float(x) for x in self._matrix]
-        rows = [vectors(row, self.setup.momentum, matrix) for row in points.tolist()]
+        rows = [vectors(row, self.setup.floats.momentum, matrix) for row in points.tolist()]
         return np.array([(*gamma, *M) for gamma, M in rows]).reshape(-1, 6)
 
 

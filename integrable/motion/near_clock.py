@@ -11,12 +11,16 @@ from typing import Any
 
 import numpy as np
 
-from integrable.moving_point import kernel
-from integrable.moving_point.setup import NODE_COUNTS, Quadrature, Setup
+from integrable.moving_point import addition
+from integrable.moving_point.legendre import legendre_rule
+from integrable.moving_point.setup import Setup, View
+from integrable.phase.precisions import EPS_DIGITS
+from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 FIRST_STEPS = 64
 MOST_STEPS = 50_000_000
+NODE_COUNTS = (8, 12, 16, 20, 24, 28, 32, 40, 48, 64, 80, 96, 128, 160, 200, 256, 320, 400)
 
 
 class Clock:
@@ -24,10 +28,10 @@ class Clock:
 
     def __init__(self, setup: Setup, sign: int) -> None:
         self._setup = setup
+        self._floats = setup.floats
         self._sign = sign
-        zero = 0 * setup.start[0]
-        self.high = np.array([zero])
-        self.low = np.array([zero])
+        self.high = np.array([0.0])
+        self.low = np.array([0.0])
         self._carry: list[Any] | None = None
         self._stack: list[list[Any]] = []
         self._ends: list[int] = []
@@ -51,13 +55,13 @@ class Clock:
             raise ArgumentError(
                 f"times: {last} basic steps are more than the {MOST_STEPS} that a clock in memory is made for"
             )
-        rule, setup = self.rule, self._setup
-        counts, table = setup.table(self._sign, last)
+        rule, floats = self.rule, self._floats
+        counts, table = floats.table(self._sign, last)
         self._start(rule, counts)
         high, low = np.empty(count, dtype=self.high.dtype), np.empty(count, dtype=self.low.dtype)
-        kernel.wind(
-            setup.f,
-            setup.axes,
+        addition.wind(
+            floats.f,
+            floats.axes,
             counts,
             table,
             rule.nodes,
@@ -73,29 +77,29 @@ class Clock:
         self.high, self.low = np.concatenate([self.high, high]), np.concatenate([self.low, low])
 
     def _start(self, rule: Quadrature, counts: list[int]) -> None:
-        setup = self._setup
+        floats = self._floats
         if self._carry is None:
-            values = [0 * setup.start[0]] * len(rule.nodes)
-            kernel.rates(setup.f, setup.axes, setup.start, rule.nodes, values)
+            values = [0.0] * len(rule.nodes)
+            addition.rates(floats.f, floats.axes, floats.start, rule.nodes, values)
             half = sum(w * x for w, x in zip(rule.right, values, strict=True))
             self._carry = [0 * half, 0 * half, half]
         # a level is added before the steps reach its count: its place is still zero
         for count in counts[len(self._stack) :]:
-            self._stack.append(list(setup.start))
+            self._stack.append(list(floats.start))
             self._ends.append(count)
 
     @property
     def rule(self) -> Quadrature:
         """The quadrature whose Legendre series has converged on steps spread over the motion."""
         if self._rule is None:
-            setup = self._setup
-            levels = setup.table(self._sign, 512)
-            samples = [kernel.reach(setup.f, setup.axes, setup.start, *levels, j) for j in range(0, 512, 61)]
+            floats = self._floats
+            levels = floats.table(self._sign, 512)
+            samples = [addition.reach(floats.f, floats.axes, floats.start, *levels, j) for j in range(0, 512, 61)]
             # an easy body needs about 0.8 nodes a digit
-            least, most = 0.7 * setup.digits, 6 * setup.digits
+            least, most = 0.7 * EPS_DIGITS, 6 * EPS_DIGITS
             for count in (n for n in NODE_COUNTS if least <= n <= most):
-                rule = setup.quadrature(count, self._sign)
-                if max(_tail(setup, rule, point) for point in samples) < 4 * setup.work.eps:
+                rule = Quadrature(self._setup, count, self._sign)
+                if max(_tail(floats, rule, point) for point in samples) < 4 * RR.eps:
                     break
             else:
                 raise PrecisionLoss(
@@ -106,22 +110,22 @@ class Clock:
 
     def states(self, high: list[Any], low: list[Any]) -> tuple[np.ndarray, np.ndarray]:
         """(moving points, flow time in half steps) at (scaled) times inside the reach of the clock."""
-        setup, rule = self._setup, self.rule
+        floats, rule = self._floats, self.rule
         steps = [int(s) for s in np.searchsorted(self.high, np.array(high), side="right") - 1]
         rests = [(t - self.high[s]) + (r - self.low[s]) for t, r, s in zip(high, low, steps, strict=True)]
         nexts = [(t - self.high[s + 1]) + (r - self.low[s + 1]) for t, r, s in zip(high, low, steps, strict=True)]
         state_at_time = partial(
-            kernel.state_at_time,
-            setup.f,
-            setup.axes,
-            setup.start,
-            *setup.table(self._sign, max(steps) + 1),
+            addition.state_at_time,
+            floats.f,
+            floats.axes,
+            floats.start,
+            *floats.table(self._sign, max(steps) + 1),
             rule.nodes,
             rule.legendre,
-            setup.series,
-            setup.roots,
-            setup.half_step,
-            setup.passes,
+            floats.series,
+            floats.roots,
+            floats.half_step,
+            floats.passes,
             self._sign,
         )
         found = [state_at_time(*place) for place in zip(steps, _plain(rests), _plain(nexts), strict=True)]
@@ -129,22 +133,36 @@ class Clock:
 
     def time(self, step: int, offset: Any) -> Any:
         """The (scaled) time ``offset`` half steps beyond a basic step."""
-        setup, rule = self._setup, self.rule
-        point = kernel.reach(setup.f, setup.axes, setup.start, *setup.table(self._sign, step), step)
-        angle, _ = kernel.integrate_series(_series(setup, rule, point), offset)
-        return self.high[step] + (self.low[step] + setup.half_step * angle)
+        floats, rule = self._floats, self.rule
+        point = addition.reach(floats.f, floats.axes, floats.start, *floats.table(self._sign, step), step)
+        angle, _ = addition.integrate_series(_series(floats, rule, point), offset)
+        return self.high[step] + (self.low[step] + floats.half_step * angle)
 
 
-def _series(setup: Setup, rule: Quadrature, point: Any) -> list[Any]:
+class Quadrature:
+    """Nodes of one basic step as translations, weights of its halves, the matrix from values to a Legendre series."""
+
+    def __init__(self, setup: Setup, count: int, sign: int) -> None:
+        half = setup.problem.half_step
+        x, rows, right = legendre_rule(setup.wide, count)
+        outer = [setup.floats.near(sign * half * node) for node in x[: (count + 1) // 2]]
+        # the nodes are symmetric about 0, and T(−eps) = −T(eps)
+        self.nodes = outer + [addition.opposite(step) for step in outer[: count // 2][::-1]]
+        self.right = [float(half * c) for c in right]
+        self.left = self.right[::-1]
+        self.legendre = [[float(c) for c in row] for row in rows]
+
+
+def _series(floats: View, rule: Quadrature, point: Any) -> list[Any]:
     """Legendre coefficients of 1/g over the step around a moving point."""
-    values = [0 * setup.start[0]] * len(rule.nodes)
-    kernel.rates(setup.f, setup.axes, point, rule.nodes, values)
+    values = [0.0] * len(rule.nodes)
+    addition.rates(floats.f, floats.axes, point, rule.nodes, values)
     return [sum(c * x for c, x in zip(row, values, strict=True)) for row in rule.legendre]
 
 
-def _tail(setup: Setup, rule: Quadrature, point: Any) -> Any:
+def _tail(floats: View, rule: Quadrature, point: Any) -> Any:
     """The size of the last Legendre coefficients of 1/g beside the first, an estimate of the truncation error."""
-    coefficients = _series(setup, rule, point)
+    coefficients = _series(floats, rule, point)
     return max(abs(c) for c in coefficients[-2:]) / abs(coefficients[0])
 
 

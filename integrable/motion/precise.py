@@ -13,7 +13,7 @@ from math import ceil, inf, log, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.motion.precise_clock import PanelClock
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
 from jacobian.errors import PrecisionLoss
@@ -52,7 +52,7 @@ class PreciseMotion:
 
     def scaled(self, t: Any) -> Any:
         """A time in the units of the setup."""
-        return self.setup.wide.coerce(t) * self.setup.clock
+        return self.setup.wide.coerce(t) * self.setup.time_scale
 
     def point(self, tau: Any) -> tuple[Any, ...]:
         """The moving point at τ."""
@@ -60,19 +60,19 @@ class PreciseMotion:
         sign = -1 if tau < 0 else 1
         with setup.reals:
             cell, x = self._place(abs(setup.reals.number(tau)))
-            point = setup.bare_point(sign, cell)
+            point = setup.bare.reached(sign, cell)
             if x != 0:
-                step = setup.translations.near(sign * x * setup.reals.number(setup._half_step))
-                point = kernel.shift(*setup.bare_problem, point, step)
+                step = setup.translations.near(sign * x * setup.bare.half_step)
+                point = addition.shift(setup.bare.f, setup.bare.axes, point, step)
             return setup.reals.plain_row(point)
 
     def tau(self, times: list[Any]) -> list[Any]:
         """τ at every physical time, wide."""
         setup = self.setup
-        if setup.wide_d == 0:
+        if setup.problem.d == 0:
             return times
         # at the first rate: a heavy ball's τ runs a thousand times faster than t
-        rate = abs(kernel.rate_at(setup.wide_all_axes, setup.wide_start))
+        rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:
             return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
@@ -82,14 +82,14 @@ class PreciseMotion:
             sign = -1 if times[i] < 0 else 1
             cell, x = self._clock(sign).place(setup.reals.number(abs(times[i])))
             with setup.reals:
-                tau = sign * (2 * cell + x) * setup.reals.number(setup._half_step)
+                tau = sign * (2 * cell + x) * setup.bare.half_step
             result[i] = setup.reals.element(setup.wide, tau)
         return result
 
     def time(self, tau: Any) -> Any:
         """Physical time at τ, wide."""
         setup = self.setup
-        if setup.wide_d == 0:
+        if setup.problem.d == 0:
             return tau
         torus = self._far([tau])
         if torus:
@@ -101,7 +101,7 @@ class PreciseMotion:
 
     def _place(self, tau: Any) -> tuple[int, Any]:
         """(whole basic steps, half steps beyond them) of τ ≥ 0."""
-        half = self.setup.reals.number(self.setup._half_step)
+        half = self.setup.bare.half_step
         cell = self.setup.reals.nearest(tau / (2 * half))
         return cell, (tau - 2 * cell * half) / half
 
@@ -152,13 +152,13 @@ class PreciseFlow:
     def times(self, tau: list[Any]) -> list[Any]:
         """Physical times at τ, in the user's units."""
         motion = self._motion
-        return [motion.time(motion.scaled(t)) / motion.setup.clock for t in tau]
+        return [motion.time(motion.scaled(t)) / motion.setup.time_scale for t in tau]
 
     def vectors(self, points: list[tuple[Any, ...]]) -> list[tuple[tuple[Any, ...], tuple[Any, ...]]]:
         """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
         setup = self._motion.setup
         matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
-        return [vectors(point, setup.wide_momentum, matrix) for point in points]
+        return [vectors(point, setup.problem.momentum, matrix) for point in points]
 
     def _good(self, times: list[Any], flow_times: Any) -> tuple[list[Any], list[tuple[Any, ...]]]:
         while True:
@@ -174,7 +174,7 @@ class PreciseFlow:
             missing = self._missing(tau, points)
             if missing <= 0:
                 setup = motion.setup
-                return [t / setup.clock for t in tau], [setup.reals.elements(setup.wide, row) for row in points]
+                return [t / setup.time_scale for t in tau], [setup.reals.elements(setup.wide, row) for row in points]
             self._more_digits(missing + WIDER)
 
     def _widened(self, tau: list[Any]) -> bool:
@@ -232,8 +232,8 @@ def lost_digits(setup: Setup, tau: Any) -> int:
     (distance of the two roots). All other errors grow like τ.
     """
     K = setup.wide
-    roots = sorted(setup.wide_branch_points)
-    lead, tau = abs(setup.wide_f[5] or setup.wide_f[4]), abs(K.coerce(tau))
+    roots = sorted(setup.problem.branch_points)
+    lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
     total = K.context.log(1 + tau)
     # the gaps between the ovals and behind the second: a real point passes them in imaginary time only
     for k in range(1, len(roots) - 1, 2):
@@ -256,7 +256,7 @@ def drift(setup: Setup, point: Any) -> Any:
     """The relative change of H1 or H2, the larger, at a moving point of bare reals."""
     reals = setup.reals
     with reals:
-        alpha = setup.bare_problem[1][:3]
+        alpha = setup.bare.axes[:3]
         sigma, nu = point[4:7], point[7:10]
         square = sum(x * x for x in sigma)
         lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
@@ -266,8 +266,8 @@ def drift(setup: Setup, point: Any) -> Any:
         h2 = sum(m * m for m in M) / square
         h1 = sum(a * m * m for a, m in zip(alpha, M, strict=True)) / square
         spin = sum(a * m * x for a, m, x in zip(alpha, M, sigma, strict=True))
-        h1 += reals.number(setup.wide_d) * spin * spin / square
-        return max(abs(h2 - 1), abs(h1 / reals.number(setup.ratio) - 1))
+        h1 += reals.number(setup.problem.d) * spin * spin / square
+        return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 
 
 def digits_of(x: Any) -> int:

@@ -11,9 +11,9 @@ from bisect import bisect_right
 from math import inf, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
+from integrable.moving_point.addition import opposite
 from integrable.moving_point.legendre import doubling_precisions, gauss_legendre, legendre_transform
-from integrable.moving_point.setup import opposite
 from integrable.moving_point.translations import Translations
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
@@ -51,7 +51,7 @@ class PanelClock:
         self._sign = sign
         self._most = most
         self._tolerance = -(setup.digits + 3)
-        self._half = setup.reals.number(setup._half_step)
+        self._half = setup.bare.half_step
         self._scouts: dict[int, float] = {}
         self._use(self._node_count(self._digits_a_node(1)))
         self._long: tuple[list[Any], list[Any]] | None = None
@@ -101,24 +101,24 @@ class PanelClock:
 
     def _time(self, cell: int, x: Any) -> Any:
         series = self._coefficients(cell)
-        whole = kernel.integrate_series(series, -1 + 0 * x)[0]
-        return self._end(cell - 1) + self._half * (kernel.integrate_series(series, x)[0] - whole)
+        whole = addition.integrate_series(series, -1 + 0 * x)[0]
+        return self._end(cell - 1) + self._half * (addition.integrate_series(series, x)[0] - whole)
 
     def _inverse(self, t: Any) -> tuple[int, Any]:
         cell = self._cell(t)
         series = self._coefficients(cell)
-        base = kernel.integrate_series(series, -1 + 0 * t)[0]
+        base = addition.integrate_series(series, -1 + 0 * t)[0]
         target = (t - self._end(cell - 1)) / self._half + base
         reals, floats, goal = self._setup.reals, [float(c) for c in series[:40]], float(target)
         x = goal / floats[0]
         for _ in range(12):
             x = max(-1.0, min(1.0, x))
-            angle, rate = kernel.integrate_series(floats, x)
+            angle, rate = addition.integrate_series(floats, x)
             x -= (angle - goal) / rate
         place = reals.number(max(-1.0, min(1.0, x)))
         # 40 coefficients may be fewer than a float's digits need
         for _ in range(len(doubling_precisions(reals.bits, 16))):
-            angle, rate = kernel.integrate_series(series, place)
+            angle, rate = addition.integrate_series(series, place)
             place -= (angle - target) / rate
         return cell, place
 
@@ -139,7 +139,7 @@ class PanelClock:
     def _end(self, cell: int) -> Any:
         """t at the upper end of a cell; for cell −1 the negative time at the lower end of cell 0."""
         if not self._ends:
-            self._ends.append(self._half * kernel.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
+            self._ends.append(self._half * addition.integrate_series(self._coefficients(0), -1 + 0 * self._half)[0])
         if cell > NEAR_CELLS:
             self._afford(cell)
         if cell <= NEAR_CELLS or not self._long_panels():
@@ -169,7 +169,7 @@ class PanelClock:
         self._afford(NEAR_CELLS + LONG * panels)
         while len(self._far) <= panels:
             centre = NEAR_CELLS + LONG * (len(self._far) - 1) + (LONG + 1) // 2
-            values = self._rates_at(self._setup.bare_point(self._sign, centre), nodes)
+            values = self._rates_at(self._setup.bare.reached(self._sign, centre), nodes)
             total = sum(w * x for w, x in zip(weights, values, strict=True))
             self._far.append(self._far[-1] + LONG * self._half * total)
 
@@ -196,13 +196,13 @@ class PanelClock:
     # --- one cell
 
     def _rates_at(self, point: Any, nodes: list[Any]) -> list[Any]:
-        f, axes = self._setup.bare_problem
-        return [kernel.clock_rate(f, axes, point, step) for step in nodes]
+        bare = self._setup.bare
+        return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes]
 
     def _mean(self, cell: int) -> Any:
         """The mean of 1/g over a cell."""
         if cell not in self._means:
-            values = self._rates_at(self._setup.bare_point(self._sign, cell), self._nodes)
+            values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
             self._means[cell] = self._setup.reals.plain(sum(c * x for c, x in zip(self._rows[0], values, strict=True)))
         return self._means[cell]
 
@@ -210,7 +210,7 @@ class PanelClock:
         """The Legendre series of 1/g over a cell; Unresolved where its end is too large."""
         if cell not in self._series:
             plain = self._setup.reals.plain
-            values = self._rates_at(self._setup.bare_point(self._sign, cell), self._nodes)
+            values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
             series = [plain(sum(c * x for c, x in zip(row, values, strict=True))) for row in self._rows]
             if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** self._tolerance:
                 raise Unresolved
@@ -243,16 +243,16 @@ class PanelClock:
     def _coefficient_sizes(self, length: int, count: int, number: Any) -> list[float]:
         """The largest Legendre coefficients of 1/g over some panels, relative to the first, computed in ``number``."""
         setup, reals = self._setup, BareReals(SCOUT_BITS)
-        translations = Translations(reals, setup._f, setup._axes, setup._half_step)
+        translations = Translations(reals, setup.problem.f, setup.problem.axes, setup.problem.half_step)
         x, rows = legendre_transform(reals, count)
         nodes = [tuple(map(number, step)) for step in self._translations(translations, x, length)]
         matrix = [[number(c) for c in row] for row in rows]
-        f, axes = (tuple(map(number, row)) for row in setup.bare_problem)
+        f, axes = (tuple(map(number, row)) for row in (setup.bare.f, setup.bare.axes))
         sizes = [0.0] * count
         for cell in SAMPLES:
             with setup.reals.at(SCOUT_BITS):
-                point = tuple(map(number, setup.bare_point(self._sign, cell)))
-                values = [kernel.clock_rate(f, axes, point, step) for step in nodes]
+                point = tuple(map(number, setup.bare.reached(self._sign, cell)))
+                values = [addition.rate_after(f, axes, point, step) for step in nodes]
                 series = [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
             sizes = [max(a, b / series[0]) for a, b in zip(sizes, series, strict=True)]
         return sizes

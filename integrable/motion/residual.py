@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point import kernel as flow_kernel
+from integrable.moving_point import addition
 from jacobian import RR
 from jacobian.errors import entries, shown, whole
 from jacobian.numbers.compiler import interpreted
@@ -29,18 +29,20 @@ def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, A
         for i, n in enumerate(given)
     ]
     compiled = kernel == "compiled" or (kernel == "auto" and max(counts, default=0) >= COMPILE_FROM)
-    march: Any = flow_kernel.march
-    inputs: Any = (setup.f, setup.axes, setup.start, setup.table(1, 1)[1][0])
-    if compiled and setup.work is RR and not interpreted():
-        from integrable.moving_point import compiled as flow_compiled
+    march: Any = addition.march
+    floats = setup.body.field == RR
+    view = setup.floats if floats else setup.mpf
+    inputs: Any = (view.f, view.axes, view.start, view.table(1, 1)[1][0])
+    if compiled and floats and not interpreted():
+        from integrable.moving_point import compiled as loops
 
-        march, inputs = flow_compiled.march, map(np.array, inputs)
+        march, inputs = loops.march, map(np.array, inputs)
     f, axes, point, step = inputs
     rows, done = [], 0
     for count in sorted(counts):
         point = march(f, axes, point, step, count - done)
         done = count
-        rows.append((count, residual(setup.f, point)))
+        rows.append((count, residual(view.f, point)))
     return rows
 
 

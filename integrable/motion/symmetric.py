@@ -130,7 +130,7 @@ class SymmetricFlow:
         if tilted:
             tilt = ChaplyginTransformation.of(body, gamma, M)
             body, (gamma, M) = tilt.upright, tilt.apply_vectors(gamma, M)
-            clock, matrix = tilt.clock(), tilt.inverse_matrix()
+            clock, matrix = tilt.rate(), tilt.inverse_matrix()
         lean = K.dot(gamma, M)
         M = tuple(m - lean * x for m, x in zip(M, gamma, strict=True))
         self._matrix = [_long(x) for x in matrix]

@@ -1,6 +1,7 @@
 """Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry a bound of their error.
 
-Every formula of the kernel holds exactly for exact points of the curve, in each of its branches; so it maps balls
+Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each of its
+branches; so it maps balls
 around such points to balls around the result, whichever branch a comparison of balls takes. Where a divisor is a ball
 around 0 the result has no bound, which :func:`is_bounded` tells. What is truncated is bounded here: the power series
 by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
@@ -11,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.kernel import abel_sums, carried, conjugate_points
+from integrable.moving_point.addition import abel_sums, carried, conjugate_points
 from integrable.moving_point.translations import Translations, series_of
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.fields.inexact import InexactField

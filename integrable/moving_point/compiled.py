@@ -1,5 +1,5 @@
-"""The kernels of the flow made known to numba, from the readable source (:mod:`integrable.moving_point.kernel`), and
-their loop over successive additions in floats.
+"""Additions to moving points made known to numba, from the readable source
+(:mod:`integrable.moving_point.addition`), and the loop over successive ones in floats.
 
 Importing this module imports numba; compiled code is kept on disk beside the source, so that only the first use pays
 for it.
@@ -9,13 +9,13 @@ from __future__ import annotations
 
 from numba.extending import overload, register_jitable
 
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers import double_double_compiled as double_double
 from jacobian.numbers.compiler import njit
 
 
-@overload(kernel.estimate)
+@overload(addition.estimate)
 def _estimate(series, f0, eps):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
     if isinstance(eps, double_double.DoubleDouble):
         return _estimate_in_floats
@@ -26,24 +26,26 @@ def _estimate_in_floats(series, f0, eps):  # type: ignore[no-untyped-def]  # the
     r = f0.hi * eps.hi * eps.hi / 4
     m = -series[1].hi * r / 3
     if abs(eps.hi) >= 1e-100:
-        m, r = kernel.centre(series.data[: kernel.FLOAT_TERMS, 0], f0.hi, eps.hi, m, r, 6)
+        m, r = addition.centre(series.data[: addition.FLOAT_TERMS, 0], f0.hi, eps.hi, m, r, 6)
     return double_double.number(m, 0.0), double_double.number(r, 0.0)
 
 
 for _inner in (
-    kernel.pair,
-    kernel.settle,
-    kernel.carried,
-    kernel.settled,
-    kernel.shift,
-    kernel.rate_at,
-    kernel.clock_rate,
-    kernel.abel_sums,
-    kernel.centre,
-    kernel.conjugate_points,
-    kernel.near_identity,
-    kernel.moving_point,
+    addition.pair,
+    addition.settle,
+    addition.carried,
+    addition.settled,
+    addition.shift,
+    addition.rate_at,
+    addition.rate_after,
+    addition.abel_sums,
+    addition.centre,
+    addition.conjugate_points,
+    addition.near_identity,
+    addition.moving_point,
+    addition.opposite,
+    addition.conditioning,
 ):
     register_jitable(_inner)
 
-march = njit(**JIT)(kernel.march)
+march = njit(**JIT)(addition.march)

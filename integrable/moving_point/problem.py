@@ -15,8 +15,9 @@ from jacobian.numbers.roots import root
 class MotionProblem:
     """The motion of a body over a field from γ and M: numbers of that field, which may be balls.
 
-    ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.kernel`. Units: x
-    over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``clock`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d`` d·X.
+    ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.addition`. Units: x
+    over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d``
+    d·X, ``half_step`` half of a basic step.
     A tilted state is brought to (γ, M) = 0 by ``tilt``, Chaplygin's transformation.
     """
 
@@ -37,13 +38,13 @@ class MotionProblem:
         top, spin = max(body.a), K.sqrt(h2)
         alphas = tuple(a / top for a in body.a)
         kappas = (r * c / (top * top) for r, c in zip(body.contact, body.differences, strict=True))
-        self.axes = (*alphas, *kappas, *self._clock(top, spin))
+        self.axes = (*alphas, *kappas, *self._rate(top, spin))
         self.ratio, self.d = h1 / (h2 * top), body.d * top
         f: tuple[Any, ...] = (-self.ratio, K.one)
         for a in alphas:
             f = poly.mul(K, f, (a, -K.one))
         self.f = (*poly.mul(K, f, (K.one, -self.d)),)
-        self.clock = 2 * top * spin
+        self.time_scale = 2 * top * spin
         self.momentum = spin
         self.start = self._moving_point(body, gamma, M, spin)
         self.half_step = 2 * REACH * min(*alphas, self.ratio) / K.sqrt(-self.f[0])
@@ -54,11 +55,11 @@ class MotionProblem:
         rest = () if self.d == 0 else (1 / self.d,)
         return (*self.axes[:3], self.ratio, *rest)
 
-    def _clock(self, top: Any, spin: Any) -> tuple[Any, Any]:
-        """(α, β) of the clock, in the units of the flow."""
+    def _rate(self, top: Any, spin: Any) -> tuple[Any, Any]:
+        """(α, β) of 1/g, in the units of the flow."""
         if self.tilt is None:
             return self.field.one, self.field.zero
-        upright, lean = self.tilt.clock()
+        upright, lean = self.tilt.rate()
         return upright, lean * top * spin
 
     def _moving_point(self, body: Body, gamma: Vector, M: Vector, spin: Any) -> tuple[Any, ...]:

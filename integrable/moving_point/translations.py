@@ -1,7 +1,7 @@
 """Translations of a flow by short times, to any precision: T(eps) with Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-The power series of :func:`integrable.moving_point.kernel.centre` are short when eps is small: T(eps) is the 2^k-fold of
-T(eps/2^k), and the digits of Newton's iteration double from pass to pass.
+The power series of :func:`integrable.moving_point.addition.centre` are short when eps is small: T(eps) is the 2^k-fold
+of T(eps/2^k), and the digits of Newton's iteration double from pass to pass.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import frexp, isqrt, log2
 from typing import Any
 
-from integrable.moving_point.kernel import Row, centre, conjugate_points, shift
+from integrable.moving_point.addition import Row, centre, conjugate_points, shift
 from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
 
@@ -23,7 +23,9 @@ FLOAT_BITS = 44
 
 
 class Translations:
-    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are as in the kernel, ``half_step`` fits REACH."""
+    """T(eps) of one curve, in bare reals. ``f`` and ``axes`` are those of :mod:`integrable.moving_point.addition`,
+    ``half_step`` fits REACH.
+    """
 
     def __init__(self, reals: BareReals, f: Any, axes: Any, half_step: Any) -> None:
         self.reals = reals
@@ -49,10 +51,6 @@ class Translations:
             for _ in range(doublings):
                 step = reals.plain_row(shift(self.f, self.axes, step, step))
         return reals.plain_row(step)
-
-    def double(self, step: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Twice a translation."""
-        return self.sum(step, step)
 
     def sum(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
         """The sum of two translations."""

@@ -95,7 +95,7 @@ class ChaplyginTransformation:
         upright = K.div(K.mul(self.s, self.s), self.p)
         return upright, K.neg(K.mul(self.s, self.k)), K.mul(upright, self.shift), self.s
 
-    def clock(self) -> tuple[Any, Any]:
+    def rate(self) -> tuple[Any, Any]:
         """(α, β) with 1/g = (α + βñ)/g̃, ñ = g̃²(γ̃, AM̃): physical time on the transformed motion, t = ∫dτ/g.
 
         α = s and β = dks²/p, from dt̃/dt = s(1 − dkn) and ω = ω̃ dt̃/dt.

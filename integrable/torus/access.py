@@ -72,9 +72,9 @@ class TorusFlow:
         self.lattice = TorusLattice(setup, loops, self._motion)
         curve = [setup.wide.zero] * 9
         about_centre(motion, setup.wide.zero, setup.wide.one, curve)
-        axes, (*kappas, alpha, beta) = curve[6:], setup.wide_all_axes[3:]
+        axes, (*kappas, alpha, beta) = curve[6:], setup.problem.axes[3:]
         kappas = [kappa / (units.length * units.length) for kappa in kappas]
-        self._f, self._start = row(curve[:6]), row(units.of_point(setup.wide_start))
+        self._f, self._start = row(curve[:6]), row(units.of_point(setup.problem.start))
         self._axes, self._unit_axes = row((*axes, *kappas, alpha, beta * units.time)), row((*axes, 1, 1, 1, 1, 0))
         self._tables, self._halves = self._translations()
         self.sizes, self.turns = self.lattice.cells, self.lattice.turns
@@ -85,7 +85,7 @@ class TorusFlow:
         self._corners()
         if not confirmed(setup, self.frequencies, self._rows_at_tau):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
-        if setup.wide_d != 0:
+        if setup.problem.d != 0:
             self.clock = TorusClock(self, self._rates())
 
     @property
@@ -144,7 +144,7 @@ class TorusFlow:
         kind = states.__name__
         if kind not in self._lengths or end - start < self._lengths[kind]:
             self._lengths[kind] = panel_length(
-                states, start, end, float(self._setup.step_length / self._setup.clock) / 8
+                states, start, end, float(self._setup.step_length / self._setup.time_scale) / 8
             )
         return min(self._lengths[kind], end - start)
 
@@ -164,8 +164,8 @@ class TorusFlow:
     def frequencies(self) -> tuple[Any, Any]:
         """Turns of either phase in a unit of τ, wide."""
         nu1, nu2 = self._loops.wide(self.lattice.frequencies, self._setup.wide)
-        clock = self._setup.clock * self.units.time
-        return nu1 * clock, nu2 * clock
+        scale = self._setup.time_scale * self.units.time
+        return nu1 * scale, nu2 * scale
 
     def _check(self, times: np.ndarray, rates: Any) -> None:
         turns = np.abs(times).max(initial=0) * max(abs(float(x)) for x in rates)
@@ -186,7 +186,7 @@ class TorusFlow:
         """The rows and sizes that the loops take."""
         setup, loops = self._setup, self._loops
         a, b, c, d = (1, 0, 0, 1) if setup.tilt is None else setup.tilt.inverse_matrix()
-        momentum = setup.wide_momentum * self.units.lift
+        momentum = setup.problem.momentum * self.units.lift
         matrix = loops.row((a, b * momentum, c, d * momentum))
         turns = tuple(self.turns.ravel().tolist())
         parts, centres = self.lattice.parts, self.lattice.chart.centres
@@ -237,7 +237,7 @@ class TorusFlow:
         """The spectrum of 1/g, on a grid of its periods that resolves it."""
         sizes = (max(16, self.sizes[0]), max(16, self.sizes[1]))
         # in slow directions to more digits: they will be divided by its frequency
-        slow = [SLOW * abs(float(nu / self._setup.clock)) for nu in self.frequencies]
+        slow = [SLOW * abs(float(nu / self._setup.time_scale)) for nu in self.frequencies]
         noise = tuple(min(self._loops.noise, max(EXTENDED, x)) for x in slow)
         while sizes[0] * sizes[1] <= self._most:
             grid = spectrum(self._sampled(sizes))
@@ -281,11 +281,11 @@ class TorusFlow:
         That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
         """
         setup, K = self._setup, self._setup.wide
-        d, (u0, u1), sigma = setup.wide_d, setup.wide_start[:2], setup.wide_start[4:7]
+        d, (u0, u1), sigma = setup.problem.d, setup.problem.start[:2], setup.problem.start[4:7]
         slowness = self._loops.wide(self.lattice.slowness, K)[0] / self.units.lift**2
         # g² is a multiple of (1 − du₁)(1 − du₂)
         scale = K.sqrt((1 + d * (u1 + d * u0)) / K.dot(sigma, sigma))
-        return setup.wide_all_axes[6] * scale * slowness
+        return setup.problem.axes[6] * scale * slowness
 
 
 class TorusClock:
@@ -296,11 +296,11 @@ class TorusClock:
         self.mean = flow.mean
         nu = flow.frequencies
         first, second = (x / n for x, n in zip(nu, flow.doubled, strict=True))
-        noise, least = max(flow.closure, flow._loops.noise / 64), LEAST_SWING / float(flow._setup.clock)
+        noise, least = max(flow.closure, flow._loops.noise / 64), LEAST_SWING / float(flow._setup.time_scale)
         series = TorusSeries(rates, (first, second), long_double(self.mean), noise, least)
         # the kernels count phases in periods of 1/g
         row, wide = flow._loops.row, flow._setup.wide
-        self._modes, coefficients = series.loudest(LOUD / float(flow._setup.clock), MOST_LOUD)
+        self._modes, coefficients = series.loudest(LOUD / float(flow._setup.time_scale), MOST_LOUD)
         origin = -sum(coefficients[::2])
         numbers = [wide.coerce(float(x)) + wide.coerce(float(x - float(x))) for x in (origin, *coefficients)]
         self._loud = row((numbers[0], 2 * wide.context.pi, *numbers[1:]))

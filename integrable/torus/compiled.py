@@ -38,8 +38,6 @@ for _inner in (
     tables.alike,
     tables.point_in,
     tables.put,
-    walks.conditioning,
-    walks.opposite,
     walks.turn,
     walks.step_over,
     tables.small_translation,

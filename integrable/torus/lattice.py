@@ -64,7 +64,7 @@ class TorusLattice:
 
     def __init__(self, setup: Setup, loops: Any = None, motion: Any = None) -> None:
         loops = loops or WideNumbers(setup)
-        found, points = loops.room(11), [0.0] * len(setup.wide_branch_points)
+        found, points = loops.room(11), [0.0] * len(setup.problem.branch_points)
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(
             loops.row(motion_row(setup)) if motion is None else motion, loops.short, points, found
         )
@@ -91,10 +91,10 @@ def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]
     that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
     """
     # axes that are one float are told apart
-    order = sorted(range(3), key=lambda i: setup.wide_axes[i])
-    middle = setup.wide_axes[order[1]]
+    order = sorted(range(3), key=lambda i: setup.problem.axes[:3][i])
+    middle = setup.problem.axes[:3][order[1]]
     rounds = np.zeros((3, 2), dtype=int)
-    rounds[order] = (1, 0), (0, 1) if setup.ratio < middle else (1, 0), (0, 1)
+    rounds[order] = (1, 0), (0, 1) if setup.problem.ratio < middle else (1, 0), (0, 1)
     # the parity of long integers is found before they become those of numpy
     parities = np.array([[n % 2 for n in row] for row in basis])
     signs: np.ndarray = 1.0 - 2.0 * (parities @ rounds.T % 2)
@@ -121,9 +121,9 @@ class Units(NamedTuple):
 
         Ordinary ones are left alone.
         """
-        origin, axes = best_origin(setup), setup.wide_axes
+        origin, axes = best_origin(setup), setup.problem.axes[:3]
         length = _near_power(float(max(axes) - min(axes)))
-        rest = max(float(1 - setup.wide_d * origin), float(setup.wide_d) * length)
+        rest = max(float(1 - setup.problem.d * origin), float(setup.problem.d) * length)
         return Units(origin, length, _near_power(rest**0.5))
 
     def of_point(self, point: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -152,8 +152,8 @@ def motion_row(setup: Setup, units: Units = PLAIN) -> tuple[Any, ...]:
     """
     origin, length, lift = units
     first, second = oval_ends(setup)
-    abscissae = ((x - origin) / length for x in (*first, *second, *setup.wide_axes, setup.ratio))
-    square, d = lift * lift, setup.wide_d
+    abscissae = ((x - origin) / length for x in (*first, *second, *setup.problem.axes[:3], setup.problem.ratio))
+    square, d = lift * lift, setup.problem.d
     return (*abscissae, d * length / square, +setup.wide.context.pi, (1 - d * origin) / square, origin / length)
 
 
@@ -161,14 +161,14 @@ def best_origin(setup: Setup) -> Any:
     """0 or the axis whose abscissa, taken as the origin, leaves branch points that are close together the most digits
     of their distance.
     """
-    points = setup.wide_branch_points
+    points = setup.problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 
     def digits(origin: Any) -> float:
         far = [abs(float(x - origin)) for x in points]
         return min(gap / max(far[i], far[j]) for i, j, gap in gaps if gap)
 
-    return max((setup.wide.zero, *setup.wide_axes), key=digits)
+    return max((setup.wide.zero, *setup.problem.axes[:3]), key=digits)
 
 
 def oval_ends(setup: Setup) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
@@ -177,8 +177,8 @@ def oval_ends(setup: Setup) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     PrecisionLoss where they meet (the separatrix) or both are one point: there the motion is not a line on a compact
     torus of dimension two.
     """
-    low, middle, high = sorted(setup.wide_axes)
-    first, second = (low, min(setup.ratio, middle)), (max(setup.ratio, middle), high)
+    low, middle, high = sorted(setup.problem.axes[:3])
+    first, second = (low, min(setup.problem.ratio, middle)), (max(setup.problem.ratio, middle), high)
     if second[0] - first[1] <= setup.wide.eps**0.75:
         raise PrecisionLoss("the ovals of the curve have met: the torus of this motion is not compact")
     return first, second

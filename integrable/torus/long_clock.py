@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.torus.long_grid import TorusGrid
-from jacobian import RR
+from jacobian import MP, RR
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -29,8 +29,8 @@ class MultiprecisionTorusClock:
 
     def __init__(self, setup: Setup, digits: int | None = None) -> None:
         self._setup = setup
-        self.wide = setup.wide
-        self._eps = setup.work.coerce(10) ** -(digits or setup.digits)
+        self.wide, self._work = setup.wide, MP(setup.digits)
+        self._eps = self._work.coerce(10) ** -(digits or setup.digits)
         self._grid = TorusGrid(setup, digits)
         (p, q), (r, s) = (
             tuple(c * len(turns) for c in period)
@@ -56,16 +56,15 @@ class MultiprecisionTorusClock:
 
     def _angles(self, tau: Any) -> tuple[Any, Any]:
         """(θ₁, θ₂) modulo 1 on the grid, rounded after the whole turns are taken off."""
-        number, floor = self._setup.number, self._setup.wide.context.floor
+        number, floor = self._work.coerce, self._setup.wide.context.floor
         first, second = (tau * nu + origin for nu, origin in zip(self.frequencies, self._grid.origin, strict=True))
         return number(first - floor(first)), number(second - floor(second))
 
     def _shifts(self, angles: list[tuple[Any, Any]]) -> list[Any]:
         """s with mean·s + S(θ + νs) = S(0), by Newton: the oscillation of τ about its mean value."""
-        setup = self._setup
         rough = [(float(a), float(b)) for a, b in angles]
         shifts = self._newton(rough, [0.0] * len(angles), float, self._rough)
-        return self._newton(angles, [setup.number(s) for s in shifts], setup.number, self._oscillation)
+        return self._newton(angles, [self._work.coerce(s) for s in shifts], self._work.coerce, self._oscillation)
 
     def _newton(self, angles: list[Any], shifts: list[Any], number: Any, series: Any) -> list[Any]:
         mean, nu1, nu2 = number(self.mean), *map(number, self.frequencies)
@@ -99,7 +98,7 @@ class MultiprecisionTorusClock:
                 span = range(min(kept), max(kept) + 1)
                 phases = [two_pi * (k * self.frequencies[0] + m * self.frequencies[1]) for m in span]
                 line = [grid[k][m] for m in span]
-                swing = [c / (1j * setup.number(x)) if x else 0 * c for c, x in zip(line, phases, strict=True)]
+                swing = [c / (1j * self._work.coerce(x)) if x else 0 * c for c, x in zip(line, phases, strict=True)]
                 lines.append((k, min(kept), swing, line))
         width = max(abs(m) for _, first, line, _ in lines for m in (first, first + len(line) - 1))
         self._floats = [np.zeros((lines[-1][0] + 1, 2 * width + 1), dtype=complex) for _ in range(2)]
@@ -127,7 +126,7 @@ class MultiprecisionTorusClock:
 
     def _swing_at(self, first: Any, second: Any) -> Any:
         """S at one (θ₁, θ₂), in multiprecision."""
-        context: Any = self._setup.work.context
+        context: Any = self._work.context
         reach = max(max(-start, start + len(line)) for _, start, line in self._series)
         left = _powers(context, first, self._series[-1][0] + 1)
         right = _powers(context, second, reach + 1)

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from integrable.torus.lattice import TorusLattice
-from integrable.torus.long_periods import ovals, translation
+from integrable.torus.long_periods import combine, moved, ovals, translation
+from jacobian import MP
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -80,9 +81,9 @@ class TorusGrid:
             for k, (size, turns) in enumerate(zip((rows, columns), self.turns, strict=True))
         )
         reals = setup.reals
-        f, axes = setup.bare_problem
+        f, axes = setup.bare.f, setup.bare.axes
         steps = [reals.row(step) for step in across]
-        points = [reals.row(point) for point in (self._base, *(setup.moved(step, self._base) for step in down))]
+        points = [reals.row(point) for point in (self._base, *(moved(setup, step, self._base) for step in down))]
         table: list[list[Any]] = []
         for turn in self.turns[0]:
             for point in points:
@@ -90,9 +91,9 @@ class TorusGrid:
                 with reals:
                     for second in self.turns[1]:
                         here = tuple(a * b * x for a, b, x in zip(turn, second, point, strict=True))
-                        line.append(kernel.rate_at(axes, here))
-                        line.extend(kernel.clock_rate(f, axes, here, step) for step in steps)
-                table.append(list(reals.elements(setup.work, line)))
+                        line.append(addition.rate_at(axes, here))
+                        line.extend(addition.rate_after(f, axes, here, step) for step in steps)
+                table.append(list(reals.elements(MP(setup.digits), line)))
         return table
 
     def _halved(self, period: tuple[Any, ...]) -> list[Any]:
@@ -100,7 +101,7 @@ class TorusGrid:
         unit = self._setup.wide.coerce(2) ** FINEST
         parts = [translation(self._setup, (period[0] / unit, period[1] / unit))]
         for _ in range(FINEST - 1):
-            parts.append(self._setup.combine(parts[-1], parts[-1]))
+            parts.append(combine(self._setup, parts[-1], parts[-1]))
         return [None, *parts[::-1]]
 
     def _multiples(self, k: int, count: int) -> list[Any]:
@@ -108,16 +109,16 @@ class TorusGrid:
         step = self._parts[k][int(log2(count))]
         rows = [step]
         for _ in range(count - 2):
-            rows.append(self._setup.combine(rows[-1], step))
+            rows.append(combine(self._setup, rows[-1], step))
         return rows
 
     def _generic_point(self) -> Any:
         """The moving point at which the grid starts, wide."""
-        point = self._setup.wide_start
+        point = self._setup.problem.start
         for part, parts in zip(OFFSET, self._parts, strict=True):
             for bit in range(FINEST):
                 if part >> bit & 1:
-                    point = self._setup.moved(parts[FINEST - bit], point)
+                    point = moved(self._setup, parts[FINEST - bit], point)
         return point
 
     def _turn(self, half: Any) -> list[tuple[int, ...]]:
@@ -127,8 +128,9 @@ class TorusGrid:
         divisor.
         """
         setup = self._setup
-        base, half = (tuple(map(setup.number, row)) for row in (self._base, half))
-        again = kernel.shift(setup.f, setup.axes, kernel.shift(setup.f, setup.axes, base, half), half)
+        floats = setup.floats
+        base, half = (tuple(map(float, row)) for row in (self._base, half))
+        again = addition.shift(floats.f, floats.axes, addition.shift(floats.f, floats.axes, base, half), half)
         # γ_i and its rate are not zero together
         signs = [1 if again[i] * base[i] + again[i + 3] * base[i + 3] > 0 else -1 for i in range(4, 7)]
         kept = (1,) * 10
@@ -139,7 +141,7 @@ class TorusGrid:
 
 def fourier(setup: Setup, samples: list[list[Any]]) -> Any:
     """Two-dimensional discrete Fourier transform, normalised: coefficient (0, 0) is the mean."""
-    context: Any = setup.work.context
+    context: Any = MP(setup.digits).context
     most = max(len(samples), len(samples[0]))
     turns = [context.expjpi(-context.mpf(2 * k) / most) for k in range(most // 2)]
     lines = [_transform(context, [context.mpc(x) for x in line], turns) for line in samples]

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.kernel import near_identity
+from integrable.moving_point.addition import near_identity, shift
+from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
 from integrable.torus.survey import REACH, oval_periods
 from jacobian import poly
@@ -24,7 +25,7 @@ def ovals(setup: Setup) -> list[Oval]:
     K = setup.wide
     first, second = oval_ends(setup)
     periods = [K.zero] * 4
-    oval_periods((*first, *second), setup.wide_d, K.one, +K.context.pi, K.eps**0.5 / 16, periods)
+    oval_periods((*first, *second), setup.problem.d, K.one, +K.context.pi, K.eps**0.5 / 16, periods)
     return [Oval(*first, (periods[0], periods[1])), Oval(*second, (periods[2], periods[3]))]
 
 
@@ -37,7 +38,7 @@ def translation(setup: Setup, period: Any) -> tuple[Any, ...]:
     parts = [(centre, eps) for centre, eps in ((setup.wide.zero, period[0] + period[1]), (-1, -period[1])) if eps != 0]
     first, *rest = (directed(setup, centre, eps) for centre, eps in parts)
     for step in rest:
-        first = setup.combine(first, step)
+        first = combine(setup, first, step)
     return first
 
 
@@ -45,15 +46,16 @@ def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
     """T(eps, centre·eps), doubled from inside the radius of the series about ``centre`` < α_min."""
     K = setup.wide
     x0 = K.coerce(centre)
-    f = poly.shift(K, setup.wide_f, x0)
-    axes = [a - x0 for a in setup.wide_axes]
-    doublings, reach = 0, 2 * REACH * min(e - x0 for e in setup.wide_branch_points) / K.sqrt(abs(f[0]))
+    f = poly.shift(K, setup.problem.f, x0)
+    axes = [a - x0 for a in setup.problem.axes[:3]]
+    doublings, reach = 0, 2 * REACH * min(e - x0 for e in setup.problem.branch_points) / K.sqrt(abs(f[0]))
     while abs(eps) > reach:
         eps, doublings = eps / 2, doublings + 1
-    series, roots = (setup.wide_series(f, power) for power in (-1, 1))
-    step = centred(near_identity(series, roots, f[0], axes, eps, setup.wide_passes), x0)
+    with setup.reals as reals:
+        series, roots = (reals.elements(K, series_of(reals.row(f), power, setup.terms)) for power in (-1, 1))
+    step = centred(near_identity(series, roots, f[0], axes, eps, setup.passes), x0)
     for _ in range(doublings):
-        step = setup.combine(step, step)
+        step = combine(setup, step, step)
     return step
 
 
@@ -61,3 +63,16 @@ def centred(step: Any, x0: Any) -> tuple[Any, ...]:
     """A translation in the abscissa x, from the same one in x − x0."""
     u0, u1, v0, v1, *pairs = step
     return (u0 - u1 * x0 + x0 * x0, u1 - 2 * x0, v0 - v1 * x0, v1, *pairs)
+
+
+def combine(setup: Setup, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
+    """The sum of two translations, as a moving point with κ = 1."""
+    row = setup.reals.row
+    return setup.reals.elements(setup.wide, setup.translations.sum(row(first), row(second)))
+
+
+def moved(setup: Setup, step: tuple[Any, ...], point: tuple[Any, ...]) -> tuple[Any, ...]:
+    """A moving point after a translation, both wide."""
+    reals, bare = setup.reals, setup.bare
+    with reals:
+        return reals.elements(setup.wide, shift(bare.f, bare.axes, reals.row(point), reals.row(step)))

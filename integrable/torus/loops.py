@@ -41,8 +41,8 @@ class ReadableLoops:
     def __init__(self, setup: Setup) -> None:
         # balls would widen from addition to addition
         self._reals = setup.reals if setup.reals.kind != "python-flint" else BareReals(setup.reals.bits, "mpmath")
-        self._passes = setup.wide_passes
-        self._series = setup.wide_terms
+        self._passes = setup.passes
+        self._series = setup.terms
         self.short = float(setup.wide.eps) ** 0.5 / 16
 
     def row(self, values: Any) -> Any:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor
 from typing import Any
 
-from integrable.moving_point.kernel import carried
+from integrable.moving_point.addition import carried
 from integrable.torus.tables import point_in, small_translation
 from integrable.torus.walks import IDENTITY
 from jacobian.numbers.roots import root

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, log2
 from typing import Any
 
-from integrable.moving_point.kernel import near_identity
+from integrable.moving_point.addition import near_identity
 from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
 from jacobian.numbers.roots import root
@@ -96,8 +96,8 @@ def direction(
     its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v
     one after the other, ascending.
 
-    ``reach``, ``axes`` and the series (:func:`integrable.moving_point.kernel.near_identity`) are taken about the centre
-    c in units of ``unit``; ``nodes`` are values of z, ``room`` is for nine numbers more than there are nodes.
+    ``reach``, ``axes`` and the series (:func:`integrable.moving_point.addition.near_identity`) are taken about the
+    centre c in units of ``unit``; ``nodes`` are values of z, ``room`` is for nine numbers more than there are nodes.
     """
     size = len(nodes)
     for n in range(size):

@@ -2,7 +2,7 @@
 loops of random access (:mod:`integrable.torus.tables`, :mod:`integrable.torus.states`,
 :mod:`integrable.torus.clock_loops`).
 
-Arrays are flat and moving points are those of :mod:`integrable.moving_point.kernel`. Numbers are floats in lists, or
+Arrays are flat and moving points are those of :mod:`integrable.moving_point.addition`. Numbers are floats in lists, or
 double-doubles when compiled (:mod:`integrable.torus.compiled`). An argument ``torus`` is the tuple that
 :class:`integrable.torus.access.TorusFlow` makes: (f, axes, matrix, states, tables, parts, centres, turns, sizes), where
 
@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.moving_point.kernel import carried, clock_rate, moving_point, rate_at, shift
+from integrable.moving_point.addition import carried, conditioning, moving_point, opposite, rate_after, rate_at, shift
 from integrable.torus.tables import point_in, put, small_translation
 from jacobian.numbers.roots import root
 
@@ -99,11 +99,6 @@ def turn(points: Row, place: int, turns: Row, first: int) -> None:
         points[place + 7 + c] = turns[first + c] * points[place + 7 + c]
 
 
-def opposite(step: Row) -> Row:
-    """The inverse of a translation."""
-    return step[0], step[1], -step[2], -step[3], step[4], step[5], step[6], -step[7], -step[8], -step[9]
-
-
 def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Row) -> tuple[int, int, int]:
     """The step over an odd number of cells in a direction into out[20·direction …], and (that number, 1 or 0 for one
     cell more in the first direction, where the second is asked for, number of translations): of the odd numbers up to
@@ -179,13 +174,6 @@ def offsets(
             n += 1
 
 
-def conditioning(step: Row) -> float:
-    """How well a translation adds, larger is better: its points away from the branch points, and not far out."""
-    near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
-    far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))
-    return near / (1 + far)
-
-
 def sampled(
     f: Row,
     axes: Row,
@@ -222,7 +210,7 @@ def sampled(
                     for k in range(last):
                         point = carried(f, axes, point, point_in(steps, 20 * n + 10 * k))
                     if last >= 0 and axes[7] == 0:
-                        rate = clock_rate(f, axes, point, point_in(steps, 20 * n + 10 * last))
+                        rate = rate_after(f, axes, point, point_in(steps, 20 * n + 10 * last))
                     elif last >= 0:
                         point = carried(f, axes, point, point_in(steps, 20 * n + 10 * last))
                         rate = rate_at(axes, point)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.kernel import near_identity, shift
+from integrable.moving_point.addition import near_identity, shift
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.translations import power_series
 
@@ -41,32 +41,34 @@ def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.nda
     farthest = FAR / max(map(abs, rates))
     tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
     found = states(tau)
+    momentum = setup.floats.momentum
     matrix = None if setup.tilt is None else tuple(float(x) for x in setup.tilt.inverse_matrix())
-    if _difference(found, [vectors(point, setup.momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
+    if _difference(found, [vectors(point, momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
         return True
-    return _difference(found, [vectors(_in_digits(setup, x), setup.momentum, matrix) for x in tau.tolist()]) <= RIGHT
+    return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau.tolist()]) <= RIGHT
 
 
 def _in_floats(setup: Setup, tau: np.ndarray) -> list[tuple[Any, ...]]:
     """The moving points at some τ in floats, nothing compiled; what their additions lose is not known."""
-    series, roots, unit_axes = [0.0] * TERMS, [0.0] * TERMS, (*setup.axes[:3], 1.0, 1.0, 1.0, 1.0, 0.0)
-    power_series(setup.f, -1, series)
-    power_series(setup.f, 1, roots)
+    floats = setup.floats
+    series, roots, unit_axes = [0.0] * TERMS, [0.0] * TERMS, (*floats.axes[:3], 1.0, 1.0, 1.0, 1.0, 0.0)
+    power_series(floats.f, -1, series)
+    power_series(floats.f, 1, roots)
     points = []
-    for eps in (tau * float(setup.clock)).tolist():
-        doublings = max(0, ceil(log2(abs(eps) / setup.half_step)) + HALVINGS)
-        step = near_identity(series, roots, setup.f[0], unit_axes, eps / 2**doublings, NEWTON_PASSES)
+    for eps in (tau * float(setup.time_scale)).tolist():
+        doublings = max(0, ceil(log2(abs(eps) / floats.half_step)) + HALVINGS)
+        step = near_identity(series, roots, floats.f[0], unit_axes, eps / 2**doublings, NEWTON_PASSES)
         for _ in range(doublings):
-            step = shift(setup.f, unit_axes, step, step)
-        points.append(shift(setup.f, setup.axes, setup.start, step))
+            step = shift(floats.f, unit_axes, step, step)
+        points.append(shift(floats.f, floats.axes, floats.start, step))
     return points
 
 
 def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:
     """The moving point at τ, in the wide precision."""
     with setup.reals:
-        step = setup.translations.near(setup.reals.number(tau) * setup.reals.number(setup.clock))
-        return tuple(map(float, shift(*setup.bare_problem, setup.bare_start, step)))
+        step = setup.translations.near(setup.reals.number(tau) * setup.reals.number(setup.time_scale))
+        return tuple(map(float, shift(setup.bare.f, setup.bare.axes, setup.bare.start, step)))
 
 
 def _difference(rows: np.ndarray, states: list[Any]) -> float:

@@ -10,8 +10,8 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.enclosure import BallMotion
 from integrable.motion.precise import PreciseFlow
+from integrable.moving_point.addition import rate_at
 from integrable.moving_point.balls import BallField, BallTranslations
-from integrable.moving_point.kernel import rate_at
 from integrable.moving_point.translations import Translations
 from jacobian import MP
 from jacobian.errors import ArgumentError

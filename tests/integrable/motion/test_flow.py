@@ -11,7 +11,7 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.precise import PreciseFlow
-from integrable.moving_point import kernel as flow_kernel
+from integrable.moving_point import addition
 from integrable.oracles.reference import taylor
 from jacobian import MP, QQ
 from jacobian.errors import ArgumentError
@@ -221,8 +221,8 @@ def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
     system, state, _, _ = reference("S1")
     setup = system.flow(state, kernel="python").setup
     for exponent in range(16):
-        eps = setup.wide.coerce(10) ** -exponent * setup._half_step
+        eps = setup.wide.coerce(10) ** -exponent * setup.problem.half_step
         step = setup.reals.elements(setup.wide, setup.translations.near(eps))
-        exact = flow_kernel.shift(setup._f, setup._axes, setup._start, step)
-        found = flow_kernel.shift(setup.f, setup.axes, setup.start, setup.near(eps))
+        exact = addition.shift(setup.mpf.f, setup.mpf.axes, setup.mpf.start, step)
+        found = addition.shift(setup.floats.f, setup.floats.axes, setup.floats.start, setup.floats.near(eps))
         assert max(abs(float(a - b)) for a, b in zip(exact, found, strict=True)) < 2e-14

@@ -84,7 +84,7 @@ def test_the_clock_of_a_tilted_body_is_a_function_of_the_transformed_state() -> 
     for _ in range(10):
         state = tilted_state(system, rng)
         upright, image, change = system.upright(state)
-        first, second = change.clock()
+        first, second = change.rate()
         spin = K.dot(image.gamma, upright.omega(image))
         assert K.inv(state.g) == K.div(K.add(first, K.mul(second, spin)), image.g)
 

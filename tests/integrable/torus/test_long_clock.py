@@ -12,7 +12,7 @@ from integrable.torus.access import TorusFlow
 from integrable.torus.lattice import TorusLattice
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.long_grid import TorusGrid
-from integrable.torus.long_periods import directed, ovals, translation
+from integrable.torus.long_periods import combine, directed, moved, ovals, translation
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
@@ -39,14 +39,14 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
     for t in (-9.0, 3.0, 40.0):
         (tau,), _ = precise.at([t])
         scaled = MultiprecisionTorusClock(setup).tau([precise._motion.scaled(t)])[0]
-        assert abs(scaled / setup.clock - tau) < 1e-15
+        assert abs(scaled / setup.time_scale - tau) < 1e-15
 
 
 @pytest.mark.parametrize("ball", [BALL, THIN], ids=["ball", "thin"])
 def test_the_arithmetic_geometric_mean_gives_the_periods_of_quadrature(ball) -> None:
     setup = setup_of(ball, *START)
-    curve = HyperellipticCurve(setup.wide, setup.wide_f)
-    for found, oval in zip(ovals(setup), real_periods(curve, setup.wide_branch_points), strict=True):
+    curve = HyperellipticCurve(setup.wide, setup.problem.f)
+    for found, oval in zip(ovals(setup), real_periods(curve, setup.problem.branch_points), strict=True):
         assert max(abs(x - y) for x, y in zip(found.periods, oval.periods, strict=True)) < 1e-38
         assert (found.start, found.end) == pytest.approx((oval.start, oval.end))
 
@@ -59,8 +59,8 @@ def test_the_period_of_a_shrunk_oval_is_a_residue() -> None:
     point = max(ovals(setup), key=lambda oval: -(oval.end - oval.start))
     a = point.start
     # f/(x − a)² from the other roots and the leading coefficient
-    rest = setup.wide_f[5]
-    for e in sorted(setup.wide_branch_points, key=lambda e: abs(e - a))[2:]:
+    rest = setup.problem.f[5]
+    for e in sorted(setup.problem.branch_points, key=lambda e: abs(e - a))[2:]:
         rest *= a - e
     assert abs(point.periods[0] - 2 * K.context.pi / K.sqrt(abs(rest))) < 1e-38
     assert abs(point.periods[1] - a * point.periods[0]) < 1e-38
@@ -84,13 +84,13 @@ def test_a_period_leads_back_up_to_signs(d) -> None:
     setup = setup_of(ChaplyginBall((1, 2, 3), d), *START)
     for oval in ovals(setup):
         third = translation(setup, [c / 3 for c in oval.periods])
-        point = setup.wide_start
+        point = setup.problem.start
         for _ in range(3):
-            point = setup.moved(third, point)
+            point = moved(setup, third, point)
         for i in range(4):
-            assert abs(point[i] - setup.wide_start[i]) < 1e-30
+            assert abs(point[i] - setup.problem.start[i]) < 1e-30
         for i in range(4, 10):
-            assert abs(abs(point[i]) - abs(setup.wide_start[i])) < 1e-30
+            assert abs(abs(point[i]) - abs(setup.problem.start[i])) < 1e-30
 
 
 def test_directions_add_up() -> None:
@@ -98,7 +98,7 @@ def test_directions_add_up() -> None:
     setup = setup_of(BALL, *START)
     K = setup.wide
     s, w = K.coerce("0.1"), K.coerce("0.07")
-    both = setup.combine(directed(setup, -2, s), directed(setup, "0.25", w))
+    both = combine(setup, directed(setup, -2, s), directed(setup, "0.25", w))
     found = translation(setup, (s + w, w / 4 - 2 * s))
     assert max(abs(x - y) for x, y in zip(both, found, strict=True)) < 1e-35
 

@@ -44,17 +44,17 @@ def test_translations_near_the_identity(k):
     """D' with an almost double root and v of size 10^k: D moves by 10^-k, with an absolute error of rounding size."""
     ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
     setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup
-    wide, eps = setup.wide, setup.half_step * 10.0**-k
+    wide, eps = setup.wide, setup.floats.half_step * 10.0**-k
     exact = setup.reals.elements(wide, setup.translations.near(wide.coerce(eps)))
     sums = []
     for K, f, start, step in (
-        (RR, setup.f, setup.start, setup.near(eps)),
-        (wide, setup._f, setup._start, exact),
+        (RR, setup.floats.f, setup.floats.start, setup.floats.near(eps)),
+        (wide, setup.mpf.f, setup.mpf.start, exact),
     ):
         pairs = [([*row[:2], K.one], list(row[2:4])) for row in (start, step)]
         total = composition.compose(K, 2, f, *pairs)
         sums.append([wide.coerce(c) for c in (*total.u[:2], *total.v)])
-    moved = max(abs(x - y) for x, y in zip(sums[1], setup._start, strict=False))
+    moved = max(abs(x - y) for x, y in zip(sums[1], setup.mpf.start, strict=False))
     assert 0.01 * 10.0**-k < moved < 10.0**-k
     assert max(abs(x - y) for x, y in zip(*sums, strict=True)) < 1e-14
 

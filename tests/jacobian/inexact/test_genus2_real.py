@@ -28,10 +28,10 @@ def test_floats_at_every_distance(variant, k):
 def test_translations_near_the_identity(k):
     ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
     setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup
-    wide, eps = setup.wide, setup.half_step * 10.0**-k
+    wide, eps = setup.wide, setup.floats.half_step * 10.0**-k
     exact = setup.reals.elements(wide, setup.translations.near(wide.coerce(eps)))
-    found = genus2_real.add(setup.f, setup.start[:4], setup.near(eps)[:4])[0]
-    true = genus2_real.add(setup._f, setup._start[:4], exact[:4])[0]
+    found = genus2_real.add(setup.floats.f, setup.floats.start[:4], setup.floats.near(eps)[:4])[0]
+    true = genus2_real.add(setup.mpf.f, setup.mpf.start[:4], exact[:4])[0]
     assert max(abs(wide.coerce(x) - y) for x, y in zip(found, true, strict=True)) < 1e-14
 
 

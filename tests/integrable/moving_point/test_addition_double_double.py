@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from numba import njit
 
-import integrable.moving_point.compiled  # noqa: F401  # makes the functions of the kernel known to numba
+import integrable.moving_point.compiled  # noqa: F401  # makes the functions of addition known to numba
 from integrable import ChaplyginBall, EulerTop
-from integrable.moving_point import kernel
+from integrable.moving_point import addition
 from jacobian import MP
 from jacobian.numbers import double_double
 from jacobian.numbers.double_double_compiled import JIT, number, numbers
@@ -42,16 +42,16 @@ def near_identity(series, roots, f0, axes, eps, passes, out):
     powers, powers2, lines, offsets, tos = numbers(series), numbers(roots), numbers(axes), numbers(eps), numbers(out)
     scale = number(f0[0], f0[1])
     for i in range(len(offsets)):
-        store(tos[i], kernel.near_identity(powers, powers2, scale, lines, offsets[i], passes))
+        store(tos[i], addition.near_identity(powers, powers2, scale, lines, offsets[i], passes))
 
 
 @njit(**JIT)
 def shifted(f, axes, start, steps, out):
     """The moving point after the translations ``steps`` (N, 10, 2), into ``out`` of shape (10, 2)."""
     curve, lines, rows = numbers(f), numbers(axes), numbers(steps)
-    point = kernel.moving_point(numbers(start))
+    point = addition.moving_point(numbers(start))
     for i in range(len(rows)):
-        point = kernel.shift(curve, lines, point, rows[i])
+        point = addition.shift(curve, lines, point, rows[i])
     store(numbers(out), point)
 
 
@@ -107,15 +107,15 @@ def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
 def test_additions(name):
     """Translations by about 2^k basic steps, the largest first."""
     setup = setup_of(name)
-    _, table = setup.table(1, 250)
+    _, table = setup.mpf.table(1, 250)
     for levels in (slice(1, None, -1), slice(None, None, -2)):
         steps = table[levels]
-        inputs = [double_double.pack(x) for x in (setup.f, setup.axes, setup.start, steps)]
+        inputs = [double_double.pack(x) for x in (setup.mpf.f, setup.mpf.axes, setup.mpf.start, steps)]
         out = np.empty((10, 2))
         shifted(*inputs, out)
 
         def loop(f, axes, start, steps):
-            return reduce(lambda point, step: kernel.shift(f, axes, point, step), steps, start)
+            return reduce(lambda point, step: addition.shift(f, axes, point, step), steps, start)
 
         error = assert_as_exact_as_possible(exact(out), loop, inputs, f"{name} {levels}")
         if name in ("easy", "Euler top", "γ2 = 0"):
@@ -126,11 +126,12 @@ def test_additions(name):
 def test_near_identity(name):
     """(The terms of the series of very different moments are beyond the range of floats in the flow's own unit.)"""
     setup = setup_of(name)
-    offsets = [K.coerce(x) * setup.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
-    inputs = [double_double.pack(x) for x in (setup.series, setup.roots, setup.f[0], setup.axes)]
+    offsets = [setup.wide.coerce(x) * setup.mpf.half_step for x in ("1", "-0.3", "1e-3", "-1e-30")]
+    motion = setup.mpf
+    inputs = [double_double.pack(x) for x in (motion.series, motion.roots, motion.f[0], motion.axes)]
     out = np.empty((len(offsets), 10, 2))
     near_identity(*inputs, double_double.pack(offsets), 2, out)
     for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
-        true = kernel.near_identity(*map(exact, inputs), eps, 6)
+        true = addition.near_identity(*map(exact, inputs), eps, 6)
         for x, y in zip(exact(row), true, strict=True):
             assert abs(x - y) < 1e-27 * abs(y)

@@ -4,7 +4,7 @@ A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor 
 the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
 *translation* is the same with κ_i = 1. All is in the flow's units (:mod:`integrable.moving_point.setup`). Numbers are
 ``float`` or ``mpf``; sequences may be lists, tuples or numpy rows; ``axes`` is (α1, α2, α3, κ1, κ2, κ3, α, β) with the
-clock (α + βñ)/g̃ of a tilted body (:meth:`integrable.phase.upright.ChaplyginTransformation.clock`), else (1, 0).
+clock (α + βñ)/g̃ of a tilted body (:meth:`integrable.phase.upright.ChaplyginTransformation.rate`), else (1, 0).
 """
 
 from __future__ import annotations
@@ -29,14 +29,14 @@ def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
 
 def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
     """The divisor sum, and the lift law on every pair."""
-    divisor, (q, l1, l0, k0, m0, n1, n0, j0) = add(
+    divisor, transfer = add(
         (f[0], f[1], f[2], f[3], f[4], f[5]),
         (point[0], point[1], point[2], point[3]),
         (step[0], step[1], step[2], step[3]),
     )
-    x1, y1 = pair(axes[0], axes[3], point[4], point[7], step[4], step[7], q, l1, l0, k0, m0, n1, n0, j0)
-    x2, y2 = pair(axes[1], axes[4], point[5], point[8], step[5], step[8], q, l1, l0, k0, m0, n1, n0, j0)
-    x3, y3 = pair(axes[2], axes[5], point[6], point[9], step[6], step[9], q, l1, l0, k0, m0, n1, n0, j0)
+    x1, y1 = pair(axes[0], axes[3], point[4], point[7], step[4], step[7], transfer)
+    x2, y2 = pair(axes[1], axes[4], point[5], point[8], step[5], step[8], transfer)
+    x3, y3 = pair(axes[2], axes[5], point[6], point[9], step[6], step[9], transfer)
     return divisor[0], divisor[1], divisor[2], divisor[3], x1, x2, x3, y1, y2, y3
 
 
@@ -75,27 +75,13 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
     return sigma + (m22 * r1 - m12 * r2) * scale, nu + (m11 * r2 - m12 * r1) * scale
 
 
-def pair(
-    a: Real,
-    kappa: Real,
-    sigma: Real,
-    nu: Real,
-    sigma2: Real,
-    nu2: Real,
-    q: Real,
-    l1: Real,
-    l0: Real,
-    k0: Real,
-    m0: Real,
-    n1: Real,
-    n0: Real,
-    j0: Real,
-) -> tuple[Real, Real]:
+def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, transfer: Row) -> tuple[Real, Real]:
     """(σ'', ν'') at the branch point a, from the transfer polynomials of the sum.
 
     Either factor gives it, one by division through σ', the other through κσ: together they never divide by a small
     number unless both points are at the same branch point.
     """
+    q, l1, l0, k0, m0, n1, n0, j0 = transfer
     # the rounding noise of the second row grows with ν', which is large near the identity
     weight = 1 / max(1, nu2 * nu2)
     x, y = sigma2, kappa * sigma
@@ -119,7 +105,7 @@ def rate_at(axes: Row, point: Row) -> Real:
     return (axes[6] + axes[7] * lean) * rate
 
 
-def clock_rate(f: Row, axes: Row, point: Row, step: Row) -> Real:
+def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
     """1/g after the addition of a translation; for an upright body the sum itself is not needed, only the chord."""
     if axes[7] != 0:
         return rate_at(axes, carried(f, axes, point, step))
@@ -246,6 +232,18 @@ def moving_point(row: Row) -> Row:
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
 
 
+def opposite(step: Row) -> Row:
+    """The inverse of a translation."""
+    return step[0], step[1], -step[2], -step[3], step[4], step[5], step[6], -step[7], -step[8], -step[9]
+
+
+def conditioning(step: Row) -> float:
+    """How well a translation adds, larger is better: its points away from the branch points, and not far out."""
+    near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
+    far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))
+    return near / (1 + far)
+
+
 def reach(f: Row, axes: Row, start: Row, counts: Row, table: Row, steps: int) -> Row:
     """The moving point after ``steps`` ≥ 0 basic steps, by few additions: ``table[k]`` is the translation by
     ``counts[k]`` steps.
@@ -263,7 +261,7 @@ def reach(f: Row, axes: Row, start: Row, counts: Row, table: Row, steps: int) ->
 def rates(f: Row, axes: Row, point: Row, nodes: Row, out: Row) -> None:
     """1/g at the quadrature nodes around a moving point, into ``out``."""
     for i in range(len(nodes)):
-        out[i] = clock_rate(f, axes, point, nodes[i])
+        out[i] = rate_after(f, axes, point, nodes[i])
 
 
 def wind(
