@@ -21,10 +21,10 @@ EPS = 2.0**-52
 
 
 def body(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
-    """(Ω, Ṁ) of balls and tops, q = I·a."""
-    w = [a[i] * m[i] for i in range(3)]
-    spin = d * dot(x, w) / sum(q[i] * x[i] * x[i] for i in range(3))
-    w = [w[i] + spin * a[i] * x[i] for i in range(3)]
+    """(Ω, Ṁ) of balls and tops, q = I·a = 1 − da, c = (γ, M): d(γ, AM) = c − (γ, QM), of which heavy balls lose nothing,
+    while (γ, AM) is a small difference of terms of the size of M/d there."""
+    spin = (c - dot(x, times(q, m))) / dot(x, times(q, x))
+    w = [a[i] * (m[i] + spin * x[i]) for i in range(3)]
     return w, cross(m, w)
 
 
@@ -89,7 +89,7 @@ def added(x: Any, y: Any) -> list[Any]:
 class Integrated:
     """``rows`` (N, 6) of γ and M/|M(0)|, NaN beyond the horizon, and ``floor`` (N,) as in :class:`closed_forms.Closed`.
 
-    ``equations``: a name above; ``c``: the constant of the gyroscopic terms.
+    ``equations``: a name above; ``c``: the constant of the gyroscopic terms; that of a body is its (γ, M).
     """
 
     def __init__(self, start: Motion, equations: str = "body", c: float = 0.0) -> None:
@@ -118,13 +118,15 @@ class Integrated:
         if self.extended:
             inputs = map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c))
             return abs(self._rows(*inputs, wanted, 1e-17) - base).max(axis=1)
-        turns = np.array([1 + abs(t) * s.speed for t in wanted])
+        turns = np.array([1 + abs(t) * s.speed for t in wanted]) * (1 + s.d / min(s.inertia))
         return (10 * EPS if self.equations == "body" else 1e-12) * turns
 
     def _rows(self, inertia: Any, d: Any, gamma: Any, M: Any, c: Any, wanted: Any, tol: float = 1e-20) -> np.ndarray:
         gamma = gamma / np.sqrt(gamma @ gamma)
         if not self.start.tilted:
             M = M - (gamma @ M) * gamma
+        if self.equations == "body":
+            c = gamma @ M if self.start.tilted else 0 * c
         unit = np.sqrt(M @ M)
         a, wanted = 1 / (inertia + d), np.array(wanted) * unit
         if self.extended:
