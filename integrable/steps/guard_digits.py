@@ -7,7 +7,9 @@ guard digits and rounded once, its image is right to rounding × the map's own c
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from functools import partial
 from math import ceil, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
@@ -56,7 +58,11 @@ def with_enough_digits(step: Step, state: State) -> State:
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
         return step.plain(state)
-    image = step.plain(state) if step.condition(state) <= MOST_CONDITION else None
+    image = None
+    if step.condition(state) <= MOST_CONDITION:
+        # next to a double point of the curve the sum loses more than the map
+        with suppress(PrecisionLoss):
+            image = step.plain(state)
     if image is None or not drift(step.system, image, state) <= MOST_DRIFT * K.eps:
         try:
             image = in_wider_numbers(step, state)[0]
@@ -92,10 +98,19 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
     The digits are chosen from :meth:`Step.condition`, and doubled where H1 and H2 say that they were too few;
     PrecisionLoss where that does not help either.
     """
+    K, condition = step.system.field, step.condition(state)
+    if on_principal_axis(step.system, state) is not None:
+        return _beside_rotation(step, state, count, condition)
+    return _wider(step, [(digits, partial(onto_constraints, state=state)) for digits in _digits(K, condition)], count)
+
+
+def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], State]]], count: int) -> list[State]:
+    """As :func:`in_wider_numbers`, from (digits, the state made for a system of so many) one after the other."""
     K = step.system.field
-    for last, digits in _digits(K, step.condition(state)):
+    for digits, made in attempts:
+        last = digits == attempts[-1][0]
         system = widened(step.system, MP(digits))
-        moved, start = step.wider(system), onto_constraints(system, state)
+        moved, start = step.wider(system), made(system)
         states = [start]
         try:
             for _ in range(count):
@@ -109,6 +124,65 @@ def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
         if lost <= K.eps**1.5:
             return [_rounded(K, image) for image in states[1:]]
     raise PrecisionLoss(f"{step!r}: H1 and H2 are off by {float(lost):.1e} of their size even over {system.field.name}")
+
+
+def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
+    """The axis along which M is, to eps², with γ across it: the body rotates about it, and the double point that its
+    curve has there is a point of its divisor."""
+    x, m = state.gamma, state.M
+    i = max(range(3), key=lambda k: abs(m[k]))
+    off = max(abs(x[i]), abs(m[i - 1] / m[i]), abs(m[i - 2] / m[i])) if m[i] else system.field.one
+    return i if off <= system.field.eps**2 else None
+
+
+def _beside_rotation(step: Step, state: State, count: int, condition: float) -> list[State]:
+    """The images of a rotation about a principal axis as limits: its divisor passes the double point of its curve,
+    where sums are not defined, those of motions beside it do not.
+
+    NotRepresentable where the images of two such motions, one with γ and one with M off the axis, differ.
+    """
+    K = step.system.field
+    first, *_ = _digits(K, condition)
+    distance = ceil(1.5 * first)
+    found = [
+        _wider(
+            step, [(first + factor * distance, partial(_nudged, state, distance, other)) for factor in (4, 8)], count
+        )
+        for other in (False, True)
+    ]
+    for one, two in zip(*found, strict=True):
+        size = abs(max(two.M, key=abs))
+        gaps = [abs(x - y) for x, y in zip(one.gamma, two.gamma, strict=True)]
+        gaps += [abs(x - y) / size for x, y in zip(one.M, two.M, strict=True)]
+        if not max(gaps) <= K.eps**0.75:
+            raise NotRepresentable(
+                f"{step!r}: M = {state.M} is along a principal axis and γ across it: the images of motions beside this "
+                "rotation depend on the side, and it has none"
+            )
+    return [_without_dust(K, image) for image in found[0]]
+
+
+def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
+    """The state with γ or M turned off the axis of M by 10^−distance."""
+    K, i = system.field, max(range(3), key=lambda k: abs(state.M[k]))
+    gamma, M = (list(map(K.coerce, v)) for v in (state.gamma, state.M))
+    small = K.context.mpf(10) ** -distance
+    if by_momentum:
+        # across γ, which is across the axis
+        gamma[i], M[i - 2], M[i - 1] = K.zero, -small * M[i] * gamma[i - 1], small * M[i] * gamma[i - 2]
+    else:
+        gamma[i], M[i - 2], M[i - 1] = small, -small * M[i] * gamma[i - 2], -small * M[i] * gamma[i - 1]
+    return onto_constraints(system, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=state.tilted))
+
+
+def _without_dust(field: Any, image: State) -> State:
+    """A rotation about an axis again, not to what it has been turned off."""
+    size = max(map(abs, image.M))
+    (g1, g2, g3), (m1, m2, m3) = (
+        tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)
+        for v, scale in ((image.gamma, field.one), (image.M, size))
+    )
+    return State((g1, g2, g3), (m1, m2, m3), tilted=image.tilted)
 
 
 def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
@@ -136,9 +210,9 @@ def _rounded(field: Any, state: State) -> State:
     return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
 
 
-def _digits(field: Any, condition: float) -> Iterator[tuple[bool, int]]:
-    """(whether it is the last, digits): those of the field and those that the condition costs, twice, 4 and 8 times."""
+def _digits(field: Any, condition: float) -> list[int]:
+    """Those of the field and those that the condition costs, twice, 4 and 8 times."""
     own = getattr(field, "dps", EPS_DIGITS)
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))
-    return ((k == ATTEMPTS - 1, first << k) for k in range(ATTEMPTS))
+    return [first << k for k in range(ATTEMPTS)]

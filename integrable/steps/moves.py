@@ -16,7 +16,13 @@ from integrable.phase.jets import JetField, apply
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
 from integrable.steps.extrapolation import extrapolated
-from integrable.steps.guard_digits import LARGEST, body_condition, tilt_condition, with_enough_digits
+from integrable.steps.guard_digits import (
+    LARGEST,
+    body_condition,
+    on_principal_axis,
+    tilt_condition,
+    with_enough_digits,
+)
 from integrable.steps.step import Step, checked_signs
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_of, shown, whole
@@ -78,6 +84,13 @@ class Multiplication(Move):
         self.system = system
 
     def _condition(self, state: State) -> float:
+        """NotRepresentable where a point of the divisor is a double point of the curve, which has no multiples."""
+        inexact = isinstance(self.system.field, InexactField)
+        if abs(self.factor) > 1 and inexact and on_principal_axis(self.system, state) is not None:
+            raise NotRepresentable(
+                f"M = {state.M} is along a principal axis and γ across it: a point of the divisor is the double point "
+                "of its curve, and has no multiples; give another state"
+            )
         # a divisor is added to itself: partial sums are anywhere
         return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
 

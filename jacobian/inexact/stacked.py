@@ -97,6 +97,8 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
     columns = [list(column) for column in zip(*[[*row[:m], row[m] / unit] for row in rows], strict=True)]
     order, triangle = pivoted_qr(columns)
     free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
+    if free == m:
+        raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
     if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
         order, triangle = pivoted_qr(columns[: m - free])
         solution = null_vector(order, triangle) + [field.zero] * (free + 1)

@@ -21,8 +21,8 @@ EPS = 2.0**-52
 
 
 def body(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any]:
-    """(Ω, Ṁ) of balls and tops, q = I·a = 1 − da, c = (γ, M): d(γ, AM) = c − (γ, QM), of which heavy balls lose nothing,
-    while (γ, AM) is a small difference of terms of the size of M/d there."""
+    """(Ω, Ṁ) of balls and tops, q = I·a = 1 − da, c = (γ, M): d(γ, AM) = c − (γ, QM), of which heavy balls lose
+    nothing, while (γ, AM) is a small difference of terms of the size of M/d there."""
     spin = (c - dot(x, times(q, m))) / dot(x, times(q, x))
     w = [a[i] * (m[i] + spin * x[i]) for i in range(3)]
     return w, cross(m, w)
