@@ -32,6 +32,8 @@ LINES = {
     "T": "T = J.fixed_base(D)",
     "Z": "from jacobian.periods.abel import AbelMap\nZ = AbelMap(L.curve)",
     "W": "from jacobian.relatives.conic import representative\nW = representative(D, C.random_point(Random(6)))",
+    "Y": "from jacobian.relatives.formal_sum import FormalSum\n"
+    "Y = 2 * FormalSum.from_divisor(D) - FormalSum.from_divisor(E)",
     "ball": "ball = ChaplyginBall((1, 2, 3), 0.7)",
     "state": "state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))",
     "flow": "flow = ball.flow(state)",

@@ -52,12 +52,12 @@ L.D: B ¦ L.E: B ¦ G.u: g.u ¦ G.v: g.v ¦ L.u: B.u ¦ L.v: B.v ¦ R.from_mumfo
 ball.from_separated.u: (0.4, 0.6) ¦ ball.translation.points: [1.8, 2.5] ¦ tilde.translation.points: [30, -30]
 ball.points: [1.8, 2.5] ¦ translation.points: [1.8, 2.5] ¦ tilde.D: tilde.divisor(state) ¦ Gyroscopic.c: 0.5
 system: ball ¦ ball.D: ball.divisor(state) ¦ Q.x: 0 ¦ step.system: ball ¦ W.c: 3 ¦ C.x: 0 ¦ GF.p: 101 ¦ U.c: (1, 1)
-set_threads.count: 2
+set_threads.count: 2 ¦ principal_divisor.a: [1, 1] ¦ principal_divisor.b: [1]
 """)
 )
 # whose methods are called
 OBJECTS = listed("""
-C ¦ Q ¦ J ¦ L ¦ D ¦ B ¦ A ¦ N ¦ R ¦ r ¦ U ¦ G ¦ g ¦ S ¦ T ¦ Z ¦ W ¦ ball ¦ top ¦ exact ¦ flow ¦ spin ¦ tilde ¦ hat
+C ¦ Q ¦ J ¦ L ¦ D ¦ B ¦ A ¦ N ¦ R ¦ r ¦ U ¦ G ¦ g ¦ S ¦ T ¦ Z ¦ W ¦ Y ¦ ball ¦ top ¦ exact ¦ flow ¦ spin ¦ tilde ¦ hat
 gyro ¦ bent ¦ step ¦ keyless
 """)
 # what is called itself
@@ -67,6 +67,7 @@ T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3)
 FACTORIES = listed("""
 GF ¦ MP ¦ HyperellipticCurve ¦ ChaplyginBall ¦ EulerTop ¦ Tilde ¦ Check ¦ Hat ¦ Gyroscopic ¦ set_threads
 load_scene ¦ run ¦ RayClassGroup ¦ AbelMap ¦ GeneralizedJacobian ¦ representative ¦ periods ¦ Jacobian ¦ AffinePoint
+principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points ¦ FormalSum.from_divisor
 QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(20).coerce
 """)
 # methods whose arguments are raw elements or internal numbers by contract
@@ -77,7 +78,7 @@ normal ¦ over ¦ pace ¦ pair ¦ potential_energy ¦ residual ¦ scalars ¦ tra
 OPERATORS = listed("""
 D + {} ¦ {} + D ¦ D - {} ¦ {} - D ¦ D * {} ¦ {} * D ¦ D == {} ¦ A + {} ¦ {} + A ¦ A - {} ¦ {} * A ¦ A * {} ¦ A == {}
 A[{}] ¦ r + {} ¦ {} * r ¦ r == {} ¦ C == {} ¦ J == {} ¦ ball == {} ¦ step @ {} ¦ step * {} ¦ {} * step ¦ state == {}
-B + {} ¦ {} * B ¦ N[{}] ¦ flow == {} ¦ tilde == {} ¦ hash({}) ¦ J({}) ¦ J({}, {})
+B + {} ¦ {} * B ¦ Y + {} ¦ {} - Y ¦ {} * Y ¦ Y == {} ¦ N[{}] ¦ flow == {} ¦ tilde == {} ¦ hash({}) ¦ J({}) ¦ J({}, {})
 """)
 # attributes of values, which cannot be set
 FIXED = {
@@ -88,6 +89,7 @@ FIXED = {
     "r": ("divisor", "unit", "group"),
     "state": ("gamma", "M"),
     "W": ("u", "v"),
+    "Y": ("u", "v", "weights"),
 }
 # what no package exports at its top
 IMPORTED = {
@@ -95,5 +97,8 @@ IMPORTED = {
     "AbelMap": "jacobian.periods.abel",
     "GeneralizedJacobian": "jacobian.relatives.glued",
     "representative": "jacobian.relatives.conic",
+    "FormalSum": "jacobian.relatives.formal_sum",
+    "principal_divisor": "jacobian.relatives.formal_sum",
+    "intersection": "jacobian.relatives.formal_sum",
     "periods": "jacobian.periods.matrix",
 }

@@ -8,6 +8,7 @@ from jacobian.fields.residue import ResidueField
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative
+from jacobian.relatives.formal_sum import FormalSum, principal_divisor
 from jacobian.relatives.glued import GeneralizedJacobian
 from jacobian.relatives.ray_class import RayClassGroup
 from jacobian.relatives.signed import SignedGroup
@@ -50,6 +51,7 @@ def values_over(K):
     if K.exact:
         rays = RayClassGroup(C)
         values |= {"ray class group": rays, "ray class": rays.lift(D), "fibre": rays.fibre}
+        values["formal sum"] = FormalSum.from_divisor(D) - principal_divisor(C, [1, 1], [1])
     elif not getattr(K, "complex", K is CC):
         ovals = real_periods(HyperellipticCurve(K, [0, 4, 0, -5, 0, 1]))
         values |= {"Abel map": AbelMap(C), "periods": periods(C), "oval": ovals[0]}

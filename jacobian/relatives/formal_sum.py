@@ -1,0 +1,307 @@
+"""Formal sums of points, divisors of functions, and the curve y = P(x) through two divisors (exact fields).
+
+A divisor Σ m_P P over the field is written without factoring anything: what is left of its affine part beside whole
+fibres π*(x − e) = P + ιP is one semi-reduced pair,
+
+    div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs,
+
+which is unique (the factorization of the ideal into a primitive one and its content). Sums compose pairs by Cantor's
+formulas and put the common part into r; nothing is reduced, and classes are taken where they are asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any, NamedTuple
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.addition.ladder import multiple
+from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
+from jacobian.curve.points import AffinePoint, Point, PointAtInfinity
+from jacobian.errors import (
+    ArgumentError,
+    CurveMismatch,
+    FieldError,
+    Infeasible,
+    NotRepresentable,
+    entries,
+    shown,
+    whole,
+)
+from jacobian.fields.factor import rational_roots, roots
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor, check_divisor, check_scalar, is_zero_int
+
+MOST_POINTS = 2000
+
+
+class FormalSum(Immutable):
+    """A divisor Σ m_P P of ``curve``, rational over its exact field: ``+``, ``−``, ``m * A``, ``==``, ``hash``.
+
+    ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials whose
+    fibres are added and taken away; ``weights``: the multiplicities of ``curve.points_at_infinity()``, or of the one
+    place of degree two of an inert model. Make one by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` or
+    :func:`principal_divisor`.
+    """
+
+    def __init__(
+        self, curve: HyperellipticCurve, pair: tuple[poly.Poly, poly.Poly], fibres: Any, weights: tuple[int, ...]
+    ) -> None:
+        K = curve.field
+        self.curve = curve
+        self.u, self.v = pair
+        above, below = fibres
+        common = poly.gcd(K, above, below)
+        self.numerator, self.denominator = (poly.quotient(K, a, common) for a in (above, below))
+        self.weights = weights
+
+    @staticmethod
+    def zero(curve: HyperellipticCurve) -> FormalSum:
+        """The empty sum; FieldError over an inexact field."""
+        if not check_curve(curve).field.exact:
+            raise FieldError(f"field = {curve.field.name}: multiplicities are not decided over an inexact field")
+        one = (curve.field.one,)
+        return FormalSum(curve, (one, ()), (one, one), (0,) * len(curve.points_at_infinity() or (None,)))
+
+    @staticmethod
+    def from_points(
+        curve: HyperellipticCurve, points: Iterable[Any], multiplicities: Iterable[int] | None = None
+    ) -> FormalSum:
+        """Σ m_i P_i for pairs (x, y) and points at infinity; ``multiplicities``: ints of any sign, 1 by default."""
+        total = FormalSum.zero(curve)
+        given = [curve.check_point(P) for P in entries(points, "points", "a sequence of pairs (x, y)")]
+        if multiplicities is None:
+            numbers = [1] * len(given)
+        else:
+            wanted = f"a sequence of {len(given)} ints, one for each point,"
+            found = entries(multiplicities, "multiplicities", wanted)
+            if len(found) != len(given):
+                raise ArgumentError(f"multiplicities = {shown(found)}: {wanted} is needed")
+            numbers = [whole(m, f"multiplicities[{i}]") for i, m in enumerate(found)]
+        for P, m in zip(given, numbers, strict=True):
+            total = total + m * _of_point(curve, P)
+        return total
+
+    @staticmethod
+    def from_divisor(D: Divisor) -> FormalSum:
+        """The formal sum that a divisor class is written with, of degree 0: div(u, v) and its points at infinity."""
+        C = check_divisor(D, "D").jacobian.curve
+        zero, size = FormalSum.zero(C), D.degree
+        if D.n is not None:
+            weights = (D.n - (C.genus + 1) // 2, (C.genus + 1) // 2 - size - D.n)
+        else:
+            weights = (-size,) if C.model == "ramified" else (-(size // 2),) * len(zero.weights)
+        return FormalSum(C, (D.u, D.v), (zero.numerator, zero.denominator), weights)
+
+    # --- what it is
+
+    @property
+    def degree(self) -> int:
+        """Σ m_P deg P."""
+        ends = sum(self.weights) * (2 if self.curve.model == "inert" else 1)
+        return len(self.u) - 1 + 2 * (len(self.numerator) - len(self.denominator)) + ends
+
+    @property
+    def effective(self) -> bool:
+        """Whether no multiplicity is negative."""
+        if min(self.weights) < 0:
+            return False
+        # whole fibres are taken away where the pair has at most one of the two points
+        return len(self.denominator) == 1
+
+    def multiplicity(self, point: Any) -> int:
+        """m_P of a point of the curve over its field."""
+        P, C, K = self.curve.check_point(point), self.curve, self.curve.field
+        if isinstance(P, PointAtInfinity):
+            return self.weights[C.points_at_infinity().index(P)]
+        own = _order(K, self.u, P.x) if self.u[1:] and poly.evaluate(K, self.v, P.x) == P.y else 0
+        fibres = _order(K, self.numerator, P.x) - _order(K, self.denominator, P.x)
+        return own + (2 if C.involution(P) == P else 1) * fibres
+
+    def support(self) -> list[tuple[Point, int]]:
+        """The points with their multiplicities, the affine ones by ascending x, over a finite field or QQ.
+
+        NotRepresentable where a part of the sum has no rational points.
+        """
+        C, K = self.curve, self.curve.field
+        whole_part = poly.mul(K, self.u, poly.mul(K, self.numerator, self.denominator))
+        xs = [] if len(whole_part) == 1 else rational_roots(whole_part) if K.order is None else roots(K, whole_part)
+        points: list[Point] = [P for x in xs for P in C.lift_x(x, all=True)]
+        points += C.points_at_infinity()
+        found = [(P, m) for P in points if (m := self.multiplicity(P))]
+        if sum(m for _, m in found) != self.degree or FormalSum.from_points(C, *_columns(found)) != self:
+            raise NotRepresentable(f"{self!r}: not all of its points are over {K.name}")
+        return found
+
+    def divisor(self) -> Divisor:
+        """The class in the Jacobian; ArgumentError for a degree other than 0."""
+        C = self.curve
+        if self.degree:
+            raise ArgumentError(f"{self!r} has degree {self.degree}: a class of the Jacobian has degree 0")
+        J = C.jacobian()
+        J._check_representable()
+        rise = len(self.numerator) - len(self.denominator)
+        return J._reduced(self.u, self.v, self.weights[0] + rise + (C.genus + 1) // 2 if C.model == "split" else None)
+
+    def is_principal(self) -> bool:
+        """Whether it is the divisor of a function."""
+        return self.degree == 0 and not self.divisor()
+
+    # --- the group
+
+    def _compatible(self, other: FormalSum) -> FormalSum:
+        if other.curve != self.curve:
+            raise CurveMismatch(f"formal sums of two curves cannot be combined: {self.curve!r} and {other.curve!r}")
+        return other
+
+    def __add__(self, other: Any) -> FormalSum:
+        if not isinstance(other, FormalSum):
+            return self if is_zero_int(other) else NotImplemented
+        C, K = self._compatible(other).curve, self.curve.field
+        trace = poly.add(K, poly.add(K, self.v, other.v), C.h)
+        common = poly.gcd(K, poly.gcd(K, self.u, other.u), trace)
+        u, v, _ = cantor.compose(C, (self.u, self.v, None), (other.u, other.v, None))
+        above = poly.mul(K, common, poly.mul(K, self.numerator, other.numerator))
+        below = poly.mul(K, self.denominator, other.denominator)
+        weights = tuple(x + y for x, y in zip(self.weights, other.weights, strict=True))
+        return FormalSum(C, (u, poly.mod(K, v, u)), (above, below), weights)
+
+    __radd__ = __add__
+
+    def __neg__(self) -> FormalSum:
+        K, C = self.curve.field, self.curve
+        v = poly.mod(K, poly.neg(K, poly.add(K, self.v, C.h)), self.u)
+        fibres = self.denominator, poly.mul(K, self.numerator, self.u)
+        return FormalSum(C, (self.u, v), fibres, tuple(-m for m in self.weights))
+
+    def __sub__(self, other: Any) -> FormalSum:
+        if not isinstance(other, FormalSum):
+            return self if is_zero_int(other) else NotImplemented
+        return self + -other
+
+    def __rsub__(self, other: Any) -> FormalSum:
+        return -self if is_zero_int(other) else NotImplemented
+
+    def __mul__(self, scalar: Any) -> FormalSum:
+        if isinstance(scalar, FormalSum):
+            return NotImplemented
+        m, A = check_scalar(scalar), self
+        if abs(m) * max(map(len, (self.u, self.numerator, self.denominator))) > MOST_POINTS and len(self.u) > 1:
+            raise Infeasible(
+                f"scalar = {shown(m)}: sums of more than {MOST_POINTS} points are not reduced by themselves"
+            )
+        if m < 0:
+            m, A = -m, -self
+        return multiple(m, A, FormalSum.__add__, lambda B: B + B, FormalSum.__neg__) if m else FormalSum.zero(A.curve)
+
+    __rmul__ = __mul__
+    __array_ufunc__ = None
+
+    def _value(self) -> tuple[Any, ...]:
+        key = self.curve.field.key
+        parts = (self.u, self.v, self.numerator, self.denominator)
+        return self.curve, tuple(tuple(map(key, part)) for part in parts), self.weights
+
+    def __bool__(self) -> bool:
+        return any(self.weights) or any(len(part) > 1 for part in (self.u, self.numerator, self.denominator))
+
+    def __repr__(self) -> str:
+        K = self.curve.field
+        parts = [f"div({poly.text(K, self.u)}, {poly.text(K, self.v)})"] if len(self.u) > 1 else []
+        if len(self.numerator) > 1:
+            parts.append(f"π*({poly.text(K, self.numerator)})")
+        if len(self.denominator) > 1:
+            parts.append(f"(-1)·π*({poly.text(K, self.denominator)})")
+        names = self.curve.points_at_infinity() or ("∞",)
+        parts += [f"({m})·{name}" for m, name in zip(self.weights, names, strict=True) if m]
+        return " + ".join(parts) or "0"
+
+
+class Intersection(NamedTuple):
+    """A curve Y: y = P(x) that passes through two divisors, and where it meets X.
+
+    ``P``: as many times through each point as both together have it, less opposite points, whose abscissas are the
+    roots of ``fibres``; ``abel``: Abel's polynomial P² + hP − f, whose roots are the abscissas of X·Y; ``points``: X·Y,
+    its affine part; ``rest``: what fibres·(y − P) leaves of its divisor beside D and E, so that D + E = −rest as
+    classes.
+    """
+
+    P: poly.Poly
+    fibres: poly.Poly
+    abel: poly.Poly
+    points: FormalSum
+    rest: FormalSum
+
+
+def principal_divisor(curve: HyperellipticCurve, a: Any, b: Any = ()) -> FormalSum:
+    """div(a(x) + b(x)·y) on an exact curve, of degree 0, for polynomials (ascending) that are not both 0.
+
+    With c = gcd(a, b), a = ca₀, b = cb₀ it is π*(c) + div(N, −a₀/b₀ mod N) and points at infinity, N the norm a₀² −
+    ha₀b₀ − fb₀²: a₀ + b₀y vanishes at no two opposite points.
+    """
+    zero, K = FormalSum.zero(curve), curve.field
+    first, second = poly.coerce(K, a, "a"), poly.coerce(K, b, "b")
+    if not first and not second:
+        raise ArgumentError("a = b = 0: the function 0 has no divisor")
+    content = poly.gcd(K, first, second)
+    a, b = poly.quotient(K, first, content), poly.quotient(K, second, content)
+    norm = poly.sub(K, poly.mul(K, a, poly.sub(K, a, poly.mul(K, curve.h, b))), poly.mul(K, curve.f, poly.mul(K, b, b)))
+    u = poly.monic(K, norm)
+    _, inverse = poly.half_xgcd(K, u, b) if b else ((), ())
+    v = poly.neg(K, poly.mod(K, poly.mul(K, a, inverse), u))
+    affine = FormalSum(curve, (u, v), (poly.monic(K, content), (K.one,)), zero.weights)
+    return FormalSum(curve, (u, v), (affine.numerator, affine.denominator), _at_infinity(affine, (a, b), content))
+
+
+def intersection(D: Divisor, E: Divisor) -> Intersection:
+    """The curve y = P(x) of lowest degree through two divisors of one group over an exact field, and its divisor.
+
+    Where D and E are in general position, of weight two on a curve of genus two, P is a cubic, and X·Y consists of the
+    points of D, E and −(D + E): the addition of divisors (Abel 1841; Tsiganov, in-div). Common points are tangencies,
+    opposite ones are ``fibres``; the curve through no point at all is y = 0. FieldError over an inexact field.
+    """
+    first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))
+    C, K = D._compatible(E).jacobian.curve, first.curve.field
+    both = first + second
+    P, one = both.v, (K.one,)
+    abel = poly.sub(K, poly.mul(K, P, poly.add(K, P, C.h)), C.f)
+    whole_divisor = principal_divisor(C, poly.neg(K, P), one)
+    points = FormalSum(C, (whole_divisor.u, whole_divisor.v), (one, one), (0,) * len(whole_divisor.weights))
+    fibres = both.numerator
+    rest = principal_divisor(C, poly.neg(K, poly.mul(K, fibres, P)), fibres) - both
+    return Intersection(P, fibres, abel, points, rest)
+
+
+def _at_infinity(affine: FormalSum, function: tuple[poly.Poly, poly.Poly], content: poly.Poly) -> tuple[int, ...]:
+    """The orders at infinity of content·(a + by), from the degree 0 and the leading terms."""
+    C, K, (a, b) = affine.curve, affine.curve.field, function
+    total = affine.degree
+    if C.model != "split":
+        return (-total if C.model == "ramified" else -total // 2,)
+    # y is z·x^(g+1) + … there: at one of the two points at least the leading terms do not cancel
+    g, rise = C.genus, len(content) - 1
+    top = max(len(a) - 1, len(b) + g if b else 0)
+    lead = K.add(coefficient(K, a, top), K.mul(coefficient(K, b, top - g - 1), C.infinity_plus))
+    return (-top - rise, top + rise - total) if lead != K.zero else (top + rise - total, -top - rise)
+
+
+def _of_point(C: HyperellipticCurve, P: Point) -> FormalSum:
+    K, zero = C.field, FormalSum.zero(C)
+    if isinstance(P, AffinePoint):
+        pair = (K.neg(P.x), K.one), poly.trim(K, (P.y,))
+        return FormalSum(C, pair, (zero.numerator, zero.denominator), zero.weights)
+    weights = tuple(int(P == Q) for Q in C.points_at_infinity())
+    return FormalSum(C, (zero.u, zero.v), (zero.numerator, zero.denominator), weights)
+
+
+def _order(K: Any, a: poly.Poly, x: Any) -> int:
+    """How often x is a root of a."""
+    line, count = (K.neg(x), K.one), 0
+    while poly.evaluate(K, a, x) == K.zero:
+        a, count = poly.quotient(K, a, line), count + 1
+    return count
+
+
+def _columns(rows: list[tuple[Point, int]]) -> tuple[list[Point], list[int]]:
+    return [P for P, _ in rows], [m for _, m in rows]
