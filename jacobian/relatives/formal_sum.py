@@ -88,6 +88,7 @@ class FormalSum(Immutable):
         """The formal sum that a divisor class is written with, of degree 0: div(u, v) and its points at infinity."""
         C = check_divisor(D, "D").jacobian.curve
         zero, size = FormalSum.zero(C), D.degree
+        weights: tuple[int, ...]
         if D.n is not None:
             weights = (D.n - (C.genus + 1) // 2, (C.genus + 1) // 2 - size - D.n)
         else:
