@@ -45,7 +45,7 @@ KNOWN = {
     "run.times": "ndarray[tuple[int], dtype[Any]]",
     "run.attitude": "ndarray[tuple[int, int, int], dtype[Any]]",
     "load_scene('chaplygin')": "Scene",
-    "integrable.run('chaplygin')": "Trajectory | DeformedTrajectory | Orbit",
+    "integrable.run('chaplygin')": "Trajectory",
 }
 WRONG = {
     "J.from_pionts([(0, 1)])": "from_pionts",

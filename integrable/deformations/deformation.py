@@ -11,13 +11,15 @@ from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
+    from integrable.deformations.deformed_flow import DeformedFlow
     from integrable.deformations.two_curves import TwoPoints
+    from integrable.motion.trajectory import Motion
 
 
 class Deformation(Hamiltonian):
     """A deformation. Base of :class:`Tilde`, :class:`Check`, :class:`Hat` and :class:`Gyroscopic`."""
 
-    def flow(self, state: State) -> Any:
+    def flow(self, state: State) -> DeformedFlow:
         """The motion through a state as additions on two elliptic curves: the tilde, check and hat pairs without
         potential (:mod:`integrable.deformations.separated_flow`), the tilde pair at d = 0 in repelling poles b_i > 0
         alone (:mod:`integrable.deformations.pole_flow`). ArgumentError for the others.
@@ -27,7 +29,7 @@ class Deformation(Hamiltonian):
             "motion_through(state)"
         )
 
-    def motion_through(self, state: State) -> Any:
+    def motion_through(self, state: State) -> Motion:
         """What gives the states at physical times, ``.at(times)``: :meth:`flow` where there is one, else the equations
         of motion integrated (:class:`integrable.deformations.integrated.IntegratedMotion`); ``.method`` says which. RR
         and MP(digits) only.
@@ -88,7 +90,7 @@ class IsometricDeformation(Deformation):
     def separates(self) -> bool:
         return self.potential is None
 
-    def flow(self, state: State) -> Any:
+    def flow(self, state: State) -> DeformedFlow:
         """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
         if not self.separates:
             return super().flow(state)

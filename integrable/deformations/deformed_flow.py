@@ -8,7 +8,8 @@ again with as many more, and PrecisionLoss ends it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cached_property
 from math import ceil
 from typing import Any
 
@@ -16,11 +17,11 @@ import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import digits_of
+from integrable.motion.trajectory import Motion, Way
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State
 from jacobian import MP, RR
-from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
-from jacobian.immutable import Immutable, Record
+from jacobian.errors import ArgumentError, PrecisionLoss
 
 GUARD_DIGITS = 18
 SPARE = 2
@@ -32,25 +33,6 @@ WIDER = 10
 DIGITS_STEP = 16
 MOST_LOST = 400
 """What a motion may lose, beyond as many digits as are asked for."""
-
-
-class DeformedTrajectory(Record):
-    """γ and M of shape (N, 3) at physical times ``times`` and times ``tau`` of the flow, shape (N,), dτ = g dt.
-
-    ``times`` is None where only τ was asked for at d ≠ 0. ``report`` is the report of a scene's run, or None.
-    """
-
-    def __init__(
-        self, times: np.ndarray | None, tau: np.ndarray | None, gamma: np.ndarray, M: np.ndarray, report: Any = None
-    ) -> None:
-        self.times = times
-        self.tau = tau
-        self.gamma = gamma
-        self.M = M
-        self.report = report
-
-    def __len__(self) -> int:
-        return len(self.gamma)
 
 
 class Separated:
@@ -80,6 +62,10 @@ class Separated:
         """τ at physical times."""
         return times
 
+    def times(self, tau: list[Any], digits: int) -> list[Any]:
+        """Physical times at values of τ."""
+        return tau
+
     def clock_missing(self, tau: Any, digits: int) -> int:
         """How many of so many digits the clock lacks at a τ that it gave."""
         return -digits
@@ -89,7 +75,7 @@ class Separated:
         raise NotImplementedError
 
 
-class DeformedFlow(Immutable):
+class DeformedFlow(Motion):
     """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
 
     Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,
@@ -97,51 +83,67 @@ class DeformedFlow(Immutable):
     """
 
     method = "elliptic curves"
-    _caches = ("_motion", "_witness", "_witnessed")
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
-        self.system, self.state = system, state
-        self._asked = digits_asked(system.field)
-        self._motion = self._started(self._asked + GUARD_DIGITS)
-        self._witness: Separated | None = None
-        self._witnessed: Any = 0
-
-    def __reduce__(self) -> Any:
-        return type(self), (self.system, self.state)
-
-    def at(self, times: Any) -> DeformedTrajectory:
-        """The states at physical times t, of any order, size and sign."""
-        return self._at(times, "times", physical=True)
-
-    def at_tau(self, tau: Any) -> DeformedTrajectory:
-        """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0), of any order, size and sign."""
-        return self._at(tau, "tau", physical=not self.system.body.rolls)
-
-    # --- inside
+        super().__init__(system, state)
+        # made here, so that what it refuses is refused at once
+        _ = self._curves
 
     def _moving(self, system: Any, state: State) -> Separated:
         """The motion over the wide numbers of ``system``."""
         raise NotImplementedError
 
-    def _at(self, values: Any, argument: str, physical: bool) -> DeformedTrajectory:
-        K = self.system.field
-        given = numbers_of(K, values, argument)
-        tau, rows = self._good(given, physical)
-        if not physical:
-            return motion_of(K, None, given, rows)
-        return motion_of(K, given, given if tau is None else tau, rows)
+    @cached_property
+    def _curves(self) -> CurveRows:
+        return CurveRows(self.system, self.state, self._moving)
 
-    def _good(self, given: list[Any], physical: bool) -> tuple[list[Any] | None, list[Any]]:
-        """(τ, rows) with all the digits asked for; τ is None where it is the time given."""
-        clock = physical and self.system.body.rolls
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        return self._curves
+
+
+class CurveRows:
+    """The states of a DeformedFlow with all the digits asked for, rounded to the field of ``system``.
+
+    ``moving``(system, state) is the motion over the wide numbers of that system.
+    """
+
+    way = DeformedFlow.method
+
+    def __init__(self, system: Hamiltonian, state: State, moving: Callable[[Any, State], Separated]) -> None:
+        self._system, self._state, self._moving = system, state, moving
+        self._asked = digits_asked(system.field)
+        self.motion = self._started(self._asked + GUARD_DIGITS)
+        self._witness: Separated | None = None
+        self._witnessed: Any = 0
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        tau, rows = self._good(times.tolist(), self._system.body.rolls)
+        return rounded_rows(self._system.field, rows), rounded(self._system.field, tau)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        return rounded_rows(self._system.field, self._good(tau.tolist(), False)[1])
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        given = tau.tolist()
         while True:
-            motion = self._motion
+            needed = self._enough(given, False)
+            motion = self.motion
+            wide = [motion.field.coerce(x) for x in given]
+            times = motion.times(wide, needed - ROUNDING)
+            missing = motion.clock_missing(max(wide, key=abs, default=motion.field.zero), self._asked + SPARE)
+            if missing <= 0:
+                return rounded(self._system.field, times)
+            self.more_digits(motion.field.dps + min(missing, motion.field.dps) + WIDER)
+
+    def _good(self, given: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
+        """(τ, rows) with all the digits asked for; τ is the time given unless there is a ``clock``."""
+        while True:
+            needed = self._enough(given, clock)
+            motion = self.motion
             tau = [motion.field.coerce(x) for x in given]
-            far = max(map(abs, tau), default=motion.field.zero)
-            needed = self._needed(motion.turns(motion.most_tau(far) if clock else far))
-            if needed > motion.field.dps:
-                self._more_digits(needed)
-                continue
             if clock:
                 tau = motion.tau(tau, needed - ROUNDING)
             rows = [motion.state(x) for x in tau]
@@ -149,50 +151,59 @@ class DeformedFlow(Immutable):
             if clock and tau and missing <= 0:
                 missing = motion.clock_missing(max(tau, key=abs), self._asked + SPARE)
             if missing <= 0:
-                return tau if clock else None, rows
+                return tau, rows
             # where nothing is right it is not known how much is missing
-            self._more_digits(motion.field.dps + min(missing, motion.field.dps) + WIDER)
+            self.more_digits(motion.field.dps + min(missing, motion.field.dps) + WIDER)
+
+    def _enough(self, given: list[Any], clock: bool) -> int:
+        """The digits that the farthest of the times takes; now there are as many."""
+        while True:
+            motion = self.motion
+            far = max((abs(motion.field.coerce(x)) for x in given), default=motion.field.zero)
+            needed = self._needed(motion.turns(motion.most_tau(far) if clock else far))
+            if needed <= motion.field.dps:
+                return needed
+            self.more_digits(needed)
 
     def _needed(self, turns: Any) -> int:
         """The digits that states so many periods away take."""
-        context = self._motion.field.context
+        context = self.motion.field.context
         return self._asked + SPARE + ROUNDING + ceil(float(context.log10(1 + turns)))
 
-    def _more_digits(self, digits: int) -> None:
+    def more_digits(self, digits: int) -> None:
         """Start again with that many, or a few more."""
         own = self._asked + GUARD_DIGITS
         digits = own + DIGITS_STEP * ceil((digits - own) / DIGITS_STEP)
         if digits > 2 * self._asked + MOST_LOST:
             raise PrecisionLoss(
-                f"{self.system!r}: the motion loses more than {self._asked + MOST_LOST} digits on the way there; times "
-                "nearer to 0 are within reach, and MP fields of more digits allow as many more"
+                f"{self._system!r}: the motion loses more than {self._asked + MOST_LOST} digits on the way there; "
+                "times nearer to 0 are within reach, and MP fields of more digits allow as many more"
             )
-        vars(self).update(_motion=self._started(digits), _witness=None, _witnessed=0)
+        self.motion, self._witness, self._witnessed = self._started(digits), None, 0
 
     def _started(self, digits: int) -> Separated:
         """The motion at that many digits, or at more where it does not start from the state."""
         for _ in range(3):
-            motion = self._moving(*widened(self.system, self.state, digits))
+            motion = self._moving(*widened(self._system, self._state, digits))
             missing = self._difference(motion.state(motion.field.zero), (motion.start.gamma, motion.start.M), motion)
             if missing <= 0:
                 return motion
             digits += min(missing, digits) + WIDER
-        raise PrecisionLoss(f"{self.state!r}: it is not found again from its two points even with {digits} digits")
+        raise PrecisionLoss(f"{self._state!r}: it is not found again from its two points even with {digits} digits")
 
     def _missing(self, tau: list[Any], rows: list[Any]) -> int:
         """How many of the digits asked for the rows lack, 0 or less for none."""
-        motion = self._motion
+        motion = self.motion
         missing = integrals_missing(motion.system, motion.start, motion.sizes, rows, self._asked + SPARE)
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
         if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
             return missing
         if self._witness is None:
-            vars(self)["_witness"] = self._moving(*widened(self.system, self.state, motion.field.dps + WIDER))
-        assert self._witness is not None
+            self._witness = self._moving(*widened(self._system, self._state, motion.field.dps + WIDER))
         again = self._witness.state(self._witness.field.coerce(tau[far]))
         missing = self._difference(rows[far], again, self._witness)
         if missing <= 0:
-            vars(self)["_witnessed"] = abs(tau[far])
+            self._witnessed = abs(tau[far])
         return missing
 
     def _difference(self, row: Any, truth: Any, motion: Separated) -> int:
@@ -235,18 +246,14 @@ def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]
     return system.over(wide), State(tuple(gamma), tuple(M))
 
 
-def numbers_of(K: Any, values: Any, argument: str) -> list[Any]:
-    """The values, or one, as elements of K; FieldError that names ``argument``."""
-    return [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(one_or_more(values, argument))]
+def rounded(K: Any, values: Any) -> np.ndarray:
+    """Wide numbers as an array of elements of the field K."""
+    if K == RR:
+        return np.array(values, dtype=np.float64)
+    result: np.ndarray = np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
+    return result
 
 
-def motion_of(K: Any, times: Any, tau: Any, rows: Sequence[Any]) -> DeformedTrajectory:
-    """Times and rows (γ, M) rounded to the field K."""
-    kind = np.float64 if K == RR else object
-    number = float if K == RR else K.coerce
-
-    def table(values: Any) -> np.ndarray:
-        return np.array([[number(x) for x in row] for row in values], dtype=kind).reshape(-1, 3)
-
-    t, s = (None if x is None else np.array([number(y) for y in x], dtype=kind) for x in (times, tau))
-    return DeformedTrajectory(t, s, table([row[0] for row in rows]), table([row[1] for row in rows]))
+def rounded_rows(K: Any, rows: Sequence[Any]) -> np.ndarray:
+    """Pairs (γ, M) as an array of shape (N, 6)."""
+    return rounded(K, [(*gamma, *M) for gamma, M in rows]).reshape(-1, 6)

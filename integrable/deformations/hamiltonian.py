@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.phase.body import Body
 from integrable.phase.jets import JetField
@@ -21,6 +21,11 @@ from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.immutable import Immutable, replaced
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from integrable.motion.trajectory import Motion
 
 
 class DeformedIntegrals(NamedTuple):
@@ -198,6 +203,25 @@ class Hamiltonian(Immutable):
             energy, second = energy.value, second.value
         return DeformedIntegrals(K.dot(state.gamma, state.gamma), K.dot(state.gamma, state.M), energy, second)
 
+    def integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
+        """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
+        import numpy as np
+
+        q = self.scalars(self._constants(0), gamma.T, M.T)
+        with _Infinite(), np.errstate(divide="raise"):
+            return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
+
+    def omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+        """Ω = ½∂H/∂M, γ̇ = γ × Ω, of many real states, shape (N, 3)."""
+        import numpy as np
+
+        with _Infinite(), np.errstate(divide="raise"):
+            return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
+
+    def attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+        """NotRepresentable: M does not rest in space."""
+        raise NotRepresentable(f"{self!r}: M does not rest in space, and with γ alone no attitude is known")
+
     def vector_field(self, state: State) -> State:
         """(γ̇, Ṁ), as a State of derivatives."""
         state = self._checked(state)
@@ -212,7 +236,7 @@ class Hamiltonian(Immutable):
             rate, momentum = ([x.value for x in v] for v in (rate, momentum))
         return State(tuple(rate), tuple(momentum))
 
-    def flow(self, state: State) -> Any:
+    def flow(self, state: State) -> Motion:
         """The motion through a state, where its curves are known."""
         raise NotImplementedError
 
@@ -296,7 +320,7 @@ def poles(q: Scalars, potential: Potential, term: Any) -> Any:
     """Σ b_i·term(a_i, a_j, a_k)/γ_i² over the axes with b_i ≠ 0."""
     total = 0 * q.s
     for b, (a, a2, a3, square) in zip(potential.poles, q.axes(), strict=True):
-        if b != 0 * q.s:
+        if b != 0 * potential.a:
             total = total + b * term(a, a2, a3) / square
     return total
 
@@ -323,7 +347,8 @@ class _Infinite:
         return None
 
     def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        if kind is not None and issubclass(kind, ZeroDivisionError):
+        # numpy's is no ZeroDivisionError
+        if kind is not None and issubclass(kind, (ZeroDivisionError, FloatingPointError)):
             raise NotRepresentable("the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes")
 
 

@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import Any
 
-from integrable.deformations.deformed_flow import (
-    GUARD_DIGITS,
-    DeformedTrajectory,
-    digits_asked,
-    integrals_missing,
-    motion_of,
-    numbers_of,
-    widened,
-)
+import numpy as np
+
+from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, integrals_missing, rounded, widened
 from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.motion.refusals import Rows, refused_rows
+from integrable.motion.trajectory import Motion, Way
 from integrable.phase.state import State
 from integrable.steps.extrapolation import integrate
 from jacobian.errors import PrecisionLoss
-from jacobian.immutable import Immutable
 
 # digits of a step beyond those asked for, and what all steps together may lose of H and K
 STEP_DIGITS = 2
@@ -27,17 +23,24 @@ LOST_DIGITS = 3
 PART = 1.2345e-4
 
 
-def rates(system: Any) -> Callable[[Sequence[Any]], list[Any]]:
-    """The six equations of motion y ↦ ẏ, y = (γ1, γ2, γ3, M1, M2, M3), from ``system.vector_field``."""
+def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
+    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
+    unless ``physical``, the derivatives by τ, and of t.
+    """
+    rolls = system.body.rolls
 
     def right_hand_side(y: Sequence[Any]) -> list[Any]:
         rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        return [*rate.gamma, *rate.M]
+        moved = [*rate.gamma, *rate.M]
+        if not rolls:
+            return moved
+        slow = system.body.conformal((y[0], y[1], y[2])) ** (system.field.one / 2)
+        return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
 
     return right_hand_side
 
 
-class IntegratedMotion(Immutable):
+class IntegratedMotion(Motion):
     """The motion of a deformation through a state, by extrapolation of ``system.vector_field``, over RR or MP(digits).
 
     All is computed with guard digits, also for floats, each step to the last digit, and rounded once. The work grows
@@ -48,31 +51,77 @@ class IntegratedMotion(Immutable):
     method = "extrapolation"
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
-        self.system, self.state = system, state
-        self._asked = digits_asked(system.field)
+        super().__init__(system, state)
+        # so that another field is refused at once
+        _ = self._equations
 
-    def at(self, times: Any) -> DeformedTrajectory:
-        """The states at physical times, in any order and of either sign."""
-        K = self.system.field
-        given = numbers_of(K, times, "times")
-        system, state = widened(self.system, self.state, self._asked + GUARD_DIGITS)
+    @cached_property
+    def _equations(self) -> Equations:
+        return Equations(self.system, self.state)
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        return self._equations
+
+    def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+        # rows that the equations have reached are not integrated again
+        return self._equations.kept(given, physical, nan)
+
+
+class Equations:
+    """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 t or τ is integrated along."""
+
+    way = IntegratedMotion.method
+
+    def __init__(self, system: Hamiltonian, state: State) -> None:
+        self._field, self._asked = system.field, digits_asked(system.field)
+        self._system, self._state = widened(system, state, self._asked + GUARD_DIGITS)
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        found = self.kept(times, True, None, strict=True)
+        return found.rows, found.tau
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        return self.kept(tau, False, None, strict=True).rows
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        return self.kept(tau, False, None, strict=True).tau
+
+    def kept(self, given: np.ndarray, physical: bool, nan: Any, strict: bool = False) -> Rows:
+        """The rows at values of t, or of τ unless ``physical``, and the other of the two in the place of ``tau``."""
+        refused: dict[int, str] = {}
+        found = self._integrated(given, physical, None if strict else refused)
+        for i, row in enumerate(found):
+            missing = 0 if i in refused else self._missing(row)
+            if missing > 0:
+                refused[i] = (
+                    f"times: H and K of the motion as integrated are {missing} digits short; times nearer to 0 are "
+                    "within reach, or an MP field of more digits"
+                )
+                if strict:
+                    raise PrecisionLoss(refused[i])
+        rows = rounded(self._field, [row[:6] for row in found]).reshape(-1, 6)
+        tau = rounded(self._field, [row[6] for row in found]) if self._system.body.rolls else given
+        return refused_rows(Rows(rows, tau), refused, nan)
+
+    def _integrated(self, given: np.ndarray, physical: bool, refused: dict[int, str] | None) -> list[list[Any]]:
+        system, state, digits = self._system, self._state, self._asked + STEP_DIGITS
         wide = system.field
-        step_digits = self._asked + STEP_DIGITS
-        found = integrate(
-            rates(system),
-            [*state.gamma, *state.M],
-            [wide.coerce(x) for x in given],
-            wide.coerce(10) ** -step_digits,
-            step_digits,
-        )
-        rows = [(row[:3], row[3:]) for row in found]
-        missing = integrals_missing(system, state, _sizes(system, state), rows, self._asked - LOST_DIGITS)
-        if missing > 0:
-            raise PrecisionLoss(
-                f"times: H and K of the motion as integrated are {missing} digits short; times nearer to 0 are within "
-                "reach, or an MP field of more digits"
-            )
-        return motion_of(K, given, None, rows)
+        start = [*state.gamma, *state.M, *([wide.zero] if system.body.rolls else [])]
+        times = [wide.coerce(x) for x in given.tolist()]
+        rate = rates(system, physical)
+        return integrate(rate, start, times, wide.coerce(10) ** -digits, digits, refused)
+
+    def _missing(self, row: list[Any]) -> int:
+        """How many of the digits asked for, but for LOST_DIGITS, H and K of a row lack."""
+        rows = [(row[:3], row[3:6])]
+        return integrals_missing(self._system, self._state, self._sizes, rows, self._asked - LOST_DIGITS)
+
+    @cached_property
+    def _sizes(self) -> tuple[Any, Any]:
+        return _sizes(self._system, self._state)
 
 
 def _sizes(system: Any, state: State) -> tuple[Any, Any]:

@@ -117,6 +117,12 @@ class SeparatedClock:
                 return x / self._unit
         raise PrecisionLoss(f"times: the flow's own time at t = {float(t / self._unit):g} has not converged")
 
+    def time(self, tau: Any) -> Any:
+        """The physical time at τ."""
+        x = tau * self._unit
+        swing = self._exact(self._phases(x))[0] - self._origin
+        return (self._mean * x + self._slowly(x) + swing) / self._unit
+
     def defect(self, tau: Any, rate: Any) -> Any:
         """The relative difference of 1/g of the series at τ and ``rate``."""
         _, found = self._exact(self._phases(tau * self._unit))

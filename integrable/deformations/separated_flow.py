@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.deformed_flow import DeformedFlow, Separated, integrals_missing, motion_of
+from integrable.deformations.deformed_flow import DeformedFlow, Separated, digits_asked, integrals_missing, rounded_rows
 from integrable.deformations.oval import Oval, root
 from integrable.motion.precise import digits_of
 from integrable.phase.body import cross
@@ -37,16 +37,18 @@ class SeparatedFlow(DeformedFlow):
         """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
         μ_k/I_i) and how many times, or None.
         """
+        curves = self._curves
         while True:
-            motion: Any = self._motion
+            motion: Any = curves.motion
             moved = motion.translated(roots_of)
-            missing = integrals_missing(motion.system, motion.start, motion.sizes, [moved], self._asked)
+            missing = integrals_missing(
+                motion.system, motion.start, motion.sizes, [moved], digits_asked(self.system.field)
+            )
             if missing <= 0:
                 break
-            self._more_digits(motion.field.dps + min(missing, motion.field.dps))
-        row = motion_of(self.system.field, None, [], [moved])
-        x, m = row.gamma[0].tolist(), row.M[0].tolist()
-        return State((x[0], x[1], x[2]), (m[0], m[1], m[2]))
+            curves.more_digits(motion.field.dps + min(missing, motion.field.dps))
+        x1, x2, x3, m1, m2, m3 = rounded_rows(self.system.field, [moved])[0].tolist()
+        return State((x1, x2, x3), (m1, m2, m3))
 
 
 class IsometricFlow(DeformedFlow):
@@ -94,6 +96,9 @@ class OvalMotion(Separated):
 
     def tau(self, times: list[Any], digits: int) -> list[Any]:
         return [self._clock(digits).tau(t) for t in times]
+
+    def times(self, tau: list[Any], digits: int) -> list[Any]:
+        return [self._clock(digits).time(x) for x in tau]
 
     def clock_missing(self, tau: Any, digits: int) -> int:
         rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))

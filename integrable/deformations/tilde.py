@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
 from integrable.phase.state import State
 from jacobian import RR
+
+if TYPE_CHECKING:
+    from integrable.deformations.deformed_flow import DeformedFlow
 
 
 class Tilde(Deformation):
@@ -35,7 +38,7 @@ class Tilde(Deformation):
         zero = self.field.zero
         return self.potential.a == self.potential.b == zero and all(b > zero for b in self.potential.poles)
 
-    def flow(self, state: State) -> Any:
+    def flow(self, state: State) -> DeformedFlow:
         """The motion as additions on the curves y² = 4λ_k(dx − 1)Π(a_i − x), a :class:`SeparatedFlow`; in repelling
         poles b_i > 0 alone, at d = 0, on cubics, a :class:`integrable.deformations.pole_flow.PoleFlow`. ArgumentError
         elsewhere.

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.trajectory import Motion
+from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import legendre_rule
 from integrable.phase.body import cross
 from integrable.steps.guard_digits import onto_constraints, widened
@@ -67,7 +67,7 @@ def positions(run: Trajectory) -> np.ndarray:
 class Rolling:
     """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` how many digits γ × M has lost."""
 
-    def __init__(self, flow: Motion) -> None:
+    def __init__(self, flow: BodyMotion) -> None:
         self.flow = flow
         setup, field = flow.setup, flow.system.field
 
@@ -196,7 +196,7 @@ class Rolling:
                 raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
 
 
-def on_torus(flow: Motion) -> TorusIntegral | None:
+def on_torus(flow: BodyMotion) -> TorusIntegral | None:
     """The bounded part along the flow in floats, None where the motion is no line on a compact torus."""
     from integrable.motion.integral import TorusIntegral
 

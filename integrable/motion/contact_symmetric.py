@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.motion.trajectory import Motion
+from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import cross
 from integrable.steps.guard_digits import onto_constraints, widened
 from jacobian import RR
@@ -29,7 +29,7 @@ from jacobian import RR
 class SymmetricPath:
     """The bounded part of (x, y) in radii as a function of the state; the constants are made in wide numbers."""
 
-    def __init__(self, flow: Motion) -> None:
+    def __init__(self, flow: BodyMotion) -> None:
         wide, tilt, self._field = flow.setup.wide, flow.setup.tilt, flow.system.field
         system = widened(flow.system, wide)
         state, body = onto_constraints(system, flow.state), system.body

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.trajectory import Motion
+from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import Body
 from integrable.phase.state import State
 from integrable.torus.panel_calculus import distinct, zeros
@@ -37,7 +37,7 @@ ROUNDING = 1e3
 MOST_STEPS = 100
 
 
-def events(flow: Motion, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
+def events(flow: BodyMotion, condition: Condition, start: Any, end: Any, direction: int = 0) -> Trajectory:
     """The states at which ``condition`` changes sign between two physical times: see :meth:`Flow.events`."""
     if not callable(condition):
         raise ArgumentError(f"condition = {shown(condition)}: give a function of γ and M, arrays of shape (N, 3)")
@@ -55,7 +55,7 @@ def events(flow: Motion, condition: Condition, start: Any, end: Any, direction: 
     return flow.at(_polished(flow, condition, times[kept], slopes[kept], halves[kept], first, last))
 
 
-def _in_floats(flow: Motion) -> Motion:
+def _in_floats(flow: BodyMotion) -> BodyMotion:
     """The same motion in floats, for the search."""
     if flow.system.field == RR:
         return flow
@@ -65,7 +65,7 @@ def _in_floats(flow: Motion) -> Motion:
     return type(flow)(system, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]), tilted=flow.state.tilted))
 
 
-def _stretches(flow: Motion, first: float, last: float) -> Iterator[tuple[float, float, float]]:
+def _stretches(flow: BodyMotion, first: float, last: float) -> Iterator[tuple[float, float, float]]:
     """(start, end, length of a panel): a panel is some part of a turn of the body."""
     length = PANEL_STEPS * flow.setup.step_time
     coarse = float(np.spacing(max(abs(first), abs(last))))
@@ -85,11 +85,11 @@ def _stretches(flow: Motion, first: float, last: float) -> Iterator[tuple[float,
         first = end
 
 
-def _column(flow: Motion, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _column(flow: BodyMotion, condition: Condition, times: np.ndarray) -> np.ndarray:
     return _values(flow, condition, times)[:, None]
 
 
-def _values(flow: Motion, condition: Condition, times: np.ndarray) -> np.ndarray:
+def _values(flow: BodyMotion, condition: Condition, times: np.ndarray) -> np.ndarray:
     run = flow.at(times)
     values = np.asarray(condition(run.gamma, run.M))
     if values.shape != (len(times),):
@@ -100,7 +100,7 @@ def _values(flow: Motion, condition: Condition, times: np.ndarray) -> np.ndarray
 
 
 def _polished(
-    flow: Motion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
+    flow: BodyMotion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
 ) -> np.ndarray:
     """The zeros in the precision of the flow, by Newton with the slopes of the panels; those between the two times."""
     field = flow.system.field

@@ -17,12 +17,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.domain import check_domain
-from integrable.motion.trajectory import Motion, Trajectory
+from integrable.motion.trajectory import BodyMotion, Trajectory, Way
 from integrable.moving_point.setup import Setup
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss, one_of, one_or_more, whole
+from jacobian.errors import ArgumentError, PrecisionLoss, one_of, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.numbers.compiler import interpreted
 
@@ -49,7 +49,7 @@ MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 
 
-class Flow(Motion):
+class Flow(BodyMotion):
     """The motion through one state. Get one from ``system.flow(state)``.
 
     ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
@@ -78,18 +78,6 @@ class Flow(Motion):
     def setup(self) -> Setup:
         """What the motion is computed from."""
         return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
-
-    def at(self, times: Any) -> Trajectory:
-        """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,)."""
-        given = self._checked(times, "times")
-        rows, tau = self._motion(given, clock=True).at(given)
-        return Trajectory(self, given, tau, self._trusted(rows))
-
-    def at_tau(self, tau: Any) -> Trajectory:
-        """The states at values of the flow's own time τ, dτ = g dt (τ = t for the Euler top)."""
-        given = self._checked(tau, "tau")
-        rows = self._motion(given).at_tau(given)
-        return Trajectory(self, None if self.system.body.rolls else given, given, self._trusted(rows))
 
     def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
         """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64
@@ -137,14 +125,6 @@ class Flow(Motion):
             return 15 if self.system.field == RR else int(self.system.field.dps)
         return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
 
-    def physical_time(self, tau: Any) -> np.ndarray:
-        """t(τ) = ∫_0^τ dτ/g for an array of τ."""
-        given = self._checked(tau, "tau")
-        if not self.system.body.rolls:
-            return given
-        times: np.ndarray = self._motion(given, clock=True).times(given)
-        return times
-
     def events(
         self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Any, end: Any, direction: int = 0
     ) -> Trajectory:
@@ -168,15 +148,14 @@ class Flow(Motion):
     # --- inside
     # -----------------------------------------------------------------------------------------------------------------
 
-    def _motion(self, times: np.ndarray, clock: bool = False) -> Any:
-        """What computes the states at these times, with ``at``, ``at_tau`` and ``times``; ``clock``: physical ones."""
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self.system.field != RR:
             return self._precise
         if self._symmetric:
             return self._symmetric
         if self.kernel != "compiled" and len(times) < COMPILE_FROM:
             stepped = self._stepped
-            if stepped.carries(times, clock) and (stepped.keeps_time or not clock):
+            if stepped.carries(times, physical) and (stepped.keeps_time or not physical):
                 return stepped
         return self._torus or self._precise
 
@@ -227,40 +206,35 @@ class Flow(Motion):
 
         return positions(run)
 
-    def _checked(self, values: Any, argument: str) -> np.ndarray:
-        """A one-dimensional array of finite numbers."""
-        field = self.system.field
-        quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
-        if quick and np.isfinite(values).all():
-            # a copy: the times of a result do not change with the caller's array
-            return np.array(values)
-        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
-        return np.array(items, dtype=np.float64 if field == RR else object)
-
-    def _trusted(self, rows: np.ndarray) -> np.ndarray:
-        """The states, once their integrals have been compared with those of the start: PrecisionLoss where they differ.
+    def _off(self, rows: np.ndarray) -> tuple[np.ndarray, str]:
+        """The rows whose integrals differ from those of the start.
 
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
         if rows.dtype == object:
-            # the precise flow has done so, and with more digits
-            return rows
+            # the precise flow has compared them, and with more digits
+            return super()._off(rows)
+        found: list[np.ndarray] = []
+        why = ""
         for first in range(0, len(rows), CHUNK):
             drift = integrals_drift(self, rows[first : first + CHUNK])
             with np.errstate(invalid="ignore"):
                 wrong = np.flatnonzero(~(drift <= DRIFT))
-            if len(wrong):
-                row = int(wrong[0])
-                raise PrecisionLoss(
-                    f"row {first + row}: H1 and H2 are off by {float(drift[row]):.1e} of their size: the motion there "
-                    f"is beyond {self.system.field.name}; use more digits"
+            if len(wrong) and not found:
+                why = (
+                    f"H1 and H2 are off by {float(drift[wrong[0]]):.1e} of their size: the motion there is beyond "
+                    f"{self.system.field.name}; use more digits"
                 )
-        return rows
+            if len(wrong):
+                found.append(first + wrong)
+        return (np.concatenate(found), why) if found else super()._off(rows)
 
 
 class PreciseRows:
     """The flow to as many digits as it takes, its states rounded to the field of the system."""
+
+    way = "multiprecision"
 
     def __init__(self, flow: Flow) -> None:
         self._field = flow.system.field
@@ -301,12 +275,6 @@ class PreciseRows:
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
     """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
-    body, (_, _, h1, h2) = flow.system.body, flow.system.integrals(flow.state)
-    gamma, M = rows[:, :3], rows[:, 3:]
-    moved = np.array(body.a) * M
-    found2 = np.einsum("ij,ij->i", M, M)
-    found1 = np.einsum("ij,ij->i", moved, M)
-    if body.rolls:
-        spin = np.einsum("ij,ij->i", gamma, moved)
-        found1 += body.d * spin * spin / (gamma * gamma @ np.array(body.contact))
+    h1, h2 = flow.system.integrals(flow.state)[2:]
+    found1, found2 = flow.system.body.energies(rows[:, :3].T, rows[:, 3:].T)
     return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))

@@ -37,6 +37,8 @@ OFFSETS = (1e-6, 0.03, 0.3, -0.7, 1e-3, 0.1, -0.5, 0.9)
 class SteppedFlow:
     """γ and M near the start of a motion in floats: readable loops, in the user's units."""
 
+    way = "stepped"
+
     def __init__(self, setup: Setup) -> None:
         self.setup = setup
         self._clocks = {sign: Clock(setup, sign) for sign in (1, -1)} if setup.problem.d != 0 else {}

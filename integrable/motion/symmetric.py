@@ -106,6 +106,8 @@ class SymmetricFlow:
     in long doubles. PrecisionLoss beyond 2^50 turns.
     """
 
+    way = "closed form"
+
     def __init__(self, system: PhaseSpace, state: State) -> None:
         K = self._wide = MP(SET_UP_DIGITS)
         axis = symmetry_axis(system.inertia)

@@ -1,17 +1,18 @@
-"""The states of a run, computed when they are asked for."""
+"""What a motion is, and its states at given times, whose quantities are computed when they are asked for."""
 
 from __future__ import annotations
 
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar, Protocol
 
 import numpy as np
 
+from integrable.motion.refusals import Rows, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
-from integrable.phase.body import Integrals
-from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
-from jacobian.immutable import Immutable, Record, read_only
+from jacobian import RR
+from jacobian.errors import NotRepresentable, PrecisionLoss, flag, one_or_more
+from jacobian.immutable import Immutable, Record, read_only, replaced
 
 Times = np.ndarray[tuple[int], np.dtype[Any]]
 """Shape (N,)."""
@@ -21,39 +22,130 @@ Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 """Shape (N, 3, 3)."""
 
 
+WAYS = {
+    "closed form": "elliptic or elementary functions of a body with equal moments",
+    "stepped": "additions from the start on, in floats",
+    "torus": "additions to a table of the motion's torus, in floats",
+    "multiprecision": "additions to as many digits as it takes, over MP(digits) or rounded to floats",
+    "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as it takes",
+    "extrapolation": "the equations of motion, integrated",
+    "steps": "a map applied again and again",
+}
+"""The words of :attr:`Trajectory.way`, and what they mean."""
+
+
+class Way(Protocol):
+    """What computes the states of a motion over its field. ``way`` is the word of :attr:`Trajectory.way` for it."""
+
+    way: str
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M side by side, τ) at physical times, shapes (N, 6) and (N,)."""
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+
+
 class Motion(Immutable):
-    """The motion through one state, as its results see it: base of :class:`integrable.motion.flow.Flow`."""
+    """The motion of ``system`` through ``state``, over RR or MP(digits): base of the flows of bodies
+    (:class:`integrable.motion.flow.Flow`) and of deformations (:mod:`integrable.deformations.deformed_flow`), which say
+    which :class:`Way` leads to the states.
+    """
 
-    system: PhaseSpace
+    system: Any
     state: State
+    method: ClassVar[str] = "divisor flow"
+    """What the states come from, in a word for tables."""
 
-    def __init__(self, system: PhaseSpace, state: State) -> None:
-        raise NotImplementedError
+    def __init__(self, system: Any, state: State) -> None:
+        self.system, self.state = system, state
 
-    def at(self, times: Any) -> Trajectory:
-        """The states at physical times."""
-        raise NotImplementedError
+    def at(self, times: Any, *, strict: bool = True) -> Trajectory:
+        """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,).
 
-    def at_tau(self, tau: Any) -> Trajectory:
-        """The states at values of the flow's own time."""
-        raise NotImplementedError
+        A row that cannot be had is refused for all (PrecisionLoss, Infeasible); with ``strict=False`` the others are
+        kept, and :attr:`Trajectory.status` says which, :attr:`Trajectory.reasons` why.
+        """
+        return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
+
+    def at_tau(self, tau: Any, *, strict: bool = True) -> Trajectory:
+        """The states at values of the flow's own time τ, dτ = g dt (τ = t at d = 0); ``strict`` as for :meth:`at`."""
+        return self._run(self._checked(tau, "tau"), flag(strict, "strict"), physical=False)
 
     def physical_time(self, tau: Any) -> Times:
-        """t(τ) for an array of τ."""
+        """t(τ) = ∫_0^τ dτ/g for an array of τ."""
+        given = self._checked(tau, "tau")
+        if not self.system.body.rolls:
+            return given
+        times: Times = self._way_to(given, physical=True).times(given)
+        return times
+
+    # --- what a motion says of itself
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        """What computes the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
+
+    def _off(self, rows: np.ndarray) -> tuple[np.ndarray, str]:
+        """Numbers of rows that are not where the motion is, and what is wrong with the first."""
+        return np.empty(0, dtype=np.intp), ""
+
+    def _contact_points(self, run: Trajectory) -> np.ndarray:
+        """What :attr:`Trajectory.contact` is."""
+        raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
+
+    def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+        """The rows that ``way`` does not refuse."""
+        return kept_rows(lambda times: _computed(way, times, physical), given, nan)
+
+    # --- inside
+
+    def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
+        way = self._way_to(given, physical)
+        if strict:
+            found = Rows(*_computed(way, given, physical))
+            off, why = self._off(found.rows)
+            if len(off):
+                raise PrecisionLoss(f"row {off[0]}: {why}")
+        else:
+            nan = np.nan if self.system.field == RR else self.system.field.context.nan
+            found = self._kept(way, given, physical, nan)
+            had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
+            off, why = self._off(found.rows[had])
+            found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)
+        times = given if physical or not self.system.body.rolls else None
+        tau = found.tau if physical else given
+        return Trajectory(self, times, tau, found.rows, way.way, found.status, found.reasons)
+
+    def _checked(self, values: Any, argument: str) -> np.ndarray:
+        """A one-dimensional array of finite numbers of the field."""
+        field = self.system.field
+        quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
+        if quick and np.isfinite(values).all():
+            # a copy: the times of a result do not change with the caller's array
+            return np.array(values)
+        items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
+        return np.array(items, dtype=np.float64 if field == RR else object)
+
+
+def _computed(way: Way, values: np.ndarray, physical: bool) -> tuple[np.ndarray, np.ndarray]:
+    return way.at(values) if physical else (way.at_tau(values), values)
+
+
+class BodyMotion(Motion):
+    """The motion of a body, as contact points and events see it: base of :class:`integrable.motion.flow.Flow`."""
 
     @cached_property
     def setup(self) -> Setup:
         """What the motion is computed from."""
         raise NotImplementedError
 
-    def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """What :attr:`Trajectory.contact` is."""
-        raise NotImplementedError
-
     @cached_property
     def contact_on_torus(self) -> Any:
-        """The same far from the start, or None; kept from one run to the next."""
+        """The contact point far from the start, or None; kept from one run to the next."""
         raise NotImplementedError
 
     @cached_property
@@ -63,19 +155,33 @@ class Motion(Immutable):
 
 
 class Trajectory(Record):
-    """States at given times; every quantity is computed on first use.
+    """States of a motion at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
-    is the time of the flow, dτ = g dt. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are
-    what :meth:`integrable.motion.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
+    is the time of the flow, dτ = g dt. ``way`` says what has computed the rows, a word of :data:`WAYS`. ``reasons``:
+    see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are what
+    :meth:`integrable.motion.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
     """
 
-    def __init__(self, flow: Motion, times: np.ndarray | None, tau: np.ndarray, rows: np.ndarray) -> None:
+    def __init__(
+        self,
+        flow: Any,
+        times: np.ndarray | None,
+        tau: np.ndarray,
+        rows: np.ndarray,
+        way: str,
+        status: np.ndarray | None = None,
+        reasons: tuple[str, ...] = ("",),
+    ) -> None:
         self.flow = flow
         self._times = times
-        self.tau = tau
+        self._tau = tau
         # γ and M side by side, shape (N, 6)
         self._rows = rows
+        self.way = way
+        # None: all rows are there
+        self._status = status if status is not None and status.any() else None
+        self.reasons = reasons
         self.report: Any = None
         # set by Flow.certify
         self.error: np.ndarray | None = None
@@ -85,12 +191,46 @@ class Trajectory(Record):
         return len(self._rows)
 
     def __repr__(self) -> str:
-        return f"<Trajectory of {len(self)} states of {self.flow.system!r}>"
+        refused = "" if self._status is None else f", {np.count_nonzero(self._status)} of them refused"
+        return f"<Trajectory of {len(self)} states of {self.system!r}{refused}>"
+
+    @property
+    def system(self) -> Any:
+        """The system that moves."""
+        return self.flow.system
+
+    @property
+    def status(self) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+        """0 for every row that was had, shape (N,); where ``strict=False`` has kept others, n > 0 for a row that was
+        refused, and ``reasons[n]`` says why. γ and M of such rows are NaN; what is computed from them is refused
+        (NotRepresentable), ask :attr:`kept`.
+        """
+        return read_only(np.zeros(len(self), dtype=np.intp)) if self._status is None else self._status
+
+    @property
+    def kept(self) -> Trajectory:
+        """The rows with status 0 alone."""
+        if self._status is None:
+            return self
+        had = self._status == 0
+        times = None if self._times is None else self._times[had]
+        return replaced(self, _times=times, _tau=self._tau[had], _rows=self._rows[had], _status=None, reasons=("",))
 
     @cached_property
     def times(self) -> Times:
-        """Physical times t, shape (N,)."""
-        return read_only(self.flow.physical_time(self.tau)) if self._times is None else self._times
+        """Physical times t, shape (N,); those of refused rows are NaN where only τ was given."""
+        if self._times is not None:
+            return self._times
+        if self._status is None:
+            return read_only(self.flow.physical_time(self.tau))
+        times = np.full(len(self), self._rows[self._status > 0][0, 0], self.tau.dtype)
+        times[self._status == 0] = self.kept.times
+        return read_only(times)
+
+    @property
+    def tau(self) -> Times:
+        """Values of the flow's own time τ, shape (N,)."""
+        return self._tau
 
     @property
     def given_in_tau(self) -> bool:
@@ -109,20 +249,18 @@ class Trajectory(Record):
 
     @cached_property
     def omega(self) -> Vectors:
-        """The angular velocity ω in the body frame, shape (N, 3)."""
-        from integrable.phase import attitude
-
-        return read_only(attitude.angular_velocities(self.flow.system.body, self.gamma, self.M)[0])
+        """The angular velocity ω in the body frame, γ̇ = γ × ω, shape (N, 3); ½∂H/∂M for a deformation."""
+        self._check_kept("omega")
+        return read_only(self.system.omega_along(self.gamma, self.M))
 
     @cached_property
     def attitude(self) -> Matrices:
         """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
         frame, z = γ vertical, x along the horizontal part of M, which rests in space
-        (:mod:`integrable.phase.attitude`).
+        (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M does not.
         """
-        from integrable.phase import attitude
-
-        return read_only(attitude.matrices(self.gamma, self.M))
+        self._check_kept("attitude")
+        return read_only(self.system.attitude_along(self.gamma, self.M))
 
     @cached_property
     def quaternion(self) -> Vectors:
@@ -135,15 +273,28 @@ class Trajectory(Record):
     def contact(self) -> Vectors:
         """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
 
-        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
-        that does not roll (:mod:`integrable.motion.contact`).
+        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for what
+        does not roll (:mod:`integrable.motion.contact`).
         """
+        self._check_kept("contact")
         return read_only(self.flow._contact_points(self))
 
     @cached_property
-    def integrals(self) -> Integrals:
-        """C1, C2, H1, H2 along the run, each of shape (N,)."""
-        g, m = self.gamma, self.M
-        return Integrals(
-            *(read_only(np.sum(x * y, axis=1)) for x, y in ((g, g), (g, m), (self.omega, m), (m, m))),
-        )
+    def integrals(self) -> Any:
+        """The system's integrals along the run, each of shape (N,): C1, C2, H1, H2 of a body
+        (:class:`integrable.phase.body.Integrals`), C1, C2, H, K of a deformation.
+        """
+        self._check_kept("integrals")
+        values = self.system.integrals_along(self.gamma, self.M)
+        return type(values)(*map(read_only, values))
+
+    def _check_kept(self, name: str) -> None:
+        """NotRepresentable where rows were refused: their NaN would go through comparisons without a word."""
+        if self.system.field.exact:
+            raise NotRepresentable(f"{name}: along a run over RR or MP(digits), not over {self.system.field.name}")
+        if self._status is not None:
+            refused = np.flatnonzero(self._status)
+            raise NotRepresentable(
+                f"{name}: {len(refused)} of {len(self)} rows were refused, the first of them row {refused[0]}: "
+                f"{self.reasons[self._status[refused[0]]]}; take .kept.{name}, of the other rows"
+            )

@@ -105,6 +105,11 @@ class Body:
         K = self.field
         return Integrals(K.dot(gamma, gamma), K.dot(gamma, M), K.dot(self.omega(gamma, M), M), K.dot(M, M))
 
+    def energies(self, gamma: Any, M: Any) -> tuple[Any, Any]:
+        """(H1, H2) with operators: of real numbers, or of the three columns of many γ and M."""
+        slowness = sum(r * x * x for r, x in zip(self.contact, gamma, strict=True)) if self.rolls else 1
+        return energy(self.a, self.d / slowness, gamma, M), sum(m * m for m in M)
+
     def polynomial(self, h1: Any, h2: Any) -> tuple[Any, ...]:
         """f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1), ascending; degree 5, or 4 at d = 0."""
         from jacobian import poly
@@ -117,6 +122,13 @@ class Body:
         if self.rolls:
             f = poly.mul(K, f, (K.one, K.neg(self.d)))
         return f
+
+
+def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:
+    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², with operators."""
+    moved = [x * m for x, m in zip(a, M, strict=True)]
+    spin = sum(x * m for x, m in zip(gamma, moved, strict=True))
+    return sum(m * x for m, x in zip(M, moved, strict=True)) + weight * spin * spin
 
 
 def triple(field: Any, values: Any, argument: str) -> Vector:

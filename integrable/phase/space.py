@@ -20,6 +20,8 @@ from jacobian.errors import (
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.phase.separation import Separated
     from integrable.phase.upright import ChaplyginTransformation
     from jacobian import Divisor, HyperellipticCurve, Jacobian
@@ -100,6 +102,23 @@ class PhaseSpace(Immutable):
         """C1 = (γ, γ), C2 = (γ, M), H1 = (ω, M), H2 = (M, M)."""
         state = self._checked(state)
         return self.body.integrals(state.gamma, state.M)
+
+    def integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
+        """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
+        x, m = gamma.T, M.T
+        return Integrals(sum(x * x), sum(x * m), *self.body.energies(x, m))
+
+    def omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+        """:meth:`omega` of many real states, shape (N, 3)."""
+        from integrable.phase import attitude
+
+        return attitude.angular_velocities(self.body, gamma, M)[0]
+
+    def attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+        """The rotations from the body to space, shape (N, 3, 3) (:func:`integrable.phase.attitude.matrices`)."""
+        from integrable.phase import attitude
+
+        return attitude.matrices(gamma, M)
 
     def omega(self, state: State) -> Vector:
         """The angular velocity ω in the body frame."""

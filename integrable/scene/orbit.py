@@ -2,53 +2,60 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
+from integrable.motion.trajectory import Times, Trajectory, Vectors
 from integrable.phase.state import State
 from integrable.scene.data import MOST_STEPS
 from integrable.steps.guard_digits import MOST_CONDITION, in_wider_numbers
 from integrable.steps.step import Step
 from jacobian import RR
-from jacobian.errors import ArgumentError, shown, whole
+from jacobian.errors import ArgumentError, NotRepresentable, shown, whole
 from jacobian.immutable import read_only
 
 __all__ = ["Orbit", "orbit"]
 
 
-@dataclass(frozen=True)
-class Orbit:
-    """The states after 0, 1, …, N steps: ``steps`` of shape (N + 1,), ``gamma`` and ``M`` of shape (N + 1, 3).
+class Orbit(Trajectory):
+    """The ``states`` after 0, 1, …, N steps of a map, ``gamma`` and ``M`` of shape (N + 1, 3), of float64 or objects.
 
-    float64 arrays for floats, object arrays of mpf or of field elements elsewhere.
+    ``times`` are the numbers of the steps; ``report`` is what a scene's run found
+    (:class:`integrable.study.orbits.OrbitReport`), or None.
     """
 
-    states: tuple[State, ...]
-    field: Any
-    report: Any = None
-    """What a scene's run found of it (:class:`integrable.study.orbits.OrbitReport`), or None."""
+    def __init__(self, step: Step, states: tuple[State, ...]) -> None:
+        rows = [(*state.gamma, *state.M) for state in states]
+        steps = np.arange(len(states))
+        super().__init__(step, steps, steps, np.array(rows, dtype=_kind(step.system)), "steps")
+        self.states = states
 
     @property
-    def steps(self) -> np.ndarray:
-        return read_only(np.arange(len(self.states)))
+    def steps(self) -> Times:
+        """The numbers of the steps, shape (N + 1,)."""
+        return self.times
 
     @property
-    def times(self) -> np.ndarray:
-        """The numbers of the steps."""
-        return self.steps
+    def tau(self) -> Times:
+        """NotRepresentable: a map has no time of a flow."""
+        raise NotRepresentable(f"tau: {self.flow!r} is a map, whose steps have no time")
 
     @property
-    def gamma(self) -> np.ndarray:
-        return self._array([state.gamma for state in self.states])
+    def contact(self) -> Vectors:
+        """NotRepresentable: between the states nothing rolls."""
+        raise NotRepresentable(f"contact: {self.flow!r} is a map, between whose states nothing rolls")
 
-    @property
-    def M(self) -> np.ndarray:
-        return self._array([state.M for state in self.states])
+    @cached_property
+    def integrals(self) -> Any:
+        """The system's integrals of every state, each of shape (N + 1,)."""
+        found = [self.system.integrals(state) for state in self.states]
+        return type(found[0])(*(read_only(np.array(x, dtype=_kind(self.system))) for x in zip(*found, strict=True)))
 
-    def _array(self, rows: list[Any]) -> np.ndarray:
-        return read_only(np.array(rows, dtype=np.float64 if self.field == RR else object))
+
+def _kind(system: Any) -> Any:
+    return np.float64 if system.field == RR else object
 
 
 def orbit(step: Step, state: State, count: int) -> Orbit:
@@ -63,8 +70,8 @@ def orbit(step: Step, state: State, count: int) -> Orbit:
         count, "count", f"give an int ≥ 0, a number of steps, {MOST_STEPS} at most: all states are kept", 0, MOST_STEPS
     )
     if step.condition(state) > MOST_CONDITION:
-        return Orbit((state, *in_wider_numbers(step, state, count)), step.system.field)
+        return Orbit(step, (state, *in_wider_numbers(step, state, count)))
     states = [state]
     for _ in range(count):
         states.append(step(states[-1]))
-    return Orbit(tuple(states), step.system.field)
+    return Orbit(step, tuple(states))

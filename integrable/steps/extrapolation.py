@@ -47,7 +47,14 @@ def extrapolated(
     return None
 
 
-def integrate(rate: Rates, start: Sequence[Any], times: Sequence[Any], eps: Any, digits: int) -> list[list[Any]]:
+def integrate(
+    rate: Rates,
+    start: Sequence[Any],
+    times: Sequence[Any],
+    eps: Any,
+    digits: int,
+    refused: dict[int, str] | None = None,
+) -> list[list[Any]]:
     """y at ``times``, in any order and of either sign, from y = ``start`` at time 0.
 
     ``eps`` is the change, relative to the largest |y_i| at the start, below which a step is done; ``digits`` that it
@@ -57,18 +64,24 @@ def integrate(rate: Rates, start: Sequence[Any], times: Sequence[Any], eps: Any,
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
-        if order:
-            run = _Run(rate, start, times[order[-1]], eps, digits)
-        for i in order:
-            rows[i] = run.advanced(times[i])
+        run = _Run(rate, start, eps, digits) if order else None
+        for k, i in enumerate(order):
+            assert run is not None
+            try:
+                rows[i] = run.advanced(times[i], times[order[-1] if refused is None else i])
+            except (PrecisionLoss, Infeasible) as error:
+                if refused is None:
+                    raise
+                refused.update(dict.fromkeys(order[k:], str(error)))
+                break
     return rows
 
 
 class _Run:
-    """One integration from time 0 towards ``end``."""
+    """One integration from time 0 in one direction."""
 
-    def __init__(self, rate: Rates, start: Sequence[Any], end: Any, eps: Any, digits: int) -> None:
-        self._y, self._end, self._digits = list(start), end, digits
+    def __init__(self, rate: Rates, start: Sequence[Any], eps: Any, digits: int) -> None:
+        self._y, self._digits = list(start), digits
         size = max(map(abs, start))
         self._tolerance = eps * size
         self._step = size / max(max(map(abs, rate(list(start)))), size / 10)
@@ -77,8 +90,9 @@ class _Run:
         self._rates = self._steps = 0
         self._rate = rate
 
-    def advanced(self, time: Any) -> list[Any]:
-        """y at ``time``, farther from 0 than any before."""
+    def advanced(self, time: Any, end: Any) -> list[Any]:
+        """y at ``time``, farther from 0 than any before, on the way to ``end``."""
+        self._end = end
         columns = 6 + self._digits // 2
         begin, done, span = self._now, 0 * time, time - self._now
         while done != span:

@@ -118,7 +118,7 @@ class SceneFindings:
         drift = max(value for name, value in row["drift"].items() if name not in ("C1", "C2"))
         if drift > OFF_LEVEL * max(row["error_gamma"], row["error_M"]):
             return "additions leave the level set of the integrals"
-        return f"on the level set, in the phase (clock: {row.get('clock', 'none')})"
+        return f"on the level set, in the phase (way: {row['way']})"
 
     @property
     def doubtful(self) -> bool:

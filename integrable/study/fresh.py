@@ -73,8 +73,7 @@ found = {
     "modules": len(sys.modules),
     "heavy": [name for name in %r if name in sys.modules],
 }
-from integrable.study.ways import clock_of
-print(json.dumps({**found, "clock": clock_of(flow)}))
+print(json.dumps({**found, "way": trajectory.way}))
 """
 _COMPILED = """
 def once():

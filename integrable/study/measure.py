@@ -18,7 +18,6 @@ from integrable.scene.data import Scene
 from integrable.study.plan import Task
 from integrable.study.timing import Timed, silent, timed
 from integrable.study.truth import Truth, compute
-from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError
 
 __all__ = ["TooLong", "Unjudged", "flow_measured", "measured"]
@@ -114,12 +113,12 @@ def flow_measured(task: Task, kept: Data | None, tick: Tick) -> tuple[Data, Any]
         ready = perf_counter()
         trajectory = flow.at(times)
         _ = trajectory.gamma, trajectory.M
-        return (ready - begun, perf_counter() - ready), (flow, trajectory)
+        return (ready - begun, perf_counter() - ready), trajectory
 
     # what imports and compiles, or loads what an earlier run has compiled, counts as the first use
     first = sum(once()[0]) if digits <= FLOAT_DIGITS else None
-    result, (flow, trajectory) = _timed(once, task, tick)
-    result |= {"first": first, "clock": clock_of(flow)}
+    result, trajectory = _timed(once, task, tick)
+    result |= {"first": first, "way": trajectory.way}
     return result | _truth_of(task, kept).judge(trajectory.gamma, trajectory.M), trajectory
 
 

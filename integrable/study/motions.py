@@ -85,7 +85,7 @@ def _pieces(task: Task, tick: Tick) -> Iterator[Tick]:
 
 def _flow_rows(task: Task, result: dict[str, Any]) -> list[Row]:
     first = result.pop("first")
-    del result["clock"]
+    del result["way"]
     digits = int(task.value or 0)
     row = Row(task.method, task.setting, digits=digits, **result)
     if task.kernel != "compiled":

@@ -8,7 +8,7 @@ its multiple [count]D' added once must lead to the end of the orbit; that check 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from math import inf
 from time import perf_counter
@@ -22,6 +22,7 @@ from integrable.scene.tables import aligned, duration, figure
 from integrable.steps.translation import Translation
 from integrable.study.timing import Timed, timed
 from integrable.study.truth import Judge
+from jacobian.immutable import replaced
 
 __all__ = ["OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 
@@ -89,7 +90,7 @@ def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orb
         rows.append(OrbitRow(setting, cost, **judged, **costs, growth=tuple(growth)))
         kept = found if cost == digits else kept
     assert kept is not None
-    return replace(kept, report=_report(scene, rows, truth_digits, _jump(step, state, truth)))
+    return replaced(kept, report=_report(scene, rows, truth_digits, _jump(step, state, truth)))
 
 
 def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
@@ -104,7 +105,7 @@ def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
     }
     row = OrbitRow("exact", None, 0.0, 0.0, drift, **costs)
     jump = _jump(scene.step(system, FLOAT_DIGITS), state, found)
-    return replace(found, report=_report(scene, [row], None, jump))
+    return replaced(found, report=_report(scene, [row], None, jump))
 
 
 def _report(scene: Scene, rows: list[OrbitRow], truth_digits: int | None, jump: float | None) -> OrbitReport:

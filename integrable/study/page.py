@@ -373,7 +373,7 @@ def _megabytes(size: int | None, without: int | None = 0) -> str:
 
 
 def _leaves_out(study: Study) -> str:
-    rows = [("scene", "imported", "not imported", "clock", "process", "saved", "memory", "saved")]
+    rows = [("scene", "imported", "not imported", "way", "process", "saved", "memory", "saved")]
     for f in study.findings:
         if f.left_out is None:
             continue
@@ -383,7 +383,7 @@ def _leaves_out(study: Study) -> str:
             f.scene.name,
             ", ".join(asked["heavy"]),
             ", ".join(rest),
-            asked["clock"],
+            asked["way"],
             duration(asked["total"]),
             duration(everything["total"] - asked["total"]),
             _megabytes(asked["memory"]),
@@ -394,9 +394,8 @@ def _leaves_out(study: Study) -> str:
     return (
         "## What a scene leaves out\n\nγ and M at the scene's times in a fresh process, beside everything that could "
         "be computed of the same motion: every library imported, compiled kernels, angular velocity, attitude, "
-        "contact, integrals, the clock in τ, 100 000 successive steps, the picture. The clock is the one that was "
-        "built: tables on the torus, quadrature along the steps, a run at more digits, or none where t = τ.\n\n"
-        + _markdown(rows)
+        "contact, integrals, the clock in τ, 100 000 successive steps, the picture. The way is what has "
+        "computed the states (Trajectory.way).\n\n" + _markdown(rows)
     )
 
 

@@ -17,9 +17,7 @@ from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
-    from integrable.deformations.deformed_flow import DeformedTrajectory
     from integrable.motion.trajectory import Trajectory
-    from integrable.scene.orbit import Orbit
     from integrable.scene.output import OutputFolder
 
 __all__ = ["run"]
@@ -33,8 +31,8 @@ def run(
     progress: bool = False,
     pictures: bool = True,
     formats: tuple[str, ...] = ("png",),
-) -> Trajectory | DeformedTrajectory | Orbit:
-    """Run a scene (or load and run it): a Trajectory or DeformedTrajectory at its times, an Orbit for steps; with
+) -> Trajectory:
+    """Run a scene (or load and run it): a Trajectory at its times, for steps the Trajectory that an Orbit is; with
     ``.report`` if the scene asks for one, an Orbit always.
 
     ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,

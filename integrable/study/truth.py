@@ -16,7 +16,6 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.scene.data import Scene
 from integrable.study.timing import silent
-from integrable.study.ways import clock_of
 from jacobian.errors import JacobianError, PrecisionLoss
 
 __all__ = ["CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
@@ -64,7 +63,7 @@ def compute(
     if not is_body(system):
         raise refusal
     series = taylor(system, state, scene.times.at(digits), digits=digits)
-    found = {"clock": "Taylor series", **_kept(system, [series], digits), "refusal": str(refusal)}
+    found = {"way": "Taylor series", **_kept(system, [series], digits), "refusal": str(refusal)}
     return {**found, "seconds": perf_counter() - begun, "check": None}
 
 
@@ -77,7 +76,7 @@ def _carried(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[An
         if trajectories:
             tick(f"truth, {digits} digits")
         trajectories.append(flow.at(times))
-    return flow, {"clock": clock_of(flow), **_kept(system, trajectories, digits)}
+    return flow, {"way": trajectories[0].way, **_kept(system, trajectories, digits)}
 
 
 def parts(scene: Scene, digits: int) -> list[list[Any]]:

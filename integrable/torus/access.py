@@ -60,6 +60,8 @@ class TorusFlow:
     NotClosed where the loops lose too many digits or a sign (:mod:`integrable.torus.witness`).
     """
 
+    way = "torus"
+
     def __init__(self, setup: Setup, loops: Any, most: int = MOST_SAMPLES) -> None:
         self._setup = setup
         self._loops = loops

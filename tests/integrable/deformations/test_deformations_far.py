@@ -232,7 +232,7 @@ def test_a_resonance_of_the_two_phases_is_no_small_divisor() -> None:
     field = MP(30)
     system = Tilde((1, 2, 4), "0.7", field=field)
     start = _resonant(system)
-    periods = [curve.period for curve in system.flow(start)._motion.curves]
+    periods = [curve.period for curve in system.flow(start)._curves.motion.curves]
     assert min(abs(periods[0] / periods[1] - x) for x in (2, field.one / 2)) < 1e-25
     run = system.flow(start).at([10**7, 10**7 + 3])
     middle = State(tuple(run.gamma[0]), tuple(run.M[0]))

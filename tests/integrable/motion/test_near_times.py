@@ -72,7 +72,7 @@ def test_near_times_of_all_kinds_of_bodies() -> None:
     rng, tried = Random(12), 0
     while tried < 40:
         system, state, t = random_motion(rng)
-        if not isinstance(system.flow(state)._motion(np.array([t]), True), SteppedFlow):
+        if not isinstance(system.flow(state)._way_to(np.array([t]), True), SteppedFlow):
             continue
         tried += 1
         lost = error(system, state, t)
@@ -82,7 +82,7 @@ def test_near_times_of_all_kinds_of_bodies() -> None:
 def test_an_ordinary_ball_does_not_wait_for_compiled_code() -> None:
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
-    assert isinstance(flow._motion(np.array([1.0, 2.0]), True), SteppedFlow)
+    assert isinstance(flow._way_to(np.array([1.0, 2.0]), True), SteppedFlow)
 
 
 def random_motion(rng):

@@ -424,7 +424,7 @@ def test_where_the_flow_refuses_a_motion_the_series_is_the_truth_and_says_so(sou
 
     monkeypatch.setattr(System, "motion_through", refused)
     found = compute(scene, 0.01)
-    assert (found["check"], found["clock"], found["refusal"]) == (None, "Taylor series", "no line on a torus")
+    assert (found["check"], found["way"], found["refusal"]) == (None, "Taylor series", "no line on a torus")
     judged = Truth(scene, usual).judge(*(Truth(scene, found).__dict__[name] for name in ("gamma", "M")))
     assert judged["error_gamma"] < 1e-30
     assert judged["error_M"] < 1e-30

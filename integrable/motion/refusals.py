@@ -1,0 +1,104 @@
+"""Which rows of a run can be had: what ``strict=False`` keeps of it, and why the others are refused."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jacobian.errors import Infeasible, PrecisionLoss
+
+REFUSALS = (PrecisionLoss, Infeasible)
+"""What a row is refused with; errors of use are raised whatever ``strict`` is."""
+
+Compute = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+
+
+class Rows(NamedTuple):
+    """γ and M side by side, shape (N, 6), τ, shape (N,), and the ``status`` and ``reasons`` of a Trajectory."""
+
+    rows: np.ndarray
+    tau: np.ndarray
+    status: np.ndarray | None = None
+    reasons: tuple[str, ...] = ("",)
+
+
+def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
+    """``compute(values)``, rows and τ, without the rows that it refuses: those are ``nan``.
+
+    What is too far away is too far whatever else is asked for: the first refused distance in either direction is
+    found by bisection over single rows, and the rows before it are computed together.
+    """
+    status, reasons = np.zeros(len(values), dtype=np.intp), [""]
+    left = np.arange(len(values))
+    rows, tau = np.full((len(values), 6), nan, values.dtype), np.full(len(values), nan, values.dtype)
+    while len(left):
+        try:
+            rows[left], tau[left] = compute(values[left])
+            break
+        except REFUSALS:
+            for beyond, why in list(_too_far(compute, values, left)) or _too_many(compute, values, left):
+                status[beyond] = _place(reasons, why)
+            left = left[status[left] == 0]
+    return Rows(rows, tau, status, tuple(reasons))
+
+
+def refused_rows(found: Rows, refused: dict[int, str], nan: Any) -> Rows:
+    """The rows with those in ``refused`` blank, for the reasons that are there."""
+    if not refused:
+        return found
+    rows, tau, reasons = found.rows.copy(), found.tau.copy(), list(found.reasons)
+    status = np.zeros(len(rows), dtype=np.intp) if found.status is None else found.status.copy()
+    for i, why in refused.items():
+        rows[i], tau[i], status[i] = nan, nan, _place(reasons, why)
+    return Rows(rows, tau, status, tuple(reasons))
+
+
+def _place(reasons: list[str], why: str) -> int:
+    if why not in reasons:
+        reasons.append(why)
+    return reasons.index(why)
+
+
+def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
+    """(rows, why) of the times in either direction from the first on that is refused when it is asked for alone."""
+    for sign in (1, -1):
+        chosen = left[np.array([(t < 0) == (sign < 0) for t in values[left]], dtype=bool)]
+        order = chosen[np.argsort(np.abs(values[chosen]), kind="stable")]
+        low, high, why = 0, len(order), ""
+        probe = high - 1
+        while low < high:
+            said = _refusal(compute, values[order[probe : probe + 1]])
+            if said:
+                high, why = probe, said
+            else:
+                low = probe + 1
+            probe = (low + high) // 2
+        if why:
+            yield order[high:], why
+
+
+def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
+    """The same where each is had alone: the first, by distance, that is refused together with those before it, and all
+    behind it.
+    """
+    order = left[np.argsort(np.abs(values[left]), kind="stable")]
+    low, high, why = 0, len(order), ""
+    while high - low > 1:
+        middle = (low + high) // 2
+        said = _refusal(compute, values[order[:middle]])
+        if said:
+            high, why = middle, said
+        else:
+            low = middle
+    yield order[low:], why or _refusal(compute, values[order])
+
+
+def _refusal(compute: Compute, values: np.ndarray) -> str:
+    """What the rows are refused with, "" where they are had."""
+    try:
+        compute(values)
+    except REFUSALS as error:
+        return str(error)
+    return ""
