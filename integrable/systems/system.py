@@ -11,6 +11,7 @@ from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.motion.flow import Flow
+    from integrable.steps.hat_map import HatMap
     from integrable.steps.moves import ConicStep, Keyless, Multiplication, Shift
     from integrable.steps.translation import Translation
 
@@ -68,6 +69,12 @@ class System(PhaseSpace):
         from integrable.steps.moves import ConicStep
 
         return ConicStep(self, x0, y0, sign)
+
+    def hat_map(self, signs: Sequence[int] | None = None) -> HatMap:
+        """The canonical change to the hat variables, at d = 0 (:class:`integrable.steps.hat_map.HatMap`)."""
+        from integrable.steps.hat_map import HatMap
+
+        return HatMap(self, signs)
 
     def shift(self, F: Callable[[Any, Any], Any]) -> Shift:
         """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.moves.Shift`); RR and MP(digits)

@@ -52,7 +52,9 @@ L.D: B ¦ L.E: B ¦ G.u: g.u ¦ G.v: g.v ¦ L.u: B.u ¦ L.v: B.v ¦ R.from_mumfo
 ball.from_separated.u: (0.4, 0.6) ¦ ball.translation.points: [1.8, 2.5] ¦ tilde.translation.points: [30, -30]
 ball.points: [1.8, 2.5] ¦ translation.points: [1.8, 2.5] ¦ tilde.D: tilde.divisor(state) ¦ Gyroscopic.c: 0.5
 system: ball ¦ ball.D: ball.divisor(state) ¦ Q.x: 0 ¦ step.system: ball ¦ W.c: 3 ¦ C.x: 0 ¦ GF.p: 101 ¦ U.c: (1, 1)
-set_threads.count: 2 ¦ principal_divisor.a: [1, 1] ¦ principal_divisor.b: [1]
+set_threads.count: 2 ¦ body: ball.body ¦ matrix: [[1, 2], [3, 4]]
+trace_hamiltonian.point: (1, 2, 3, 4) ¦ recursion_operator.point: (1, 2, 3, 4) ¦ second_bracket.point: (1, 2, 3, 4)
+eigenvalues.point: (1, 2, 3, 4) ¦ principal_divisor.a: [1, 1] ¦ principal_divisor.b: [1]
 """)
 )
 # whose methods are called
@@ -68,6 +70,7 @@ FACTORIES = listed("""
 GF ¦ MP ¦ HyperellipticCurve ¦ ChaplyginBall ¦ EulerTop ¦ Tilde ¦ Check ¦ Hat ¦ Gyroscopic ¦ set_threads
 load_scene ¦ run ¦ RayClassGroup ¦ AbelMap ¦ GeneralizedJacobian ¦ representative ¦ periods ¦ Jacobian ¦ AffinePoint
 principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points ¦ FormalSum.from_divisor
+eigenvalues ¦ second_bracket ¦ recursion_operator ¦ trace_hamiltonian ¦ rank
 QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(20).coerce
 """)
 # methods whose arguments are raw elements or internal numbers by contract
@@ -101,4 +104,9 @@ IMPORTED = {
     "principal_divisor": "jacobian.relatives.formal_sum",
     "intersection": "jacobian.relatives.formal_sum",
     "periods": "jacobian.periods.matrix",
+    "eigenvalues": "integrable.phase.recursion",
+    "second_bracket": "integrable.phase.recursion",
+    "recursion_operator": "integrable.phase.recursion",
+    "trace_hamiltonian": "integrable.phase.recursion",
+    "rank": "integrable.phase.recursion",
 }

@@ -55,6 +55,7 @@ def values_over(K):
     values = systems | steps_of(ball, systems["tilde"]) | {"state": state, "tilted state": tilted, "body": ball.body}
     values |= {
         "conic step": top.conic(0, 1),
+        "hat map": top.hat_map(),
         "isometric step": systems["check"].translation((30, -30)),
         "flow": flow,
         "tilted flow": ball.flow(tilted),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from random import Random
 
 import numpy as np
@@ -13,12 +14,19 @@ from integrable.deformations.gyroscopic import Gyroscopic
 from integrable.deformations.hat import Hat
 from integrable.deformations.tilde import Tilde
 from integrable.phase.body import cross
-from integrable.phase.brackets import canonical_matrix, jacobi_defects, jacobian_matrix, pushed, weighted_matrix
+from integrable.phase.brackets import ball_matrix, canonical_matrix, jacobi_defects, jacobian_matrix, pushed
 from integrable.phase.isometry import lift, roots
-from integrable.phase.jets import JetField
+from integrable.phase.recursion import (
+    eigenvalues,
+    nijenhuis_torsion,
+    rank,
+    recursion_operator,
+    second_bracket,
+    trace_hamiltonian,
+)
 from integrable.phase.state import State
 from jacobian import GF, MP, QQ, HyperellipticCurve, NotASquare, NotRepresentable, PrecisionLoss, poly
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, FieldError
 from tests.integrable.deformations.extrapolation import extrapolate
 from tests.integrable.deformed_systems import SYSTEMS, OverJets
 from tests.integrable.exact_states import random_state, until_defined
@@ -121,74 +129,74 @@ def test_the_image_of_a_state_has_these_abscissas() -> None:
 # --- the recursion operator
 
 
-def recursion(a, d, point):
-    """(λ1, λ2) at (u1, u2, p1, p2)."""
-
-    def eigenvalue(u, p):
-        value = 4 * (d * u - 1) * p * p
-        for x in a:
-            value = value * (x - u)
-        return value
-
-    return eigenvalue(point[0], point[2]), eigenvalue(point[1], point[3])
-
-
-def separated_point(K, seed):
-    rng = Random(seed)
-    return tuple(K.random(rng) for _ in range(4))
-
-
 @pytest.mark.parametrize("field", FIELDS)
 @pytest.mark.parametrize("d", [0, 1])
 def test_the_second_bracket_the_lenard_chain_and_the_torsion(field, d) -> None:
     """Π' = {u_i, p_j} = λ_iδ_ij is Poisson; Π'dJ_m = ΠdJ_{m+1} for J_m = tr N^m/(2m); the torsion of N is 0."""
-    K = FIELDS[field]()
-    a = [K.inv(poly.integer(K, i + d)) for i in (1, 2, 4)]
-    point = separated_point(K, 6)
+    K, rng = FIELDS[field](), Random(6)
+    body = ChaplyginBall((1, 2, 4), d, field=K).body
+    point = tuple(K.random(rng) for _ in range(4))
 
-    def constants(over):
-        return [over.constant(x) for x in a], over.constant(poly.integer(K, d))
+    def moved(over):
+        return replace(body, field=over)
 
-    def second(over, x):
-        if not isinstance(over, JetField):
-            return weighted_matrix(
-                K, [v.value for v in second_eigenvalues(JetField(K, 0), map(JetField(K, 0).constant, x))]
-            )
-        return weighted_matrix(over, second_eigenvalues(over, x))
-
-    def second_eigenvalues(over, x):
-        return recursion(*constants(over), tuple(x))
-
-    assert set(jacobi_defects(K, second, point).values()) == {K.zero}
-
-    def chain(over, x):
-        values = second_eigenvalues(over, x)
-        # J_m = (λ1^m + λ2^m)/m
-        return [(values[0] ** m + values[1] ** m) / m for m in (1, 2, 3)]
-
-    rows = jacobian_matrix(K, chain, point)
+    assert set(jacobi_defects(K, lambda N, x: second_bracket(moved(N), x), point).values()) == {K.zero}
+    second, first = second_bracket(body, point), canonical_matrix(K)
+    rows = jacobian_matrix(K, lambda N, x: [trace_hamiltonian(moved(N), x, m) for m in (1, 2, 3)], point)
     for m in range(2):
-        left = [K.dot(line, rows[m]) for line in second(K, point)]
-        assert left == [K.dot(line, rows[m + 1]) for line in canonical_matrix(K)]
-    for matrix in (second(K, point), canonical_matrix(K)):
+        assert [K.dot(line, rows[m]) for line in second] == [K.dot(line, rows[m + 1]) for line in first]
+    for matrix in (second, first):
         assert all(x == K.zero for line in pushed(K, rows, matrix) for x in line)
-    assert set(torsion(K, second_eigenvalues, point)) == {K.zero}
+    # N = Π'Π⁻¹, its powers have the traces 2m·J_m, and it has no torsion
+    N = recursion_operator(body, point)
+    assert second == tuple(tuple(K.dot(row, column) for column in zip(*first, strict=True)) for row in N)
+    power = N
+    for m in (1, 2, 3):
+        trace = K.dot([row[i] for i, row in enumerate(power)], [K.one] * 4)
+        assert trace == K.mul(poly.integer(K, 2 * m), trace_hamiltonian(body, point, m))
+        power = tuple(tuple(K.dot(row, column) for column in zip(*N, strict=True)) for row in power)
+    assert set(nijenhuis_torsion(K, lambda L, x: recursion_operator(moved(L), x), point).values()) == {K.zero}
+    assert rank(K, first) == rank(K, second) == 4
 
 
-def torsion(K, eigenvalues, point):
-    """The components T^i_jk of the Nijenhuis torsion of N = diag(λ1, λ2, λ1, λ2)."""
-    values = [x.value for x in eigenvalues(JetField(K, 0), map(JetField(K, 0).constant, point))]
-    slopes = jacobian_matrix(K, eigenvalues, point)
-    value, slope = [*values, *values], [*slopes, *slopes]
-    for i in range(4):
-        for j in range(4):
-            for k in range(4):
-                total = K.zero
-                if i == k:
-                    total = K.add(total, K.mul(K.sub(value[j], value[i]), slope[i][j]))
-                if i == j:
-                    total = K.sub(total, K.mul(K.sub(value[k], value[i]), slope[i][k]))
-                yield total
+def test_an_operator_with_torsion_is_found() -> None:
+    """N = diag(x2, x1): N = diag(λ_i) has no torsion only where λ_i does not depend on the others' coordinates."""
+    K = GF(10007)
+    found = nijenhuis_torsion(K, lambda N, x: ((x[1], N.zero), (N.zero, x[0])), (3, 5))
+    assert set(found) == {(0, 0, 1), (1, 0, 1)}
+    # T^1_12 = (λ1 − λ2)·∂_2λ1, T^2_12 = (λ1 − λ2)·∂_1λ2
+    assert found[0, 0, 1] != 0
+    assert found[1, 0, 1] != 0
+    mixed = nijenhuis_torsion(K, lambda N, x: ((x[0], N.one), (N.zero, x[1])), (3, 5))
+    assert set(mixed.values()) != {K.zero}
+
+
+@pytest.mark.parametrize("field", FIELDS)
+def test_ranks(field) -> None:
+    """4 at every state; 2 for Π' where a λ_k vanishes, and at γ = 0; 0 at 0."""
+    K, rng = FIELDS[field](), Random(7)
+    for d in (0, 1):
+        ball = ChaplyginBall((1, 2, 4), d, field=K)
+        assert rank(K, ball.poisson(random_state(ball, rng))) == 4
+    zero = (K.zero,) * 3
+    body = ChaplyginBall((1, 2, 4), 0, field=K).body
+    assert rank(K, ball_matrix(body, zero, (K.one, K.zero, K.zero))) == 2
+    assert rank(K, ball_matrix(body, zero, zero)) == 0
+    x, y = K.random(rng), K.random(rng)
+    assert rank(K, second_bracket(body, (x, y, K.zero, K.one))) == 2
+    assert rank(K, ((K.one, x, y), (x, K.mul(x, x), K.mul(x, y)))) == 1
+
+
+def test_wrong_arguments_of_the_recursion() -> None:
+    body = ChaplyginBall((1, 2, 4), 0, field=GF(7, 3)).body
+    with pytest.raises(ArgumentError, match="m = 7 vanishes"):
+        trace_hamiltonian(body, (1, 2, 3, 4), 7)
+    with pytest.raises(ArgumentError, match="m = 0"):
+        trace_hamiltonian(body, (1, 2, 3, 4), 0)
+    with pytest.raises(ArgumentError, match="point = "):
+        eigenvalues(body, (1, 2, 3))
+    with pytest.raises(FieldError, match="inexact"):
+        rank(MP(20), ((MP(20).one,),))
 
 
 # --- one family

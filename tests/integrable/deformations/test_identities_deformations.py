@@ -13,7 +13,7 @@ from integrable.deformations.tilde import Tilde
 from integrable.phase.brackets import differential, pushed
 from integrable.phase.isometry import lift
 from integrable.phase.jets import JetField
-from integrable.phase.separation import phi
+from integrable.phase.recursion import eigenvalues
 from jacobian import GF
 from jacobian.errors import NotASquare, NotRepresentable
 from tests.integrable.deformed_systems import SYSTEMS, OverJets
@@ -96,7 +96,7 @@ def test_the_eigenvalues_at_the_image_of_the_torsion_map(K, kind) -> None:
 
     rigid, state, point = attempt(make)
     h1, h2 = rigid.integrals(state)[2:]
-    first, second = (K.mul(phi(rigid.body, u), K.mul(p, p)) for u, p in zip(*point, strict=True))
+    first, second = eigenvalues(rigid.body, (*point.u, *point.p))
     assert [first, second] == [K.sub(h1, K.mul(u, h2)) for u in point.u]
     found = Tilde(rigid.inertia, rigid.d, field=K).integrals(state)
     assert (K.add(first, second), K.neg(K.mul(first, second))) == (found.H, found.K)

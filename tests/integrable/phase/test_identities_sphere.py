@@ -7,8 +7,10 @@ from random import Random
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
+from integrable.deformations.hat import Hat
 from integrable.phase import sphere
 from integrable.phase.brackets import canonical_matrix, image_brackets, jacobian_matrix, pushed, weighted_matrix
+from integrable.phase.isometry import lift
 from integrable.phase.jets import JetField, apply
 from integrable.phase.separation import Separated, of_roots
 from jacobian import HyperellipticCurve, NotRepresentable, poly
@@ -361,6 +363,52 @@ def test_the_hat_variables(K) -> None:
     line = sphere.momentum_line(K, a, pair(x))
     for u, p in zip(image[:2], image[2:], strict=True):
         assert K.mul(p, poly.evaluate(K, sphere.phi(K, a), u)) == K.neg(poly.evaluate(K, line, u))
+
+
+@over_fields()
+def test_the_hat_map_on_states(K) -> None:
+    """γ̂ = Aw/|Aw|, M̂ = Aw × A⁻¹γ: canonical, (û, p̂) in the coordinates, the lift of A after the keyless map."""
+    K = K()
+    rng = Random(31)
+
+    def make():
+        system, state = random_case(K, rng, "top")
+        step = system.hat_map([rng.choice((1, -1)) for _ in range(3)])
+        image = step(state)
+        keyless = system.keyless(step.signs)(state)
+        lifted = lift(K, system.a, keyless.gamma, keyless.M)
+        points = flat(system.separated(image)), flat(sphere.hat(K, system.a, system.separated(state)))
+        return system, state, step, image, lifted, *image_brackets(system, step, state), points
+
+    system, state, step, image, lifted, brackets, target, points = attempt(make)
+    assert brackets == target
+    assert image == system.state(image.gamma, image.M)
+    assert _same(*points)
+    opposite = tuple(map(K.neg, lifted[0]))
+    assert (image.gamma, image.M) in (lifted, (opposite, lifted[1]))
+    x = phase(system, state)
+    turned = [s * a * w for s, a, w in zip(step.signs, x.a, x.w, strict=True)]
+    size = x.g.field.sqrt(dot(turned, turned))
+    y = phase(system, image)
+    assert [size * e for e in y.gamma] == turned
+    other = [s * e / a for s, e, a in zip(step.signs, x.gamma, x.a, strict=True)]
+    assert cross(turned, other) == y.M
+
+
+def test_the_hat_map_over_the_reals() -> None:
+    top = EulerTop((1, 2, 3))
+    state = top.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    image = top.hat_map()(state)
+    again = top.state(image.gamma, image.M)
+    assert again == image
+    # λ_k of the hat variables are ν_k
+    nu = sphere.hat_eigenvalues(top.field, top.a, top.separated(state))
+    hat = Hat((1, 2, 3)).integrals(state)
+    assert sum(nu) == pytest.approx(hat.H, abs=1e-12)
+    with pytest.raises(ArgumentError, match="d = 0"):
+        ChaplyginBall((1, 2, 3), 0.7).hat_map()
+    with pytest.raises(NotRepresentable, match="no image"):
+        top.hat_map()(top.state((1, 0, 0), (0, 0, 0)))
 
 
 def through_line(N, a, x, q):

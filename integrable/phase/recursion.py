@@ -1,0 +1,123 @@
+"""The Poisson–Nijenhuis structure of the separated variables: λ_k, the second bracket, N, J_m and the torsion of N.
+
+On (u1, u2, p1, p2), {u_i, p_j} = δ_ij, the eigenvalues λ_k = φ(u_k)p_k² = H1 − u_kH2 make a second bracket Π', {u_i,
+p_j}' = λ_iδ_ij, compatible with the canonical Π, and the recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2). Its
+torsion is 0 and its traces J_m = tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). At the image of a state under
+the 2-torsion map J_1 and −λ1λ2 are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov,
+section 4; Magri and Morosi 1984.) Points are tuples (u1, u2, p1, p2), ``body`` may be over jets.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import inf
+from typing import Any
+
+from integrable.phase.body import Body
+from integrable.phase.brackets import Matrix, jacobian_matrix, weighted_matrix
+from integrable.phase.separation import phi
+from jacobian import poly
+from jacobian.errors import ArgumentError, FieldError, PrecisionLoss, entries, shown, whole
+from jacobian.fields.protocol import check_field
+
+MOST_INDEX = 10**6
+
+
+def eigenvalues(body: Body, point: Sequence[Any]) -> tuple[Any, Any]:
+    """(λ1, λ2) at (u1, u2, p1, p2), λ_k = φ(u_k)p_k²."""
+    u1, u2, p1, p2 = _four(body, point)
+    K = body.field
+    return K.mul(phi(body, u1), K.mul(p1, p1)), K.mul(phi(body, u2), K.mul(p2, p2))
+
+
+def second_bracket(body: Body, point: Sequence[Any]) -> Matrix:
+    """The 4×4 matrix of Π', {u_i, p_j}' = λ_iδ_ij."""
+    values = eigenvalues(body, point)
+    return weighted_matrix(body.field, values)
+
+
+def recursion_operator(body: Body, point: Sequence[Any]) -> Matrix:
+    """N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2)."""
+    values = eigenvalues(body, point) * 2
+    zero = body.field.zero
+    return tuple(tuple(value if i == j else zero for j in range(4)) for i, value in enumerate(values))
+
+
+def trace_hamiltonian(body: Body, point: Sequence[Any], m: int) -> Any:
+    """J_m = tr N^m/(2m) = (λ1^m + λ2^m)/m, m ≥ 1; ArgumentError where m = 0 in the field."""
+    values, m = (
+        eigenvalues(body, point),
+        whole(m, "m", "the index of a J_m is an int from 1 to a million", 1, MOST_INDEX),
+    )
+    K = body.field
+    below = poly.integer(K, m)
+    if K.is_zero(below):
+        raise ArgumentError(f"m = {m} vanishes in {K.name}: J_m does not exist there")
+    total = K.div(K.add(*(_power(K, value, m) for value in values)), below)
+    if not K.exact and not abs(total) < inf:
+        raise PrecisionLoss(f"m = {m}: J_m is beyond the numbers of {K.name}")
+    return total
+
+
+def nijenhuis_torsion(
+    K: Any, operator: Callable[[Any, tuple[Any, ...]], Matrix], point: Sequence[Any]
+) -> dict[tuple[int, int, int], Any]:
+    """The components T^i_jk, j < k, of the torsion of a field of operators N(field, point) at a point.
+
+    T(X, Y) = [NX, NY] − N[NX, Y] − N[X, NY] + N²[X, Y]; all are zero for a recursion operator. Derivatives as in
+    :func:`integrable.phase.brackets.jacobian_matrix`. (Nijenhuis 1951.)
+    """
+    size, dot = len(point), K.dot
+    places = [(i, j) for i in range(size) for j in range(size)]
+    rows = jacobian_matrix(K, lambda field, x: [operator(field, x)[i][j] for i, j in places], point)
+    slopes, N = dict(zip(places, rows, strict=True)), operator(K, tuple(point))
+    columns = list(zip(*N, strict=True))
+
+    def component(i: int, j: int, k: int) -> Any:
+        along = K.sub(dot(columns[j], slopes[i, k]), dot(columns[k], slopes[i, j]))
+        turned = [K.sub(slopes[n, k][j], slopes[n, j][k]) for n in range(size)]
+        return K.sub(along, dot(N[i], turned))
+
+    return {(i, j, k): component(i, j, k) for i, j in places for k in range(j + 1, size)}
+
+
+def rank(K: Any, matrix: Sequence[Sequence[Any]]) -> int:
+    """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for Π'
+    where one λ_k vanishes. FieldError over an inexact field, where rounding decides no rank.
+    """
+    if not check_field(K, "K").exact:
+        raise FieldError(f"K = {K.name}: a rank is not decided over an inexact field")
+    wanted, found = "a sequence of rows of one length", 0
+    given = [entries(row, f"matrix[{i}]", wanted) for i, row in enumerate(entries(matrix, "matrix", wanted))]
+    if len({len(row) for row in given}) > 1:
+        raise ArgumentError(f"matrix = {shown(matrix)}: {wanted} is needed")
+    rows = [[K.coerce(x, f"matrix[{i}]") for x in row] for i, row in enumerate(given)]
+    for column in range(len(rows[0]) if rows else 0):
+        pivot = next((i for i in range(found, len(rows)) if not K.is_zero(rows[i][column])), None)
+        if pivot is None:
+            continue
+        rows[found], rows[pivot] = rows[pivot], rows[found]
+        scale = K.inv(rows[found][column])
+        for i in range(found + 1, len(rows)):
+            factor = K.mul(scale, rows[i][column])
+            rows[i] = [K.sub(x, K.mul(factor, y)) for x, y in zip(rows[i], rows[found], strict=True)]
+        found += 1
+    return found
+
+
+def _four(body: Body, point: Sequence[Any]) -> list[Any]:
+    if not isinstance(body, Body):
+        raise ArgumentError(f"body = {shown(body)}: a Body is needed, such as system.body")
+    given = entries(point, "point", "a sequence (u1, u2, p1, p2)")
+    if len(given) != 4:
+        raise ArgumentError(f"point = {shown(given)}: a sequence (u1, u2, p1, p2) is needed")
+    return [body.field.coerce(x, f"point[{i}]") for i, x in enumerate(given)]
+
+
+def _power(K: Any, x: Any, m: int) -> Any:
+    result = K.one
+    for bit in bin(m)[2:]:
+        result = K.mul(result, result)
+        if bit == "1":
+            result = K.mul(result, x)
+    return result
