@@ -19,6 +19,7 @@ import numpy as np
 from integrable.motion.domain import check_domain
 from integrable.motion.trajectory import BodyMotion, Trajectory, Way
 from integrable.moving_point.setup import Setup
+from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from jacobian import RR
@@ -34,6 +35,7 @@ if TYPE_CHECKING:
     from integrable.motion.near import SteppedFlow
     from integrable.motion.precise import PreciseFlow
     from integrable.motion.symmetric import SymmetricFlow
+    from integrable.motion.symmetric_precise import PreciseSymmetricFlow
     from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
@@ -149,10 +151,10 @@ class Flow(BodyMotion):
     # -----------------------------------------------------------------------------------------------------------------
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self.system.field != RR:
-            return self._precise
         if self._symmetric:
             return self._symmetric
+        if self.system.field != RR:
+            return self._precise
         if self.kernel != "compiled" and len(times) < COMPILE_FROM:
             stepped = self._stepped
             if stepped.carries(times, physical) and (stepped.keeps_time or not physical):
@@ -164,12 +166,15 @@ class Flow(BodyMotion):
         return PreciseRows(self)
 
     @cached_property
-    def _symmetric(self) -> SymmetricFlow | None:
+    def _symmetric(self) -> SymmetricFlow | PreciseSymmetricFlow | None:
         """None where three moments differ."""
-        from integrable.motion.symmetric import SymmetricFlow, symmetry_axis
+        from integrable.motion.symmetric import SymmetricFlow
+        from integrable.motion.symmetric_precise import PreciseSymmetricFlow
 
         if symmetry_axis(self.system.inertia) is None:
             return None
+        if self.system.field != RR:
+            return PreciseSymmetricFlow(self.system, self.state)
         return SymmetricFlow(self.system, self.state)
 
     @cached_property

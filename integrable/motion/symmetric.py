@@ -21,15 +21,14 @@ integral gM₃; at d = 0 both integrals are elementary and this is the free symm
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import amplitude, carlson_j, first_kind_swing
-from integrable.phase.body import Body, Vector
+from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.space import PhaseSpace
-from integrable.phase.upright import ChaplyginTransformation
 from integrable.torus.survey import complete
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
@@ -51,54 +50,6 @@ NEARBY = 0.75
 PASSES = 80
 
 
-def symmetry_axis(inertia: Vector) -> int | None:
-    """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
-    return next((i for i in range(3) if inertia[i - 1] == inertia[i - 2]), None)
-
-
-class Swing(NamedTuple):
-    """The numbers of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
-
-    r: Any
-    r3: Any
-    delta: Any
-    ratio: Any
-    momentum: Any
-    kappa: Any
-    size: Any
-    mu: Any
-    rate: Any
-    theta: Any
-    phi: Any
-
-    @staticmethod
-    def of(body: Body, gamma: Vector, M: Vector) -> Swing:
-        """Those of an upright state; the axes in the order (equal, equal, other)."""
-        K = body.field
-        (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
-        ratio = (body.inertia[0] - body.inertia[2]) * a3
-        delta = body.d * a * ratio
-        momentum, across = K.sqrt(K.dot(M, M)), g1 * m2 - g2 * m1
-        square = K.dot(body.contact, [x * x for x in gamma])
-        spin = m3 * m3 / square
-        rest = momentum * momentum - spin * delta
-        kappa2, size2 = spin * r3 / rest, max((m1 * m1 + m2 * m2 - spin * delta * g3 * g3) / rest, K.zero)
-        mu = r3 + delta * kappa2 if delta > 0 else r - delta * size2
-        kappa, size = K.sqrt(kappa2) * (1 if m3 > 0 else -1), K.sqrt(size2)
-        rate = a * momentum * K.sqrt(r3 / mu)
-        atan2 = K.context.atan2
-        theta = atan2(g3, a * across / rate) if size else K.zero
-        # the ellipse before it turns, of γ and of M/|M|: the larger tells φ
-        c, s, root3 = K.context.cos(theta), K.context.sin(theta), K.sqrt(r3)
-        lean = kappa * delta * s / (K.sqrt(square) + root3)
-        scale = size / K.sqrt(mu)
-        found, before = (g1, g2), (c, -kappa * s)
-        if c * c + kappa2 * s * s < 0.5:
-            found, before = (m1, m2), (-scale * lean * c, scale * (root3 + lean * kappa * s))
-        phi = atan2(found[1], found[0]) - atan2(before[1], before[0])
-        return Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, phi)
-
-
 class SymmetricFlow:
     """γ and M at any times, in floats, from a state of a body that has a :func:`symmetry_axis`.
 
@@ -110,33 +61,12 @@ class SymmetricFlow:
 
     def __init__(self, system: PhaseSpace, state: State) -> None:
         K = self._wide = MP(SET_UP_DIGITS)
-        axis = symmetry_axis(system.inertia)
-        assert axis is not None
         self._rolls = system.body.rolls
-        order = [(axis + 1) % 3, (axis + 2) % 3, axis]
-        # columns of γ and M in the order of the user's axes
-        self._columns = [order.index(i) for i in range(3)]
-        inertia, *vectors = ([v[i] for i in order] for v in (system.inertia, state.gamma, state.M))
-        body, gamma, M, clock = self._upright(Body.make(inertia, system.d, K), *vectors, tilted=state.tilted)
-        swing = Swing.of(body, gamma, M)
+        upright = Upright.of(system, state, K)
+        self._columns, self._matrix = upright.columns, [_long(x) for x in upright.matrix]
+        swing = Swing.of(upright.body, upright.gamma, upright.M)
         self._shape(swing)
-        self._phases(swing, body.a[0], clock)
-
-    def _upright(self, body: Body, gamma: Any, M: Any, *, tilted: bool) -> tuple[Body, Vector, Vector, tuple[Any, Any]]:
-        """The body, γ and M with |γ| = 1 and (γ, M) = 0 to the last digit, and (α, β) of dt/dt̃ = α + βñ."""
-        K = self._wide
-        gamma, M = (tuple(map(K.coerce, v)) for v in (gamma, M))
-        length = K.sqrt(K.dot(gamma, gamma))
-        gamma = tuple(x / length for x in gamma)
-        clock, matrix = (K.one, K.zero), (K.one, K.zero, K.zero, K.one)
-        if tilted:
-            tilt = ChaplyginTransformation.of(body, gamma, M)
-            body, (gamma, M) = tilt.upright, tilt.apply_vectors(gamma, M)
-            clock, matrix = tilt.rate(), tilt.inverse_matrix()
-        lean = K.dot(gamma, M)
-        M = tuple(m - lean * x for m, x in zip(M, gamma, strict=True))
-        self._matrix = [_long(x) for x in matrix]
-        return body, gamma, M, clock
+        self._phases(swing, upright.body.a[0], upright.clock)
 
     def _shape(self, swing: Swing) -> None:
         """What the states take beside θ and φ, as long doubles."""

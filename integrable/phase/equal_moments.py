@@ -1,0 +1,105 @@
+"""The constants of a motion with two or three equal moments, in the numbers of any inexact field.
+
+The formulas are in :mod:`integrable.motion.symmetric`.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from integrable.phase.body import Body, Vector
+from integrable.phase.upright import ChaplyginTransformation
+
+if TYPE_CHECKING:
+    from integrable.phase.space import PhaseSpace
+    from integrable.phase.state import State
+
+
+def symmetry_axis(inertia: Vector) -> int | None:
+    """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
+    return next((i for i in range(3) if inertia[i - 1] == inertia[i - 2]), None)
+
+
+class Swing(NamedTuple):
+    """The numbers of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
+
+    r: Any
+    r3: Any
+    delta: Any
+    ratio: Any
+    momentum: Any
+    kappa: Any
+    size: Any
+    mu: Any
+    rate: Any
+    theta: Any
+    phi: Any
+
+    @staticmethod
+    def of(body: Body, gamma: Vector, M: Vector) -> Swing:
+        """Those of an upright state; the axes in the order (equal, equal, other)."""
+        K = body.field
+        (a, _, a3), (r, _, r3), (g1, g2, g3), (m1, m2, m3) = body.a, body.contact, gamma, M
+        ratio = (body.inertia[0] - body.inertia[2]) * a3
+        delta = body.d * a * ratio
+        momentum, across = K.sqrt(K.dot(M, M)), g1 * m2 - g2 * m1
+        square = K.dot(body.contact, [x * x for x in gamma])
+        spin = m3 * m3 / square
+        rest = momentum * momentum - spin * delta
+        kappa2, size2 = spin * r3 / rest, max((m1 * m1 + m2 * m2 - spin * delta * g3 * g3) / rest, K.zero)
+        mu = r3 + delta * kappa2 if delta > 0 else r - delta * size2
+        kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
+        rate = a * momentum * K.sqrt(r3 / mu)
+        atan2 = K.context.atan2
+        # γ₃ and its rate, not the difference above, which a motion about the axis leaves no digits of
+        size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
+        theta = atan2(g3, a * across / rate) if size else K.zero
+        swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
+        # the ellipse before it turns, of γ and of M/|M|: the larger tells φ
+        c, s = K.context.cos(theta), K.context.sin(theta)
+        before_gamma, before_M = swing.ellipse(c, s, K.sqrt)
+        found, before = ((g1, g2), before_gamma) if c * c + kappa2 * s * s >= 0.5 else ((m1, m2), before_M)
+        return swing._replace(phi=atan2(found[1], found[0]) - atan2(before[1], before[0]))
+
+    def ellipse(self, c: Any, s: Any, sqrt: Any) -> tuple[list[Any], list[Any]]:
+        """γ and M at θ with the cosine c and the sine s, before they turn by φ."""
+        root3, spread = sqrt(self.r3), self.delta * self.size * self.size
+        slow = sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
+        lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / sqrt(self.mu)
+        across = scale * self.size
+        M = [-across * lean * c, across * (root3 + lean * self.kappa * s), scale * self.kappa * slow]
+        return [c, -self.kappa * s, self.size * s], M
+
+
+class Upright(NamedTuple):
+    """A body with (γ, M) = 0 in the numbers of K, |γ| = 1 to the last digit; axes in the order (equal, equal, other).
+
+    ``columns`` are those of the user's axes in it, ``clock`` (α, β) of dt/dt̃ = α + βñ, and ``matrix`` leads back to the
+    tilted body.
+    """
+
+    body: Body
+    gamma: Vector
+    M: Vector
+    clock: tuple[Any, Any]
+    matrix: tuple[Any, ...]
+    columns: list[int]
+
+    @staticmethod
+    def of(system: PhaseSpace, state: State, K: Any) -> Upright:
+        """That of a state, by Chaplygin's transformation."""
+        axis = symmetry_axis(system.inertia)
+        assert axis is not None
+        order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+        inertia, gamma, M = (tuple(K.coerce(v[i]) for i in order) for v in (system.inertia, state.gamma, state.M))
+        body = Body.make(inertia, system.d, K)
+        length = K.sqrt(K.dot(gamma, gamma))
+        gamma = tuple(x / length for x in gamma)
+        clock, matrix = (K.one, K.zero), (K.one, K.zero, K.zero, K.one)
+        if state.tilted:
+            tilt = ChaplyginTransformation.of(body, gamma, M)
+            body, (gamma, M) = tilt.upright, tilt.apply_vectors(gamma, M)
+            clock, matrix = tilt.rate(), tilt.inverse_matrix()
+        lean = K.dot(gamma, M)
+        M = tuple(m - lean * x for m, x in zip(M, gamma, strict=True))
+        return Upright(body, gamma, M, clock, matrix, [order.index(i) for i in range(3)])
