@@ -44,6 +44,11 @@ KNOWN = {
     "run.gamma": "ndarray[tuple[int, int], dtype[Any]]",
     "run.times": "ndarray[tuple[int], dtype[Any]]",
     "run.attitude": "ndarray[tuple[int, int, int], dtype[Any]]",
+    "ball.flow(state).at([1], strict=False).status": "ndarray[tuple[int], dtype[Any]]",
+    "tilde.flow(start)": "DeformedFlow",
+    "tilde.flow(start).at([1])": "Trajectory",
+    "tilde.flow(start).at_tau([1]).M": "ndarray[tuple[int, int], dtype[Any]]",
+    "Gyroscopic((1, 2, 4), 0.3).motion_through(start).at([1])": "Trajectory",
     "load_scene('chaplygin')": "Scene",
     "integrable.run('chaplygin')": "Trajectory",
 }
@@ -55,12 +60,15 @@ WRONG = {
     "many.w": '"w"',
     "ball.flow(state).att([1])": "att",
     "run.gama": "gama",
+    "tilde.flow(start).at([1]).gama": "gama",
+    "tilde.motion_through(start).att([1])": "att",
+    "ball.flow(state).at([1], strikt=False)": "strikt",
     "load_scene('chaplygin').tittle": "tittle",
     "integrable.ChaplyginBal": "ChaplyginBal",
 }
 SCRIPT = """
 import integrable
-from integrable import ChaplyginBall, load_scene
+from integrable import ChaplyginBall, Gyroscopic, Tilde, load_scene
 from jacobian import GF, MP, HyperellipticCurve
 from jacobian.batch import DivisorArray
 
@@ -71,6 +79,8 @@ many = DivisorArray.stack([D, D + D])
 ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
 state = ball.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488))
 run = ball.flow(state).at([0, 1])
+tilde = Tilde((1, 2, 4), 0.7)
+start = tilde.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488))
 """
 
 

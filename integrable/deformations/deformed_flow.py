@@ -19,7 +19,7 @@ from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import digits_of
 from integrable.motion.trajectory import Motion, Way
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.phase.state import State
+from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
@@ -237,13 +237,8 @@ def digits_asked(K: Any) -> int:
 
 def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]:
     """The same system and state with so many digits, the constraints made exact."""
-    wide = MP(digits)
-    gamma, M = ([wide.coerce(x) for x in v] for v in (state.gamma, state.M))
-    length = wide.sqrt(wide.dot(gamma, gamma))
-    gamma = [x / length for x in gamma]
-    tilt = wide.dot(gamma, M)
-    M = [m - tilt * x for x, m in zip(gamma, M, strict=True)]
-    return system.over(wide), State(tuple(gamma), tuple(M))
+    wide = system.over(MP(digits))
+    return wide, onto_constraints(wide, state)
 
 
 def rounded(K: Any, values: Any) -> np.ndarray:

@@ -22,7 +22,8 @@ import numpy as np
 from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import legendre_rule
 from integrable.phase.body import cross
-from integrable.steps.guard_digits import onto_constraints, widened
+from integrable.phase.state import onto_constraints
+from integrable.steps.guard_digits import widened
 from integrable.torus.panel_calculus import integrals
 from integrable.torus.panels import Panels
 from jacobian import RR

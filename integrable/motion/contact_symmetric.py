@@ -22,7 +22,8 @@ import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import cross
-from integrable.steps.guard_digits import onto_constraints, widened
+from integrable.phase.state import onto_constraints
+from integrable.steps.guard_digits import widened
 from jacobian import RR
 
 

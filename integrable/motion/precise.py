@@ -16,6 +16,7 @@ from integrable.motion.precise_clock import PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
+from integrable.phase.body import energy
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -264,9 +265,8 @@ def drift(setup: Setup, point: Any) -> Any:
         # M = w × γ, γ = σ/|σ|; everything below is relative to the momentum
         M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
         h2 = sum(m * m for m in M) / square
-        h1 = sum(a * m * m for a, m in zip(alpha, M, strict=True)) / square
-        spin = sum(a * m * x for a, m, x in zip(alpha, M, sigma, strict=True))
-        h1 += reals.number(setup.problem.d) * spin * spin / square
+        # g² = |σ|²
+        h1 = energy(alpha, reals.number(setup.problem.d), sigma, M) / square
         return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
 
 

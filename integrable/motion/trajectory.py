@@ -200,7 +200,7 @@ class Trajectory(Record):
         return self.flow.system
 
     @property
-    def status(self) -> np.ndarray[tuple[int], np.dtype[np.intp]]:
+    def status(self) -> Times:
         """0 for every row that was had, shape (N,); where ``strict=False`` has kept others, n > 0 for a row that was
         refused, and ``reasons[n]`` says why. γ and M of such rows are NaN; what is computed from them is refused
         (NotRepresentable), ask :attr:`kept`.

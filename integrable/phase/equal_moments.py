@@ -8,11 +8,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.phase.body import Body, Vector
+from integrable.phase.state import State, onto_constraints
 from integrable.phase.upright import ChaplyginTransformation
 
 if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
-    from integrable.phase.state import State
 
 
 def symmetry_axis(inertia: Vector) -> int | None:
@@ -91,15 +91,12 @@ class Upright(NamedTuple):
         axis = symmetry_axis(system.inertia)
         assert axis is not None
         order = [(axis + 1) % 3, (axis + 2) % 3, axis]
-        inertia, gamma, M = (tuple(K.coerce(v[i]) for i in order) for v in (system.inertia, state.gamma, state.M))
+        inertia, gamma, M = (tuple(v[i] for i in order) for v in (system.inertia, state.gamma, state.M))
         body = Body.make(inertia, system.d, K)
-        length = K.sqrt(K.dot(gamma, gamma))
-        gamma = tuple(x / length for x in gamma)
+        state = onto_constraints(body, State(gamma, M, tilted=state.tilted))
         clock, matrix = (K.one, K.zero), (K.one, K.zero, K.zero, K.one)
         if state.tilted:
-            tilt = ChaplyginTransformation.of(body, gamma, M)
-            body, (gamma, M) = tilt.upright, tilt.apply_vectors(gamma, M)
-            clock, matrix = tilt.rate(), tilt.inverse_matrix()
-        lean = K.dot(gamma, M)
-        M = tuple(m - lean * x for m, x in zip(M, gamma, strict=True))
-        return Upright(body, gamma, M, clock, matrix, [order.index(i) for i in range(3)])
+            tilt = ChaplyginTransformation.of(body, state.gamma, state.M)
+            body, clock, matrix = tilt.upright, tilt.rate(), tilt.inverse_matrix()
+            state = onto_constraints(body, State(*tilt.apply_vectors(state.gamma, state.M)))
+        return Upright(body, state.gamma, state.M, clock, matrix, [order.index(i) for i in range(3)])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
@@ -24,18 +23,16 @@ class State:
     tilted: bool = False
 
 
-def constrained(system: Any, gamma: Iterable[Any], M: Iterable[Any], *, tilted: bool = False) -> State:
-    """The state of γ and M that meet |γ| = 1 and, unless ``tilted``, (γ, M) = 0 to rounding: made to meet them exactly.
+def onto_constraints(system: Any, state: State) -> State:
+    """The state in the numbers of ``system.field``: (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0 there, not only to
+    the digits it came with. γ is divided by its length, M loses its part along γ.
 
-    ``gamma`` and ``M`` are numbers of the field of ``system``; γ is divided by its length, M loses its part along γ.
+    A divisor that is off its curve by the rounding of a state moves by that times the condition of the step.
     """
     K = system.field
-    gamma, M = list(gamma), list(M)
-    length = K.sqrt(K.dot(gamma, gamma))
-    gamma = [x / length for x in gamma]
-    if not tilted:
-        tilt = K.dot(gamma, M)
-        M = [m - tilt * x for m, x in zip(M, gamma, strict=True)]
-    # deformations know no tilted states
-    state: State = system.state(gamma, M, **({"tilted": True} if tilted else {}))
-    return state
+    gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
+    size = K.sqrt(K.dot(gamma, gamma))
+    g1, g2, g3 = (x / size for x in gamma)
+    tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
+    m1, m2, m3 = (y - tilt * x for x, y in zip((g1, g2, g3), M, strict=True))
+    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)

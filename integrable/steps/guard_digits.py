@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.phase.body import Body
 from integrable.phase.precisions import EPS_DIGITS
 from integrable.phase.space import PhaseSpace
-from integrable.phase.state import State
+from integrable.phase.state import State, onto_constraints
 from jacobian import MP
 from jacobian.errors import NotASquare, NotRepresentable, PrecisionLoss
 from jacobian.fields.inexact import InexactField
@@ -189,20 +189,6 @@ def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
     """The same system, the numbers of its body taken exactly, over a field of more digits."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
-
-
-def onto_constraints(system: PhaseSpace, state: State) -> State:
-    """The state in the numbers of a wider field: (γ, γ) = 1 and (γ, M) = 0 there, not only to the digits it came with.
-
-    A divisor that is off its curve by the rounding of a state moves by that times the condition of the step.
-    """
-    K = system.field
-    gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
-    size = K.sqrt(K.dot(gamma, gamma))
-    g1, g2, g3 = (x / size for x in gamma)
-    tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
-    m1, m2, m3 = (y - tilt * x for x, y in zip((g1, g2, g3), M, strict=True))
-    return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
 
 
 def _rounded(field: Any, state: State) -> State:

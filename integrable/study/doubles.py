@@ -13,7 +13,7 @@ from fractions import Fraction
 from typing import Any
 
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.phase.state import constrained
+from integrable.phase.state import State, onto_constraints
 from integrable.scene.data import Scene
 
 __all__ = ["SceneInDoubles", "in_doubles"]
@@ -29,8 +29,7 @@ class SceneInDoubles(Scene):
             return super().start(digits)
         system, number = self.body(digits), self._numbers(digits)
         gamma, M = (tuple(map(number, vector)) for vector in (self.gamma, self.M))
-        with self._placed("[start]"):
-            return system, constrained(system, gamma, M, tilted=self.tilted)
+        return system, onto_constraints(system, State(gamma, M, tilted=self.tilted))
 
 
 def in_doubles(scene: Scene) -> Scene:

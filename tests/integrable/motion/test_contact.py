@@ -6,7 +6,8 @@ from scipy.integrate import solve_ivp
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion import contact
-from integrable.steps.guard_digits import onto_constraints, widened
+from integrable.phase.state import onto_constraints
+from integrable.steps.guard_digits import widened
 from integrable.torus.panel_calculus import integrals
 from integrable.torus.panels import Panels
 from jacobian import MP, RR

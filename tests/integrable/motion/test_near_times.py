@@ -10,7 +10,8 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.conditioning import conditioning
 from integrable.motion.near import SteppedFlow
-from integrable.steps.guard_digits import onto_constraints, widened
+from integrable.phase.state import onto_constraints
+from integrable.steps.guard_digits import widened
 from jacobian import MP
 
 # moments, d, γ, M, tilted, t: on each of them the first step or the steps on the way lose digits

@@ -7,9 +7,9 @@ from random import Random
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.phase.state import State
+from integrable.phase.state import State, onto_constraints
 from integrable.scene.orbit import orbit
-from integrable.steps.guard_digits import MOST_CONDITION, onto_constraints, widened
+from integrable.steps.guard_digits import MOST_CONDITION, widened
 from integrable.steps.step import Composition
 from integrable.steps.translation import Translation, moving_branch_point
 from jacobian import GF, MP, RR, ArgumentError, NotASquare, NotRepresentable, PrecisionLoss
