@@ -155,12 +155,10 @@ def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smok
     return {"array": 1e9 * one / len(A), f"{processors} threads": one / all_, "memory": memory}
 
 
-def _flint(A: DivisorArray, B: DivisorArray) -> float | None:
-    """Nanoseconds of python-flint's Cantor for one addition, or None without python-flint."""
-    try:
-        from jacobian.addition.cantor_flint import FlintCantor
-    except ImportError:
-        return None
+def _flint(A: DivisorArray, B: DivisorArray) -> float:
+    """Nanoseconds of python-flint's Cantor for one addition."""
+    from jacobian.addition.cantor_flint import FlintCantor
+
     D, E = ((F.u, F.v, F.n) for F in (A[0], B[0]))
     add = FlintCantor(A.jacobian.curve).sum_of
     return 1e3 * microseconds(lambda: add(D, E), 3)

@@ -41,7 +41,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 
 def times(C: HyperellipticCurve, smoke: bool) -> dict[str, Any]:
-    """An addition by the group (on flint where installed), without flint, by Cantor, by Cantor on flint objects."""
+    """An addition by the group (on flint where it pays), without flint, by Cantor, by Cantor on flint objects."""
     rng = Random(3)
     flint = FlintCantor(C)
     python = python_kernel(C).sum_of

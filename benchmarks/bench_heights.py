@@ -1,7 +1,7 @@
 """Divisors over QQ whose heights grow: P, 2P, 4P, … on y² = x⁵ + x³ − 3x² + 2x + 1, genus 2, microseconds.
 
 "bits" is the size of the largest denominator in u; the sum is that with 3·(0, 1). "add" is the group's (on flint, with
-conversions, where it is installed), "explicit" and "Cantor" are in Python, "flint" is Cantor without conversions.
+conversions), "explicit" and "Cantor" are in Python, "flint" is Cantor without conversions.
 """
 
 from __future__ import annotations

@@ -20,13 +20,13 @@ from mpmath import mag
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, arithmetic, is_bounded
+from integrable.moving_point.balls import BallField, BallTranslations, is_bounded
 from integrable.moving_point.problem import MotionProblem, vectors
 from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.immutable import Record
-from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
@@ -73,7 +73,6 @@ class Enclosure(Record):
 
 def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
     """The motion at physical times; ``clock``: how many of the flow's units a unit of time is."""
-    arithmetic()
     farthest = max(map(abs, times), default=0)
     # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
     if body.rolls and farthest * clock > MOST_PANELS:
@@ -91,7 +90,6 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
 
 def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
     """The motion at values of τ."""
-    arithmetic()
     rows = [
         _narrow(body, state, digits, t, lambda motion, t=t: motion.field.coerce(t) * motion.problem.time_scale)
         for t in tau
@@ -100,7 +98,7 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
 
 
 def _exact(times: list[Any]) -> list[Any]:
-    return list(BareReals(64, "python-flint").row(float(t) if isinstance(t, float) else t for t in times))
+    return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
 def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tuple[Any, Any, Any, float]:
@@ -137,8 +135,10 @@ class BallMotion:
     """The flow of one body and state in balls of ``bits`` bits; to be used inside ``with motion.reals``."""
 
     def __init__(self, body: Body, state: State, bits: int, digits: int) -> None:
-        self._flint = arithmetic()
-        self.reals = BareReals(bits, "python-flint")
+        import flint
+
+        self._flint = flint
+        self.reals = BallReals(bits)
         self._digits = digits
         with self.reals:
             K = self.field = BallField(self.reals)
@@ -314,10 +314,10 @@ def _ball(flint: Any, middle: Any, radius: Any) -> Any:
 
 
 def _rebuilt(times: Any, tau: Any, gamma: Any, M: Any, radius: Any) -> Enclosure:
-    flint = arithmetic()
+    import flint
 
     def balls(values: Any) -> list[Any]:
-        with BareReals(64, "python-flint").at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
+        with BallReals(64).at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
             return [_ball(flint, *value) for value in values]
 
     vectors = (balls(values) for values in (gamma, M))

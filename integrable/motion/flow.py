@@ -106,9 +106,9 @@ class Flow(BodyMotion):
     def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
         """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them.
 
-        Needs python-flint. The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost
-        of a time grows with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were
-        found. (:mod:`integrable.motion.enclosure`)
+        The inputs count as exact; ``digits`` are by default those of the field, 15 for RR. The cost of a time grows
+        with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
+        (:mod:`integrable.motion.enclosure`)
         """
         from integrable.motion.enclosure import enclosure
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.addition import abel_sums, carried, conjugate_points
 from integrable.moving_point.translations import Translations, series_of
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 
 if TYPE_CHECKING:
@@ -22,17 +22,6 @@ if TYPE_CHECKING:
 
 
 MOST_TRIALS = 12
-
-
-def arithmetic() -> Any:
-    """The module ``flint``; ArgumentError where python-flint is not installed."""
-    try:
-        import flint
-    except ImportError:
-        raise ArgumentError(
-            "enclosures need ball arithmetic: install python-flint (pip install jacobian-integrable[flint])"
-        ) from None
-    return flint
 
 
 class BallField(InexactField):
@@ -65,9 +54,9 @@ def is_bounded(values: Sequence[Any]) -> bool:
 
 def around(middle: Any, radius: Any) -> Any:
     """A ball that contains all numbers within an upper bound of ``radius`` of those in ``middle``."""
-    flint = arithmetic()
-    bound = radius.abs_upper()
-    return middle + flint.arb(0, bound)
+    from flint import arb
+
+    return middle + arb(0, radius.abs_upper())
 
 
 class BallTranslations:

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from math import cos, pi
 from typing import Any
 
-from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.long_reals import BallReals, BareReals
 
 Rule = tuple[list[Any], list[list[Any]], list[Any]]
 
@@ -48,57 +47,15 @@ def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[li
 
 
 def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:
-    """Nodes (ascending) and weights of Gauss–Legendre quadrature on [−1, 1], in bare reals.
-
-    By python-flint where the numbers are its own (balls would not survive the recurrence at few digits), else by Newton
-    from the cosine estimate, each pass in twice the digits of the last.
+    """Nodes (ascending) and weights of Gauss–Legendre quadrature on [−1, 1], in bare reals, by python-flint (Johansson
+    and Mezzarobba 2018).
     """
-    if reals.kind == "python-flint":
-        return _flint_rule(reals, count)
-    nodes, weights = [], []
-    for i in range((count + 1) // 2):
-        if 2 * i + 1 == count:
-            x = reals.number(0)
-        else:
-            x = reals.number(_float_node(i, count))
-            for bits in doubling_precisions(reals.bits, 44):
-                with reals.at(bits + 16):
-                    x = reals.plain(x - _value_and_slope(x, count)[2])
-        with reals:
-            # the slope at a node: Newton's change would need the value, which is rounding there
-            slope = _value_and_slope(x, count)[1]
-            nodes.append(x)
-            weights.append(2 / ((1 - x * x) * slope * slope))
-    mirrored = nodes[: count // 2][::-1]
-    with reals:
-        return nodes + [-x for x in mirrored], weights + weights[: count // 2][::-1]
-
-
-def _flint_rule(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:
     from flint import arb
 
-    with reals:
+    balls = BallReals(reals.bits)
+    with balls:
         pairs = [arb.legendre_p_root(count, k, weight=True) for k in reversed(range(count))]
-        return [reals.plain(x) for x, _ in pairs], [reals.plain(w) for _, w in pairs]
-
-
-def _float_node(i: int, count: int) -> float:
-    x = -cos(pi * (i + 0.75) / (count + 0.5))
-    for _ in range(8):
-        change = _value_and_slope(x, count)[2]
-        x -= change
-        if abs(change) < 1e-15:
-            break
-    return float(x)
-
-
-def _value_and_slope(x: Any, count: int) -> tuple[Any, Any, Any]:
-    """P_n(x), P_n'(x) and their quotient."""
-    before, value = 1, x
-    for k in range(1, count):
-        before, value = value, ((2 * k + 1) * x * value - k * before) / (k + 1)
-    slope = count * (x * value - before) / (x * x - 1)
-    return value, slope, value / slope
+        return balls.rounded((x for x, _ in pairs), reals), balls.rounded((w for _, w in pairs), reals)
 
 
 def doubling_precisions(bits: int, known: int) -> list[int]:

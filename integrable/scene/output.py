@@ -136,7 +136,17 @@ def _plain(values: Any) -> Any:
 def versions() -> dict[str, str | None]:
     """The versions of Python, of this package and of the libraries that a result may depend on, None: not installed."""
     versions: dict[str, str | None] = {"python": platform.python_version()}
-    for package in ("jacobian-integrable", "numpy", "numba", "scipy", "mpmath", "matplotlib", "gmpy2", "heyoka"):
+    for package in (
+        "jacobian-integrable",
+        "numpy",
+        "numba",
+        "scipy",
+        "mpmath",
+        "matplotlib",
+        "gmpy2",
+        "python-flint",
+        "heyoka",
+    ):
         try:
             versions[package] = metadata.version(package)
         except metadata.PackageNotFoundError:

@@ -13,7 +13,6 @@ from integrable.torus.states import states_at_phases, states_at_tau
 from integrable.torus.tables import directions
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS, pack
-from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -39,8 +38,7 @@ class ReadableLoops:
     noise = 1e-15
 
     def __init__(self, setup: Setup) -> None:
-        # balls would widen from addition to addition
-        self._reals = setup.reals if setup.reals.kind != "python-flint" else BareReals(setup.reals.bits, "mpmath")
+        self._reals = setup.reals
         self._passes = setup.passes
         self._series = setup.terms
         self.short = float(setup.wide.eps) ** 0.5 / 16

@@ -1,11 +1,10 @@
-"""Cantor's composition and reduction on python-flint's polynomials, where it is installed and pays.
+"""Cantor's composition and reduction on python-flint's polynomials, where it pays.
 
 Triples come and go as raw elements (ints, Fractions); in between the polynomials are flint's: ``nmod_poly`` and
 ``fmpz_mod_poly`` over GF(p), ``fq_default_poly`` over GF(p^k), ``fmpq_poly`` over QQ. With the conversions an addition
 takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks backend
-heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast, with gmpy2 for any p, without
-it up to LONG_PRIME; and the elements of a large field of characteristic 2 cost as much to convert as to multiply: there
-it is not used.
+heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast; and the elements of a large
+field of characteristic 2 cost as much to convert as to multiply: there it is not used.
 
 The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests equate this copy.
 """
@@ -14,11 +13,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from importlib.util import find_spec
 from typing import Any
 
 from jacobian.addition import cantor
-from jacobian.addition.genus2_prime import gmp_pays
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.extension import ExtensionField
@@ -26,24 +23,16 @@ from jacobian.fields.prime import PrimeField
 from jacobian.fields.rational import RationalField
 from jacobian.fields.table import TableField
 
-LONG_PRIME = 512
-"""Bits of p from which flint adds faster than the explicit formulas of genus 2 on Python's ints."""
-
 Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 
 
 def pays(C: HyperellipticCurve) -> bool:
-    """Whether python-flint is installed and faster than the Python kernels on this curve."""
+    """Whether python-flint is faster than the Python kernels on this curve."""
     K = C.field
-    # where Python's explicit formulas are slower: its inverse modulo a long prime, its elements split into digits
-    slow = (isinstance(K, PrimeField) and K.p.bit_length() > LONG_PRIME and not gmp_pays(K.p)) or type(K) is DigitField
-    if isinstance(K, RationalField):
-        worthwhile = True
-    elif type(K) is DigitField and K.p == 2:
-        worthwhile = False
-    else:
-        worthwhile = isinstance(K, PrimeField | ExtensionField) and (C.genus != 2 or slow)
-    return worthwhile and find_spec("flint") is not None
+    if type(K) is DigitField:
+        # Python's explicit formulas are slow on elements split into digits
+        return K.p != 2
+    return isinstance(K, RationalField) or (isinstance(K, PrimeField | ExtensionField) and C.genus != 2)
 
 
 class FlintCantor:

@@ -1,9 +1,8 @@
 """Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
 
 By measurement (``python -m benchmarks single group nucomp backend heights``): genus 2 takes explicit formulas, except
-where Python's arithmetic is slow; where python-flint is installed, :func:`jacobian.addition.cantor_flint.pays` says
-what goes to it; what is left goes to Cantor in Python, and to NUCOMP from a genus on that the model decides. All give
-the same triples.
+where Python's arithmetic is slow; :func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is
+left goes to Cantor in Python, and to NUCOMP from a genus on that the model decides. All give the same triples.
 
 Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
 :mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and to compile unless its
@@ -22,7 +21,7 @@ from typing import NamedTuple
 
 from jacobian.addition import cantor, cantor_flint, ladder, nucomp
 from jacobian.addition.genus2 import ExplicitFormulas
-from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas, gmp_pays
+from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
@@ -73,7 +72,7 @@ def python_kernel(C: HyperellipticCurve) -> Kernel:
     if C.genus == 2:
         if type(C.field) is not PrimeField:
             formulas = ExplicitFormulas(C)
-        elif gmp_pays(C.field.p):
+        elif C.field.p.bit_length() >= GMP_BITS:
             on_gmp = GmpFormulas(C)
             return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
         else:

@@ -2,14 +2,13 @@
 by one.
 
 In CPython a call costs as much as a multiplication of machine words, so this copy trades Karatsuba's tricks for fewer
-operations; tests equate it with Cantor, and with the other copy, in every special case. Where gmpy2 is installed the
-same code runs on GMP's integers from some length of p on.
+operations; tests equate it with Cantor, and with the other copy, in every special case. From some length of p on the
+same code runs on GMP's integers.
 """
 
 from __future__ import annotations
 
 from functools import partial
-from importlib.util import find_spec
 from typing import Any
 
 from jacobian.addition import cantor, ladder
@@ -124,11 +123,6 @@ class PrimeFormulas(ExplicitFormulas):
 
 GMP_BITS = 32
 """Bits of p from which an addition on GMP's integers takes less time: ``python -m benchmarks single`` measures it."""
-
-
-def gmp_pays(p: int) -> bool:
-    """Whether gmpy2 is installed and faster than ints modulo p."""
-    return p.bit_length() >= GMP_BITS and find_spec("gmpy2") is not None
 
 
 class GmpFormulas(PrimeFormulas):

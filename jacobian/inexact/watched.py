@@ -137,7 +137,7 @@ class Digits:
         self.bits = bits
         self.field = field
         self._complex = isinstance(field.one, complex) or hasattr(field.one, "_mpc_")
-        self._reals = BareReals(bits, _kind())
+        self._reals = BareReals(bits)
         self._rng = Random(0)
         # whether the numbers are all of moderate size: inputs may have lost more than their last bit
         self.even = False
@@ -163,11 +163,9 @@ class Digits:
         if not self._complex:
             return self._reals.number(x) * scale
         real, imaginary = self._reals.number(x.real), self._reals.number(x.imag)
-        if self._reals.kind == "gmpy2":
-            import gmpy2
+        import gmpy2
 
-            return gmpy2.mpc(real, imaginary) * scale
-        return self._reals.number(0).context.mpc(real, imaginary) * scale
+        return gmpy2.mpc(real, imaginary) * scale
 
     def element(self, x: Any, exponent: int = 0) -> Any:
         """The element of the field nearest to x·2^exponent; PrecisionLoss beyond the range of floats."""
@@ -303,11 +301,3 @@ def _scales(f: Coefficients, u: Coefficients, v: Coefficients, last: Any, even: 
         abs(c) if c != 0 and not even else max(abs(c), least * floor)
         for c, floor in zip([*u[:-1], *v], floors, strict=True)
     ]
-
-
-def _kind() -> str:
-    try:
-        import gmpy2  # noqa: F401
-    except ImportError:
-        return "mpmath"
-    return "gmpy2"

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-
 import flint
 import pytest
 
@@ -15,10 +13,10 @@ from integrable.moving_point.balls import BallField, BallTranslations
 from integrable.moving_point.translations import Translations
 from jacobian import MP
 from jacobian.errors import ArgumentError
-from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.long_reals import BallReals
 
 START = (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
-REALS = BareReals(900, "python-flint")
+REALS = BallReals(900)
 
 
 def motion_of(system, start=START, tilt=0):
@@ -90,7 +88,7 @@ def test_more_digits_than_a_float_has_exponents() -> None:
     system, state = motion_of(*CASES["ball"])
     found = system.flow(state).enclosure_at_tau([system.field.one], digits=400)
     assert 0 < found.radius[0] < 1e-307
-    with BareReals(2000, "python-flint").at(2000):
+    with BallReals(2000).at(2000):
         assert all(x.rad() * flint.arb(10) ** 399 < 1 for x in (*found.gamma[0], *found.M[0]))
 
 
@@ -164,7 +162,7 @@ def test_the_rest_of_the_series_is_bounded() -> None:
 
 
 def test_the_field_of_balls() -> None:
-    reals = BareReals(100, "python-flint")
+    reals = BallReals(100)
     with reals:
         K = BallField(reals)
         assert K.sqrt(K.coerce(2)).contains(flint.arb(2).sqrt().mid())
@@ -177,14 +175,6 @@ def test_digits_are_checked(digits) -> None:
     system, state = motion_of(*CASES["ball"])
     with pytest.raises(ArgumentError, match=r"digits = .* int ≥ 1"):
         system.flow(state).enclosure([1], digits=digits)
-
-
-def test_without_python_flint_the_error_says_what_to_install(monkeypatch) -> None:
-    system, state = motion_of(*CASES["ball"])
-    monkeypatch.setitem(sys.modules, "flint", None)
-    for ask in (system.flow(state).enclosure, system.flow(state).enclosure_at_tau):
-        with pytest.raises(ArgumentError, match="install python-flint"):
-            ask([1])
 
 
 def test_times_too_far_for_panels_are_refused() -> None:

@@ -10,14 +10,16 @@ from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import EXPECTED, PreciseFlow, PreciseMotion, digits_of, lost_digits
 from integrable.motion.precise_clock import LONG, NEAR_CELLS, PanelClock
+from integrable.moving_point import setup as setups
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
 from integrable.moving_point.setup import Setup
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.immutable import replaced
-from jacobian.numbers import long_reals
-from jacobian.numbers.long_reals import KINDS, BareReals
+from jacobian.numbers.long_reals import BallReals, BareReals
+from tests.jacobian.numbers.mpmath_reals import MpmathReals
 
+KINDS = (BareReals, BallReals, MpmathReals)
 START = (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
 
 
@@ -85,7 +87,7 @@ def test_every_kind_of_numbers_gives_the_same_digits(kind, monkeypatch) -> None:
     system, state = ball(25)
     times = [0, "1.25", -3, 30]
     expected = system.flow(state).at(times)
-    monkeypatch.setattr(long_reals, "_installed", lambda: kind)
+    monkeypatch.setattr(setups, "BareReals", kind)
     found = system.flow(state).at(times)
     assert largest(MP(25), expected, found) <= 4 * MP(25).eps
 
@@ -93,8 +95,8 @@ def test_every_kind_of_numbers_gives_the_same_digits(kind, monkeypatch) -> None:
 def test_times_on_the_torus_by_every_kind_of_numbers(monkeypatch) -> None:
     # the scene's reduced periods have a half that lies beyond all numbers
     found = []
-    for kind in KINDS[:2]:
-        monkeypatch.setattr(long_reals, "_installed", lambda kind=kind: kind)
+    for kind in (BareReals, MpmathReals):
+        monkeypatch.setattr(setups, "BareReals", kind)
         system, state = load_scene("chaplygin").start(25)
         found.append(system.flow(state).at(["1e4"]))
     assert largest(MP(25), *found) <= 4 * MP(25).eps
@@ -266,7 +268,7 @@ def test_a_tiny_translation_has_all_its_digits() -> None:
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("count", [1, 2, 7, 40])
 def test_gauss_legendre_is_exact_for_polynomials(count, kind) -> None:
-    reals = BareReals(200, kind)
+    reals = kind(200)
     x, w = gauss_legendre(reals, count)
     with reals:
         assert x == sorted(x)

@@ -6,9 +6,8 @@ import pytest
 
 from jacobian import QQ
 from jacobian.addition.choice import python_kernel
+from tests.jacobian.addition.flint_cantor import FlintCantor
 from tests.jacobian.jacobian_rows import ROWS
-
-pytest.importorskip("flint")
 
 TABLE = [pytest.param(row, id=str(row)) for row in ROWS]
 ADDITIONS = 100_000
@@ -16,8 +15,6 @@ ADDITIONS = 100_000
 
 def compare(row, additions, rng):
     """A walk through the group, in steps of a class, its predecessor, a class of the pool, opposites and doubles."""
-    from tests.jacobian.addition.flint_cantor import FlintCantor
-
     J = row.curve.jacobian()
     other_cantor = FlintCantor(row.curve.arithmetic_model)
     add, double, _ = python_kernel(row.curve.arithmetic_model)

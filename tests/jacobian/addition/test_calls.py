@@ -152,7 +152,6 @@ ROWS_TO_WALK = {
 @pytest.mark.parametrize("name", ROWS_TO_WALK)
 def test_a_long_walk(name):
     """10^6 additions on short equations over primes, against Cantor on flint; every hundredth against Python's."""
-    pytest.importorskip("flint")
     C, steps = ROWS_TO_WALK[name]
     C, rng = C.arithmetic_model, Random(name)
     kernel, other = word_kernel(C), cantor_flint.FlintCantor(C)

@@ -1,6 +1,5 @@
 """The explicit formulas of genus 2: equal to Cantor on every pair, and as cheap as their source says."""
 
-from importlib.util import find_spec
 from itertools import product
 from random import Random
 
@@ -57,7 +56,7 @@ def kernels(C):
     """Every implementation for C; GMP's, where it is not installed, is left to a session where it is."""
     found = [ExplicitFormulas(C)]
     if isinstance(C.field, PrimeField):
-        found += [PrimeFormulas(C), *([GmpFormulas(C)] if find_spec("gmpy2") else [])]
+        found += [PrimeFormulas(C), GmpFormulas(C)]
     return found
 
 
