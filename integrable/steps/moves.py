@@ -1,5 +1,5 @@
-"""Maps that add no divisor of points that are chosen: multiples of the state's own divisor, the branch point 1/d, the
-walk along a conic's pencil, and time shifts.
+"""Maps that add no divisor of points that are chosen: multiples of the state's own divisor, the branch point 1/d, and
+the walk along a conic's pencil; time shifts are in :mod:`integrable.steps.time_shift`.
 
 Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` is said with each, and tested by
 :func:`integrable.phase.brackets.image_brackets`.
@@ -7,15 +7,14 @@ Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, Self
 
 from integrable.phase import coordinates
-from integrable.phase.body import Body, square_root
-from integrable.phase.jets import JetField, apply
+from integrable.phase.body import square_root
+from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
-from integrable.steps.extrapolation import extrapolated
 from integrable.steps.guard_digits import (
     LARGEST,
     body_condition,
@@ -24,12 +23,12 @@ from integrable.steps.guard_digits import (
     with_enough_digits,
 )
 from integrable.steps.step import Step, checked_signs
-from jacobian import MP, RR, poly
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, one_of, shown, whole
+from jacobian import poly
+from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.relatives.conic import parameter
-from jacobian.relatives.signed import Pair, SignedDivisor, SignedGroup, reflected, sheared
+from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 
 
 class Move(Step):
@@ -204,91 +203,6 @@ class ConicStep(Move):
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
         # M as it was: every member of the pencil has it
         return State((x1, x2, x3), state.M)
-
-
-class Shift(Move):
-    """The time-1 map of the Hamiltonian F(H1, H2) for the bracket of :meth:`System.poisson`, in the flow's own time τ.
-
-    F is written with operators: ``lambda h1, h2: h1 * h2``; its derivatives are taken by jets. F = H1/2 is the motion
-    for τ = 1. On divisors the map adds T with (Σ∫dx/y, Σ∫x dx/y) = (2∂F/∂H1, −2∂F/∂H2); it preserves the bracket and
-    commutes with the motion in τ and with every other shift. Over RR and MP only, by extrapolation of the equations of
-    the pairs to the precision of the field (Gragg 1965; Bulirsch and Stoer 1966).
-    """
-
-    def __init__(self, system: PhaseSpace, F: Callable[[Any, Any], Any]) -> None:
-        if system.field.exact:
-            raise ArgumentError(f"field = {system.field.name}: a time shift runs over RR or MP(digits)")
-        if not callable(F):
-            raise ArgumentError(f"F = {shown(F)}: give a function of H1 and H2, such as lambda h1, h2: h1 / 2")
-        self.system = system
-        self.F = F
-
-    def __repr__(self) -> str:
-        return f"<time shift on {self.system!r}>"
-
-    def __neg__(self) -> Shift:
-        return Shift(self.system, lambda h1, h2: -self.F(h1, h2))
-
-    def _image(self, state: State) -> State:
-        """The image of a state."""
-        system = self.system
-        h1, h2 = system.integrals(state)[2:]
-        jets = JetField(system.field, 2)
-        first, second = jets.coerce(self.F(*jets.variables((h1, h2)))).slopes
-        pairs = coordinates.to_pairs(system.body, state)
-        return coordinates.from_pairs(system.body, self._flow(pairs, h1, h2, 2 * first, 2 * second))
-
-    def divisor(self, state: State) -> Any:
-        """T on the curve of a state."""
-        D = self.system.divisor(state)
-        # the integrals of the image differ in the last digit: on the curve of the state
-        u, v = coordinates.to_mumford(self.system.body, coordinates.to_pairs(self.system.body, self(state)))
-        return D.jacobian.from_mumford(u, v) - D
-
-    def _flow(self, pairs: tuple[Pair, ...], h1: Any, h2: Any, first: Any, second: Any) -> tuple[Pair, ...]:
-        """The pairs after time 1, with guard digits on the way."""
-        K = self.system.field
-        wide = MP(30 if K == RR else K.dps + 15)
-        body = Body.make(self.system.inertia, self.system.d, wide)
-        f = body.polynomial(wide.coerce(h1), wide.coerce(h2))
-        directions = wide.coerce(first), wide.coerce(second)
-
-        def rate(y: list[Any]) -> list[Any]:
-            return pair_rates(body, f, y, *directions)
-
-        y = [wide.coerce(x) for pair in pairs for x in pair]
-        scale = max(map(abs, y))
-        count = 1 + int(2 * max(map(abs, rate(y))) / scale)
-        tolerance = K.eps * scale / 64
-        for _ in range(count):
-            found = extrapolated(rate, y, wide.one / count, tolerance)
-            if found is None:
-                raise PrecisionLoss(
-                    f"a time shift has not converged to {float(tolerance):.1e}: shift by less, or over more digits"
-                )
-            y = found[0]
-        rounded = [K.coerce(x) for x in y]
-        return tuple((rounded[2 * i], rounded[2 * i + 1]) for i in range(3))
-
-
-def pair_rates(body: Any, f: poly.Poly, y: Sequence[Any], first: Any, second: Any) -> list[Any]:
-    """d/ds of (σ1, ν1, …, ν3) along (Σdu/y, Σu du/y) = (first, −second)·ds, rational in the pairs and f.
-
-    From U' = (V(x)U(0) − V(0)U(x))/x for (1, 0) and U' = V for (0, −1), each with V² + UW = f kept.
-    """
-    K = body.field
-    pairs = tuple((y[2 * i], y[2 * i + 1]) for i in range(3))
-    u, v = coordinates.to_mumford(body, pairs)
-    w = poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
-    lead = w[3] if len(w) == 4 else K.zero
-    # the quotient of W by U
-    line = (w[2] - lead * u[1], lead)
-    rates = []
-    for a, (sigma, nu) in zip(body.a, pairs, strict=True):
-        turn = first * (nu * u[0] - sigma * v[0]) / a + second * nu
-        back = first * ((w[0] * sigma + v[0] * nu) / a + u[0] * lead * sigma) + second * (line[0] + line[1] * a) * sigma
-        rates += [turn / 2, back / 2]
-    return rates
 
 
 def _check_moving(K: Any, h2: Any) -> None:

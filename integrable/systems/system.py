@@ -12,7 +12,8 @@ from jacobian.errors import ArgumentError
 if TYPE_CHECKING:
     from integrable.motion.flow import Flow
     from integrable.steps.hat_map import HatMap
-    from integrable.steps.moves import ConicStep, Keyless, Multiplication, Shift
+    from integrable.steps.moves import ConicStep, Keyless, Multiplication
+    from integrable.steps.time_shift import Shift
     from integrable.steps.translation import Translation
 
 
@@ -77,9 +78,9 @@ class System(PhaseSpace):
         return HatMap(self, signs)
 
     def shift(self, F: Callable[[Any, Any], Any]) -> Shift:
-        """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.moves.Shift`); RR and MP(digits)
-        only."""
-        from integrable.steps.moves import Shift
+        """The time-1 map of the Hamiltonian F(H1, H2) (:class:`integrable.steps.time_shift.Shift`); RR and
+        MP(digits) only."""
+        from integrable.steps.time_shift import Shift
 
         return Shift(self, F)
 

@@ -12,7 +12,6 @@ from integrable.phase.brackets import bracket, canonical_matrix, differential, p
 from integrable.phase.jets import JetField
 from integrable.phase.separation import Separated
 from integrable.phase.state import State
-from integrable.steps.moves import pair_rates
 from jacobian import GF, MP, RR, NotASquare, NotRepresentable, poly
 from jacobian.errors import ArgumentError
 from tests.integrable.exact_points import (
@@ -27,6 +26,7 @@ from tests.integrable.exact_points import (
     wrapped,
 )
 from tests.integrable.exact_states import random_state
+from tests.integrable.steps.equations_of_pairs import pair_rates
 
 KINDS = pytest.mark.parametrize("kind", ["ball", "top"])
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -310,7 +310,7 @@ def test_regular_coordinates(K, kind) -> None:
 @over_fields()
 @KINDS
 def test_the_rates_of_the_pairs_are_hamiltonian(K, kind) -> None:
-    """The equations that a time shift integrates are d(σ, ν)/ds = {(σ, ν), F} for (2F_1, −2F_2) = (first, −second)."""
+    """Those that time shifts are held against: d(σ, ν)/ds = {(σ, ν), F} for (2F_1, −2F_2) = (first, −second)."""
     K = K()
     system, state = attempt(lambda: random_case(K, Random(15), kind))
     N = JetField(K, 0)

@@ -8,13 +8,15 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.phase.brackets import image_brackets
+from integrable.phase.state import constrained
 from jacobian import GF, MP
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from tests.integrable.exact_points import (
     cross,
     random_system,
 )
 from tests.integrable.exact_states import random_state
+from tests.integrable.steps.equations_of_pairs import shifted
 
 
 def test_time_shifts() -> None:
@@ -30,6 +32,69 @@ def test_time_shifts() -> None:
         assert _distance(system.integrals(image), system.integrals(state)) < 1e-18
         assert _distance(other(image).gamma, motion(other(state)).gamma) < 1e-17
         assert _distance((-other)(other(state)).gamma, state.gamma) < 1e-17
+
+
+SHIFTED = {
+    "ball": (ChaplyginBall((1, 2, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "top": (EulerTop((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "thin": (ChaplyginBall((1e-4, 2, 3), 1.0), (0.6, 0.48, 0.64), (0.8, -0.36, -0.48)),
+    "heavy": (ChaplyginBall((1, 2, 3), 100.0), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "two equal moments": (ChaplyginBall((1, 1, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "equal moments": (EulerTop((2, 2, 2)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "γ2 = 0": (ChaplyginBall((1, 2, 3), 0.7), (0.6, 0, 0.8), (0.8, 0.5, -0.6)),
+    "a rotation": (ChaplyginBall((1, 2, 3), 0.7), (0.6, 0, 0.8), (0, 1, 0)),
+    "beside a rotation": (ChaplyginBall((1, 2, 3), 0.7), (0.6, 1e-9, 0.8), (1e-9, 1, 1e-9)),
+}
+HAMILTONIANS = {
+    "H1/2": lambda h1, h2: h1 / 2,
+    "H2/2": lambda h1, h2: h2 / 2,
+    "-H2": lambda h1, h2: -h2,
+    "H1H2/8": lambda h1, h2: h1 * h2 / 8,
+    "H1/H2 + H2/3": lambda h1, h2: h1 / h2 + h2 / 3,
+    "1e-9·H1": lambda h1, h2: 1e-9 * h1,
+    "1": lambda h1, h2: 1.0,
+}
+
+
+@pytest.mark.parametrize("F", HAMILTONIANS)
+@pytest.mark.parametrize("kind", SHIFTED)
+def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
+    """D + T(w) against the equations of motion of the pairs, and T(w) itself is what the divisor moves by."""
+    system, gamma, M = SHIFTED[kind]
+    state, size = constrained(system, gamma, M), sum(m * m for m in M) ** 0.5
+    step = system.shift(HAMILTONIANS[F])
+    # the equations over MP(25): their floats lose digits of heavy bodies
+    wide = type(system)(system.inertia, *([system.d] if system.d else []), field=MP(25))
+    start = constrained(wide, *(map(wide.field.coerce, v) for v in (state.gamma, state.M)))
+    image, expected = step(state), shifted(wide, HAMILTONIANS[F], start)
+    assert _distance(image.gamma, expected.gamma) < 1e-13
+    assert _distance(image.M, expected.M) < 1e-13 * size
+    assert _distance((-step)(image).gamma, state.gamma) < 1e-12
+    if kind in ("ball", "top", "heavy") and F != "1":
+        D, T, E = system.divisor(state), step.divisor(state), system.divisor(image)
+        total = D + D.jacobian.from_mumford(T.u, T.v)
+        assert _distance((*total.u, *total.v), (*E.u, *E.v)) < 1e-9 * max(map(abs, (*T.u, *T.v)))
+
+
+def test_far_shifts_have_their_digits() -> None:
+    """10⁶ and 10²⁰ turns on: against the flow in more digits, and the closed form of the top about M."""
+    ball, top = ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))
+    state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    for tau in (1e6, -1e6, 1e20):
+        image = ball.shift(lambda h1, h2, t=tau: h1 * t / 2)(state)
+        wide = ChaplyginBall((1, 2, 3), 0.7, field=MP(50))
+        there = wide.flow(constrained(wide, map(wide.field.coerce, state.gamma), map(wide.field.coerce, state.M)))
+        assert image.gamma == pytest.approx([float(x) for x in there.at_tau([tau]).gamma[0]], abs=1e-14)
+        image = top.shift(lambda h1, h2, t=tau: h2 * t / 2)(state)
+        wide = MP(60)
+        unit = constrained(EulerTop((1, 2, 3), field=wide), map(wide.coerce, state.gamma), map(wide.coerce, state.M))
+        size = sum(m * m for m in unit.M) ** (wide.one / 2)
+        cosine, sine = wide.context.cos(tau * size), wide.context.sin(tau * size)
+        turned = [cosine * x + sine * y / size for x, y in zip(unit.gamma, cross(unit.gamma, unit.M), strict=True)]
+        assert image.gamma == pytest.approx([float(x) for x in turned], abs=1e-14)
+    for F in (lambda h1, h2: h1 * 1e200, lambda h1, h2: h1 / (h2 - h2)):
+        with pytest.raises((Infeasible, PrecisionLoss, ZeroDivisionError)):
+            ball.shift(F)(state)
 
 
 @pytest.mark.slow
