@@ -60,7 +60,11 @@ class Oval:
         return r
 
     def added(self, r: Sequence[Any], s: Sequence[Any]) -> list[Any]:
-        """The roots R_i at the sum of a point with roots r and a translation s."""
+        """The roots R_i at the sum of a point with roots r and a translation s.
+
+        It is the sum of :class:`jacobian.relatives.signed.SignedGroup` on the curve, D = (Z, 2R_1R_2R_3), D' = (℘,
+        −2s_1s_2s_3), written out: several times as fast (tests/integrable/deformations/test_oval.py holds them equal).
+        """
         i = self.low
         # ℘(v) − Z(u) = s_i² ∓ R_i², a sum where the sign of R_i² is −
         j = (i + 1) % 3

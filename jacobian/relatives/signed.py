@@ -37,16 +37,20 @@ class SignedDivisor(NamedTuple):
 
 
 class SignedGroup(Immutable):
-    """Divisors of weight two on y² = f(x), deg f = 5 or 4, with pairs at the given branch points.
+    """Divisors of weight two on y² = f(x), deg f = 5 or 4, or of weight one, deg f = 3, with pairs at the given branch
+    points.
 
     deg f = 5 is the Jacobian of a curve of genus 2; deg f = 4 the generalized Jacobian of an elliptic curve with
-    modulus ∞₊ + ∞₋. Divisors of weight one are admitted on deg f = 5 when √(leading coefficient) lies in the field.
+    modulus ∞₊ + ∞₋; deg f = 3 an elliptic curve. Divisors of weight one are admitted on deg f = 5 and 3 when √(leading
+    coefficient) lies in the field.
     """
 
     def __init__(self, curve: HyperellipticCurve, branch_points: Sequence[Any]) -> None:
-        if curve.h or len(curve.f) not in (5, 6):
-            raise ArgumentError(f"curve = {curve!r}: sign-resolved divisors need h = 0 and deg f = 4 or 5")
+        if curve.h or len(curve.f) not in (4, 5, 6):
+            raise ArgumentError(f"curve = {curve!r}: sign-resolved divisors need h = 0 and deg f = 3, 4 or 5")
         self.curve = curve
+        self.weight = 1 if len(curve.f) == 4 else 2
+        self._full = ("one", "two")[self.weight - 1]
         self.field = curve.field
         self.branch_points = tuple(curve.field.coerce(e, "branch_points") for e in branch_points)
         for e in self.branch_points:
@@ -95,14 +99,15 @@ class SignedGroup(Immutable):
         return D._replace(v=poly.neg(K, D.v), pairs=pairs)
 
     def double(self, D: SignedDivisor) -> SignedDivisor:
-        """D + D, with κ = 1: its κ² is a square."""
+        """D + D, with κ = 1 (−1 for weight one): its κ² is a square."""
         K = self.field
-        total = self.add(D, D)
-        pairs = tuple((K.mul(k, x), K.mul(k, y)) for k, (x, y) in zip(D.kappas, total.pairs, strict=True))
-        return total._replace(pairs=pairs, kappas=(K.one,) * len(pairs))
+        total, sign = self.add(D, D), K.one if self.weight == 2 else K.neg(K.one)
+        scales = [K.mul(sign, k) for k in D.kappas]
+        pairs = tuple((K.mul(k, x), K.mul(k, y)) for k, (x, y) in zip(scales, total.pairs, strict=True))
+        return total._replace(pairs=pairs, kappas=(sign,) * len(pairs))
 
     def multiple(self, m: int, D: SignedDivisor) -> SignedDivisor:
-        """m·D for m ≠ 0, by doubling and adding; NotRepresentable where a partial sum has weight below two."""
+        """m·D for m ≠ 0, by doubling and adding; NotRepresentable where a partial sum has less than full weight."""
         if m == 0:
             raise NotRepresentable("m = 0: the identity has weight 0 and no pairs")
         if m < 0:
@@ -120,12 +125,12 @@ class SignedGroup(Immutable):
     def add(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
         """D + E, of weight two or one.
 
-        Raises NotRepresentable where the sum has weight below two, or both summands are at one branch point.
+        Raises NotRepresentable where the sum has less than full weight, or both summands are at one branch point.
         """
         K = self.field
         if len(D.u) < len(E.u):
             D, E = E, D
-        if len(D.u) == 2:
+        if len(D.u) == self.weight == 2:
             return self._two_points(D, E)
         p, q, b, u, v = self._sum(D, E)
         of_first, of_second = (self._transfer(p, q, u, v, X.u, X.v) for X in (D, E))
@@ -171,16 +176,18 @@ class SignedGroup(Immutable):
             q = K.one
             if len(product) != len(D.u) + len(E.u) - 1:
                 raise NotRepresentable(
-                    "the summands share opposite points: their sum has weight below two and no pairs"
+                    f"the summands share opposite points: their sum has weight below {self._full} and no pairs"
                 )
             psi = poly.sub(K, poly.mul(K, p, p), f)
             u = poly.monic(K, poly.quotient(K, psi, product))
             v = poly.neg(K, poly.mod(K, p, u))
         else:
-            u, v, p, q = map(_frozen, composition.compose(K, 2, f, (list(D.u), list(D.v)), (list(E.u), list(E.v))))
+            u, v, p, q = map(
+                _frozen, composition.compose(K, self.weight, f, (list(D.u), list(D.v)), (list(E.u), list(E.v)))
+            )
         degree = len(D.u) + len(E.u) - 3
-        if len(u) != 3:
-            raise NotRepresentable("the sum has weight below two and no pairs")
+        if len(u) != self.weight + 1:
+            raise NotRepresentable(f"the sum has weight below {self._full} and no pairs")
         return p, q, (p[degree] if len(E.u) == 3 else K.mul(q, K.sqrt(f[-1]))), u, v
 
     def _transfer(
