@@ -1,0 +1,128 @@
+"""A vector field as a list of operations: what a formula does to its variables, recorded once.
+
+A formula written with operators is called on :class:`Recorded` numbers; what it adds, multiplies and divides becomes
+a :class:`Tape`, on which Taylor series run (:mod:`integrable.deformations.taylor`). Equal operations are recorded once,
+what is done to constants is done at once. (Griewank & Walther 2008, *Evaluating Derivatives*, chapters 2 and 13.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT = range(7)
+
+
+class Tape(NamedTuple):
+    """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``; the variables are the first nodes. A MULTIPLE
+    has a constant on the left. ``constants`` are the values of the constant nodes, elsewhere 0; ``results`` the nodes
+    of what the formula returned.
+    """
+
+    kinds: list[int]
+    left: list[int]
+    right: list[int]
+    constants: list[Any]
+    results: list[int]
+
+
+def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) -> Tape:
+    """The tape of a formula of so many variables, whose constants are numbers with operators."""
+    recorder = _Recorder()
+    given = [recorder.node(VARIABLE, -1 - i, -1) for i in range(variables)]
+    results = [recorder.lifted(x).index for x in formula(given)]
+    kinds, left, right = (list(x) for x in zip(*recorder.nodes, strict=True))
+    return Tape(kinds, left, right, recorder.constants, results)
+
+
+class _Recorder:
+    def __init__(self) -> None:
+        self.nodes: list[tuple[int, int, int]] = []
+        self.constants: list[Any] = []
+        self._known: dict[Any, int] = {}
+
+    def node(self, kind: int, left: int, right: int, constant: Any = 0) -> Recorded:
+        key = (kind, left, right, constant)
+        index = self._known.setdefault(key, len(self.nodes))
+        if index == len(self.nodes):
+            self.nodes.append((kind, left, right))
+            self.constants.append(constant)
+        return Recorded(self, index)
+
+    def lifted(self, x: Any) -> Recorded:
+        return x if isinstance(x, Recorded) else self.node(CONSTANT, -1, -1, x)
+
+    def operation(self, kind: int, x: Any, y: Any) -> Recorded:
+        x, y = self.lifted(x), self.lifted(y)
+        p, q = x.constant, y.constant
+        # a quotient of integers is no float
+        folded = kind != QUOTIENT or not isinstance(q, int)
+        if p is not None and q is not None and folded:
+            return self.lifted(_OPERATIONS[kind](p, q))
+        if kind == QUOTIENT and q is not None and folded:
+            return self.operation(PRODUCT, 1 / q, x)
+        if kind == PRODUCT:
+            if q is not None:
+                x, y, p, q = y, x, q, p
+            if p is not None:
+                return y if p == 1 else x if p == 0 else self.node(MULTIPLE, x.index, y.index)
+        if q == 0 and kind in (SUM, DIFFERENCE):
+            return x
+        if p == 0 and kind in (SUM, QUOTIENT):
+            return y if kind == SUM else x
+        if kind in (SUM, PRODUCT) and x.index > y.index:
+            x, y = y, x
+        return self.node(kind, x.index, y.index)
+
+
+_OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {
+    SUM: lambda x, y: x + y,
+    DIFFERENCE: lambda x, y: x - y,
+    PRODUCT: lambda x, y: x * y,
+    QUOTIENT: lambda x, y: x / y,
+}
+
+
+class Recorded:
+    """A number that remembers what is done to it."""
+
+    __hash__ = None  # type: ignore[assignment]
+
+    def __init__(self, recorder: _Recorder, index: int) -> None:
+        self._recorder, self.index = recorder, index
+
+    @property
+    def constant(self) -> Any:
+        """The value of a constant, None of anything else."""
+        recorder = self._recorder
+        return recorder.constants[self.index] if recorder.nodes[self.index][0] == CONSTANT else None
+
+    def __eq__(self, other: object) -> bool:
+        if isinstance(other, Recorded):
+            return self.index == other.index
+        return self.constant is not None and bool(self.constant == other)
+
+    def __add__(self, other: Any) -> Recorded:
+        return self._recorder.operation(SUM, self, other)
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Recorded:
+        return self._recorder.operation(DIFFERENCE, self, other)
+
+    def __rsub__(self, other: Any) -> Recorded:
+        return self._recorder.operation(DIFFERENCE, other, self)
+
+    def __mul__(self, other: Any) -> Recorded:
+        return self._recorder.operation(PRODUCT, self, other)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Recorded:
+        return self._recorder.operation(QUOTIENT, self, other)
+
+    def __rtruediv__(self, other: Any) -> Recorded:
+        return self._recorder.operation(QUOTIENT, other, self)
+
+    def __neg__(self) -> Recorded:
+        return self._recorder.operation(PRODUCT, -1, self)
