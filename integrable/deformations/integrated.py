@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, integrals_missing, rounded, widened
-from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.hamiltonian import Hamiltonian, dot
+from integrable.deformations.tape import recorded
+from integrable.deformations.taylor import integrate
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Motion, Way
 from integrable.phase.state import State
-from integrable.steps.extrapolation import integrate
 from jacobian.errors import PrecisionLoss
 
 # digits of a step beyond those asked for, and what all steps together may lose of H and K
@@ -34,21 +35,21 @@ def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[
         moved = [*rate.gamma, *rate.M]
         if not rolls:
             return moved
-        slow = system.body.conformal((y[0], y[1], y[2])) ** (system.field.one / 2)
+        slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
         return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
 
     return right_hand_side
 
 
 class IntegratedMotion(Motion):
-    """The motion of a deformation through a state, by extrapolation of ``system.vector_field``, over RR or MP(digits).
+    """The motion of a deformation through a state, by Taylor series of ``system.vector_field``, over RR or MP(digits).
 
-    All is computed with guard digits, also for floats, each step to the last digit, and rounded once. The work grows
-    with the time: Infeasible where it would take minutes. PrecisionLoss where the motion ends in finite time, at a pole
-    that attracts, and where H and K are lost.
+    All is computed with guard digits, for floats in double-double numbers, each step to the last digit, and rounded
+    once. The work grows with the time: Infeasible where floats would take seconds, digits half a minute. PrecisionLoss
+    where the motion ends in finite time, at a pole that attracts, and where H and K are lost.
     """
 
-    method = "extrapolation"
+    method = "integrated"
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
@@ -111,8 +112,7 @@ class Equations:
         wide = system.field
         start = [*state.gamma, *state.M, *([wide.zero] if system.body.rolls else [])]
         times = [wide.coerce(x) for x in given.tolist()]
-        rate = rates(system, physical)
-        return integrate(rate, start, times, wide.coerce(10) ** -digits, digits, refused)
+        return integrate(wide, recorded(rates(system, physical), len(start)), start, times, digits, refused)
 
     def _missing(self, row: list[Any]) -> int:
         """How many of the digits asked for, but for LOST_DIGITS, H and K of a row lack."""

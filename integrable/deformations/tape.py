@@ -1,8 +1,9 @@
 """A vector field as a list of operations: what a formula does to its variables, recorded once.
 
-A formula written with operators is called on :class:`Recorded` numbers; what it adds, multiplies and divides becomes
-a :class:`Tape`, on which Taylor series run (:mod:`integrable.deformations.taylor`). Equal operations are recorded once,
-what is done to constants is done at once. (Griewank & Walther 2008, *Evaluating Derivatives*, chapters 2 and 13.)
+A formula written with operators is called on :class:`Recorded` numbers; what it adds, multiplies, divides and takes the
+square root of becomes a :class:`Tape`, on which Taylor series run (:mod:`integrable.deformations.taylor`). Equal
+operations are recorded once, what is done to constants is done at once. (Griewank & Walther 2008, *Evaluating
+Derivatives*, chapters 2 and 13.)
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT = range(7)
+VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT = range(8)
 
 
 class Tape(NamedTuple):
     """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``; the variables are the first nodes. A MULTIPLE
-    has a constant on the left. ``constants`` are the values of the constant nodes, elsewhere 0; ``results`` the nodes
-    of what the formula returned.
+    has a constant on the left, a ROOT what it is the root of on both sides. ``constants`` are the values of the
+    constant nodes, elsewhere 0; ``results`` the nodes of what the formula returned.
     """
 
     kinds: list[int]
@@ -123,6 +124,10 @@ class Recorded:
 
     def __rtruediv__(self, other: Any) -> Recorded:
         return self._recorder.operation(QUOTIENT, other, self)
+
+    def __pow__(self, exponent: Any) -> Recorded:
+        assert exponent == 0.5
+        return self._recorder.node(ROOT, self.index, self.index)
 
     def __neg__(self) -> Recorded:
         return self._recorder.operation(PRODUCT, -1, self)

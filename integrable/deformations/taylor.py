@@ -13,11 +13,12 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, SUM, Tape
+from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, Tape
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.roots import root
 
 __all__ = ["coefficients", "integrate", "values_at"]
 
@@ -52,6 +53,11 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, order: int, seri
                 for j in range(1, k + 1):
                     total = total + series[p + j] * series[q + k - j]
                 series[own] = total
+            elif kind == ROOT:
+                total = series[p + k]
+                for j in range(1, k):
+                    total = total - series[n * width + j] * series[own - j]
+                series[own] = total / (2 * series[n * width]) if k > 0 else root(total)
             elif kind == QUOTIENT:
                 total = series[p + k]
                 for j in range(k):
@@ -105,8 +111,9 @@ class _Interpreted:
         return list(self._reals.elements(self._field, values))
 
     def coefficients(self, tape: Any, order: int, series: Any) -> None:
+        kinds, left, right, rates = tape
         with self._reals:
-            coefficients(*tape, order, series)
+            coefficients(kinds, left, right, rates, order, series)
 
     def values_at(self, x: Any, order: int, series: Any, out: Any) -> None:
         with self._reals:
@@ -141,44 +148,58 @@ class _Compiled:
         self._coefficients(*tape, order, series)
 
 
-def integrate(field: Any, tape: Tape, start: Sequence[Any], times: Sequence[Any], digits: int) -> list[list[Any]]:
+def integrate(
+    field: Any,
+    tape: Tape,
+    start: Sequence[Any],
+    times: Sequence[Any],
+    digits: int,
+    refused: dict[int, str] | None = None,
+) -> list[list[Any]]:
     """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of MP field.
 
-    What a step neglects is below 10^−digits of the largest variable of its half of them. PrecisionLoss where the steps
-    shrink to a millionth of the first, as at a singularity; Infeasible where they would be too many.
+    What a step neglects is below 10^−digits of the largest variable of its third of them. PrecisionLoss where the steps
+    shrink to a millionth of the first, as at a singularity; Infeasible where they would be too many; into ``refused``,
+    if given, the index of each such time and the reason.
     """
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
-        if order:
-            run = _run(field, tape, start, times[order[-1]], digits)
-        for i in order:
-            rows[i] = run.at(times[i])
+        run = None
+        for k, i in enumerate(order):
+            try:
+                run = run or _run(field, tape, start, digits)
+                rows[i] = run.at(times[i], times[order[-1] if refused is None else i])
+            except (PrecisionLoss, Infeasible) as error:
+                if refused is None:
+                    raise
+                refused.update(dict.fromkeys(order[k:], str(error)))
+                break
     return rows
 
 
-def _run(field: Any, tape: Tape, start: Sequence[Any], end: Any, digits: int) -> _Run:
+def _run(field: Any, tape: Tape, start: Sequence[Any], digits: int) -> _Run:
     if digits <= DOUBLE_DOUBLE and not interpreted():
         try:
-            return _Run(_Compiled(field), field, tape, start, end, digits)
+            return _Run(_Compiled(field), field, tape, start, digits)
         except ArgumentError:
             # numbers beyond the range of floats
             pass
-    return _Run(_Interpreted(field), field, tape, start, end, digits)
+    return _Run(_Interpreted(field), field, tape, start, digits)
 
 
 class _Run:
-    """One integration from time 0 towards ``end``."""
+    """One integration from time 0 in one direction."""
 
-    def __init__(self, loops: _Loops, field: Any, tape: Tape, start: Sequence[Any], end: Any, digits: int) -> None:
-        self._loops, self._field, self._end, self._count = loops, field, end, len(start)
+    def __init__(self, loops: _Loops, field: Any, tape: Tape, start: Sequence[Any], digits: int) -> None:
+        self._loops, self._field, self._count = loops, field, len(start)
         self._tape = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
         constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
         self._middles = loops.row(constants)
         # a step of radius/e² neglects e^{-2·order}
         self._order = ceil(digits * log(10) / 2) + 2
         self._tolerance = 10.0**-digits
-        products = sum(k in (PRODUCT, QUOTIENT) for k in tape.kinds)
+        products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
         self._work = self._order * (self._order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
         self._steps, self._first = 0, 0.0
         self._now = field.zero
@@ -194,20 +215,16 @@ class _Run:
         self._steps += 1
         self._step = self._reach(values)
         self._first = self._first or self._step
-        if not self._step >= SMALLEST_STEP * self._first:
-            raise PrecisionLoss(
-                f"times: the motion ends, or cannot be followed, near t = {float(self._now):g}, before "
-                f"{float(self._end):g}"
-            )
 
     def _reach(self, values: list[Any]) -> float:
         """The step after which the last two coefficients are as small as asked for."""
-        width, half, reach = self._order + 1, self._count // 2, inf
-        for first in range(0, self._count, half):
-            # what is at rest is measured by the rest
-            size = max(map(abs, values[first : first + half])) or max(map(abs, values))
+        width, reach = self._order + 1, inf
+        for first in range(0, self._count, 3):
+            group = values[first : first + 3]
+            # what is at rest is measured by the others
+            size = max(map(abs, group)) or max(map(abs, values))
             for k in (self._order - 1, self._order):
-                last = self._loops.wide(self._series[(first * width + k) : (first + half) * width : width])
+                last = self._loops.wide(self._series[first * width + k : (first + len(group)) * width : width])
                 part = float(max(map(abs, last)) / size)
                 if part != part:
                     return 0.0
@@ -215,10 +232,15 @@ class _Run:
                     reach = min(reach, (self._tolerance / part) ** (1 / k))
         return reach
 
-    def at(self, time: Any) -> list[Any]:
-        """The variables at ``time``, farther from 0 than any before."""
+    def at(self, time: Any, end: Any) -> list[Any]:
+        """The variables at ``time``, farther from 0 than any before, on the way to ``end``."""
         while abs(time - self._now) > self._step:
-            self._check_work()
+            if not self._step > 0 or self._step < SMALLEST_STEP * self._first:
+                raise PrecisionLoss(
+                    f"times: the motion ends, or cannot be followed, near t = {float(self._now):g}, before "
+                    f"{float(time):g}"
+                )
+            self._check_work(end)
             step = self._step if time > 0 else -self._step
             values = self._value(self._field.coerce(step))
             self._now += self._field.coerce(step)
@@ -230,14 +252,14 @@ class _Run:
         self._loops.values_at(self._loops.row([x]), self._order, self._series, out)
         return self._loops.wide(out)
 
-    def _check_work(self) -> None:
+    def _check_work(self, end: Any) -> None:
         """Infeasible where the work done, or what the steps so far lead to expect, is too much."""
         most = MOST_OPERATIONS[self._loops.kind] / self._work
-        part = abs(float(self._now / self._end))
+        part = abs(float(self._now / end))
         expected = self._steps / part if self._steps >= KNOWN_FROM and part else 0
         if self._steps > most or expected > UNEVEN * most:
             reach = abs(float(self._now)) * most / self._steps
             raise Infeasible(
-                f"times: the equations of motion are integrated, and t = {float(self._end):g} takes more than "
+                f"times: the equations of motion are integrated, and t = {float(end):g} takes more than "
                 f"{most:.0f} steps; about |t| = {reach:.2g} is within reach"
             )

@@ -5,8 +5,12 @@ from __future__ import annotations
 from numba.extending import register_jitable
 
 from integrable.deformations import taylor
+from jacobian.inexact import compiled
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double_compiled import JIT, numbers
+
+# square roots of double-double numbers are registered there
+assert compiled
 
 _coefficients = register_jitable(taylor.coefficients)
 _values_at = register_jitable(taylor.values_at)

@@ -28,7 +28,7 @@ WAYS = {
     "torus": "additions to a table of the motion's torus, in floats",
     "multiprecision": "additions to as many digits as it takes, over MP(digits) or rounded to floats",
     "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as it takes",
-    "extrapolation": "the equations of motion, integrated",
+    "integrated": "the equations of motion, by Taylor series",
     "steps": "a map applied again and again",
 }
 """The words of :attr:`Trajectory.way`, and what they mean."""

@@ -103,7 +103,7 @@ def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
 _ORACLES = {
     "divisor flow": "a Taylor-series integrator",
     "elliptic curves": "the equations of motion",
-    "extrapolation": "the same at 10 more",
+    "integrated": "the same at 10 more",
 }
 
 

@@ -25,7 +25,7 @@ DIGITS = (40, 60, 100)
 CHECK_DIGITS = 30
 PART = 20
 """States of the truth that are computed between two steps of the progress bar."""
-INTEGRATED = "extrapolation"
+INTEGRATED = "integrated"
 """What the package moves by where no divisor flow is known."""
 
 

@@ -11,7 +11,7 @@ from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations import taylor
 from integrable.deformations.deformed_flow import widened
 from integrable.deformations.integrated import rates
-from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, SUM, Tape, recorded
+from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, Tape, recorded
 from jacobian import MP, PrecisionLoss
 from jacobian.errors import Infeasible
 from tests.integrable.deformations.extrapolation import extrapolate
@@ -39,6 +39,7 @@ def _run(tape: Tape, values):
             MULTIPLE: lambda p=p, q=q: found[p] * found[q],
             PRODUCT: lambda p=p, q=q: found[p] * found[q],
             QUOTIENT: lambda p=p, q=q: found[p] / found[q],
+            ROOT: lambda p=p: found[p] ** 0.5,
         }
         found.append(operations[kind]())
     return [found[n] for n in tape.results]
@@ -68,21 +69,25 @@ def test_a_tape_does_what_its_formula_does() -> None:
         assert _run(tape, values) == formula(values)
 
 
+def _start(name):
+    """The system in 40 digits, and its variables: γ, M and for a rolling one τ."""
+    system, state = widened(SYSTEMS[name], SYSTEMS[name].state(*START), 40)
+    return system, [*state.gamma, *state.M, *([K.zero] if system.body.rolls else [])]
+
+
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_rates_of_a_deformation_are_recorded(name) -> None:
-    system, state = widened(SYSTEMS[name], SYSTEMS[name].state(*START), 40)
-    y = [*state.gamma, *state.M]
-    gap = zip(_run(recorded(rates(system), 6), y), rates(system)(y), strict=True)
+    system, y = _start(name)
+    gap = zip(_run(recorded(rates(system), len(y)), y), rates(system)(y), strict=True)
     assert max(abs(a - b) for a, b in gap) < 1e-37
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_compiled_and_interpreted_series_agree_with_extrapolation(name) -> None:
-    system, state = widened(SYSTEMS[name], SYSTEMS[name].state(*START), 40)
-    y, time = [*state.gamma, *state.M], K.coerce(-0.125)
+    (system, y), time = _start(name), K.coerce(-0.125)
     right = extrapolate(rates(system), y, time, pieces=6)
     for digits in (20, 30):
-        row, start = taylor.integrate(K, recorded(rates(system), 6), y, [time, K.zero], digits)
+        row, start = taylor.integrate(K, recorded(rates(system), len(y)), y, [time, K.zero], digits)
         # double-double numbers lose a few of their digits in the potentials
         assert max(abs(a - b) for a, b in zip(row, right, strict=True)) < K.coerce(10) ** (3 - digits)
         assert start == y

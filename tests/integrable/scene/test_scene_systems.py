@@ -91,8 +91,8 @@ def test_a_run_without_curves_is_an_integration_to_the_last_digit(write):
         ("tilde", "elliptic curves"),
         ("check", "elliptic curves"),
         ("hat", "elliptic curves"),
-        ("gyroscopic", "extrapolation"),
-        ("tilde_potential", "extrapolation"),
+        ("gyroscopic", "integrated"),
+        ("tilde_potential", "integrated"),
     ],
 )
 def test_the_report_of_a_deformed_system(name, method):

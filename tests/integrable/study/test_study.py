@@ -615,4 +615,4 @@ def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
     scene = load_scene(name)
     assert (moved_by(scene.start(16)[0]) != INTEGRATED) is adds
     methods = {row.method for row in tasks_of(scene, name, "quick") if row.kind == "flow"}
-    assert methods == {FLOW if adds else "extrapolation"}
+    assert methods == {FLOW if adds else "integrated"}
