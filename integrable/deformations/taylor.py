@@ -1,8 +1,7 @@
 """Taylor series of any vector field that is rational in its variables, of any number of digits: variable steps.
 
-The coefficients by the recurrences of the operations on a :class:`integrable.deformations.tape.Tape` (Moore 1966), the
-steps from the last two of them (Jorba & Zou 2005). Loops are written once: interpreted on numbers of any precision,
-compiled by numba for double-double numbers (:mod:`integrable.deformations.taylor_compiled`).
+The coefficients by the recurrences of :mod:`integrable.deformations.series`, interpreted on numbers of any precision
+or compiled for double-double numbers, the steps from the last two of them (Jorba & Zou 2005).
 """
 
 from __future__ import annotations
@@ -13,14 +12,14 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, Tape
+from integrable.deformations.series import coefficients, values_at
+from integrable.deformations.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 from jacobian.numbers.long_reals import BareReals
-from jacobian.numbers.roots import root
 
-__all__ = ["coefficients", "integrate", "values_at"]
+__all__ = ["integrate"]
 
 MOST_OPERATIONS = {"compiled": 1e8, "interpreted": 3e7}
 """Products of coefficients that a motion may take: about a second compiled, half a minute interpreted."""
@@ -32,49 +31,6 @@ SMALLEST_STEP = 1e-6
 # steps from which on what is left is judged from what is done, and the factor by which they may differ
 KNOWN_FROM = 4
 UNEVEN = 4
-
-
-def coefficients(kinds: Any, left: Any, right: Any, rates: Any, order: int, series: Any) -> None:
-    """The Taylor coefficients of all nodes, those of node n from ``series[n·(order + 1)]`` on: of the order 0 to
-    ``order`` − 1, of the variables to ``order``; those of the order 0 of variables and constants are there already.
-    """
-    width = order + 1
-    for k in range(order):
-        for n in range(len(rates), len(kinds)):
-            kind, own, p, q = kinds[n], n * width + k, left[n] * width, right[n] * width
-            if kind == SUM:
-                series[own] = series[p + k] + series[q + k]
-            elif kind == DIFFERENCE:
-                series[own] = series[p + k] - series[q + k]
-            elif kind == MULTIPLE:
-                series[own] = series[p] * series[q + k]
-            elif kind == PRODUCT:
-                total = series[p] * series[q + k]
-                for j in range(1, k + 1):
-                    total = total + series[p + j] * series[q + k - j]
-                series[own] = total
-            elif kind == ROOT:
-                total = series[p + k]
-                for j in range(1, k):
-                    total = total - series[n * width + j] * series[own - j]
-                series[own] = total / (2 * series[n * width]) if k > 0 else root(total)
-            elif kind == QUOTIENT:
-                total = series[p + k]
-                for j in range(k):
-                    total = total - series[n * width + j] * series[q + k - j]
-                series[own] = total / series[q]
-        for i in range(len(rates)):
-            series[i * width + k + 1] = series[rates[i] * width + k] / (k + 1)
-
-
-def values_at(x: Any, order: int, series: Any, out: Any) -> None:
-    """The variables at a distance ``x[0]`` from the middle of their series, as many as ``out`` has room for."""
-    for i in range(len(out)):
-        start = i * (order + 1)
-        total = series[start + order]
-        for k in range(order - 1, -1, -1):
-            total = total * x[0] + series[start + k]
-        out[i] = total
 
 
 class _Loops(Protocol):
@@ -94,9 +50,7 @@ class _Interpreted:
     kind = "interpreted"
 
     def __init__(self, field: Any) -> None:
-        self._field, reals = field, BareReals(field.context.prec)
-        # balls would widen from coefficient to coefficient
-        self._reals = reals if reals.kind != "python-flint" else BareReals(reals.bits, "mpmath")
+        self._field, self._reals = field, BareReals(field.context.prec)
 
     def tape(self, arrays: Any) -> Any:
         return arrays
@@ -124,11 +78,11 @@ class _Compiled:
     kind = "compiled"
 
     def __init__(self, field: Any) -> None:
-        from integrable.deformations import taylor_compiled
+        from integrable.deformations import series_compiled
 
         self._field = field
-        self.values_at: Any = taylor_compiled.values_at
-        self._coefficients: Any = taylor_compiled.coefficients
+        self.values_at: Any = series_compiled.values_at
+        self._coefficients: Any = series_compiled.coefficients
 
     def tape(self, arrays: Any) -> Any:
         return tuple(np.array(x) for x in arrays)

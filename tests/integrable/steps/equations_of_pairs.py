@@ -5,8 +5,8 @@ from __future__ import annotations
 from integrable.phase import coordinates
 from integrable.phase.body import Body
 from integrable.phase.jets import JetField
-from integrable.steps.extrapolation import extrapolated
 from jacobian import MP, RR, poly
+from tests.integrable.steps.extrapolation import extrapolated
 
 
 def shifted(system, F, state):
