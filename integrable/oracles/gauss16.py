@@ -96,7 +96,7 @@ def gauss16(system: Any, state: Any, times: Iterable[float], *, step: float = 0.
         out = np.empty((len(chosen), 6))
         distances = np.abs(wanted[chosen])
         done = _adaptive if tolerance else _fixed
-        cost = done(constants, *rule, start, distances, sign, tolerance or step, out)
+        cost = done(constants, rule, start, distances, sign, tolerance or step, out)
         if cost == FAILED:
             setting = f"tolerance = {tolerance}" if tolerance else f"step = {step}"
             raise PrecisionLoss(f"{setting}: the stages of the implicit step have not converged; take a smaller one")
@@ -116,7 +116,12 @@ def _weigh(weights, weights_low, h, high, low):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def _predict(nodes, inverse, ratio, k, guess):  # type: ignore[no-untyped-def]
-    """Slopes at the stages of a step ``ratio`` times as long as the last, whose polynomial goes through ``k``."""
+    """Slopes at the stages of a step ``ratio`` times as long as the last, whose polynomial goes through ``k``; ``k``
+    itself where there was no last step, ratio 0.
+    """
+    if ratio == 0:
+        guess[:, :] = k
+        return
     for i in range(STAGES):
         x = 1 + ratio * nodes[i]
         whole = 1.0
@@ -143,6 +148,32 @@ def _sums(ratios, terms, base, z):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
+def _low_part(transposed, low, k, rest, work):  # type: ignore[no-untyped-def]
+    """Into the last of ``work`` what the low parts of the weights add to the stages: without it the stages and their
+    sum would use different weights, and the quadratic integrals would drift steadily.
+    """
+    terms, points, base = work[1], work[2], work[3]
+    for n in range(6):
+        for i in range(STAGES):
+            points[n, i] = rest[n]
+            terms[n, i] = low[i] * k[n, i]
+    _sums(transposed, terms, points, base)
+
+
+@register_jitable(**INLINED)
+def _add(terms, low, k, y, rest):  # type: ignore[no-untyped-def]
+    """The sum of the terms, and what the low weights add to it, to the compensated state (y, rest), in place."""
+    for n in range(6):
+        total, error = two_sum(rest[n], terms[n, 0])
+        error += low[0] * k[n, 0]
+        for i in range(1, STAGES):
+            total, part = two_sum(total, terms[n, i])
+            error += part + low[i] * k[n, i]
+        y[n], part = two_sum(y[n], total)
+        rest[n] = part + error
+
+
+@register_jitable(**INLINED)
 def _step(constants, transposed, high, low, y, rest, k, work):  # type: ignore[no-untyped-def]
     """One step of the compensated state (y, rest), in place; ``k`` holds guesses of the slopes and then the slopes.
 
@@ -150,13 +181,7 @@ def _step(constants, transposed, high, low, y, rest, k, work):  # type: ignore[n
     """
     z, terms, points, base = work[0], work[1], work[2], work[3]
     smallest, stalls = np.inf, 0
-    # what the low parts of the weights add to the stages: without it the stages and the sum below would use different
-    # weights, and the quadratic integrals would drift steadily
-    for n in range(6):
-        for i in range(STAGES):
-            points[n, i] = rest[n]
-            terms[n, i] = low[i] * k[n, i]
-    _sums(transposed, terms, points, base)
+    _low_part(transposed, low, k, rest, work)
     for n in range(6):
         for i in range(STAGES):
             terms[n, i] = high[i] * k[n, i]
@@ -183,14 +208,7 @@ def _step(constants, transposed, high, low, y, rest, k, work):  # type: ignore[n
             break
         if not change < 1e100 or iteration == MOST_ITERATIONS - 1:
             return FAILED
-    for n in range(6):
-        total, error = two_sum(rest[n], terms[n, 0])
-        error += low[0] * k[n, 0]
-        for i in range(1, STAGES):
-            total, part = two_sum(total, terms[n, i])
-            error += part + low[i] * k[n, i]
-        y[n], part = two_sum(y[n], total)
-        rest[n] = part + error
+    _add(terms, low, k, y, rest)
     return iteration + 1
 
 
@@ -209,10 +227,9 @@ def _begun(constants, ratios, start):  # type: ignore[no-untyped-def]
 
 
 @njit(**COMPILED)
-def _fixed(  # type: ignore[no-untyped-def]
-    constants, nodes, weights, weights_low, ratios, last, inverse, start, times, sign, step, out
-):
+def _fixed(constants, rule, start, times, sign, step, out):  # type: ignore[no-untyped-def]
     """Whole steps, and one shorter step for each time; the number of right-hand sides, or FAILED."""
+    nodes, weights, weights_low, ratios, _, inverse = rule
     transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
     high, low, part_high, part_low = np.empty(STAGES), np.empty(STAGES), np.empty(STAGES), np.empty(STAGES)
     _weigh(weights, weights_low, sign * step, high, low)
@@ -232,9 +249,7 @@ def _fixed(  # type: ignore[no-untyped-def]
         if remainder > 0:
             part, part_rest = y.copy(), rest.copy()
             _weigh(weights, weights_low, sign * remainder, part_high, part_low)
-            part_k[:, :] = k
-            if done > 0:
-                _predict(nodes, inverse, remainder / step, k, part_k)
+            _predict(nodes, inverse, remainder / step if done > 0 else 0.0, k, part_k)
             passes = _step(constants, transposed, part_high, part_low, part, part_rest, part_k, work)
             if passes == FAILED:
                 return FAILED
@@ -260,13 +275,9 @@ def _tail(last, k, h, y):  # type: ignore[no-untyped-def]
     return found
 
 
-@njit(**COMPILED)
-def _adaptive(  # type: ignore[no-untyped-def]
-    constants, nodes, weights, weights_low, ratios, last, inverse, start, times, sign, tolerance, out
-):
-    """As :func:`_fixed`, each step as long as :func:`_tail` allows."""
-    transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
-    high, low = np.empty(STAGES), np.empty(STAGES)
+@register_jitable(**INLINED)
+def _speed(y, k):  # type: ignore[no-untyped-def]
+    """The larger of |γ̇|/|γ| and |Ṁ|/|M|, the slopes being those of the first stage."""
     speed = 0.0
     for base in (0, 3):
         size, rate = 0.0, 0.0
@@ -275,17 +286,24 @@ def _adaptive(  # type: ignore[no-untyped-def]
             rate += k[n, 0] * k[n, 0]
         if size > 0:
             speed = max(speed, np.sqrt(rate / size))
-    for t in range(len(times)):
-        out[t] = y
+    return speed
+
+
+@njit(**COMPILED)
+def _adaptive(constants, rule, start, times, sign, tolerance, out):  # type: ignore[no-untyped-def]
+    """As :func:`_fixed`, each step as long as :func:`_tail` allows."""
+    nodes, weights, weights_low, ratios, last, inverse = rule
+    transposed, work, k, guess, part_k, y, rest = _begun(constants, ratios, start)
+    high, low = np.empty(STAGES), np.empty(STAGES)
+    out[:, :] = y
+    speed = _speed(y, k)
     if speed == 0:
         return 0
     step, length = 0.5 / speed, 0.0
     now, now_low, cost, t = 0.0, 0.0, 0, 0
     while t < len(times):
         next_y, next_rest = y.copy(), rest.copy()
-        part_k[:, :] = k
-        if length > 0:
-            _predict(nodes, inverse, step / length, k, part_k)
+        _predict(nodes, inverse, step / length if length > 0 else 0.0, k, part_k)
         _weigh(weights, weights_low, sign * step, high, low)
         passes = _step(constants, transposed, high, low, next_y, next_rest, part_k, work)
         cost += (MOST_ITERATIONS if passes == FAILED else passes) * STAGES
@@ -298,9 +316,7 @@ def _adaptive(  # type: ignore[no-untyped-def]
         # every time within the step, by a shorter one
         while t < len(times) and (times[t] - now) - now_low <= step:
             part, part_rest, remainder = y.copy(), rest.copy(), (times[t] - now) - now_low
-            guess[:, :] = k
-            if length > 0:
-                _predict(nodes, inverse, remainder / length, k, guess)
+            _predict(nodes, inverse, remainder / length if length > 0 else 0.0, k, guess)
             _weigh(weights, weights_low, sign * remainder, high, low)
             passes = _step(constants, transposed, high, low, part, part_rest, guess, work)
             if passes == FAILED:

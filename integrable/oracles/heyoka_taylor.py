@@ -46,17 +46,25 @@ def heyoka_run(
                 continue
             chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
             grid, back = np.unique(np.abs(wanted[chosen]), return_inverse=True)
-            integrator.time = number(0)
             integrator.state[:] = start
-            outcome, *_, count, _, values = integrator.propagate_grid(np.concatenate([[number(0)], sign * grid]))
-            if outcome != heyoka.taylor_outcome.time_limit:
-                raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
+            values, count = _propagated(integrator, np.concatenate([[number(0)], sign * grid]))
             rows[chosen] = values[1:][back]
-            steps += int(count)
+            steps += count
         rows[wanted == 0] = start
         return Solution(rows[:, :3], rows[:, 3:], steps)
 
     return run
+
+
+def _propagated(integrator: Any, grid: np.ndarray) -> tuple[np.ndarray, int]:
+    """The states at the times of a grid, the integrator's being at the first of them, and how many steps it took."""
+    import heyoka
+
+    integrator.time = grid[0]
+    outcome, *_, count, _, values = integrator.propagate_grid(grid)
+    if outcome != heyoka.taylor_outcome.time_limit:
+        raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
+    return values, int(count)
 
 
 def _long_double(x: Any) -> Any:

@@ -13,8 +13,8 @@ from integrable.scene.data import Scene
 from integrable.scene.file import load_scene, scene_names
 from integrable.scene.output import OutputFolder, portable
 from integrable.scene.progress import going, often
-from integrable.study.findings import gather
-from integrable.study.page import Study, answer, page
+from integrable.study.findings import Study, gather
+from integrable.study.page import answer, page
 from integrable.study.plan import Task, compile_tasks, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store

@@ -72,8 +72,9 @@ def error_against_run_time(found: SceneFindings) -> Any:
                 _series(axes, method, [c for c in panel if c["row"]["method"] == method])
             axes.margins(x=0.06, y=0.09 if panel is not deep else 0.25)
         top, bottom = every[0], every[-1]
+        handles = [_handle(method) for method in methods]
         if found.floor is not None:
-            top.axhline(found.floor["floor_gamma"], color=GREY, linewidth=1.2, linestyle=(0, (5, 3)), zorder=1)
+            handles.append(_mark_floor(top, found.floor["floor_gamma"]))
         _at_least_two_decades(bottom)
         if deep:
             top.spines["bottom"].set_linestyle((0, (1, 3)))
@@ -86,13 +87,16 @@ def error_against_run_time(found: SceneFindings) -> Any:
         _named(bottom, [c for c in found.flow if c in deep])
         bottom.set_xlabel("run time with set-up, seconds")
         top.set_ylabel("largest error of γ over the run")
-        handles = [_handle(method) for method in methods]
-        if found.floor is not None:
-            label = f"floor of doubles, {found.floor['floor_gamma']:.0e}"
-            handles.append(Line2D([], [], color=GREY, linewidth=1.2, linestyle=(0, (5, 3)), label=label))
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8)
         top.set_title(f"{found.scene.title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
     return figure
+
+
+def _mark_floor(axes: Any, floor: float) -> Line2D:
+    """A line at the floor, and its handle for the legend."""
+    line: dict[str, Any] = {"color": GREY, "linewidth": 1.2, "linestyle": (0, (5, 3))}
+    axes.axhline(floor, **line, zorder=1)
+    return Line2D([], [], **line, label=f"floor of doubles, {floor:.0e}")
 
 
 def _at_least_two_decades(axes: Any) -> None:

@@ -12,7 +12,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.study.plan import FLOW, Task
 
-__all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "fitted_slope", "gather"]
+__all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "Study", "fitted_slope", "gather"]
 
 LONG = 1000.0
 """From this last time on, in the scene's units or in time scales of its motion, the divisor flow is to be ahead."""
@@ -172,6 +172,56 @@ class SceneFindings:
             if slope is not None:
                 found.append((name, slope, method.order))
         return found
+
+
+@dataclass(frozen=True)
+class Study:
+    """All that the page shows."""
+
+    findings: list[SceneFindings]
+    mode: str
+    command: str
+    versions: dict[str, str | None]
+    machine: dict[str, Any]
+    figures: dict[str, str]
+    """Paths of the figures of the scenes, and of ``floors``, relative to the page."""
+    seconds: float
+    """The sum of the times of all rows."""
+    missing: tuple[str, ...] = ()
+    """Scenes that ship and are not part of this study."""
+
+    @property
+    def motions(self) -> list[SceneFindings]:
+        """The findings of scenes that move."""
+        return [f for f in self.findings if f.scene.steps is None]
+
+    @property
+    def orbits(self) -> list[SceneFindings]:
+        """The findings of scenes that step, where they have any."""
+        return [f for f in self.findings if f.orbit is not None]
+
+    @property
+    def behind(self) -> list[Behind]:
+        """Rows of comparators that the flow does not beat: scenes with T ≥ 1000 first, then what is more accurate than
+        the flow in the same time, then what is done before the flow is; each by the run time, longest first.
+        """
+        found = [(f, b) for f in self.findings for b in f.behind()]
+        order = sorted(
+            found, key=lambda one: (not one[0].long, one[1].flow_error is None, -one[1].row["result"]["total"])
+        )
+        return [b for _, b in order]
+
+    @property
+    def behind_by_method(self) -> list[tuple[Behind, int]]:
+        """For each scene and method the most accurate of :attr:`behind` and how many there are, in the same order."""
+        groups: dict[tuple[str, str], list[Behind]] = {}
+        for behind in self.behind:
+            groups.setdefault((behind.scene, behind.row["row"]["method"]), []).append(behind)
+        return [(min(group, key=lambda b: b.row["result"]["error_gamma"]), len(group)) for group in groups.values()]
+
+    def of(self, name: str) -> SceneFindings:
+        """The findings of one scene."""
+        return next(f for f in self.findings if f.scene.name == name)
 
 
 def gather(scenes: Sequence[Scene], rows: Sequence[Task], contents: dict[str, dict[str, Any]]) -> list[SceneFindings]:

@@ -20,9 +20,9 @@ from integrable.extras import APP, installed
 from integrable.oracles.methods import METHODS
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
+from integrable.scene.doubles import in_doubles
 from integrable.scene.output import portable
 from integrable.scene.tables import DOP853
-from integrable.study.doubles import in_doubles
 from integrable.study.store import code_stamp
 from integrable.study.truth import DIGITS, INTEGRATED, moved_by, parts
 
@@ -103,7 +103,7 @@ def _plain(word: str) -> str:
 
 
 def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
-    """What a study, "quick" or "full", measures of a scene in doubles (:mod:`.doubles`), each after what it needs."""
+    """What a study, "quick" or "full", measures of a scene, in doubles; each task after what it needs."""
     scene = in_doubles(scene)
 
     def task(kind: str, method: str, setting: str, value: float | None = None, truth: str = "", **more: Any) -> Task:

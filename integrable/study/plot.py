@@ -189,20 +189,23 @@ def sphere(gamma: np.ndarray, times: np.ndarray, title: str, dots: bool = False)
             image.set_clim(float(times.min()), float(times.max()))
             axes.add_collection(image)
         if gamma[0, depth] * sign >= 0:
-            start = gamma[0, [across, up]] * mirror
-            axes.plot(*start, marker="o", color=_ORANGE, markersize=7, markeredgecolor="white", zorder=4)
-            words = {
-                "fontsize": 9.5,
-                "color": _ORANGE,
-                "zorder": 5,
-                "bbox": {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8},
-            }
-            axes.annotate("start", start, xytext=(7, 6), textcoords="offset points", **words)
+            _mark_start(axes, gamma[0, [across, up]] * mirror)
     figure.suptitle(f"γ on the sphere: {title}", fontsize=10.5)
     figure.colorbar(image, ax=[left, right], shrink=0.72, aspect=24, pad=0.02).ax.set_title(
         "step" if dots else "t", fontsize=10
     )
     return figure
+
+
+def _mark_start(axes: Any, start: np.ndarray) -> None:
+    axes.plot(*start, marker="o", color=_ORANGE, markersize=7, markeredgecolor="white", zorder=4)
+    words = {
+        "fontsize": 9.5,
+        "color": _ORANGE,
+        "zorder": 5,
+        "bbox": {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8},
+    }
+    axes.annotate("start", start, xytext=(7, 6), textcoords="offset points", **words)
 
 
 def _globe(axes: Any, sign: float, depth: int) -> None:

@@ -1,6 +1,6 @@
-"""The running of a study: rows go to worker processes, each under its time limit, and their results to the store.
+"""The running of a study: tasks go to worker processes, each under its time limit, and their results to the store.
 
-A worker that hangs, crashes or is killed costs its row alone: the row is kept as a failure that says so.
+A worker that hangs, crashes or is killed costs its task alone, which is kept as a failure that says so.
 """
 
 from __future__ import annotations
@@ -28,48 +28,25 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA
 
 
 def run_tasks(
-    rows: Sequence[Task], store: Store, jobs: int, progress: Callable[[Task], None] = lambda _row: None
+    tasks: Sequence[Task], store: Store, jobs: int, progress: Callable[[Task], None] = lambda _task: None
 ) -> dict[str, dict[str, Any]]:
-    """Every row, kept ones read and the others measured by ``jobs`` processes: contents of their files by key.
+    """Every task, kept ones read and the others measured by ``jobs`` processes: contents of their files by key.
 
-    Rows that another process holds are waited for, and taken over when it dies. ``progress`` is called with each row
-    that is finished.
+    Tasks that another process holds are waited for, and taken over when it dies. ``progress`` is called with each that
+    is finished.
     """
-    pending = {row.key: row for row in rows}
+    pending = {task.key: task for task in tasks}
     finished: dict[str, dict[str, Any]] = {}
     looked: set[str] = set()
     workers = [_Worker() for _ in range(jobs)]
     try:
-        while pending or any(worker.row for worker in workers):
-            moved = False
-            for row in [row for row in pending.values() if _ready(row, finished)]:
-                if row.key not in looked:
-                    looked.add(row.key)
-                    kept = store.read(row.key, row.stamp)
-                    if kept is not None:
-                        finished[pending.pop(row.key).key] = kept
-                        progress(row)
-                        moved = True
-                        continue
-                free = next((worker for worker in workers if worker.row is None), None)
-                if free is None:
-                    continue
-                if free.take(row, store, finished):
-                    del pending[row.key]
-                else:  # another process is at it, or has just finished it: look again
-                    looked.discard(row.key)
-            wait([w.connection for w in workers if w.row and w.connection], _POLL)
-            for worker in workers:
-                content = worker.finished()
-                if content is not None:
-                    assert worker.row is not None, "a worker that has finished had a row"
-                    row = worker.row
-                    content.setdefault("seconds", worker.elapsed)
-                    finished[row.key] = store.write(row.key, row.stamp, content)
-                    worker.let_go(store)
-                    progress(row)
-                    moved = True
-            if not moved and not any(worker.row for worker in workers):
+        while pending or any(worker.task for worker in workers):
+            done = _hand_out(pending, looked, workers, store, finished)
+            wait([w.connection for w in workers if w.task and w.connection], _POLL)
+            done += _collect(workers, store, finished)
+            for task in done:
+                progress(task)
+            if not done and not any(worker.task for worker in workers):
                 time.sleep(_POLL)
     finally:
         for worker in workers:
@@ -78,15 +55,51 @@ def run_tasks(
     return finished
 
 
-def _ready(row: Task, finished: dict[str, Any]) -> bool:
-    return all(key is None or key in finished for key in (row.truth, row.cheaper))
+def _hand_out(
+    pending: dict[str, Task], looked: set[str], workers: Sequence[_Worker], store: Store, finished: dict[str, Any]
+) -> list[Task]:
+    """Take from ``pending`` what is ready: what the store has, which is returned, and what a free worker begins."""
+    kept = []
+    for task in [task for task in pending.values() if _ready(task, finished)]:
+        if task.key not in looked:
+            looked.add(task.key)
+            content = store.read(task.key, task.stamp)
+            if content is not None:
+                finished[task.key] = content
+                kept.append(pending.pop(task.key))
+                continue
+        free = next((worker for worker in workers if worker.task is None), None)
+        if free is None:
+            continue
+        if free.take(task, store, finished):
+            del pending[task.key]
+        else:  # another process is at it, or has just finished it: look again
+            looked.discard(task.key)
+    return kept
+
+
+def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any]) -> list[Task]:
+    """Keep what the workers have finished, and return those tasks."""
+    done = []
+    for worker in workers:
+        content, task = worker.finished(), worker.task
+        if content is not None and task is not None:
+            content.setdefault("seconds", worker.elapsed)
+            finished[task.key] = store.write(task.key, task.stamp, content)
+            worker.let_go(store)
+            done.append(task)
+    return done
+
+
+def _ready(task: Task, finished: dict[str, Any]) -> bool:
+    return all(key is None or key in finished for key in (task.truth, task.cheaper))
 
 
 class _Worker:
-    """A process that measures one row at a time; it is started when it gets its first row, and again after a death."""
+    """A process that measures one task at a time; it is started when it gets its first, and again after a death."""
 
     def __init__(self) -> None:
-        self.row: Task | None = None
+        self.task: Task | None = None
         self.connection: Connection | None = None
         self._process: Any = None
         self._lock: FileLock | None = None
@@ -94,24 +107,24 @@ class _Worker:
 
     @property
     def elapsed(self) -> float:
-        """Seconds since the row was begun."""
+        """Seconds since the task was begun."""
         return time.monotonic() - self._begun
 
-    def take(self, row: Task, store: Store, finished: dict[str, Any]) -> bool:
-        """Begin a row, unless another process is at it or has just finished it."""
-        lock = store.claim(row.key)
+    def take(self, task: Task, store: Store, finished: dict[str, Any]) -> bool:
+        """Begin a task, unless another process is at it or has just finished it."""
+        lock = store.claim(task.key)
         if lock is None:
             return False
-        if store.read(row.key, row.stamp) is not None:
+        if store.read(task.key, task.stamp) is not None:
             store.release(lock)
             return False
-        self.row, self._lock, self._begun = row, lock, time.monotonic()
+        self.task, self._lock, self._begun = task, lock, time.monotonic()
         if self._process is None:
             self._start()
-        truth = finished[row.truth].get("result") if row.truth else None
-        stopped = finished[row.cheaper].get("stopped", False) if row.cheaper else False
+        truth = finished[task.truth].get("result") if task.truth else None
+        stopped = finished[task.cheaper].get("stopped", False) if task.cheaper else False
         assert self.connection is not None, "a started worker has a connection"
-        self.connection.send((row, truth, stopped))
+        self.connection.send((task, truth, stopped))
         return True
 
     def _start(self) -> None:
@@ -122,8 +135,8 @@ class _Worker:
         theirs.close()
 
     def finished(self) -> dict[str, Any] | None:
-        """The content of the row's file, once there is one: a result, or what became of the worker."""
-        if self.row is None or self.connection is None:
+        """The content of the task's file, once there is one: a result, or what became of the worker."""
+        if self.task is None or self.connection is None:
             return None
         if self.connection.poll():
             try:
@@ -132,17 +145,17 @@ class _Worker:
                 self._process.join()
                 code = self._process.exitcode
                 self.stop()
-                return _failure(self.row, f"the process died with exit code {code}", stopped=True)
+                return _failure(self.task, f"the process died with exit code {code}", stopped=True)
             return content
-        if self.elapsed > self.row.limit:
+        if self.elapsed > self.task.limit:
             self.stop()
-            return _failure(self.row, f"stopped after {self.row.limit:g} s", stopped=True)
+            return _failure(self.task, f"stopped after {self.task.limit:g} s", stopped=True)
         return None
 
     def let_go(self, store: Store) -> None:
-        """End the claim on the row."""
+        """End the claim on the task."""
         store.release(self._lock)
-        self.row, self._lock = None, None
+        self.task, self._lock = None, None
 
     def stop(self) -> None:
         """End the process."""
@@ -154,7 +167,7 @@ class _Worker:
 
 
 def _end(process: Any) -> None:
-    """Kill a worker and the processes that it has started: they would go on computing beside the next rows."""
+    """Kill a worker and the processes that it has started: they would go on computing beside the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
             # its group, once it has made one
@@ -164,20 +177,20 @@ def _end(process: Any) -> None:
     process.join()
 
 
-def _failure(row: Task, error: str, *, stopped: bool = False) -> dict[str, Any]:
-    return {**_head(row), "status": "failed", "error": error, "stopped": stopped, "result": None}
+def _failure(task: Task, error: str, *, stopped: bool = False) -> dict[str, Any]:
+    return {**_head(task), "status": "failed", "error": error, "stopped": stopped, "result": None}
 
 
-def _head(row: Task) -> dict[str, Any]:
+def _head(task: Task) -> dict[str, Any]:
     from integrable.scene.output import machine, versions
 
     return {
         "row": {
-            "scene": row.scene.name,
-            "kind": row.kind,
-            "method": row.method,
-            "setting": row.setting,
-            "value": row.value,
+            "scene": task.scene.name,
+            "kind": task.kind,
+            "method": task.method,
+            "setting": task.setting,
+            "value": task.value,
         },
         "versions": versions(),
         "machine": machine(),
@@ -196,22 +209,22 @@ def _work(connection: Connection) -> None:
 
     while True:
         try:
-            row, truth, stopped = connection.recv()
+            task, truth, stopped = connection.recv()
         except (EOFError, OSError):
             return
         begun = time.perf_counter()
         if stopped:
-            content = _failure(row, "not run: a cheaper setting takes too long", stopped=True)
+            content = _failure(task, "not run: a cheaper setting takes too long", stopped=True)
         else:
             try:
-                result = measured(row, truth)
-                content = {**_head(row), "status": "done", "error": "", "stopped": False, "result": result}
+                result = measured(task, truth)
+                content = {**_head(task), "status": "done", "error": "", "stopped": False, "result": result}
             except TooLong as error:
-                content = _failure(row, str(error), stopped=True)
+                content = _failure(task, str(error), stopped=True)
             except Unjudged as error:
-                content = _failure(row, str(error))
+                content = _failure(task, str(error))
             except Exception as error:  # whatever a method does is a finding about it
-                content = _failure(row, f"{type(error).__name__}: {' '.join(str(error).split())}")
+                content = _failure(task, f"{type(error).__name__}: {' '.join(str(error).split())}")
         content["seconds"] = time.perf_counter() - begun
         try:
             connection.send(content)

@@ -24,6 +24,8 @@ SCHEMA = 1
 _SHOWN_ONLY = (
     "__main__.py",
     "scene/tables.py",
+    "study/claims.py",
+    "study/columns.py",
     "study/figures.py",
     "study/findings.py",
     "study/page.py",

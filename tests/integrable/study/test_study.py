@@ -17,13 +17,13 @@ from numpy import format_float_positional
 
 from integrable.__main__ import main
 from integrable.oracles.methods import METHODS
+from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
 from integrable.study import plan, runner
 from integrable.study.command import planned, report
-from integrable.study.doubles import in_doubles
-from integrable.study.findings import fitted_slope, gather
+from integrable.study.findings import Study, fitted_slope, gather
 from integrable.study.measure import measured
-from integrable.study.page import Study, answer, page
+from integrable.study.page import answer, page
 from integrable.study.plan import FLOW, LIMITS, Task, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store, code_stamp

@@ -1,0 +1,77 @@
+"""What a study claims, each with what was measured of it and whether that bears it out."""
+
+from __future__ import annotations
+
+from integrable.study.findings import SCENE_FLOOR_FACTOR, Study
+
+__all__ = ["claims"]
+
+Claim = tuple[str, str, bool]
+
+
+def claims(study: Study) -> list[tuple[str, ...]]:
+    """Lines of a table, its head first: claim, measurement, verdict."""
+    found = [_floor(study), _ahead(study), _truth(study), _no_silence(study), *_exact(study)]
+    verdicts = ((claim, measured, "holds" if holds else "does not hold") for claim, measured, holds in found)
+    return [("claim", "measurement", "verdict"), *verdicts]
+
+
+def _floor(study: Study) -> Claim:
+    known = [(f.scene.name, f.over_floor, f.cause) for f in study.findings if f.over_floor is not None]
+    over = [one for one in known if one[1] > SCENE_FLOOR_FACTOR]
+    unknown = [f.scene.name for f in study.findings if f.over_floor is None and not f.scene.finite_field]
+    return (
+        "The flow, or the orbit, in floats is within 10 times the floor on every scene.",
+        f"{len(known) - len(over)} of {len(known) + len(unknown)} scenes"
+        + "".join(f"; {name}: {_times(factor)}, {cause}" for name, factor, cause in over)
+        + "".join(f"; {name}: see the failures" for name in unknown),
+        not over and not unknown,
+    )
+
+
+def _times(factor: float) -> str:
+    return f"{factor:.0f} times" if factor < 1e4 else f"{factor:.0e} times"
+
+
+def _ahead(study: Study) -> Claim:
+    far = [f for f in study.motions if f.long]
+    names = {f.scene.name for f in far}
+    behind = [b for b in study.behind if b.scene in names]
+    compared = sum(len(f.comparators) for f in far)
+    return (
+        "The flow is ahead of every comparator in error at equal run time on scenes with T ≥ 1000.",
+        f"{compared - len(behind)} of {compared} rows on {len(far)} scenes; of the others "
+        f"{sum(b.cheaper for b in behind)} are done before the flow is, "
+        f"{sum(not b.cheaper for b in behind)} are more accurate",
+        not behind,
+    )
+
+
+def _truth(study: Study) -> Claim:
+    truths = [f for f in study.motions if f.truth is not None]
+    doubtful = [f.scene.name for f in truths if f.doubtful]
+    return (
+        "The truth agrees with an independent integrator.",
+        f"{len(truths) - len(doubtful)} of {len(study.motions)} scenes" + "".join(f"; not {name}" for name in doubtful),
+        not doubtful and len(truths) == len(study.motions),
+    )
+
+
+def _no_silence(study: Study) -> Claim:
+    silent = [f.scene.name for f in study.findings if f.silently_wrong]
+    failed = [c for f in study.findings for c in f.failures]
+    stopped = sum(c["stopped"] and c["row"]["kind"] == "flow" for c in failed)
+    refused = sum(c["row"]["kind"] in ("flow", "orbit") for c in failed)
+    return (
+        "No scene crashes, hangs or returns a wrong value without saying so.",
+        f"{refused} rows of the flow raised a named error, {stopped} were stopped, {len(silent)} are wrong by more "
+        "than 10⁻⁶ and 1000 floors" + "".join(f"; {name}" for name in silent),
+        not silent and not stopped,
+    )
+
+
+def _exact(study: Study) -> list[Claim]:
+    exact = [f.orbit for f in study.orbits if f.orbit is not None and f.scene.finite_field]
+    wrong = sum(any(orbit["rows"][0]["drift"].values()) or bool(orbit["jump"]) for orbit in exact)
+    measured = f"{len(exact) - wrong} of {len(exact)} orbits keep every integral and end where one addition does"
+    return [("Orbits over finite fields are exact.", measured, not wrong)] if exact else []

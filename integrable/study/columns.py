@@ -1,0 +1,176 @@
+"""What the lines of a study's tables show: heads, and the cells of one line each, for the page and the terminal."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.scene.tables import duration, figure
+from integrable.study.findings import Behind, SceneFindings, Study
+
+__all__ = [
+    "BEHIND", "LONG", "ORBITS", "SCENES", "behind_cells", "long_cells", "named", "orbit_cells", "scene_cells",
+    "shortened", "words",
+]  # fmt: skip
+
+SHORT = 110
+"""Characters of an error message that a table shows; the row's file has it whole."""
+
+BEHIND = (
+    "scene",
+    "method",
+    "rows",
+    "best of them",
+    "run time",
+    "error γ",
+    "flow in that time",
+    "floor",
+    "overtaken after",
+    "how far off",
+)
+
+
+def behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
+    row, found = behind.row["result"], study.of(behind.scene)
+    floor, name = found.floor, behind.scene if found.moved_by_divisors else f"{behind.scene}, integrated: no divisors"
+    least = f"{figure(behind.flow_error)}" if behind.flow_error is not None else _none_yet(behind)
+    named = (name, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
+    return (
+        *named,
+        duration(row["total"]),
+        figure(row["error_gamma"]),
+        least,
+        figure(floor["floor_gamma"] if floor else None),
+        "never" if behind.overtaken is None else duration(behind.overtaken),
+        _how_far(behind),
+    )
+
+
+def _none_yet(behind: Behind) -> str:
+    return "no flow" if behind.first is None else f"none, takes {duration(behind.first['total'])}"
+
+
+def _how_far(behind: Behind) -> str:
+    """What a row that the flow does not beat has before it, in errors and in run times."""
+    row = behind.row["result"]
+    if behind.cheaper and behind.first is not None:
+        error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
+        return f"cheaper: {error:.2g} × the flow's error in {time:.2g} of its time"
+    if behind.overtaken is None:
+        return "more accurate than any row of the flow"
+    return f"more accurate: the flow needs {behind.overtaken / row['total']:.2g} × its time"
+
+
+LONG = (
+    "scene",
+    "flow",
+    "run time",
+    "error γ",
+    "fastest as accurate",
+    "run time",
+    "× the flow's",
+    "most accurate before the flow",
+    "error γ",
+    "all overtaken after",
+)
+
+
+def long_cells(found: SceneFindings) -> tuple[str, ...]:
+    best = found.best
+    if best is None:
+        return (found.scene.name, "failed", *["–"] * 8)
+    reached, before, behind = found.as_accurate, found.before, found.behind()
+    never = any(b.overtaken is None for b in behind)
+    last = max((b.overtaken or 0.0 for b in behind), default=best["total"])
+    return (
+        found.scene.name,
+        _way(found),
+        duration(best["total"]),
+        figure(best["error_gamma"]),
+        "none" if reached is None else ", ".join(words(reached)),
+        "–" if reached is None else duration(reached["result"]["total"]),
+        "–" if reached is None else f"{reached['result']['total'] / best['total']:.2g}",
+        "none" if before is None else ", ".join(words(before)),
+        "–" if before is None else figure(before["result"]["error_gamma"]),
+        "never" if never else duration(last),
+    )
+
+
+def _way(found: SceneFindings) -> str:
+    """The setting of the flow's fastest row in floats, and whether it adds no divisors."""
+    setting: str = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
+    return setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated: no divisors"
+
+
+SCENES = (
+    "scene",
+    "flow",
+    "error γ",
+    "floor γ",
+    "error M",
+    "floor M",
+    "over floor",
+    "run time",
+    "truth",
+    "check to t",
+    "differs",
+)
+
+
+def scene_cells(found: SceneFindings) -> tuple[str, ...]:
+    best, floor, truth = found.best or {}, found.floor or {}, found.truth
+    over = "–" if found.over_floor is None else f"{found.over_floor:.2g}"
+    checked: tuple[str, ...] = ("failed", "–", "–")
+    if truth is not None and truth["check"] is None:
+        checked = (f"Taylor, {truth['digits']} digits", "–", "!")
+    elif truth is not None:
+        check = truth["check"]
+        differs = figure(max(check["error_gamma"], check["error_M"]), 1) + (" !" if found.doubtful else "")
+        checked = (f"{truth['digits']} digits", f"{check['time']:.3g}", differs)
+    return (
+        found.scene.name,
+        _way(found),
+        figure(best.get("error_gamma")),
+        figure(floor.get("floor_gamma"), 1),
+        figure(best.get("error_M")),
+        figure(floor.get("floor_M"), 1),
+        over,
+        duration(best.get("total")),
+        *checked,
+    )
+
+
+ORBITS = ("orbit", "map", "steps", "setting", "error γ", "floor γ", "error M", "floor M", "drift", "per step", "end")
+
+
+def orbit_cells(found: SceneFindings) -> list[tuple[str, ...]]:
+    assert found.orbit is not None
+    floor, jump = found.floor or {}, found.orbit["jump"]
+    rows: list[tuple[str, ...]] = []
+    for row in found.orbit["rows"]:
+        real = row["digits"] is not None
+        rows.append((
+            found.scene.name,
+            found.orbit["map"] if len(found.orbit["map"]) < 40 else found.orbit["map"][:37] + "…",
+            str(found.orbit["count"]),
+            row["setting"] if real else found.scene.finite_field,
+            figure(row["error_gamma"]),
+            figure(floor.get("floor_gamma"), 1) if row is found.judged else "–",
+            figure(row["error_M"]),
+            figure(floor.get("floor_M"), 1) if row is found.judged else "–",
+            figure(max(row["drift"].values()), 1),
+            duration(row["seconds_per_step"]),
+            "–" if jump is None else "exact" if jump == 0 else figure(jump, 1),
+        ))  # fmt: skip
+    return rows
+
+
+def words(content: dict[str, Any]) -> tuple[str, str]:
+    return content["row"]["method"], content["row"]["setting"]
+
+
+def named(content: dict[str, Any]) -> str:
+    return ", ".join(words(content))
+
+
+def shortened(text: str) -> str:
+    return text if len(text) <= SHORT else text[: SHORT - 1] + "…"
