@@ -10,6 +10,7 @@ from jacobian.addition import cantor
 from jacobian.addition.choice import Kernel, compiled_kernel, kernel
 from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.curve.points import Point
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
 from jacobian.finite.group import FiniteGroup
 from jacobian.law.divisor import Divisor
@@ -118,7 +119,7 @@ class Jacobian(FiniteGroup):
             return divisor_of_conjugates(self, points, extension)
         return divisor_of_points(self, [self.curve.check_point(point) for point in points])
 
-    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Any, int]]:
+    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
         """The points of D with multiplicities: see :meth:`jacobian.law.divisor.Divisor.support`."""
         from jacobian.law.conjugates import support
 
@@ -182,7 +183,8 @@ class Jacobian(FiniteGroup):
         return n
 
     def _check_on_curve(self, u: poly.Poly, v: poly.Poly) -> None:
-        K, f, h = self.field, self.curve.f, self.curve.h
+        K: Any = self.field
+        f, h = self.curve.f, self.curve.h
         remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
         if K.exact:
             on_curve = not remainder
@@ -270,7 +272,7 @@ class Jacobian(FiniteGroup):
 
     def _check_multiple(self, m: int) -> None:
         """PrecisionLoss for an m > 0 that leaves less than two fifths of the digits: m·D has m times the error of D."""
-        K = self.field
+        K: Any = self.field
         if m > K.eps**-0.6:
             raise PrecisionLoss(
                 f"scalar = {shown(m)}: m·D multiplies rounding by m, and {K.name} carries m up to "

@@ -15,7 +15,20 @@ KNOWN = {
     "GF(101)": "FiniteField",
     "GF(7, 2)": "FiniteField",
     "MP(30)": "MultiprecisionField",
+    "GF(7).inv(3)": "int",
+    "GF(7, 2).coerce('2')": "int",
+    "QQ.coerce('1/3')": "Fraction",
+    "RR.sqrt(2.0)": "float",
+    "C.field": "Field[Any]",
+    "J.field": "Field[Any]",
+    "ball.field": "Field[Any]",
+    "C.field.order": "int | None",
     "C.genus": "int",
+    "C.point(0, 1)": "tuple[Any, Any, fallback=AffinePoint]",
+    "J.order()": "int",
+    "J.random(Random(1))": "Divisor",
+    "J(C.point(0, 1))": "Divisor",
+    "D.support()": "list[tuple[tuple[Any, Any, fallback=AffinePoint] | PointAtInfinity, int]]",
     "J": "Jacobian",
     "D": "Divisor",
     "D + D": "Divisor",
@@ -57,6 +70,11 @@ WRONG = {
     "D + 'E'": "Unsupported operand",
     "D * 'E'": "Unsupported operand",
     "D.degre": "degre",
+    "GF(7).inw(3)": "inw",
+    "C.field.coerc(3)": "coerc",
+    "ball.field.coerc(3)": "coerc",
+    "QQ.add('1', QQ.one)": "incompatible type",
+    "C.lift_x(0).yy": "yy",
     "many.w": '"w"',
     "ball.flow(state).att([1])": "att",
     "run.gama": "gama",
@@ -67,9 +85,11 @@ WRONG = {
     "integrable.ChaplyginBal": "ChaplyginBal",
 }
 SCRIPT = """
+from random import Random
+
 import integrable
 from integrable import ChaplyginBall, Gyroscopic, Tilde, load_scene
-from jacobian import GF, MP, HyperellipticCurve
+from jacobian import GF, MP, QQ, RR, HyperellipticCurve
 from jacobian.batch import DivisorArray
 
 C = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1])

@@ -161,7 +161,7 @@ class PreciseSymmetricFlow:
 
     def __init__(self, system: PhaseSpace, state: State) -> None:
         self._system, self._state = system, state
-        self._field = system.field
+        self._field: Any = system.field
         self._forms: dict[int, ClosedForm] = {}
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
 from integrable.phase.state import State
+from jacobian import Field
 from jacobian.errors import (
     ArgumentError,
     FieldError,
@@ -35,7 +36,7 @@ class PhaseSpace(Immutable):
     """The radius of a ball that was given one, else None: lengths are then in radii."""
 
     @property
-    def field(self) -> Any:
+    def field(self) -> Field[Any]:
         """The field of the coordinates."""
         return self.body.field
 
@@ -62,7 +63,7 @@ class PhaseSpace(Immutable):
         ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
         is none). Raises ArgumentError that names the argument, its value and what would be right.
         """
-        K = self.field
+        K: Any = self.field
         tilted = flag(tilted, "tilted")
         gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
         tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(gamma, gamma)
@@ -208,10 +209,11 @@ class PhaseSpace(Immutable):
         integrals = coordinates.integrals_of(self.body, D)
         pairs = coordinates.pairs_of(self.body, D.jacobian.curve.f, D.u, D.v, model)
         state = coordinates.from_pairs(self.body, pairs)
-        if not self.field.exact:
+        K: Any = self.field
+        if not K.exact:
             found = self.integrals(state)[2:]
             lost = max(abs(x - y) / abs(y) for x, y in zip(found, integrals, strict=True))
-            if not lost <= self.field.eps**0.575:
+            if not lost <= K.eps**0.575:
                 raise PrecisionLoss(
                     f"D = {D!r}: H1 and H2 of its state are off by {float(lost):.1e} of their size, D does not "
                     f"determine γ and M over {self.field.name}; use more digits, or step on states"

@@ -76,7 +76,8 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 def body_condition(system: PhaseSpace) -> float:
     """What is lost where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
-    K, body = system.field, system.body
+    K: Any = system.field
+    body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
     spread = (body.inertia[high] - body.inertia[low]) * body.a[high]
     return float(1 / max(spread, K.eps))
@@ -129,10 +130,11 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
 def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
     """The axis along which M is, to eps², with γ across it: the body rotates about it, and the double point that its
     curve has there is a point of its divisor."""
+    K: Any = system.field
     x, m = state.gamma, state.M
     i = max(range(3), key=lambda k: abs(m[k]))
-    off = max(abs(x[i]), abs(m[i - 1] / m[i]), abs(m[i - 2] / m[i])) if m[i] else system.field.one
-    return i if off <= system.field.eps**2 else None
+    off = max(abs(x[i]), abs(m[i - 1] / m[i]), abs(m[i - 2] / m[i])) if m[i] else K.one
+    return i if off <= K.eps**2 else None
 
 
 def _beside_rotation(step: Step, state: State, count: int, condition: float) -> list[State]:
@@ -164,7 +166,8 @@ def _beside_rotation(step: Step, state: State, count: int, condition: float) -> 
 
 def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) -> State:
     """The state with γ or M turned off the axis of M by 10^−distance."""
-    K, i = system.field, max(range(3), key=lambda k: abs(state.M[k]))
+    K: Any = system.field
+    i = max(range(3), key=lambda k: abs(state.M[k]))
     gamma, M = (list(map(K.coerce, v)) for v in (state.gamma, state.M))
     small = K.context.mpf(10) ** -distance
     if by_momentum:

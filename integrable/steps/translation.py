@@ -56,7 +56,8 @@ class Translation(Step):
         self.sheets = checked_signs(sheets, len(self.points), "sheets")
         self.signs = checked_signs(signs, 3, "signs")
         self.multiple = checked_multiple(multiple)
-        self._rounding: Any = None if system.field.exact else system.field.eps
+        K: Any = system.field
+        self._rounding: Any = None if K.exact else K.eps
 
     def __repr__(self) -> str:
         points = ", ".join(map(str, self.points))

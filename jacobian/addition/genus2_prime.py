@@ -21,7 +21,8 @@ class PrimeFormulas(ExplicitFormulas):
 
     def __init__(self, C: HyperellipticCurve) -> None:
         super().__init__(C)
-        self.p: Any = C.field.p
+        K: Any = C.field
+        self.p = K.p
         self.ramified = C.model == "ramified"
         # one tuple for each formula: a single unpacking instead of an attribute for each coefficient
         self.coefficients = (self.p, *self.h, *self.f[2:])

@@ -29,7 +29,7 @@ def check_count(count: Any) -> int:
 
 def elements(J: Jacobian, a: Any, name: str, width: int, compiled: bool) -> Any:
     """An array (N, width) of raw elements of J's field: int64 where rows are compiled, objects elsewhere."""
-    K = J.field
+    K: Any = J.field
     if hasattr(type(a), "irreducible_poly") and np.size(a):
         K.coerce(a.ravel()[0], name)  # raises for another field
     a = np.asarray(a).view(np.ndarray) if isinstance(a, np.ndarray) else np.array(a, object)

@@ -171,7 +171,7 @@ class DivisorArray(Immutable):
 
     def to_galois(self) -> tuple[Any, Any]:
         """(u, v) as galois arrays; FieldError over a field that galois has no class for."""
-        K = self.jacobian.field
+        K: Any = self.jacobian.field
         if getattr(K, "order", None) is None:
             raise FieldError(f"field = {K.name}: galois has finite fields only")
         return K.galois(self.u), K.galois(self.v)

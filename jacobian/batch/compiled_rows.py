@@ -54,7 +54,8 @@ class CompiledRows:
     compiled = True
 
     def __init__(self, J: Jacobian) -> None:
-        K, C = J.field, J.curve
+        K: Any = J.field
+        C = J.curve
         self.jacobian, self.field, self.genus = J, K, C.genus
         self.equation = Equation(C)
         curve = self.equation.curve

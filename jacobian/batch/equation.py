@@ -28,7 +28,8 @@ class Equation:
 
     def _completed(self, C: HyperellipticCurve, half_h: poly.Poly) -> HyperellipticCurve:
         """y² = f + h²/4, scaled to a monic f if it is a quintic."""
-        K, g = C.field, C.genus
+        K: Any = C.field
+        g = C.genus
         f = poly.add(K, C.f, poly.mul(K, half_h, half_h))
         if g == 2 and len(f) == 6 and f[-1] != K.one:
             # (c²y)² = (cx)⁵ + … for the leading coefficient c, times c⁴
@@ -41,5 +42,5 @@ class Equation:
 
     def powers(self, c: Any) -> list[Any]:
         """1, c, …, c^g."""
-        K = self.curve.field
+        K: Any = self.curve.field
         return [K.power(c, i) for i in range(self.curve.genus + 1)]

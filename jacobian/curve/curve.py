@@ -25,7 +25,7 @@ from jacobian.errors import (
     shown,
     whole,
 )
-from jacobian.fields.protocol import check_field
+from jacobian.fields.protocol import Field, check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
@@ -54,7 +54,7 @@ class HyperellipticCurve(Immutable):
     """
 
     def __init__(self, K: Any, f: Any, h: Any = (), infinity_plus: Any = None) -> None:
-        self.field = check_field(K, "K")
+        self.field: Field[Any] = check_field(K, "K")
         self.f: poly.Poly = poly.trim(K, poly.coerce(K, f, "f"))
         self.h: poly.Poly = poly.trim(K, poly.coerce(K, h, "h", constant=True))
         degree = max(len(self.f) - 1, 2 * len(self.h) - 2)
@@ -192,7 +192,7 @@ class HyperellipticCurve(Immutable):
         """Whether a pair (x, y) or a PointAtInfinity is on this curve (up to rounding over an inexact field)."""
         if isinstance(point, PointAtInfinity):
             return point in self.points_at_infinity()
-        K = self.field
+        K: Any = self.field
         x, y = self._coerce_pair(point)
         value = self.residual(x, y)
         return bool(K.is_zero(value) if K.exact else abs(value) <= 1e6 * K.eps * self._size(x, y))
@@ -271,7 +271,7 @@ class HyperellipticCurve(Immutable):
             yield from self.lift_x(x, all=True)
 
     def _abscissas(self, bound: int | None) -> Iterator[Any]:
-        K = self.field
+        K: Any = self.field
         if bound is not None:
             bound = whole(bound, "bound", "the largest numerator and denominator of x is an int ≥ 1", 1)
         if K.order is not None:

@@ -5,24 +5,25 @@ from __future__ import annotations
 from collections.abc import Hashable, Iterator, Sequence
 from functools import cached_property
 from random import Random
-from typing import Any
+from typing import Any, Generic
 
 from jacobian.errors import NotASquare
+from jacobian.fields.protocol import Element
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
 
 
-class FiniteField(Immutable):
-    """Base of the finite fields: a subclass supplies coerce, add, sub, mul, neg, inv and element."""
+class FiniteFieldOf(Immutable, Generic[Element]):
+    """A finite field of elements of type ``Element``: a subclass supplies coerce, add, mul, neg, inv and element."""
 
     name: str
     exact = True
     characteristic: int
     order: int
-    zero: Any
-    one: Any
+    zero: Element
+    one: Element
 
-    def coerce(self, value: Any, argument: str = "value") -> Any:
+    def coerce(self, value: Any, argument: str = "value") -> Element:
         """The element that ``value`` stands for, or a FieldError that names ``argument``."""
         raise NotImplementedError
 
@@ -35,57 +36,57 @@ class FiniteField(Immutable):
         """A galois array of elements."""
         raise NotImplementedError
 
-    def add(self, x: Any, y: Any) -> Any:
+    def add(self, x: Element, y: Element) -> Element:
         raise NotImplementedError
 
-    def sub(self, x: Any, y: Any) -> Any:
+    def sub(self, x: Element, y: Element) -> Element:
         return self.add(x, self.neg(y))
 
-    def mul(self, x: Any, y: Any) -> Any:
+    def mul(self, x: Element, y: Element) -> Element:
         raise NotImplementedError
 
-    def neg(self, x: Any) -> Any:
+    def neg(self, x: Element) -> Element:
         raise NotImplementedError
 
-    def inv(self, x: Any) -> Any:
+    def inv(self, x: Element) -> Element:
         raise NotImplementedError
 
-    def element(self, index: int) -> Any:
+    def element(self, index: int) -> Element:
         """The element number ``index`` of an enumeration 0 … order − 1 that starts with zero and one."""
         raise NotImplementedError
 
-    def div(self, x: Any, y: Any) -> Any:
+    def div(self, x: Element, y: Element) -> Element:
         return self.mul(x, self.inv(y))
 
-    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+    def dot(self, xs: Sequence[Element], ys: Sequence[Element]) -> Element:
         """Σ x_i y_i."""
         total = self.zero
         for x, y in zip(xs, ys, strict=True):
             total = self.add(total, self.mul(x, y))
         return total
 
-    def is_zero(self, x: Any, scale: Any = None) -> bool:
+    def is_zero(self, x: Element, scale: Any = None) -> bool:
         """Whether x is zero; a finite field has no use for ``scale``."""
         return bool(x == self.zero)
 
-    def key(self, x: Any) -> Hashable:
+    def key(self, x: Element) -> Hashable:
         """x itself."""
         result: Hashable = x
         return result
 
-    def from_key(self, key: Any) -> Any:
+    def from_key(self, key: Any) -> Element:
         """The element with that :meth:`key`."""
         return key
 
-    def random(self, rng: Any) -> Any:
+    def random(self, rng: Any) -> Element:
         """A uniform element. ``rng``: numpy Generator or random.Random."""
         return self.element(random_below(rng, self.order))
 
-    def elements(self) -> Iterator[Any]:
+    def elements(self) -> Iterator[Element]:
         """All elements, in the order of :meth:`element`."""
         return (self.element(index) for index in range(self.order))
 
-    def power(self, x: Any, exponent: int) -> Any:
+    def power(self, x: Element, exponent: int) -> Element:
         """x**exponent, exponent ≥ 0."""
         result = self.one
         for bit in bin(exponent)[2:]:
@@ -94,13 +95,13 @@ class FiniteField(Immutable):
                 result = self.mul(result, x)
         return result
 
-    def is_square(self, x: Any) -> bool:
+    def is_square(self, x: Element) -> bool:
         """Whether x is a square, by Euler's criterion."""
         if self.characteristic == 2 or x == self.zero:
             return True
         return bool(self.power(x, (self.order - 1) // 2) == self.one)
 
-    def sqrt(self, x: Any) -> Any:
+    def sqrt(self, x: Element) -> Element:
         """One square root of x, or NotASquare (Tonelli 1891, Shanks 1973)."""
         if self.characteristic == 2:
             return self.power(x, self.order // 2)
@@ -118,7 +119,7 @@ class FiniteField(Immutable):
             return root
         return self._finish_tonelli(x, root, rest, twos)
 
-    def _finish_tonelli(self, x: Any, root: Any, rest: Any, twos: int) -> Any:
+    def _finish_tonelli(self, x: Element, root: Element, rest: Element, twos: int) -> Element:
         generator = self._sylow_generator
         while rest != self.one:
             square, height = rest, 0
@@ -136,7 +137,7 @@ class FiniteField(Immutable):
         return root
 
     @cached_property
-    def _sylow_generator(self) -> Any:
+    def _sylow_generator(self) -> Element:
         """A non-square to the power of the odd part of order − 1."""
         odd = self.order - 1
         odd //= odd & -odd
@@ -147,7 +148,7 @@ class FiniteField(Immutable):
             candidate = self.random(rng)
         return self.power(candidate, odd)
 
-    def artin_schreier(self, c: Any) -> Any:
+    def artin_schreier(self, c: Element) -> Element:
         """One z with z² + z = c in characteristic 2, or NotASquare when the absolute trace of c is 1.
 
         With Tr θ = 1, z = Σ_{i<j} c^(2^i) θ^(2^j) (IEEE P1363, A.4.7; for odd degree θ = 1 would give the half-trace).
@@ -165,17 +166,21 @@ class FiniteField(Immutable):
         return z
 
     @cached_property
-    def _trace_one(self) -> Any:
+    def _trace_one(self) -> Element:
         rng = Random(0)
         candidate = self.one
         while self.trace(candidate) == self.zero:
             candidate = self.random(rng)
         return candidate
 
-    def trace(self, x: Any) -> Any:
+    def trace(self, x: Element) -> Element:
         """The trace of x down to GF(2): zero or one (characteristic 2 only)."""
         total = x
         for _ in range(self.order.bit_length() - 2):
             x = self.mul(x, x)
             total = self.add(total, x)
         return total
+
+
+class FiniteField(FiniteFieldOf[int]):
+    """What :func:`jacobian.GF` returns: a finite field whose elements are ints."""

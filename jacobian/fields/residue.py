@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
-from jacobian.fields.finite import FiniteField
+from jacobian.fields.finite import FiniteFieldOf
 
 
-class ResidueField(FiniteField):
+class ResidueField(FiniteFieldOf[poly.Poly]):
     """K[x]/(P): where the points of a place of degree deg P have their coordinates."""
 
     zero: poly.Poly = ()

@@ -52,7 +52,7 @@ def count_points(C: HyperellipticCurve, degree: int = 1) -> int:
 
 
 def _check_feasible(C: HyperellipticCurve, degree: int) -> None:
-    q = C.field.order
+    q: Any = C.field.order
     limit = ARRAY_SIZE if q == C.field.characteristic != 2 else TABLE_SIZE
     if q**degree > limit:
         raise Infeasible(
@@ -70,7 +70,7 @@ def irreducible(base: Any, degree: int) -> poly.Poly:
 
 
 def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
-    K = C.field
+    K: Any = C.field
     size = degree * (getattr(K, "degree", 1))
     if size == 1:
         return sum(len(C.lift_x(x, all=True)) for x in range(K.order))
@@ -115,7 +115,7 @@ def _count_by_norms(C: HyperellipticCurve, degree: int) -> int:
     """Σ 1 + χ(h² + 4f) over GF(p^degree), in arrays of the ascending coefficients; χ is read off the norm."""
     import numpy as np
 
-    p = C.field.order
+    p: Any = C.field.order
     modulus = irreducible(C.field, degree) if degree > 1 else (0, 1)
     character = np.full(p, -1, dtype=np.int64)
     character[np.arange(p, dtype=np.int64) ** 2 % p] = 1

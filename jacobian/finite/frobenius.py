@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError
@@ -13,10 +14,11 @@ from jacobian.finite.search import counting_is_quick, search
 
 @lru_cache(maxsize=256)
 def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
+    K: Any = C.field
     descended = _over_prime_field(C)
     if descended is not None:
-        return tuple(weil.extend(list(_cached_polynomial(descended)), C.field.characteristic, C.field.degree))
-    if C.field.order**C.genus <= counting_is_quick(C):
+        return tuple(weil.extend(list(_cached_polynomial(descended)), K.characteristic, K.degree))
+    if K.order**C.genus <= counting_is_quick(C):
         return tuple(counting.frobenius_polynomial(C))
     return tuple(search(C))
 

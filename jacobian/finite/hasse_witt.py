@@ -26,7 +26,7 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     χ(T) ≡ T^g · det(T − A·A^(p)·…·A^(q/p)) for the Cartier–Manin matrix A. It needs odd characteristic and g elements
     of the field that are not roots of F.
     """
-    K = C.field
+    K: Any = C.field
     if K.characteristic == 2:
         return None
     matrix = cartier_manin(C)
@@ -47,7 +47,8 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     A translation x → x + a takes A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
     A·(a^p(j−1))_j = B·(first column of the translate's matrix).
     """
-    K, g, p = C.field, C.genus, C.field.characteristic
+    K: Any = C.field
+    g, p = C.genus, C.field.characteristic
     # y² = h² + 4f is the curve again; the factor of y does not matter to χ
     F = C.discriminant
     shifts = _translations(K, F, g)

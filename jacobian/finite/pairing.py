@@ -60,7 +60,7 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     extend the field until it does. The rest as for :func:`weil_pairing`.
     """
     m = _check(D, E, m)
-    q = D.jacobian.field.order
+    q: Any = D.jacobian.field.order
     if (q - 1) % m:
         raise ArgumentError(
             f"m = {m} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
@@ -70,7 +70,7 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, m)
     value = _shifted(lambda R, _: _tate(move(D), move(E), m, R), move, rng)
-    L = move.curve.field
+    L: Any = move.curve.field
     value = L.power(value, (L.order - 1) // m)
     # (Q − 1)/(q − 1) ≡ degree modulo m
     return move.back(L.power(value, pow(move.degree, -1, m) if m > 1 else 1))
@@ -206,7 +206,7 @@ class _Extension:
     """The curve over an extension with room for random shifts: of odd degree prime to ``coprime``, 1 for large q."""
 
     def __init__(self, C: HyperellipticCurve, m: int, coprime: int) -> None:
-        K = C.field
+        K: Any = C.field
         enough = ROOM * C.genus**2 * (m.bit_length() + 1)
         self.degree = 1
         # an odd degree leaves an inert model inert

@@ -177,7 +177,8 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
     CurveMismatch. FieldError over infinite fields, ArgumentError for a negative power.
     """
     J, power = D.jacobian, check_scalar(power, "power")
-    K, C = J.field, J.curve
+    K: Any = J.field
+    C = J.curve
     if K.order is None:
         raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")
     if power < 0:

@@ -198,7 +198,8 @@ def search(C: HyperellipticCurve) -> list[int]:
 
 
 def _candidates(C: HyperellipticCurve) -> Candidates:
-    q, g = C.field.order, C.genus
+    q: Any = C.field.order
+    g = C.genus
     limit = counting.ARRAY_SIZE if q == C.field.characteristic != 2 else counting.TABLE_SIZE
     if q > limit:
         raise Infeasible(
@@ -231,7 +232,8 @@ def counting_is_quick(C: HyperellipticCurve) -> int:
 
 
 def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] | None) -> Candidates:
-    q, g = C.field.order, C.genus
+    q: Any = C.field.order
+    g = C.genus
     known = weil.real_part(weil.leading(excess), q, g)
     # r_i ≡ a_i modulo p, the other terms having the factor q
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
@@ -240,7 +242,7 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
 
 def twist(C: HyperellipticCurve) -> HyperellipticCurve:
     """The quadratic twist: y² = c(h² + 4f) with a non-square c; y² + hy = f + ch², Tr c = 1, in characteristic 2."""
-    K = C.field
+    K: Any = C.field
     rng = Random(0)
     c = K.random(rng)
     if K.characteristic == 2:

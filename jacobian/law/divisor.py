@@ -12,7 +12,9 @@ from typing import Any, Literal, SupportsIndex
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.points import Point
 from jacobian.errors import ArgumentError, CurveMismatch, shown, whole
+from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 
 
@@ -20,7 +22,7 @@ class GroupLaw(Immutable):
     """A group of divisor classes on ``curve``, over ``field``. Divisors are of this group, and nothing is checked."""
 
     curve: HyperellipticCurve
-    field: Any
+    field: Field[Any]
     weight_of_zero: int | None
     """n of the identity on a split model, else None."""
 
@@ -66,7 +68,7 @@ class GroupLaw(Immutable):
         """A random class."""
         raise NotImplementedError
 
-    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Any, int]]:
+    def support(self, D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
         """The points of D with multiplicities: see :meth:`Divisor.support`."""
         raise NotImplementedError
 
@@ -110,7 +112,7 @@ class Divisor(Immutable):
         """The number of affine points, deg u."""
         return len(self.u) - 1
 
-    def support(self, extension: Any = None) -> list[tuple[Any, int]]:
+    def support(self, extension: Any = None) -> list[tuple[Point, int]]:
         """The points of D with their multiplicities: the affine ones by ascending x, then ∞₊ and ∞₋ of a split model.
 
         ``extension``: a larger finite field to find the points in. ``from_points`` of them, repeated as often, is D
@@ -204,7 +206,7 @@ _set_n = Divisor.__dict__["n"].__set__
 
 
 def _rebuild(jacobian: GroupLaw, u: Any, v: Any, n: int | None) -> Divisor:
-    K = jacobian.curve.field
+    K: Any = jacobian.curve.field
     return Divisor(jacobian, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)), n)
 
 

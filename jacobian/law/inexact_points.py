@@ -36,7 +36,8 @@ def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tupl
     PrecisionLoss where the coefficients of v, rounded, say nothing of the y of some point: the x differ too much in
     size.
     """
-    field, points = C.field, in_order(points)
+    field: Any = C.field
+    points = in_order(points)
     bits = 1 - field.exponent(field.eps)
     sizes = [field.exponent(P.x) for P in points if P.x] or [0]
     spread = 2 * len(C.f) * (max(sizes) - min(sizes))

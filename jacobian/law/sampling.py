@@ -54,7 +54,8 @@ def _degrees(C: HyperellipticCurve) -> list[tuple[int, int]]:
 
 
 def _try_random(J: GroupLaw, rng: Any) -> Divisor | None:
-    C, K = J.curve, J.field
+    C = J.curve
+    K: Any = J.field
     degrees = _degrees(C)
     ticket = random_below(rng, sum(weights * (2 * K.order) ** d for d, weights in degrees))
     for degree, weights in reversed(degrees):

@@ -55,11 +55,12 @@ class BranchedCover:
         self.given = tuple(roots)
         found = [numbers.convert(self._coerced(e, f"roots[{i}]")) for i, e in enumerate(roots)]
         product: Vector = [self.lead]
+        K: Any = self.curve.field
         for e in found:
             product = [b - e * a for a, b in zip([*product, 0], [0, *product], strict=True)]
         for i, (c, d) in enumerate(zip(self.coefficients, product, strict=True)):
             scale = abs(self.lead) * comb(degree, i) * max(abs(e) for e in found) ** (degree - i)
-            if abs(c - d) > 1e4 * self.curve.field.eps * scale:
+            if abs(c - d) > 1e4 * K.eps * scale:
                 raise ArgumentError(f"roots = {list(roots)}: they give another coefficient of x^{i} than the curve has")
         return found
 

@@ -101,7 +101,7 @@ class Representative(Immutable):
 
     def members(self) -> Iterator[Representative]:
         """The members of the pencil without points at infinity, this one first, over a finite field."""
-        K = self.curve.field
+        K: Any = self.curve.field
         if K.order is None:
             raise FieldError(f"field = {K.name} is infinite: the pencil cannot be listed, use member(c)")
         yield self
@@ -198,5 +198,5 @@ def representative(D: Divisor, point: Any) -> Representative:
 
 
 def _rebuild(curve: HyperellipticCurve, u: Any, v: Any) -> Representative:
-    K = curve.field
+    K: Any = curve.field
     return Representative(curve, tuple(map(K.from_key, u)), tuple(map(K.from_key, v)))

@@ -33,7 +33,7 @@ class FibreGroup(Immutable):
     def __init__(self, curve: HyperellipticCurve, x0: Any = None) -> None:
         K, g = curve.field, curve.genus
         self.curve = curve
-        self.field = K
+        self.field: Any = K
         self.x0 = None if x0 is None else K.coerce(x0, "x0")
         if self.x0 is None:
             self.f0, self.h0 = coefficient(K, curve.f, 2 * g + 2), coefficient(K, curve.h, g + 1)

@@ -43,7 +43,7 @@ class RayClassGroup(Immutable):
         if not check_curve(curve).field.exact:
             raise FieldError(f"field = {curve.field.name}: ray classes are computed over exact fields")
         self.curve = curve
-        self.field = curve.field
+        self.field: Any = curve.field
         self.jacobian: Jacobian = curve.jacobian()
         self.jacobian.zero()
         self.fibre = FibreGroup(curve, x0)
@@ -280,7 +280,8 @@ class RayClass(Immutable):
 
 
 def _group(curve: HyperellipticCurve, key: Any) -> RayClassGroup:
-    return RayClassGroup(curve, None if key is None else curve.field.from_key(key))
+    K: Any = curve.field
+    return RayClassGroup(curve, None if key is None else K.from_key(key))
 
 
 def _class(group: RayClassGroup, divisor: Divisor, keys: Any) -> RayClass:
