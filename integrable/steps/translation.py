@@ -154,13 +154,13 @@ class Translation(Step):
         return coordinates.from_pairs(body, total.pairs)
 
     def divisor(self, state: State) -> Any:
-        """D' on the curve of a state, as a divisor of its Jacobian."""
+        """[multiple]D' on the curve of a state, in its group, whether or not the image of the state is over the field."""
         if self.system._checked(state).tilted:
             step, plain, _ = self._transformed(state)
             return step.divisor(plain)
-        h1, h2 = self.system.integrals(self.system._checked(state))[2:]
-        _, move = self._move(h1, h2)
-        return self.system.group(h1, h2).from_mumford(move.u, move.v)
+        h1, h2 = self.system.integrals(state)[2:]
+        _, u, v = self._class(h1, h2)
+        return self.multiple * self.system.group(h1, h2).from_mumford(u, v)
 
     def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
         """The same step on the body of :meth:`System.upright`, the branch point 1/d taken along."""

@@ -61,11 +61,11 @@ HAMILTONIANS = {
 def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
     """D + T(w) against the equations of motion of the pairs, and T(w) itself is what the divisor moves by."""
     system, gamma, M = SHIFTED[kind]
-    state, size = _constrained(system, gamma, M), sum(m * m for m in M) ** 0.5
+    state, size = onto_constraints(system, State(gamma, M)), sum(m * m for m in M) ** 0.5
     step = system.shift(HAMILTONIANS[F])
     # the equations over MP(25): their floats lose digits of heavy bodies
     wide = type(system)(system.inertia, *([system.d] if system.d else []), field=MP(25))
-    start = _constrained(wide, *(map(wide.field.coerce, v) for v in (state.gamma, state.M)))
+    start = onto_constraints(wide, state)
     image, expected = step(state), shifted(wide, HAMILTONIANS[F], start)
     assert _distance(image.gamma, expected.gamma) < 1e-13
     assert _distance(image.M, expected.M) < 1e-13 * size
@@ -83,11 +83,11 @@ def test_far_shifts_have_their_digits() -> None:
     for tau in (1e6, -1e6, 1e20):
         image = ball.shift(lambda h1, h2, t=tau: h1 * t / 2)(state)
         wide = ChaplyginBall((1, 2, 3), 0.7, field=MP(50))
-        there = wide.flow(_constrained(wide, map(wide.field.coerce, state.gamma), map(wide.field.coerce, state.M)))
+        there = wide.flow(onto_constraints(wide, state))
         assert image.gamma == pytest.approx([float(x) for x in there.at_tau([tau]).gamma[0]], abs=1e-14)
         image = top.shift(lambda h1, h2, t=tau: h2 * t / 2)(state)
         wide = MP(60)
-        unit = _constrained(EulerTop((1, 2, 3), field=wide), map(wide.coerce, state.gamma), map(wide.coerce, state.M))
+        unit = onto_constraints(EulerTop((1, 2, 3), field=wide), state)
         size = sum(m * m for m in unit.M) ** (wide.one / 2)
         cosine, sine = wide.context.cos(tau * size), wide.context.sin(tau * size)
         turned = [cosine * x + sine * y / size for x, y in zip(unit.gamma, cross(unit.gamma, unit.M), strict=True)]
@@ -189,7 +189,3 @@ def test_the_continuous_choice_of_signs(system) -> None:
 
 def _value(system, h1, h2, x):
     return sum(c * x**k for k, c in enumerate(system.body.polynomial(h1, h2)))
-
-
-def _constrained(system, gamma, M):
-    return onto_constraints(system, State(tuple(gamma), tuple(M)))
