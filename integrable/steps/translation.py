@@ -154,7 +154,7 @@ class Translation(Step):
         return coordinates.from_pairs(body, total.pairs)
 
     def divisor(self, state: State) -> Any:
-        """[multiple]D' on the curve of a state, in its group, whether or not the image of the state is over the field."""
+        """[multiple]D' on the curve of a state, in its group, whether or not the state has an image over the field."""
         if self.system._checked(state).tilted:
             step, plain, _ = self._transformed(state)
             return step.divisor(plain)
