@@ -21,7 +21,7 @@ from jacobian.numbers.long_reals import BareReals
 
 __all__ = ["integrate"]
 
-MOST_OPERATIONS = {"compiled": 1e8, "interpreted": 3e7}
+MOST_OPERATIONS = {"compiled": 6e7, "interpreted": 3e7}
 """Products of coefficients that a motion may take: about a second compiled, half a minute interpreted."""
 OVERHEAD = {"compiled": 3e4, "interpreted": 500}
 """What a step takes besides, in such products."""
