@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.motion.precise import digits_of
+from integrable.motion.precise import NOTHING, SPARE, WIDER, Carrier, ManyDigits, RoundedRows, digits_of
 from integrable.motion.trajectory import Motion, Way
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
@@ -24,19 +24,12 @@ from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
 GUARD_DIGITS = 18
-SPARE = 2
-"""Digits that a result keeps beyond those asked for."""
 ROUNDING = 6
 """Digits that the additions of one period may cost."""
-WIDER = 10
-"""Digits by which the second computation of the farthest state is wider."""
-DIGITS_STEP = 16
-MOST_LOST = 400
-"""What a motion may lose, beyond as many digits as are asked for."""
 
 
-class Separated:
-    """A motion at one precision, over ``field``: what a :class:`DeformedFlow` is made of.
+class CurvesCarrier(Carrier):
+    """The motion of a deformation at one precision: what a :class:`DeformedFlow` is made of. Its points are (γ, M).
 
     ``system`` and ``start`` are wide, ``sizes`` those of H and K that their changes are held against.
     """
@@ -50,29 +43,42 @@ class Separated:
         """The wide numbers."""
         return self.system.field
 
+    @property
+    def digits(self) -> int:  # type: ignore[override]
+        return int(self.field.dps) - GUARD_DIGITS
+
+    @property
+    def rolls(self) -> bool:  # type: ignore[override]
+        return self.system.body.rolls
+
     def turns(self, tau: Any) -> Any:
         """In how many periods |τ| is, the shorter of the two."""
         raise NotImplementedError
 
-    def most_tau(self, t: Any) -> Any:
-        """A bound of τ at a physical time."""
-        return t
+    def scaled(self, t: Any) -> Any:
+        return self.field.coerce(t)
 
-    def tau(self, times: list[Any], digits: int) -> list[Any]:
-        """τ at physical times."""
-        return times
+    def lost(self, tau: Any) -> int:
+        return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
-    def times(self, tau: list[Any], digits: int) -> list[Any]:
-        """Physical times at values of τ."""
-        return tau
+    def vectors(self, point: Any) -> tuple[Any, Any]:
+        gamma, M = point
+        return gamma, M
 
-    def clock_missing(self, tau: Any, digits: int) -> int:
-        """How many of so many digits the clock lacks at a τ that it gave."""
-        return -digits
+    def drift(self, points: list[Any]) -> int:
+        return integrals_missing(self.system, self.start, self.sizes, points, 0)
 
-    def state(self, tau: Any) -> tuple[Any, Any]:
-        """(γ, M) at τ."""
-        raise NotImplementedError
+    def gap(self, point: Any, truth: CurvesCarrier, tau: Any) -> int:
+        return truth.difference(point, truth.point(truth.field.coerce(tau)))
+
+    def difference(self, row: Any, truth: Any) -> int:
+        """The decimal exponent of the relative difference of (γ, M) and another computation of it."""
+        worst = -NOTHING
+        for found, right in zip(row, truth, strict=True):
+            size = max(map(abs, right))
+            gap = max(abs(self.field.coerce(x) - y) for x, y in zip(found, right, strict=True))
+            worst = max(worst, digits_of(gap / size))
+        return worst
 
 
 class DeformedFlow(Motion):
@@ -89,131 +95,40 @@ class DeformedFlow(Motion):
         # made here, so that what it refuses is refused at once
         _ = self._curves
 
-    def _moving(self, system: Any, state: State) -> Separated:
+    def _moving(self, system: Any, state: State) -> CurvesCarrier:
         """The motion over the wide numbers of ``system``."""
         raise NotImplementedError
 
     @cached_property
-    def _curves(self) -> CurveRows:
-        return CurveRows(self.system, self.state, self._moving)
+    def _curves(self) -> RoundedRows:
+        return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         return self._curves
 
 
-class CurveRows:
-    """The states of a DeformedFlow with all the digits asked for, rounded to the field of ``system``.
+class OnCurves(ManyDigits):
+    """The states of a DeformedFlow; ``moving``(system, state) is the motion over the wide numbers of that system."""
 
-    ``moving``(system, state) is the motion over the wide numbers of that system.
-    """
+    expected = GUARD_DIGITS - SPARE - ROUNDING
+    step = 16
 
-    way = DeformedFlow.method
-
-    def __init__(self, system: Hamiltonian, state: State, moving: Callable[[Any, State], Separated]) -> None:
+    def __init__(self, system: Hamiltonian, state: State, moving: Callable[[Any, State], CurvesCarrier]) -> None:
         self._system, self._state, self._moving = system, state, moving
-        self._asked = digits_asked(system.field)
-        self.motion = self._started(self._asked + GUARD_DIGITS)
-        self._witness: Separated | None = None
-        self._witnessed: Any = 0
+        asked = digits_asked(system.field)
+        self.digits = asked
+        super().__init__(asked, self.carrier_of(asked))
 
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        tau, rows = self._good(times.tolist(), self._system.body.rolls)
-        return rounded_rows(self._system.field, rows), rounded(self._system.field, tau)
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
-        return rounded_rows(self._system.field, self._good(tau.tolist(), False)[1])
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
-        given = tau.tolist()
-        while True:
-            needed = self._enough(given, False)
-            motion = self.motion
-            wide = [motion.field.coerce(x) for x in given]
-            times = motion.times(wide, needed - ROUNDING)
-            missing = motion.clock_missing(max(wide, key=abs, default=motion.field.zero), self._asked + SPARE)
-            if missing <= 0:
-                return rounded(self._system.field, times)
-            self.more_digits(motion.field.dps + min(missing, motion.field.dps) + WIDER)
-
-    def _good(self, given: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
-        """(τ, rows) with all the digits asked for; τ is the time given unless there is a ``clock``."""
-        while True:
-            needed = self._enough(given, clock)
-            motion = self.motion
-            tau = [motion.field.coerce(x) for x in given]
-            if clock:
-                tau = motion.tau(tau, needed - ROUNDING)
-            rows = [motion.state(x) for x in tau]
-            missing = self._missing(tau, rows)
-            if clock and tau and missing <= 0:
-                missing = motion.clock_missing(max(tau, key=abs), self._asked + SPARE)
-            if missing <= 0:
-                return tau, rows
-            # where nothing is right it is not known how much is missing
-            self.more_digits(motion.field.dps + min(missing, motion.field.dps) + WIDER)
-
-    def _enough(self, given: list[Any], clock: bool) -> int:
-        """The digits that the farthest of the times takes; now there are as many."""
-        while True:
-            motion = self.motion
-            far = max((abs(motion.field.coerce(x)) for x in given), default=motion.field.zero)
-            needed = self._needed(motion.turns(motion.most_tau(far) if clock else far))
-            if needed <= motion.field.dps:
-                return needed
-            self.more_digits(needed)
-
-    def _needed(self, turns: Any) -> int:
-        """The digits that states so many periods away take."""
-        context = self.motion.field.context
-        return self._asked + SPARE + ROUNDING + ceil(float(context.log10(1 + turns)))
-
-    def more_digits(self, digits: int) -> None:
-        """Start again with that many, or a few more."""
-        own = self._asked + GUARD_DIGITS
-        digits = own + DIGITS_STEP * ceil((digits - own) / DIGITS_STEP)
-        if digits > 2 * self._asked + MOST_LOST:
-            raise PrecisionLoss(
-                f"{self._system!r}: the motion loses more than {self._asked + MOST_LOST} digits on the way there; "
-                "times nearer to 0 are within reach, and MP fields of more digits allow as many more"
-            )
-        self.motion, self._witness, self._witnessed = self._started(digits), None, 0
-
-    def _started(self, digits: int) -> Separated:
+    def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion at that many digits, or at more where it does not start from the state."""
         for _ in range(3):
-            motion = self._moving(*widened(self._system, self._state, digits))
-            missing = self._difference(motion.state(motion.field.zero), (motion.start.gamma, motion.start.M), motion)
+            carrier = self._moving(*widened(self._system, self._state, digits + GUARD_DIGITS))
+            start = carrier.start.gamma, carrier.start.M
+            missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
             if missing <= 0:
-                return motion
+                return carrier
             digits += min(missing, digits) + WIDER
         raise PrecisionLoss(f"{self._state!r}: it is not found again from its two points even with {digits} digits")
-
-    def _missing(self, tau: list[Any], rows: list[Any]) -> int:
-        """How many of the digits asked for the rows lack, 0 or less for none."""
-        motion = self.motion
-        missing = integrals_missing(motion.system, motion.start, motion.sizes, rows, self._asked + SPARE)
-        far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
-        if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
-            return missing
-        if self._witness is None:
-            self._witness = self._moving(*widened(self._system, self._state, motion.field.dps + WIDER))
-        again = self._witness.state(self._witness.field.coerce(tau[far]))
-        missing = self._difference(rows[far], again, self._witness)
-        if missing <= 0:
-            self._witnessed = abs(tau[far])
-        return missing
-
-    def _difference(self, row: Any, truth: Any, motion: Separated) -> int:
-        """How many of the digits asked for (γ, M) lacks beside another computation of it."""
-        worst = -(10**9)
-        for found, right in zip(row, truth, strict=True):
-            size = max(map(abs, right))
-            gap = max(abs(motion.field.coerce(x) - y) for x, y in zip(found, right, strict=True))
-            worst = max(worst, digits_of(gap / size))
-        return worst + self._asked + SPARE
 
 
 def integrals_missing(system: Any, start: State, sizes: tuple[Any, Any], rows: Sequence[Any], digits: int) -> int:
@@ -221,7 +136,7 @@ def integrals_missing(system: Any, start: State, sizes: tuple[Any, Any], rows: S
     wide numbers, 0 or less for none.
     """
     before = system.integrals(start)[2:]
-    worst = -(10**9)
+    worst = -NOTHING
     for gamma, M in rows:
         after = system.integrals(State(tuple(gamma), tuple(M)))[2:]
         worst = max(worst, *(digits_of(abs(x - y) / size) for x, y, size in zip(after, before, sizes, strict=True)))
@@ -239,16 +154,3 @@ def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]
     """The same system and state with so many digits, the constraints made exact."""
     wide = system.over(MP(digits))
     return wide, onto_constraints(wide, state)
-
-
-def rounded(K: Any, values: Any) -> np.ndarray:
-    """Wide numbers as an array of elements of the field K."""
-    if K == RR:
-        return np.array(values, dtype=np.float64)
-    result: np.ndarray = np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
-    return result
-
-
-def rounded_rows(K: Any, rows: Sequence[Any]) -> np.ndarray:
-    """Pairs (γ, M) as an array of shape (N, 6)."""
-    return rounded(K, [(*gamma, *M) for gamma, M in rows]).reshape(-1, 6)

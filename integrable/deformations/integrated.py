@@ -8,10 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, integrals_missing, rounded, widened
+from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, integrals_missing, widened
 from integrable.deformations.hamiltonian import Hamiltonian, dot
 from integrable.deformations.tape import recorded
 from integrable.deformations.taylor import integrate
+from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Motion, Way
 from integrable.phase.state import State

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.deformations.deformed_flow import DeformedFlow, Separated
+from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
 from integrable.deformations.oval import laurent
 from integrable.phase.body import cross
 from integrable.phase.state import State
@@ -29,11 +29,11 @@ class PoleFlow(DeformedFlow):
     ũ2: the motion ends in finite time).
     """
 
-    def _moving(self, system: Any, state: State) -> Separated:
-        return CubicMotion(system, state)
+    def _moving(self, system: Any, state: State) -> CurvesCarrier:
+        return CubicCarrier(system, state)
 
 
-class CubicMotion(Separated):
+class CubicCarrier(CurvesCarrier):
     """The motion over the numbers of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
@@ -62,7 +62,7 @@ class CubicMotion(Separated):
     def turns(self, tau: Any) -> Any:
         return abs(tau) / min(curve.period for curve in self._curves)
 
-    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+    def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
         return self._state(*(curve.moved(tau) for curve in self._curves))
 
     def _separated(self, state: State) -> tuple[list[Any], list[Any], list[Any]]:

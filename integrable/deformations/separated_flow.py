@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.deformed_flow import DeformedFlow, Separated, digits_asked, integrals_missing, rounded_rows
+from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
 from integrable.deformations.oval import Oval, root
 from integrable.motion.precise import digits_of
 from integrable.phase.body import cross
@@ -30,35 +30,33 @@ class SeparatedFlow(DeformedFlow):
     NotRepresentable where moments are equal or a λ_k vanishes (K = 0: a curve degenerates).
     """
 
-    def _moving(self, system: Any, state: State) -> Separated:
-        return OvalMotion(system, state)
+    def _moving(self, system: Any, state: State) -> CurvesCarrier:
+        return OvalCarrier(system, state)
 
     def translated(self, roots_of: Any) -> State:
         """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
         μ_k/I_i) and how many times, or None.
         """
-        curves = self._curves
+        many = self._curves.many
         while True:
-            motion: Any = curves.motion
-            moved = motion.translated(roots_of)
-            missing = integrals_missing(
-                motion.system, motion.start, motion.sizes, [moved], digits_asked(self.system.field)
-            )
+            carrier: Any = many.carrier
+            moved = carrier.translated(roots_of)
+            missing = carrier.drift([moved]) + many.digits
             if missing <= 0:
                 break
-            curves.more_digits(motion.field.dps + min(missing, motion.field.dps))
-        x1, x2, x3, m1, m2, m3 = rounded_rows(self.system.field, [moved])[0].tolist()
+            many.add_digits(min(missing, carrier.field.dps))
+        x1, x2, x3, m1, m2, m3 = self._curves.rows([moved])[0].tolist()
         return State((x1, x2, x3), (m1, m2, m3))
 
 
 class IsometricFlow(DeformedFlow):
     """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
 
-    def _moving(self, system: Any, state: State) -> Separated:
-        return LiftedMotion(system, state)
+    def _moving(self, system: Any, state: State) -> CurvesCarrier:
+        return LiftedCarrier(system, state)
 
 
-class OvalMotion(Separated):
+class OvalCarrier(CurvesCarrier):
     """The motion of a tilde pair over the numbers of ``system``."""
 
     def __init__(self, system: Any, state: State) -> None:
@@ -125,7 +123,7 @@ class OvalMotion(Separated):
         d = self.system.d
         return 1 / root(self.field, one * (1 + d * first) + two * (1 + d * second))
 
-    def state(self, tau: Any) -> tuple[list[Any], list[Any]]:
+    def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
         return self._state(*(curve.moved(tau) for curve in self.curves))
 
     def translated(self, roots_of: Any) -> tuple[list[Any], list[Any]]:
@@ -168,7 +166,7 @@ class OvalMotion(Separated):
         return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
 
 
-class LiftedMotion(Separated):
+class LiftedCarrier(CurvesCarrier):
     """The motion of a check or hat pair over the numbers of ``system``: that of a tilde pair, lifted."""
 
     def __init__(self, system: Any, state: State) -> None:
@@ -178,14 +176,14 @@ class LiftedMotion(Separated):
         self._roots = roots(K, squares)
         self._back = [1 / b for b in self._roots]
         gamma, M = lift(K, self._roots, state.gamma, state.M)
-        self._tilde = OvalMotion(tilde, State(gamma, M))
+        self._tilde = OvalCarrier(tilde, State(gamma, M))
         self.sizes = abs(self._pace) * self._tilde.sizes[0], abs(system.integrals(state).K)
 
     def turns(self, tau: Any) -> Any:
         return self._tilde.turns(self._pace * tau)
 
-    def state(self, tau: Any) -> tuple[Any, Any]:
-        gamma, M = self._tilde.state(self._pace * tau)
+    def point(self, tau: Any) -> tuple[Any, Any]:
+        gamma, M = self._tilde.point(self._pace * tau)
         return lift(self.field, self._back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
 
 

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from integrable.motion.enclosure import Enclosure
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.near import SteppedFlow
-    from integrable.motion.precise import PreciseFlow
+    from integrable.motion.precise import RoundedRows
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseSymmetricFlow
     from integrable.phase.state import State
@@ -162,8 +162,16 @@ class Flow(BodyMotion):
         return self._torus or self._precise
 
     @cached_property
-    def _precise(self) -> PreciseRows:
-        return PreciseRows(self)
+    def _precise(self) -> RoundedRows:
+        """The flow to as many digits as it takes."""
+        from integrable.motion.precise import PreciseFlow, RoundedRows
+
+        field, body = self.system.field, self.system.body
+        if field == RR:
+            many = PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, most=MOST_RATES)
+        else:
+            many = PreciseFlow(body, self.state, field.dps, self.setup)
+        return RoundedRows(field, many, "multiprecision")
 
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseSymmetricFlow | None:
@@ -234,48 +242,6 @@ class Flow(BodyMotion):
             if len(wrong):
                 found.append(first + wrong)
         return (np.concatenate(found), why) if found else super()._off(rows)
-
-
-class PreciseRows:
-    """The flow to as many digits as it takes, its states rounded to the field of the system."""
-
-    way = "multiprecision"
-
-    def __init__(self, flow: Flow) -> None:
-        self._field = flow.system.field
-        self._body, self._state, self._setup = flow.system.body, flow.state, flow.setup
-        self._floats = self._field == RR
-
-    @cached_property
-    def _flow(self) -> PreciseFlow:
-        from integrable.motion.precise import PreciseFlow
-
-        if self._floats:
-            return PreciseFlow(self._body, self._state, ROUNDED_TO_FLOATS, most=MOST_RATES)
-        return PreciseFlow(self._body, self._state, self._field.dps, self._setup)
-
-    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        tau, points = self._flow.at(times.tolist())
-        return self._vectors(points), self._rounded(tau)
-
-    def at_tau(self, tau: np.ndarray) -> np.ndarray:
-        """γ and M at values of τ, shape (N, 6)."""
-        return self._vectors(self._flow.at_tau(tau.tolist()))
-
-    def times(self, tau: np.ndarray) -> np.ndarray:
-        """Physical times at values of τ."""
-        return self._rounded(self._flow.times(tau.tolist()))
-
-    def _vectors(self, points: Any) -> np.ndarray:
-        rows = [(*gamma, *M) for gamma, M in self._flow.vectors(points)]
-        return self._rounded(rows).reshape(-1, 6)
-
-    def _rounded(self, values: Any) -> np.ndarray:
-        if self._floats:
-            return np.array(values, dtype=np.float64)
-        result: np.ndarray = np.frompyfunc(self._field.coerce, 1, 1)(np.array(values, dtype=object))
-        return result
 
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:

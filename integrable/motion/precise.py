@@ -12,11 +12,14 @@ from contextlib import suppress
 from math import ceil, inf, log, log10
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from integrable.motion.precise_clock import PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
 from integrable.phase.body import energy
+from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -25,20 +28,208 @@ if TYPE_CHECKING:
 
 # digits by which the second computation of the farthest state is wider, beside those that it may lose
 WIDER = 10
-# what a motion may be expected to lose of the digits that are there beyond those asked for
-EXPECTED = 24
-# digits are added in steps, so that few set-ups serve many calls
-DIGITS_STEP = 50
 # digits that a result keeps beyond those asked for
 SPARE = 2
 # what a motion may lose, beyond as many digits as are asked for: half a minute of computing on the separatrix
 MOST_LOST = 400
+# what no digit is lost by, as a decimal exponent
+NOTHING = 10**9
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 100
 
 
-class PreciseMotion:
-    """The flow at one internal precision, in bare reals; times and τ are in the units of the setup.
+class Carrier:
+    """A motion at one precision: what :class:`ManyDigits` is made of. Times and τ are wide, in units of its own.
+
+    ``digits`` are those that its results may have; what guards them is not counted.
+    """
+
+    digits: int
+    rolls: bool
+    """Whether τ differs from t: the carrier then has a clock."""
+
+    def scaled(self, t: Any) -> Any:
+        """A time of the user in the units of the carrier."""
+        raise NotImplementedError
+
+    def unscaled(self, t: Any) -> Any:
+        """A time in the user's units."""
+        return t
+
+    def lost(self, tau: Any) -> int:
+        """How many digits an error may grow by until τ ≥ 0."""
+        raise NotImplementedError
+
+    def most_tau(self, t: Any) -> Any:
+        """About the τ of a physical time t ≥ 0, to tell from what would be lost there before there is a clock."""
+        return t
+
+    def tau(self, times: list[Any], digits: int) -> list[Any]:
+        """τ at physical times, to so many digits."""
+        return times
+
+    def times(self, tau: list[Any], digits: int) -> list[Any]:
+        """Physical times at values of τ."""
+        return tau
+
+    def clock_missing(self, tau: Any, digits: int) -> int:
+        """How many of so many digits the clock lacks at a τ that it gave, where it can tell."""
+        return -digits
+
+    def point(self, tau: Any) -> Any:
+        """The moving point at τ."""
+        raise NotImplementedError
+
+    def vectors(self, point: Any) -> tuple[Any, Any]:
+        """(γ, M) of a moving point."""
+        raise NotImplementedError
+
+    def drift(self, points: list[Any]) -> int:
+        """The decimal exponent of the largest relative change of the integrals."""
+        raise NotImplementedError
+
+    def gap(self, point: Any, truth: Any, tau: Any) -> int:
+        """That of the relative difference between a point and the one that a carrier of more digits gives at τ."""
+        raise NotImplementedError
+
+
+class ManyDigits:
+    """The states of a motion to ``digits`` digits relative to exact inputs, whatever is lost on the way."""
+
+    expected = 24
+    """What may be lost of the digits that guard those of a carrier."""
+    step = 50
+    """Digits are added in steps, so that few set-ups serve many calls."""
+
+    def __init__(self, digits: int, carrier: Carrier) -> None:
+        self.digits = digits
+        self.carrier = carrier
+        self._witness: Carrier | None = None
+        self._witnessed: Any = 0
+
+    def carrier_of(self, digits: int) -> Carrier:
+        """The motion at that many digits."""
+        raise NotImplementedError
+
+    def at(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
+        """(τ, moving points) at physical times: τ in the user's units, with guard digits."""
+        tau, points = self._good(times, self.carrier.rolls)
+        return [self.carrier.unscaled(t) for t in tau], points
+
+    def at_tau(self, tau: list[Any]) -> list[Any]:
+        """The moving points at τ."""
+        return self._good(tau, False)[1]
+
+    def times(self, tau: list[Any]) -> list[Any]:
+        """Physical times at τ, in the user's units."""
+        while True:
+            carrier = self.carrier
+            scaled = [carrier.scaled(t) for t in tau]
+            lost = self._enough(max(map(abs, scaled), default=0))
+            if lost is None:
+                continue
+            times = carrier.times(scaled, self.digits + SPARE + lost)
+            missing = carrier.clock_missing(max(scaled, key=abs), self.digits + SPARE) if scaled else 0
+            if missing <= 0:
+                return [carrier.unscaled(t) for t in times]
+            self.add_digits(min(missing, carrier.digits) + WIDER)
+
+    def vectors(self, points: list[Any]) -> list[tuple[Any, Any]]:
+        """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
+        return [self.carrier.vectors(point) for point in points]
+
+    def add_digits(self, more: int) -> None:
+        """Start again with that many more digits."""
+        digits = self.carrier.digits + more
+        if digits > 2 * self.digits + MOST_LOST:
+            raise PrecisionLoss(
+                f"the motion loses more than {self.digits + MOST_LOST} digits on the way there; times nearer to 0 are "
+                "within reach, and MP fields of more digits allow as many more"
+            )
+        self.carrier, self._witness, self._witnessed = self.carrier_of(digits), None, 0
+
+    def _good(self, times: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
+        while True:
+            carrier = self.carrier
+            tau = [carrier.scaled(t) for t in times]
+            far = max(map(abs, tau), default=0)
+            # what the time alone is too far for needs no clock
+            lost = self._enough(carrier.most_tau(far) if clock else far)
+            if lost is None:
+                continue
+            if clock:
+                tau = carrier.tau(tau, self.digits + SPARE + lost)
+                if self._enough(max(map(abs, tau), default=0)) is None:
+                    continue
+            points = [carrier.point(t) for t in tau]
+            missing = self._missing(tau, points)
+            if clock and tau and missing <= 0:
+                missing = carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
+            if missing <= 0:
+                return tau, points
+            # where nothing is right it is not known how much is missing
+            self.add_digits(min(missing, carrier.digits) + WIDER)
+
+    def _enough(self, tau: Any) -> int | None:
+        """The digits that errors may grow by until τ; None where there were not as many, and now there are more."""
+        lost = self.carrier.lost(tau)
+        missing = lost - self.expected - (self.carrier.digits - self.digits)
+        if missing <= 0:
+            return lost
+        self.add_digits(self.step * ceil(missing / self.step))
+        return None
+
+    def _missing(self, tau: list[Any], points: list[Any]) -> int:
+        """How many of the digits asked for the points lack, 0 or less for none."""
+        carrier, wanted = self.carrier, self.digits + SPARE
+        missing = carrier.drift(points) + wanted
+        far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
+        if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
+            return missing
+        # two computations that have both lost every digit may meet in the same rotation
+        wider = carrier.digits + WIDER + carrier.lost(abs(tau[far]))
+        if self._witness is None or self._witness.digits < wider:
+            self._witness = self.carrier_of(wider)
+        missing = carrier.gap(points[far], self._witness, tau[far]) + wanted
+        if missing <= 0:
+            self._witnessed = abs(tau[far])
+        return missing
+
+
+class RoundedRows:
+    """States to as many digits as it takes, rounded to a field: RR or MP(digits)."""
+
+    def __init__(self, field: Any, many: ManyDigits, way: str) -> None:
+        self.field, self.many, self.way = field, many, way
+
+    def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        tau, points = self.many.at(times.tolist())
+        return self.rows(points), rounded(self.field, tau)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        return self.rows(self.many.at_tau(tau.tolist()))
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        return rounded(self.field, self.many.times(tau.tolist()))
+
+    def rows(self, points: list[Any]) -> np.ndarray:
+        """γ and M of moving points, shape (N, 6)."""
+        return rounded(self.field, [(*gamma, *M) for gamma, M in self.many.vectors(points)]).reshape(-1, 6)
+
+
+def rounded(K: Any, values: Any) -> np.ndarray:
+    """Wide numbers as an array of elements of the field K."""
+    if K == RR:
+        return np.array(values, dtype=np.float64)
+    result: np.ndarray = np.frompyfunc(K.coerce, 1, 1)(np.array(values, dtype=object))
+    return result
+
+
+class BodyCarrier(Carrier):
+    """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
     ``problem`` is what :class:`~integrable.moving_point.setup.Setup` makes one of more digits from, ``most`` how many
     values of 1/g a time may cost: where that is bounded the torus has been tried.
@@ -46,17 +237,23 @@ class PreciseMotion:
 
     def __init__(self, setup: Setup, problem: tuple[Body, Vector, Vector, bool], most: float = inf) -> None:
         self.setup = setup
+        self.digits = setup.digits - GUARD_DIGITS
+        self.rolls = setup.problem.d != 0
         self._problem = problem
         self._most = most
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
 
     def scaled(self, t: Any) -> Any:
-        """A time in the units of the setup."""
         return self.setup.wide.coerce(t) * self.setup.time_scale
 
+    def unscaled(self, t: Any) -> Any:
+        return t / self.setup.time_scale
+
+    def lost(self, tau: Any) -> int:
+        return lost_digits(self.setup, tau)
+
     def point(self, tau: Any) -> tuple[Any, ...]:
-        """The moving point at τ."""
         setup = self.setup
         sign = -1 if tau < 0 else 1
         with setup.reals:
@@ -67,11 +264,24 @@ class PreciseMotion:
                 point = addition.shift(setup.bare.f, setup.bare.axes, point, step)
             return setup.reals.plain_row(point)
 
-    def tau(self, times: list[Any]) -> list[Any]:
-        """τ at every physical time, wide."""
+    def vectors(self, point: Any) -> tuple[Any, Any]:
         setup = self.setup
-        if setup.problem.d == 0:
-            return times
+        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
+        return vectors(setup.reals.elements(setup.wide, point), setup.problem.momentum, matrix)
+
+    def drift(self, points: list[Any]) -> int:
+        return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)
+
+    def gap(self, point: Any, truth: BodyCarrier, tau: Any) -> int:
+        again, reals = truth.point(tau), truth.setup.reals
+        with reals:
+            mine = [reals.number(self.setup.reals.element(self.setup.wide, x)) for x in point]
+            size = 1 + max(map(abs, again))
+            return digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size)
+
+    def tau(self, times: list[Any], digits: int = 0) -> list[Any]:
+        """τ at every physical time, to the digits of the setup."""
+        setup = self.setup
         # at the first rate: a heavy ball's τ runs a thousand times faster than t
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
@@ -87,11 +297,12 @@ class PreciseMotion:
             result[i] = setup.reals.element(setup.wide, tau)
         return result
 
+    def times(self, tau: list[Any], digits: int) -> list[Any]:
+        return [self.time(t) for t in tau]
+
     def time(self, tau: Any) -> Any:
         """Physical time at τ, wide."""
         setup = self.setup
-        if setup.problem.d == 0:
-            return tau
         torus = self._far([tau])
         if torus:
             return setup.wide.coerce(torus.time(torus.wide.coerce(tau)))
@@ -128,101 +339,20 @@ class PreciseMotion:
         return self._torus or None
 
 
-class PreciseFlow:
-    """The motion through a state to ``digits`` digits relative to exact inputs, whatever is lost on the way.
+class PreciseFlow(ManyDigits):
+    """The motion of a body through a state to ``digits`` digits.
 
     ``most`` is how many values of 1/g a time may cost (:class:`~integrable.motion.precise_clock.PanelClock`).
     """
 
     def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None, most: float = inf) -> None:
         self._problem = body, state.gamma, state.M, state.tilted
-        self.digits = digits
         self._most = most
-        self._motion = PreciseMotion(setup or Setup(*self._problem, digits=digits), self._problem, most)
-        self._witness: Setup | None = None
-        self._witnessed = 0.0
+        setup = setup or Setup(*self._problem, digits=digits)
+        super().__init__(digits, BodyCarrier(setup, self._problem, most))
 
-    def at(self, times: list[Any]) -> tuple[list[Any], list[tuple[Any, ...]]]:
-        """(τ, moving points) at physical times: in the user's units and in numbers of MP, with guard digits."""
-        return self._good(times, lambda motion, scaled: motion.tau(scaled))
-
-    def at_tau(self, tau: list[Any]) -> list[tuple[Any, ...]]:
-        """The moving points at τ."""
-        return self._good(tau, lambda _, scaled: scaled)[1]
-
-    def times(self, tau: list[Any]) -> list[Any]:
-        """Physical times at τ, in the user's units."""
-        motion = self._motion
-        return [motion.time(motion.scaled(t)) / motion.setup.time_scale for t in tau]
-
-    def vectors(self, points: list[tuple[Any, ...]]) -> list[tuple[tuple[Any, ...], tuple[Any, ...]]]:
-        """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
-        setup = self._motion.setup
-        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
-        return [vectors(point, setup.problem.momentum, matrix) for point in points]
-
-    def _good(self, times: list[Any], flow_times: Any) -> tuple[list[Any], list[tuple[Any, ...]]]:
-        while True:
-            motion = self._motion
-            tau = [motion.scaled(t) for t in times]
-            # τ ≥ t for an upright body: what t alone is too far for needs no clock
-            if self._widened(tau):
-                continue
-            tau = flow_times(motion, tau)
-            if self._widened(tau):
-                continue
-            points = [motion.point(t) for t in tau]
-            missing = self._missing(tau, points)
-            if missing <= 0:
-                setup = motion.setup
-                return [t / setup.time_scale for t in tau], [setup.reals.elements(setup.wide, row) for row in points]
-            self._more_digits(missing + WIDER)
-
-    def _widened(self, tau: list[Any]) -> bool:
-        """Whether errors may grow by more digits until then than there were; now there are more."""
-        setup = self._motion.setup
-        missing = self._lost(tau) - EXPECTED - (setup.digits - GUARD_DIGITS - self.digits)
-        if missing > 0:
-            self._more_digits(DIGITS_STEP * ceil(missing / DIGITS_STEP))
-        return missing > 0
-
-    def _lost(self, tau: list[Any]) -> int:
-        return lost_digits(self._motion.setup, max(map(abs, tau), default=0))
-
-    def _more_digits(self, more: int) -> None:
-        """Start again with that many more digits."""
-        digits = self._motion.setup.digits - GUARD_DIGITS + more
-        if digits > 2 * self.digits + MOST_LOST:
-            lost = self.digits + MOST_LOST
-            raise PrecisionLoss(
-                f"the motion loses more than {lost} digits on the way there: it depends too strongly on where it "
-                "starts; times nearer to 0 are within reach, and MP fields of more digits allow as many more"
-            )
-        self._motion = PreciseMotion(Setup(*self._problem, digits=digits), self._problem, self._most)
-        self._witness, self._witnessed = None, 0.0
-
-    def _missing(self, tau: list[Any], points: list[Any]) -> int:
-        """How many of the digits asked for the points lack, 0 or less for none."""
-        motion = self._motion
-        wanted = self.digits + SPARE
-        worst = max((digits_of(drift(motion.setup, point)) for point in points), default=-wanted)
-        missing = worst + wanted
-        far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
-        if far is None or missing > 0 or abs(tau[far]) <= self._witnessed:
-            return missing
-        # two computations that have both lost every digit may meet in the same rotation
-        wider = motion.setup.digits - GUARD_DIGITS + WIDER + self._lost(tau)
-        if self._witness is None or self._witness.digits - GUARD_DIGITS < wider:
-            self._witness = Setup(*self._problem, digits=wider)
-        again = PreciseMotion(self._witness, self._problem).point(tau[far])
-        with self._witness.reals:
-            number = self._witness.reals.number
-            mine = [number(motion.setup.reals.element(motion.setup.wide, x)) for x in points[far]]
-            size = 1 + max(map(abs, again))
-            missing = digits_of(max(abs(x - y) for x, y in zip(mine, again, strict=True)) / size) + wanted
-        if missing <= 0:
-            self._witnessed = abs(tau[far])
-        return missing
+    def carrier_of(self, digits: int) -> Carrier:
+        return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._most)
 
 
 def lost_digits(setup: Setup, tau: Any) -> int:
@@ -273,9 +403,9 @@ def drift(setup: Setup, point: Any) -> Any:
 def digits_of(x: Any) -> int:
     """The decimal exponent of x ≥ 0, rounded up; very small for 0, large for what is no number."""
     if x == 0:
-        return -(10**9)
+        return -NOTHING
     if not x < 1e9:
-        return 10**9
+        return NOTHING
     size = float(x)
     if size > 1e-290:
         return ceil(log10(size))

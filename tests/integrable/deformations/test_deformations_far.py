@@ -14,7 +14,7 @@ import pytest
 from integrable import Check, Hat, Tilde
 from integrable.deformations.deformed_flow import integrals_missing, widened
 from integrable.deformations.gyroscopic import Gyroscopic
-from integrable.deformations.separated_flow import OvalMotion
+from integrable.deformations.separated_flow import OvalCarrier
 from integrable.phase.state import State
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import Infeasible, NotRepresentable, PrecisionLoss
@@ -232,7 +232,7 @@ def test_a_resonance_of_the_two_phases_is_no_small_divisor() -> None:
     field = MP(30)
     system = Tilde((1, 2, 4), "0.7", field=field)
     start = _resonant(system)
-    periods = [curve.period for curve in system.flow(start)._curves.motion.curves]
+    periods = [curve.period for curve in system.flow(start)._curves.many.carrier.curves]
     assert min(abs(periods[0] / periods[1] - x) for x in (2, field.one / 2)) < 1e-25
     run = system.flow(start).at([10**7, 10**7 + 3])
     middle = State(tuple(run.gamma[0]), tuple(run.M[0]))
@@ -253,7 +253,7 @@ def _resonant(system):
         return system.state(gamma, [c * x + s * y for x, y in zip(first, second, strict=True)])
 
     def ratio(angle):
-        one, two = OvalMotion(system, state(angle)).curves
+        one, two = OvalCarrier(system, state(angle)).curves
         return K.context.log(one.period / two.period)
 
     wanted = K.context.log(2)
@@ -298,8 +298,8 @@ def test_the_clock_of_extreme_bodies(inertia, d, gamma, M, times) -> None:
 def test_a_changed_integral_or_a_changed_sign_is_noticed() -> None:
     system = Tilde((1, 2, 4), field=MP(30))
     state = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
-    motion = OvalMotion(system, state)
-    good = motion.state(system.field.coerce(5))
+    motion = OvalCarrier(system, state)
+    good = motion.point(system.field.coerce(5))
     assert integrals_missing(system, state, motion.sizes, [good], 25) <= 0
     bad = good[0], [x * (1 + system.field.coerce("1e-20")) for x in good[1]]
     assert 4 <= integrals_missing(system, state, motion.sizes, [bad], 25) <= 6
@@ -308,7 +308,7 @@ def test_a_changed_integral_or_a_changed_sign_is_noticed() -> None:
 @pytest.mark.parametrize("spoiled", ["integrals", "signs"])
 def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None:
     """A motion that loses H, and one with other signs at each precision, which H and K cannot see."""
-    right = OvalMotion.state
+    right, precisions = OvalCarrier.point, []
 
     def wrong(self, tau):
         gamma, M = right(self, tau)
@@ -316,10 +316,12 @@ def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None
             return gamma, M
         if spoiled == "integrals":
             return gamma, [x * 1.5 for x in M]
-        sign = 1 if self.field.dps // 2 % 2 else -1
+        if self.field.dps not in precisions:
+            precisions.append(self.field.dps)
+        sign = 1 if precisions.index(self.field.dps) % 2 else -1
         return [sign * gamma[0], *gamma[1:]], [M[0], sign * M[1], sign * M[2]]
 
-    monkeypatch.setattr(OvalMotion, "state", wrong)
+    monkeypatch.setattr(OvalCarrier, "point", wrong)
     system = Tilde((1, 2, 4))
     with pytest.raises(PrecisionLoss, match="digits"):
         system.flow(system.state(*START)).at([1.0])
@@ -368,7 +370,7 @@ def test_steps_on_the_curves_keep_the_integrals_too() -> None:
     system = Tilde((1, 2, 4))
     start = system.state(*START)
     lambdas = [
-        float(x) for x in OvalMotion(system.over(MP(40)), system.over(MP(40)).state(*_exactly(MP(40), start))).lambdas
+        float(x) for x in OvalCarrier(system.over(MP(40)), system.over(MP(40)).state(*_exactly(MP(40), start))).lambdas
     ]
     # Z above every e: beyond a_max for λ1 > 0, below 0 for λ2 < 0
     points = [5.0 if value > 0 else -5.0 for value in lambdas]

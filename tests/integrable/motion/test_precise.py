@@ -8,7 +8,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
-from integrable.motion.precise import EXPECTED, PreciseFlow, PreciseMotion, digits_of, lost_digits
+from integrable.motion.precise import BodyCarrier, PreciseFlow, digits_of, lost_digits
 from integrable.motion.precise_clock import LONG, NEAR_CELLS, PanelClock
 from integrable.moving_point import setup as setups
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
@@ -53,7 +53,7 @@ def test_a_heavy_ball_is_told_the_time_by_its_torus() -> None:
     times = [1e5, 3e6]
     flow = system.flow(state)
     run = flow.at(times)
-    assert flow._precise._flow._motion._torus
+    assert flow._precise.many.carrier._torus
     floats = ChaplyginBall((1, 2, 3), 1000)
     rounded = floats.state(*([float(x) for x in v] for v in START))
     other = floats.flow(rounded).at(times)
@@ -127,7 +127,7 @@ def test_times_and_places_are_inverse_to_each_other() -> None:
 def test_the_torus_takes_over_far_away_and_agrees() -> None:
     system, state = ball(20)
     problem = system.body, state.gamma, state.M, False
-    motion, stepping = (PreciseMotion(Setup(*problem), problem) for _ in range(2))
+    motion, stepping = (BodyCarrier(Setup(*problem), problem) for _ in range(2))
     stepping._torus = False
     far = [motion.scaled(5000)]
     assert motion._far(far)
@@ -140,7 +140,7 @@ def test_lost_digits_are_found_and_made_up_for() -> None:
     system, state = ball(30, start=unstable)
     flow = PreciseFlow(system.body, state, 30)
     _, points = flow.at([200])
-    assert flow._motion.setup.digits > 40
+    assert flow.carrier.setup.digits > 40
     more = PreciseFlow(system.body, state, 60)
     truth = more.vectors(more.at([200])[1])[0]
     found = flow.vectors(points)[0]
@@ -172,8 +172,8 @@ def test_the_digits_lost_are_those_that_the_curve_foretells(t) -> None:
     state = system.state((0, 0, 1), (0, 1, 0))
     problem = system.body, state.gamma, state.M, False
     setup, wider = (Setup(*problem, digits=digits) for digits in (100, 250))
-    tau = PreciseMotion(setup, problem).scaled(1.5 * t)
-    point, truth = PreciseMotion(setup, problem).point(tau), PreciseMotion(wider, problem).point(tau)
+    tau = BodyCarrier(setup, problem).scaled(1.5 * t)
+    point, truth = BodyCarrier(setup, problem).point(tau), BodyCarrier(wider, problem).point(tau)
     with wider.reals:
         number = wider.reals.number
         error = max(abs(number(setup.reals.element(setup.wide, x)) - y) for x, y in zip(point, truth, strict=True))
@@ -185,7 +185,7 @@ def test_an_ordinary_motion_is_not_expected_to_lose_digits() -> None:
     system, state = ball(30)
     setup = Setup(system.body, state.gamma, state.M)
     assert lost_digits(setup, 0) == 0
-    assert lost_digits(setup, 10**6) < EXPECTED
+    assert lost_digits(setup, 10**6) < PreciseFlow.expected
 
 
 def test_what_loses_too_much_is_refused_by_name(monkeypatch) -> None:

@@ -35,10 +35,10 @@ def setup_of(ball, gamma, M):
 def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
     state = BALL.state(*start)
     precise = PreciseFlow(BALL.body, state, 16)
-    setup = precise._motion.setup
+    setup = precise.carrier.setup
     for t in (-9.0, 3.0, 40.0):
         (tau,), _ = precise.at([t])
-        scaled = MultiprecisionTorusClock(setup).tau([precise._motion.scaled(t)])[0]
+        scaled = MultiprecisionTorusClock(setup).tau([precise.carrier.scaled(t)])[0]
         assert abs(scaled / setup.time_scale - tau) < 1e-15
 
 
