@@ -16,8 +16,9 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.motion.precise import NOTHING, SPARE, WIDER, Carrier, ManyDigits, RoundedRows, digits_of
+from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.motion.trajectory import Motion, Way
+from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR

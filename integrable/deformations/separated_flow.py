@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
 from integrable.deformations.oval import Oval, root
-from integrable.motion.precise import digits_of
+from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.precise import PreciseFlow, digits_of
+from integrable.motion.precise import PreciseFlow
 from integrable.motion.trajectory import Motion
+from integrable.moving_point.losses import digits_of
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss, whole

@@ -1,24 +1,24 @@
 """The exact flow to many digits: the same additions as for floats, in bare reals, at a precision chosen from inside.
 
 Numbers are computed with 30 digits more than asked for, and with as many more as errors can grow by beside a separatrix
-(:func:`lost_digits`). What a motion loses is measured as well on every call, from the integrals of all states and from
-the farthest state made again with more digits; where the digits do not suffice all is done again with as many more as
-were missing.
+(:func:`integrable.moving_point.losses.lost_digits`). What a motion loses is measured as well on every call, from the
+integrals of all states and from the farthest state made again with more digits; where the digits do not suffice all is
+done again with as many more as were missing.
 """
 
 from __future__ import annotations
 
 from contextlib import suppress
-from math import ceil, inf, log, log10
+from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.motion.precise_clock import PanelClock
 from integrable.moving_point import addition
+from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
-from integrable.phase.body import energy
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
@@ -32,8 +32,6 @@ WIDER = 10
 SPARE = 2
 # what a motion may lose, beyond as many digits as are asked for: half a minute of computing on the separatrix
 MOST_LOST = 400
-# what no digit is lost by, as a decimal exponent
-NOTHING = 10**9
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 100
 
@@ -353,63 +351,3 @@ class PreciseFlow(ManyDigits):
 
     def carrier_of(self, digits: int) -> Carrier:
         return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._most)
-
-
-def lost_digits(setup: Setup, tau: Any) -> int:
-    """How many digits an error may grow by until τ (in the units of the setup), from the curve.
-
-    At a double root e of f = (x − e)²h, the unstable rotation, the integral τ = Σ∫dx/y is a logarithm over √h: points
-    and translations grow like e^(√h·τ), beside it during one passage, to about 16·(distance to the other roots) /
-    (distance of the two roots). All other errors grow like τ.
-    """
-    K = setup.wide
-    roots = sorted(setup.problem.branch_points)
-    lead, tau = abs(setup.problem.f[5] or setup.problem.f[4]), abs(K.coerce(tau))
-    total = K.context.log(1 + tau)
-    # the gaps between the ovals and behind the second: a real point passes them in imaginary time only
-    for k in range(1, len(roots) - 1, 2):
-        middle, gap = (roots[k] + roots[k + 1]) / 2, roots[k + 1] - roots[k]
-        others = [abs(middle - e) for e in (*roots[:k], *roots[k + 2 :])]
-        square = lead
-        for x in others:
-            square *= x
-        grown = K.sqrt(square) * tau
-        near = min(others)
-        # below that the gap is rounding
-        if gap > K.eps * 10**8 * near:
-            grown = min(grown, K.context.log(1 + 16 * near / gap))
-        # translations grow alike: an addition loses the digits of both
-        total += 2 * grown
-    return ceil(float(total) / log(10))
-
-
-def drift(setup: Setup, point: Any) -> Any:
-    """The relative change of H1 or H2, the larger, at a moving point of bare reals."""
-    reals = setup.reals
-    with reals:
-        alpha = setup.bare.axes[:3]
-        sigma, nu = point[4:7], point[7:10]
-        square = sum(x * x for x in sigma)
-        lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
-        w = [y - lean * x for x, y in zip(sigma, nu, strict=True)]
-        # M = w × γ, γ = σ/|σ|; everything below is relative to the momentum
-        M = [w[i - 2] * sigma[i - 1] - w[i - 1] * sigma[i - 2] for i in range(3)]
-        h2 = sum(m * m for m in M) / square
-        # g² = |σ|²
-        h1 = energy(alpha, reals.number(setup.problem.d), sigma, M) / square
-        return max(abs(h2 - 1), abs(h1 / reals.number(setup.problem.ratio) - 1))
-
-
-def digits_of(x: Any) -> int:
-    """The decimal exponent of x ≥ 0, rounded up; very small for 0, large for what is no number."""
-    if x == 0:
-        return -NOTHING
-    if not x < 1e9:
-        return NOTHING
-    size = float(x)
-    if size > 1e-290:
-        return ceil(log10(size))
-    scale = 0
-    while x < 1e-290:
-        x, scale = x * 1e280, scale - 280
-    return scale + ceil(log10(float(x)))

@@ -8,10 +8,11 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
-from integrable.motion.precise import BodyCarrier, PreciseFlow, digits_of, lost_digits
+from integrable.motion.precise import BodyCarrier, PreciseFlow
 from integrable.motion.precise_clock import LONG, NEAR_CELLS, PanelClock
 from integrable.moving_point import setup as setups
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
+from integrable.moving_point.losses import digits_of, lost_digits
 from integrable.moving_point.setup import Setup
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
