@@ -15,6 +15,7 @@ from integrable.oracles.stepping import follow
 from integrable.phase.body import Body
 from integrable.systems.system import System
 from jacobian import RR, Field, HyperellipticCurve, NotASquare
+from tests.integrable.scene_texts import BALL
 
 # --- a field: a class that meets the protocol
 
@@ -109,24 +110,11 @@ def test_a_new_system():
     assert found.contact.shape == (2, 2)
 
 
-SCENE = """
-title = "A marble"
-system = "chaplygin_ball"
-[body]
-inertia = ["1", "1", "1"]
-d = "0.5"
-[start]
-gamma = ["0.48", "0.6", "0.64"]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = ["0", "1", "2"]
-"""
-
-
 def test_a_new_scene(tmp_path):
     """A file, and no code."""
     path = tmp_path / "marble.toml"
-    path.write_text(SCENE, encoding="utf-8")
+    text = BALL.replace('["1", "2", "3"]', "[1, 1, 1]").replace('d = "0.7"', "d = 0.5")
+    path.write_text(text.replace("[0, 1, 2.5]", "[0, 1, 2]"), encoding="utf-8")
     ball = ChaplyginBall((1, 1, 1), 0.5)
     true = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).at([0, 1, 2])
     assert (run(path).gamma == true.gamma).all()

@@ -8,36 +8,13 @@ import sys
 import pytest
 
 from integrable.__main__ import main
-
-SCENE = """
-title = "A short run"
-system = "chaplygin_ball"
-[body]
-inertia = ["1", "2", "3"]
-d = "0.7"
-[start]
-gamma = ["0.48", "0.6", "0.64"]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = [0, 1, 2.5]
-"""
-REPORT = """
-[report]
-digits = [15]
-tolerances = ["1e-6"]
-truth_digits = 30
-check_time = "0.25"
-repeat = 1
-[output]
-pictures = ["sphere", "work_precision"]
-sphere = { until = 5, count = 50 }
-"""
+from tests.integrable.scene_texts import BALL, REPORT
 
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "ball.toml").write_text(SCENE, encoding="utf-8")
+    (tmp_path / "ball.toml").write_text(BALL, encoding="utf-8")
     return tmp_path
 
 
@@ -62,14 +39,14 @@ def test_run_writes_to_runs_and_the_name_of_the_scene(here, capsys):
 
 
 def test_quiet_is_quiet_and_plots_can_be_left_out(here, capsys):
-    (here / "ball.toml").write_text(SCENE + REPORT, encoding="utf-8")
+    (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
     assert main(["run", "ball.toml", "--quiet", "--no-plots", "--out", "there"]) == 0
     assert names(here / "there") == ["report.txt", "result.json"]
     assert capsys.readouterr() == ("", "")
 
 
 def test_a_run_with_everything(here, capsys):
-    (here / "ball.toml").write_text(SCENE + REPORT, encoding="utf-8")
+    (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
     assert main(["run", "ball.toml", "--format", "both", "--digits", "20", "--progress"]) == 0
     assert names(here / "runs" / "ball") == [
         "report.txt",
@@ -109,7 +86,7 @@ WRONG = {
 @pytest.mark.parametrize("what", WRONG)
 def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     old, new, options, said = WRONG[what]
-    (here / "ball.toml").write_text((SCENE + REPORT).replace(old, new, 1), encoding="utf-8")
+    (here / "ball.toml").write_text((BALL + REPORT).replace(old, new, 1), encoding="utf-8")
     try:
         code = main(["run", "ball.toml", *options])
     except SystemExit as stop:  # argparse's way out

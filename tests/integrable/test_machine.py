@@ -25,48 +25,16 @@ from integrable.study.plan import tasks_of
 from jacobian import compilation
 from jacobian.__main__ import main as jacobian_main
 from jacobian.errors import ArgumentError
+from tests.integrable.scene_texts import BALL, EXACT, REPORT
 
-BALL = """
-title = "Bäcklund γ"
-system = "chaplygin_ball"
-[body]
-inertia = ["1", "2", "3"]
-d = "0.7"
-[start]
-gamma = ["0.48", "0.6", "0.64"]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = [0, 1, 2.5]
-[report]
-digits = [20]
-tolerances = ["1e-6"]
-truth_digits = 30
-check_time = "0.25"
-repeat = 1
-[output]
-pictures = ["sphere", "work_precision"]
-"""
-ORBIT = """
-title = "Bäcklund γ, ∞ ≤ µ"
-system = "chaplygin_ball"
-field = "GF(2^61-1)"
-[body]
-inertia = [1, 2, 3]
-d = 1
-[start]
-gamma = ["3/13", "4/13", "12/13"]
-M = [4, -3, 0]
-[steps]
-maps = [{ kind = "translation", points = [3, 4], multiple = 2 }]
-count = 5
-repeat = 1
-"""
+SCENE = BALL.replace("A short run", "Bäcklund γ") + REPORT.replace("[15]", "[20]")
+ORBIT = f'title = "Bäcklund γ, ∞ ≤ µ"\n{EXACT}'
 
 
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    (tmp_path / "ball.toml").write_text(BALL, encoding="utf-8")
+    (tmp_path / "ball.toml").write_text(SCENE, encoding="utf-8")
     (tmp_path / "orbit.toml").write_text(ORBIT, encoding="utf-8")
     return tmp_path
 

@@ -8,18 +8,9 @@ import pytest
 
 from integrable import ChaplyginBall, Tilde, load_scene
 from jacobian import MP, RR, ArgumentError
+from tests.integrable.scene_texts import MIXED
 
-SCENE = """
-system = "chaplygin_ball"
-[body]
-inertia = ["1", 2, 3.0]
-d = "0.7"
-[start]
-gamma = ["0.48", "0.6", 0.64]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = { until = "10", count = 400 }
-"""
+SPACED = MIXED.replace('[0, 0.1, "1/3"]', '{ until = "10", count = 400 }')
 
 
 @pytest.mark.parametrize("K", [RR, MP(20)], ids=str)
@@ -39,12 +30,12 @@ def test_one_time_in_any_form(K, time):
 
 def test_a_scene_of_too_many_times_says_what_they_would_take(tmp_path):
     path = tmp_path / "long.toml"
-    path.write_text(SCENE.replace("count = 400", "count = 1000000000"), encoding="utf-8")
+    path.write_text(SPACED.replace("count = 400", "count = 1000000000"), encoding="utf-8")
     with pytest.raises(ArgumentError, match=r"count: 1000000000 given; 10000000 is the most, these would take 150 GB"):
         load_scene(path)
 
 
 def test_a_scene_may_begin_with_a_byte_order_mark(tmp_path):
     path = tmp_path / "marked.toml"
-    path.write_text(SCENE, encoding="utf-8-sig")
+    path.write_text(SPACED, encoding="utf-8-sig")
     assert load_scene(path).times.count == 400

@@ -14,18 +14,7 @@ from integrable.scene.data import SYSTEMS, Scene, Times
 from integrable.scene.file import load_scene, scene_names
 from integrable.study.run import run
 from jacobian.errors import ArgumentError
-
-BALL = """
-system = "chaplygin_ball"
-[body]
-inertia = ["1", 2, 3.0]
-d = "0.7"
-[start]
-gamma = ["0.48", "0.6", 0.64]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = [0, 0.1, "1/3"]
-"""
+from tests.integrable.scene_texts import MIXED
 
 
 @pytest.fixture
@@ -66,7 +55,7 @@ def test_every_system_and_map_of_the_paper_has_a_scene():
 
 
 def test_numbers_are_exact_whether_quoted_or_not(write):
-    scene = load_scene(write(BALL))
+    scene = load_scene(write(MIXED))
     assert scene.inertia == (1, 2, 3)
     assert scene.gamma == (Fraction(48, 100), Fraction(6, 10), Fraction(64, 100))
     assert scene.times.given == (0, Fraction(1, 10), Fraction(1, 3))
@@ -77,7 +66,7 @@ def test_numbers_are_exact_whether_quoted_or_not(write):
 
 
 def test_mass_and_radius_stand_for_d(write):
-    scene = load_scene(write(BALL.replace('d = "0.7"', 'mass = "2.8"\nradius = "0.5"')))
+    scene = load_scene(write(MIXED.replace('d = "0.7"', 'mass = "2.8"\nradius = "0.5"')))
     assert float(scene.start(15)[0].d) == pytest.approx(0.7, rel=1e-15)
 
 
@@ -144,8 +133,8 @@ REFUSED = [
     ("old", "new", "message"), REFUSED, ids=[new.replace("\n", " ") or "removed" for _, new, _ in REFUSED]
 )
 def test_what_is_wrong_is_named(write, old, new, message):
-    assert old in BALL
-    path = write(BALL.replace(old, new, 1))
+    assert old in MIXED
+    path = write(MIXED.replace(old, new, 1))
     with pytest.raises(ArgumentError) as caught:
         load_scene(path).start(15)
     said = str(caught.value)
@@ -156,7 +145,7 @@ def test_what_is_wrong_is_named(write, old, new, message):
 
 def test_a_missing_table_is_named(write):
     with pytest.raises(ArgumentError, match=r"\[run\]: missing; a table with times, digits is needed"):
-        load_scene(write(BALL[: BALL.index("[run]")]))
+        load_scene(write(MIXED[: MIXED.index("[run]")]))
 
 
 def test_a_scene_that_is_not_there_is_named_with_what_is():
@@ -167,11 +156,11 @@ def test_a_scene_that_is_not_there_is_named_with_what_is():
 
 
 def test_run_returns_the_trajectory_the_scene_asks_for(write):
-    trajectory = run(write(BALL))
+    trajectory = run(write(MIXED))
     assert trajectory.report is None
     assert trajectory.gamma.shape == trajectory.M.shape == (3, 3)
     assert np.abs(trajectory.gamma[0] - [0.48, 0.6, 0.64]).max() < 1e-15
-    precise = run(load_scene(write(BALL)), digits=30)
+    precise = run(load_scene(write(MIXED)), digits=30)
     assert np.abs(trajectory.gamma - precise.gamma.astype(float)).max() < 1e-14
     assert np.abs(trajectory.M - precise.M.astype(float)).max() < 1e-13
 
@@ -179,14 +168,14 @@ def test_run_returns_the_trajectory_the_scene_asks_for(write):
 @pytest.mark.parametrize("digits", [0, -3, 2.5, True, "30"])
 def test_run_refuses_digits_that_are_none(write, digits):
     with pytest.raises(ArgumentError, match=f"digits: {digits} given"):
-        run(write(BALL), digits=digits)
+        run(write(MIXED), digits=digits)
 
 
 def test_run_writes_nothing_unless_told_where(write, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    run(write(BALL))
+    run(write(MIXED))
     assert [path.name for path in tmp_path.iterdir()] == ["ball.toml"]
-    run(write(BALL), out=tmp_path / "a" / "b")
+    run(write(MIXED), out=tmp_path / "a" / "b")
     assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["result.json"]
     result = json.loads((tmp_path / "a" / "b" / "result.json").read_text(encoding="utf-8"))
     assert (result["schema"], result["digits"], result["report"], result["sphere"]) == (1, 15, None, None)
@@ -201,10 +190,10 @@ def test_a_scene_without_report_or_pictures_imports_neither(write):
         "'integrable.scene.output')])"
     )
     done = subprocess.run(
-        [sys.executable, "-c", code, str(write(BALL))], capture_output=True, text=True, check=True, timeout=120
+        [sys.executable, "-c", code, str(write(MIXED))], capture_output=True, text=True, check=True, timeout=120
     )
     assert done.stdout.split("\n")[:2] == ["[]", "[]"]
 
 
 def test_scene_is_what_load_scene_returns(write):
-    assert isinstance(load_scene(str(write(BALL))), Scene)
+    assert isinstance(load_scene(str(write(MIXED))), Scene)

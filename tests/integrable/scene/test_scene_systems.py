@@ -18,33 +18,7 @@ from integrable.study.orbits import measure_orbit, pieces_of_orbit
 from integrable.study.run import run
 from jacobian import GF
 from jacobian.errors import ArgumentError
-
-START = """
-[start]
-gamma = ["12/25", "3/5", "16/25"]
-M = ["48/125", "32/25", "-186/125"]
-"""
-TILDE = f"""
-system = "tilde"
-[body]
-inertia = [1, 2, 4]
-d = "0.7"
-potential = ["0.1", "0.05", "0.02", "0.04", "0.06"]
-{START}
-[run]
-times = [0, "0.25"]
-"""
-ORBIT = f"""
-system = "chaplygin_ball"
-[body]
-inertia = [1, 2, 3]
-d = 1
-{START}
-[steps]
-maps = [{{ kind = "translation", points = [34, 27], multiple = 2 }}]
-count = 12
-"""
-EXACT = ORBIT.replace("[body]", 'field = "GF(2^61-1)"\n[body]', 1)
+from tests.integrable.scene_texts import EXACT, ORBIT, TILDE
 
 
 @pytest.fixture

@@ -30,34 +30,8 @@ from integrable.study.store import Store, code_stamp
 from integrable.study.truth import INTEGRATED, Truth, compute, moved_by
 from jacobian import MP
 from jacobian.errors import ArgumentError
+from tests.integrable.scene_texts import EXACT, TOP
 
-TOP = """
-title = "A short run"
-description = "A test."
-system = "euler_top"
-[body]
-inertia = ["1", "2", "3"]
-[start]
-gamma = ["0.48", "0.6", "0.64"]
-M = ["0.384", "1.28", "-1.488"]
-[run]
-times = [1, 2.5, 4]
-"""
-ORBIT = """
-title = "A short orbit"
-system = "chaplygin_ball"
-field = "GF(2^61-1)"
-[body]
-inertia = [1, 2, 3]
-d = 1
-[start]
-gamma = ["3/13", "4/13", "12/13"]
-M = [4, -3, 0]
-[steps]
-maps = [{ kind = "translation", points = [3, 4], multiple = 2 }]
-count = 5
-repeat = 1
-"""
 # the same few rows as the fixture `rows`, run by a process of its own that says which it has written
 SCRIPT = """
 import sys
@@ -570,7 +544,7 @@ def test_tasks_of_every_shipped_scene_have_keys_of_their_own():
 
 def test_an_exact_orbit_has_error_zero(tmp_path):
     path = tmp_path / "orbit.toml"
-    path.write_text(ORBIT, encoding="utf-8")
+    path.write_text(EXACT, encoding="utf-8")
     study = report([str(path)], out=tmp_path / "out", quick=True, formats=(), jobs=1)
     (found,) = study.findings
     assert found.orbit["rows"][0]["error_gamma"] == 0
