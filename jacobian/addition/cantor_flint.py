@@ -2,7 +2,7 @@
 
 Triples come and go as raw elements (ints, Fractions); in between the polynomials are flint's: ``nmod_poly`` and
 ``fmpz_mod_poly`` over GF(p), ``fq_default_poly`` over GF(p^k), ``fmpq_poly`` over QQ. With the conversions an addition
-takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks backend
+takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks single
 heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast; and the elements of a large
 field of characteristic 2 cost as much to convert as to multiply: there it is not used.
 

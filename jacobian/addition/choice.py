@@ -1,6 +1,6 @@
 """Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
 
-By measurement (``python -m benchmarks single group nucomp backend heights``): genus 2 takes explicit formulas, except
+By measurement (``python -m benchmarks single nucomp heights``): genus 2 takes explicit formulas, except
 where Python's arithmetic is slow; :func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is
 left goes to Cantor in Python, and to NUCOMP from a genus on that the model decides. All give the same triples.
 
