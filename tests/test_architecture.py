@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.fuzz.zoo import IMPORTED
+
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("jacobian", "integrable")
 MOST_FILES = 20
@@ -123,6 +125,12 @@ def test_every_public_name_has_one_home(package):
         assert getattr(facade, name) is getattr(importlib.import_module(leads[name]), name)
     home = getattr(facade, "_HOME", None)
     assert home is None or home == {name: leads[name] for name in facade.__all__}
+
+
+@pytest.mark.parametrize("name", IMPORTED)
+def test_what_is_public_in_a_room_has_one_home(name):
+    """No other module of either package defines the name: RayClassGroup, principal_divisor, recursion_operator, …"""
+    assert [module for module in modules() if name in defined(module)] == [IMPORTED[name]]
 
 
 def defined(name: str) -> set[str]:

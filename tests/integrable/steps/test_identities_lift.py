@@ -13,6 +13,7 @@ from integrable.phase.brackets import canonical_matrix, jacobian_matrix, over, p
 from integrable.phase.jets import JetField
 from integrable.phase.separation import Separated
 from jacobian import NotASquare, NotRepresentable, SingularCurve, poly
+from jacobian.relatives.formal_sum import intersection
 from tests.integrable.exact_points import (
     attempt,
     cross,
@@ -36,14 +37,14 @@ class SignLaw:
         self.x = phase(system, state)
         self.h1, self.h2 = self.x.H
         self.curve = system.curve(self.h1.value, self.h2.value)
+        self.group = system.group(self.h1.value, self.h2.value)
         self.f = wrapped(system, self.curve.f)
         self.points = self.x.a if kind == "top" else (*self.x.a, 1 / self.x.d)
 
     def random(self, rng):
         """The double of a random divisor, of either sign at every e."""
-        group = self.system.group(self.h1.value, self.h2.value)
         P, Q = self.curve.random_point(rng), self.curve.random_point(rng)
-        D = 2 * group.from_points([(P.x, P.y), (Q.x, Q.y)])
+        D = 2 * self.group.from_points([(P.x, P.y), (Q.x, Q.y)])
         if len(D.u) != 3:
             raise NotRepresentable("weight below two")
         u, v = wrapped(self.system, D.u), wrapped(self.system, D.v)
@@ -51,19 +52,11 @@ class SignLaw:
 
     def cubic(self, D, E):
         """P through D and E, twice through D where they are equal."""
-        N, (u, v, _), (u1, v1, _) = self.N, D, E
-        above, below = poly.sub(N, v1, v), u
-        if D[:2] == E[:2]:
-            above = poly.quotient(N, poly.sub(N, self.f, poly.mul(N, v, v)), u)
-            below = poly.scale(N, self.N.integer(2), v)
-        gcd, _, inverse = poly.xgcd(N, u1, poly.mod(N, below, u1))
-        if len(gcd) != 1:
-            raise NotRepresentable("a common factor")
-        L = poly.mod(N, poly.mul(N, poly.mod(N, above, u1), inverse), u1)
-        P = poly.add(N, v, poly.mul(N, u, L))
-        if len(P) != 4:
+        first, second = (self.group.from_mumford(*(tuple(y.value for y in x) for x in X[:2])) for X in (D, E))
+        found = intersection(first, second)
+        if len(found.P) != 4 or len(found.fibres) != 1:
             raise NotRepresentable("the sum has weight below two")
-        return P
+        return wrapped(self.system, found.P)
 
     def add(self, D, E):
         N, P = self.N, self.cubic(D, E)
@@ -117,8 +110,7 @@ def test_the_lift_law_is_a_commutative_group_law(K, kind) -> None:
     assert doubles[0] == doubles[1]
     assert back == A
     assert [s * s for s in total[2]] == [evaluate(total[0], e) for e in law.points]
-    group = law.system.group(law.h1.value, law.h2.value)
-    first, second = (group.from_mumford(*(tuple(y.value for y in x) for x in D[:2])) for D in (A, B))
+    first, second = (law.group.from_mumford(*(tuple(y.value for y in x) for x in D[:2])) for D in (A, B))
     E = first + second
     assert (wrapped(law.system, E.u), wrapped(law.system, E.v)) == total[:2]
 
@@ -158,9 +150,9 @@ def test_the_matrix_of_every_axis(K, kind) -> None:
     pairs, after = ([wrapped(system, q) for q in coordinates.to_pairs(system.body, y)[:3]] for y in (state, image))
     u, v = (wrapped(system, q) for q in coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state)))
     move, x = step.divisor(state), phase(system, state)
-    u1, v1 = wrapped(system, move.u), wrapped(system, move.v)
-    inverse = poly.xgcd(N, u1, poly.mod(N, u, u1))[2]
-    L = poly.mod(N, poly.mul(N, poly.sub(N, v1, v), inverse), u1)
+    u1 = wrapped(system, move.u)
+    P = wrapped(system, intersection(system.divisor(state), move).P)
+    L = poly.quotient(N, poly.sub(N, P, v), u)
     b3 = L[1]
     s = [N.sqrt(evaluate(u1, e)) for e in x.a]
     upper = [(evaluate(L, e) / (b3 * t), 1 / (b3 * t)) for e, t in zip(x.a, s, strict=True)]
