@@ -190,6 +190,13 @@ class Trajectory(Record):
     def __len__(self) -> int:
         return len(self._rows)
 
+    def _value(self) -> tuple[Any, ...]:
+        if self._status is None:
+            return super()._value()
+        # without the NaN of refused rows, which equal nothing
+        asked = self._tau if self._times is None else self._times
+        return *self.kept._value(), tuple(asked.tolist()), tuple(self._status.tolist()), self.reasons
+
     def __repr__(self) -> str:
         refused = "" if self._status is None else f", {np.count_nonzero(self._status)} of them refused"
         return f"<Trajectory of {len(self)} states of {self.system!r}{refused}>"

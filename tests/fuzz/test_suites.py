@@ -32,7 +32,7 @@ def test_a_wrong_sign_is_noticed(monkeypatch, capsys):
         found = right(self, times)
         rows = np.hstack([found.gamma, found.M])
         rows[-1, 1:3] *= -1
-        return Trajectory(self, found.times, found.tau, rows)
+        return Trajectory(self, found.times, found.tau, rows, found.way)
 
     monkeypatch.setattr(Flow, "at", wrong)
     assert main(["flow", "--cases", "3", "--kind", "three equal", "--seed", "5"]) == 1

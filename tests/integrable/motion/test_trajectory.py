@@ -183,6 +183,16 @@ def test_all_rows_may_be_had_or_refused() -> None:
     assert len(flow.at([], strict=False)) == 0
 
 
+@pytest.mark.parametrize("method", ["at", "at_tau"])
+def test_runs_with_refused_rows_are_values(method) -> None:
+    asked = getattr(motion(BALL), method)
+    run = asked([1.0, 1e30], strict=False)
+    assert run == asked([1.0, 1e30], strict=False)
+    assert pickle.loads(pickle.dumps(run)) == run
+    assert hash(pickle.loads(pickle.dumps(run))) == hash(run)
+    assert run not in (asked([1.0, 2e30], strict=False), asked([1e30, 1.0], strict=False), run.kept)
+
+
 def test_misuse_is_refused_whatever_strict_is() -> None:
     flow = motion(BALL)
     with pytest.raises(FieldError, match=r"times\[1\]"):
