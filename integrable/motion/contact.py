@@ -13,6 +13,7 @@ is bounded, an integral of a function with mean 0. Two equal moments make it a f
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import legendre_rule
+from integrable.moving_point.problem import vectors
 from integrable.phase.body import cross
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
@@ -30,7 +32,6 @@ from jacobian import RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.motion.integral import TorusIntegral
     from integrable.motion.trajectory import Trajectory
 
 # a panel is so many basic steps long
@@ -39,8 +40,10 @@ PANEL_STEPS = 5
 FAR = 50
 # so many take about a second: of states that the torus gives, and of those that come one by one
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# beyond which multiprecision takes minutes
-MOST_GAUSS = 200
+# in multiprecision: panels from which on the torus costs less, and beyond which rules without one take minutes
+FAR_GAUSS, MOST_GAUSS = 4, 40
+# digits of the bounded part beyond those of the field
+GUARD = 2
 # what states near the start, made in floats, are good for
 TOLERANCE = 1e-13
 # γ × M loses digits where it is this much smaller than M
@@ -62,18 +65,22 @@ def positions(run: Trajectory) -> np.ndarray:
     path = rolling.bounded(run)
     path[:, 1] -= rolling.drift * run.times
     path[(run.tau == 0) | (run.times == 0)] = 0 * rolling.drift
+    if path.dtype == object:
+        path = np.frompyfunc(system.field.coerce, 1, 1)(path)
     return path if system.radius is None else system.radius * path
 
 
 class Rolling:
     """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` how many digits γ × M has lost."""
 
-    def __init__(self, flow: BodyMotion) -> None:
+    def __init__(self, flow: BodyMotion, number: Callable[[Any], Any] | None = None) -> None:
+        """``number`` makes the constants of wide ones: by default floats over RR, else they stay as they are."""
         self.flow = flow
-        setup, field = flow.setup, flow.system.field
+        setup = flow.setup
+        number = number or (float if flow.system.field == RR else setup.wide.coerce)
 
         def numbers(*values: Any) -> np.ndarray:
-            return np.array([field.coerce(float(x) if field == RR else x) for x in values])
+            return np.array([number(x) for x in values])
 
         system = widened(flow.system, setup.wide)
         body, state = system.body, onto_constraints(system, flow.state)
@@ -83,6 +90,7 @@ class Rolling:
         self._different = numbers(
             *((body.inertia[middle] - x) * body.a[middle] * a for x, a in zip(body.inertia, body.a, strict=True))
         )
+        self._d = number(body.d)
         self._contact, self._start = numbers(*body.contact), [numbers(*v)[None] for v in (state.gamma, state.M)]
         self.loss = float(setup.wide.sqrt(h2) / length)
         self._tilt, rest = None, setup.wide.one
@@ -110,11 +118,11 @@ class Rolling:
         From A less its value on one axis, by which ẋ is multiplied with (M, γ×M) = (γ, γ×M) = 0: the a_i of heavy
         bodies hardly differ. n less its mean is ñ·g/(p·g̃), ñ = g̃²(γ̃, AM̃), by Chaplygin's transformation.
         """
-        body, gamma, M = self.flow.system.body, rows[:, :3], rows[:, 3:]
+        gamma, M = rows[:, :3], rows[:, 3:]
         w = np.cross(gamma, M)
         slowness = np.sum(self._contact * gamma * gamma, axis=1)
         n = (self._base + np.sum(self._different * gamma * M, axis=1)) / slowness
-        along = np.sum(self._different * M * w, axis=1) + body.d * n * np.sum(self._different * gamma * w, axis=1)
+        along = np.sum(self._different * M * w, axis=1) + self._d * n * np.sum(self._different * gamma * w, axis=1)
         x = along * slowness**0.5 / self._length
         if self._tilt is None:
             return np.stack([x, 0 * x], axis=1)
@@ -128,6 +136,9 @@ class Rolling:
         length = PANEL_STEPS * flow.setup.step_length / flow.setup.time_scale
         count = int(max(map(abs, tau), default=0) / length)
         if flow.system.field != RR:
+            torus = flow.contact_on_torus if count > FAR_GAUSS else None
+            if torus:
+                return torus.at(run)
             self._bound(count, MOST_GAUSS)
             return self._by_gauss(tau, length)
         if count > FAR:
@@ -162,10 +173,15 @@ class Rolling:
         if count > most:
             raise PrecisionLoss(
                 f"contact: over {self.flow.system.field.name} the velocity has no Fourier series on a torus of this "
-                f"motion, and is integrated over {most} panels only, not over {count}: ask for times nearer to 0"
+                f"motion (a separatrix is near, or moments and d are of many sizes), and is integrated over {most} "
+                f"panels only, not over {count}: ask for times nearer to 0, or for fewer digits"
             )
 
     def _at(self, sign: int, tau: np.ndarray) -> np.ndarray:
+        if self.flow.system.field != RR:
+            many = self.flow._precise.many
+            states = many.vectors(many.at_tau((sign * tau).tolist()))
+            return self.rates(np.array([(*gamma, *M) for gamma, M in states], dtype=object).reshape(-1, 6))
         run = self.flow.at_tau(sign * tau)
         return self.rates(np.hstack([run.gamma, run.M]))
 
@@ -197,12 +213,42 @@ class Rolling:
                 raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
 
 
-def on_torus(flow: BodyMotion) -> TorusIntegral | None:
-    """The bounded part along the flow in floats, None where the motion is no line on a compact torus."""
+def on_torus(flow: BodyMotion) -> Any:
+    """The bounded part along the flow as a Fourier series, None where the motion is no line on a compact torus."""
     from integrable.motion.integral import TorusIntegral
 
-    torus, rolling = flow._torus, Rolling(flow)
     try:
+        if flow.system.field != RR:
+            return PreciseContact(flow)
+        torus, rolling = flow._torus, Rolling(flow)
         return TorusIntegral(torus, rolling.rates, rolling.noise) if torus else None
     except PrecisionLoss:
         return None
+
+
+class PreciseContact:
+    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where none is to be had."""
+
+    def __init__(self, flow: BodyMotion) -> None:
+        from integrable.torus.long_integral import LongIntegral
+
+        self._flow, self._setup = flow, flow.setup
+        setup = self._setup
+        reals = setup.reals
+        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
+        with reals:
+            rolling, momentum = Rolling(flow, reals.number), setup.bare.momentum
+            back = None if matrix is None else reals.row(matrix)
+
+        def rates(points: list[tuple[Any, ...]]) -> Any:
+            rows = [[*gamma, *M] for gamma, M in (vectors(point, momentum, back) for point in points)]
+            return rolling.rates(np.array(rows, dtype=object)).tolist()
+
+        self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rates)
+
+    def at(self, run: Trajectory) -> np.ndarray:
+        """At the times of a run, shape (N, 2): of given times τ is made again, to all digits."""
+        tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
+        wide, scale = self._setup.wide.coerce, self._setup.time_scale
+        rows = [self._integral.at(wide(t) * scale) for t in tau]
+        return np.array([[x / scale, y / scale] for x, y in rows], dtype=object).reshape(-1, 2)

@@ -144,6 +144,11 @@ class BodyMotion(Motion):
         raise NotImplementedError
 
     @cached_property
+    def _precise(self) -> Any:
+        """What computes states with more digits than those of the field."""
+        raise NotImplementedError
+
+    @cached_property
     def contact_on_torus(self) -> Any:
         """The contact point far from the start, or None; kept from one run to the next."""
         raise NotImplementedError

@@ -32,13 +32,7 @@ class MultiprecisionTorusClock:
         self.wide, self._work = setup.wide, MP(setup.digits)
         self._eps = self._work.coerce(10) ** -(digits or setup.digits)
         self._grid = TorusGrid(setup, digits)
-        (p, q), (r, s) = (
-            tuple(c * len(turns) for c in period)
-            for period, turns in zip(self._grid.periods, self._grid.turns, strict=True)
-        )
-        determinant = p * s - q * r
-        # (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), Λ the periods of 1/g
-        self.frequencies = (s / determinant, -q / determinant)
+        self.frequencies = self._grid.frequencies()
         grid, self.mean = self._grid.resolved()
         self._series = self._oscillating_part(grid)
         self._origin = self._oscillation([self._angles(setup.wide.zero)])[0][0]
@@ -128,8 +122,8 @@ class MultiprecisionTorusClock:
         """S at one (θ₁, θ₂), in multiprecision."""
         context: Any = self._work.context
         reach = max(max(-start, start + len(line)) for _, start, line in self._series)
-        left = _powers(context, first, self._series[-1][0] + 1)
-        right = _powers(context, second, reach + 1)
+        left = powers(context, first, self._series[-1][0] + 1)
+        right = powers(context, second, reach + 1)
         right = [x.conjugate() for x in right[:0:-1]] + right
         total = context.zero
         for k, start, line in self._series:
@@ -138,7 +132,7 @@ class MultiprecisionTorusClock:
         return total
 
 
-def _powers(context: Any, angle: Any, count: int) -> list[Any]:
+def powers(context: Any, angle: Any, count: int) -> list[Any]:
     """e^(2πi·k·angle) for k = 0 … count − 1."""
     base = context.expjpi(2 * angle)
     powers = [context.mpc(1)]

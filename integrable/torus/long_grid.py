@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 FIRST_SIZE = 16
+# samples that take some seconds, and beyond them so many for the square of each digit
+MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 # translations by Λ_k/2^j are made for j up to this
 FINEST = 9
 # coefficients of U' beyond this cost digits
@@ -29,12 +31,14 @@ OFFSET = (109, 191)
 class TorusGrid:
     """The torus D(0) + θ₁Λ₁ + θ₂Λ₂ of a motion, Λ_k the real periods over its two ovals.
 
-    1/g is to be resolved to ``digits``, by default those of the set-up. PrecisionLoss where an oval has shrunk to a
-    point.
+    1/g is to be resolved to ``digits``, by default those of the set-up. ``odd``: whether the function on the torus
+    notices that an odd number of γ_i have turned; 1/g does where the body is tilted. PrecisionLoss where an oval has
+    shrunk to a point.
     """
 
-    def __init__(self, setup: Setup, digits: int | None = None) -> None:
+    def __init__(self, setup: Setup, digits: int | None = None, odd: bool | None = None) -> None:
         self._setup = setup
+        self._odd = setup.tilt is not None if odd is None else odd
         self._digits = digits or setup.digits
         # the reduced basis needs fewest samples; the halves of its periods may lie far out (d → 0)
         for periods in (TorusLattice(setup).periods, [oval.periods for oval in ovals(setup)]):
@@ -48,6 +52,14 @@ class TorusGrid:
         unit = setup.wide.coerce(2) ** FINEST
         self.origin = [-part / unit / len(turns) for part, turns in zip(OFFSET, self.turns, strict=True)]
 
+    def frequencies(self) -> tuple[Any, Any]:
+        """(ν₁, ν₂) with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), Λ the periods of the function, wide."""
+        (p, q), (r, s) = (
+            tuple(c * len(turns) for c in period) for period, turns in zip(self.periods, self.turns, strict=True)
+        )
+        determinant = p * s - q * r
+        return s / determinant, -q / determinant
+
     def resolved(self) -> tuple[Any, Any]:
         """(Fourier coefficients of 1/g, its mean) from the first grid that holds it to rounding.
 
@@ -55,14 +67,14 @@ class TorusGrid:
         """
         setup = self._setup
         sizes = [FIRST_SIZE, FIRST_SIZE]
-        while sizes[0] * sizes[1] <= max(8192, 16 * self._digits**2) and max(sizes) < 2**FINEST:
+        while sizes[0] * sizes[1] <= max(MOST_SAMPLES, SAMPLES_A_DIGIT * self._digits**2) and max(sizes) < 2**FINEST:
             samples = self.samples(sizes[0], sizes[1])
             grid = fourier(setup, samples)
-            tails = [float(tail / abs(grid[0][0])) for tail in _tails(grid)]
+            ends = [float(tail / abs(grid[0][0])) for tail in tails(grid)]
             noise = 32 * 10.0**-self._digits
-            if max(tails) < noise:
+            if max(ends) < noise:
                 return grid, self.mean(samples)
-            sizes = [n if tail < noise else _next_size(n, tail, noise) for n, tail in zip(sizes, tails, strict=True)]
+            sizes = [n if tail < noise else next_size(n, tail, noise) for n, tail in zip(sizes, ends, strict=True)]
         raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
     def mean(self, samples: list[list[Any]]) -> Any:
@@ -81,7 +93,6 @@ class TorusGrid:
             for k, (size, turns) in enumerate(zip((rows, columns), self.turns, strict=True))
         )
         reals = setup.reals
-        f, axes = setup.bare.f, setup.bare.axes
         steps = [reals.row(step) for step in across]
         points = [reals.row(point) for point in (self._base, *(moved(setup, step, self._base) for step in down))]
         table: list[list[Any]] = []
@@ -91,10 +102,16 @@ class TorusGrid:
                 with reals:
                     for second in self.turns[1]:
                         here = tuple(a * b * x for a, b, x in zip(turn, second, point, strict=True))
-                        line.append(addition.rate_at(axes, here))
-                        line.extend(addition.rate_after(f, axes, here, step) for step in steps)
-                table.append(list(reals.elements(MP(setup.digits), line)))
+                        line.extend(self._values(here, steps))
+                table.append(line)
         return table
+
+    def _values(self, point: tuple[Any, ...], steps: list[Any]) -> list[Any]:
+        """The function at a moving point and after each of some translations of it, all bare reals."""
+        setup = self._setup
+        f, axes = setup.bare.f, setup.bare.axes
+        rates = [addition.rate_at(axes, point), *(addition.rate_after(f, axes, point, step) for step in steps)]
+        return list(setup.reals.elements(MP(setup.digits), rates))
 
     def _halved(self, period: tuple[Any, ...]) -> list[Any]:
         """T(period/2^j) for j = 0 … FINEST, the first of them (the identity) None."""
@@ -124,8 +141,7 @@ class TorusGrid:
     def _turn(self, half: Any) -> list[tuple[int, ...]]:
         """The signs that the pairs have in every period of the divisor that a period of 1/g is made of: one or two.
 
-        An odd number of turned γ_i is noticed by the clock of a tilted body, whose period is then twice that of the
-        divisor.
+        An odd number of turned γ_i is noticed by an ``odd`` function, whose period is then twice that of the divisor.
         """
         setup = self._setup
         floats = setup.floats
@@ -134,7 +150,7 @@ class TorusGrid:
         # γ_i and its rate are not zero together
         signs = [1 if again[i] * base[i] + again[i + 3] * base[i + 3] > 0 else -1 for i in range(4, 7)]
         kept = (1,) * 10
-        if setup.tilt is None or signs[0] * signs[1] * signs[2] > 0:
+        if not self._odd or signs[0] * signs[1] * signs[2] > 0:
             return [kept]
         return [kept, (1, 1, 1, 1, *signs, *signs)]
 
@@ -162,7 +178,7 @@ def _transform(context: Any, values: list[Any], turns: list[Any]) -> list[Any]:
     return [x + y for x, y in zip(even, turned, strict=True)] + [x - y for x, y in zip(even, turned, strict=True)]
 
 
-def _tails(grid: Any) -> tuple[Any, Any]:
+def tails(grid: Any) -> tuple[Any, Any]:
     """The largest coefficient in the last eighth of the modes of either direction."""
     rows, columns = len(grid), len(grid[0])
     far_rows, far_columns = ({k % n for k in range(n // 2 - n // 16, n // 2 + n // 16 + 1)} for n in (rows, columns))
@@ -172,7 +188,7 @@ def _tails(grid: Any) -> tuple[Any, Any]:
     )
 
 
-def _next_size(n: int, tail: float, noise: float) -> int:
+def next_size(n: int, tail: float, noise: float) -> int:
     """The power of 2 at which a geometric decay to ``tail`` at n/2 modes reaches ``noise``, at least 2n."""
     if not 0 < tail < 0.5:
         return 4 * n

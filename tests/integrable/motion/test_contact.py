@@ -6,12 +6,13 @@ from scipy.integrate import solve_ivp
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion import contact
+from integrable.motion.flow import Flow
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from integrable.torus.panel_calculus import integrals
 from integrable.torus.panels import Panels
 from jacobian import MP, RR
-from jacobian.errors import NotRepresentable
+from jacobian.errors import NotRepresentable, PrecisionLoss
 
 GAMMA, M, LEANING = (0.6, 0.0, 0.8), (0.8, 1.0, -0.6), (0.9, 1.0, 0.3)
 BALL = ChaplyginBall(inertia=(1, 2, 3), mass=2.0, radius=0.5)
@@ -213,6 +214,37 @@ def test_a_heavy_ball_in_multiprecision():
     values = (2, 3.1, 4.2), 9.72, (0.48, 0.6, 0.64), (3, 2, -4), [2.0, -1.0], True
     found, true = _path(MP(30), *values), _path(MP(42), *values)
     assert max(abs(x - y) for x, y in zip(found.ravel(), true.ravel(), strict=True)) < 1e-28
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("tilted", [False, True], ids=["upright", "tilted"])
+def test_far_away_in_multiprecision(tilted, monkeypatch):
+    """A Fourier series on the torus: beside rules along the way, more digits, and floats; 1e9 took for ever."""
+    momentum = (1, 1.28, 1.488) if tilted else (0.384, 1.28, -1.488)
+    ball = ChaplyginBall((1, 2, 3), 50.0)
+    state = onto_constraints(widened(ball, MP(18)), ball.state((0.48, 0.6, 0.64), momentum, tilted=tilted))
+
+    def path(digits, times):
+        wide = widened(ball, MP(digits))
+        # the same numbers over both fields
+        return Flow(wide, state).at(times).contact
+
+    times = [400.0, -90.0, 1e9]
+    found, true = path(18, times), path(25, times)
+    assert abs(found[:, 0] - true[:, 0]).max() < 1e-15
+    assert abs(found[:, 1] / true[:, 1] - 1).max() < 1e-16
+    monkeypatch.setattr(contact, "FAR_GAUSS", 1000)
+    assert abs(path(18, times[1:2]) - true[1]).max() < 1e-15
+    floats = ball.flow(ball.state((0.48, 0.6, 0.64), momentum, tilted=tilted)).at(times).contact
+    assert abs(floats[:, 0] - true[:, 0].astype(float)).max() < 1e-12
+
+
+def test_on_the_separatrix_a_far_path_in_multiprecision_is_refused():
+    """No torus, no series: it was integrated over 200 panels, for minutes."""
+    ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(20))
+    run = ball.flow(ball.state(("0.6", 0, "0.8"), (0, 1, 0))).at([300])
+    with pytest.raises(PrecisionLoss, match=r"no Fourier series .* ask for times nearer to 0"):
+        _ = run.contact
 
 
 def _path(field, inertia, d, gamma, momentum, times, tilted=False):
