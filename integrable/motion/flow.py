@@ -2,9 +2,9 @@
 
 D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Tsiganov's Abel quadratures; formulas.md, section
 3). On a compact torus any τ and any physical time t = ∫dτ/g is two additions away from a table
-(:mod:`integrable.torus.access`); near the start a few additions in floats do without compiling
-(:mod:`integrable.motion.near`); what floats or the torus do not carry, and multiprecision, is computed with as many
-digits as it takes (:mod:`integrable.motion.precise`).
+(:mod:`integrable.torus.access`); for few turns short runs do without a torus (:mod:`integrable.motion.short`); what
+floats or the torus do not carry, and multiprecision, is computed with as many digits as it takes
+(:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
@@ -32,16 +32,14 @@ if TYPE_CHECKING:
 
     from integrable.motion.enclosure import Enclosure
     from integrable.motion.integral import TorusIntegral
-    from integrable.motion.near import SteppedFlow
     from integrable.motion.precise import RoundedRows
+    from integrable.motion.short import ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseSymmetricFlow
     from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
-# from this many times on, loading the compiled loops pays
-COMPILE_FROM = 500
 # states whose integrals differ from those of the start by this part are refused; so many are looked at together
 DRIFT = 1e-9
 CHUNK = 8192
@@ -68,13 +66,14 @@ class Flow(BodyMotion):
         self.system = system
         self.state = state
         self.kernel = kernel
+        # what a set-up would refuse is refused at once
         if system.field == RR:
             check_domain(system, state)
+        else:
+            _ = self.setup
         if state.tilted:
             # M ∥ γ is refused in the precision of the state
             system.upright(state)
-        # made here, so that what it refuses is refused at once
-        _ = self.setup
 
     @cached_property
     def setup(self) -> Setup:
@@ -155,11 +154,22 @@ class Flow(BodyMotion):
             return self._symmetric
         if self.system.field != RR:
             return self._precise
-        if self.kernel != "compiled" and len(times) < COMPILE_FROM:
-            stepped = self._stepped
-            if stepped.carries(times, physical) and (stepped.keeps_time or not physical):
-                return stepped
+        if self.kernel == "compiled":
+            return self._far
+        from integrable.motion.short import ShortFirst
+
+        return ShortFirst(self._short, vars(self).get("_torus") is not None, lambda: self._far)
+
+    @property
+    def _far(self) -> Way:
+        """What computes the states at any times."""
         return self._torus or self._precise
+
+    @cached_property
+    def _short(self) -> ShortRuns:
+        from integrable.motion.short import ShortRuns
+
+        return ShortRuns(self.system, self.state, self.kernel)
 
     @cached_property
     def _precise(self) -> RoundedRows:
@@ -184,12 +194,6 @@ class Flow(BodyMotion):
         if self.system.field != RR:
             return PreciseSymmetricFlow(self.system, self.state)
         return SymmetricFlow(self.system, self.state)
-
-    @cached_property
-    def _stepped(self) -> SteppedFlow:
-        from integrable.motion.near import SteppedFlow
-
-        return SteppedFlow(self.setup)
 
     @cached_property
     def _torus(self) -> TorusFlow | None:

@@ -24,7 +24,7 @@ Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 
 WAYS = {
     "closed form": "elliptic or elementary functions of a body with equal moments",
-    "stepped": "additions from the start on, in floats",
+    "short run": "additions from the start on and what lies between, in floats",
     "torus": "additions to a table of the motion's torus, in floats",
     "multiprecision": "additions to as many digits as it takes, over MP(digits) or rounded to floats",
     "elliptic curves": "an addition on each of the two curves of a deformation, to as many digits as it takes",

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from numba.extending import overload, register_jitable
 
-from integrable.moving_point import addition
+from integrable.moving_point import addition, translations
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers import double_double_compiled as double_double
 from jacobian.numbers.compiler import njit
@@ -45,6 +45,7 @@ for _inner in (
     addition.moving_point,
     addition.opposite,
     addition.conditioning,
+    translations.power_series,
 ):
     register_jitable(_inner)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from numba.extending import overload, register_jitable
 
-from integrable.moving_point import compiled, translations
+from integrable.moving_point import compiled
 from integrable.torus import clock_loops, states, tables, walks
 from integrable.torus import survey as torus_survey
 from jacobian.numbers.compiler import njit
@@ -32,7 +32,6 @@ for _inner in (
     torus_survey.cells,
     torus_survey.best_chart,
     torus_survey.about_centre,
-    translations.power_series,
     tables.direction,
     tables.recentred,
     tables.alike,

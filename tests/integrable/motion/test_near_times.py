@@ -1,4 +1,4 @@
-"""Near times in floats, without compiling: right to 1e-13, or left to the next way."""
+"""Near times in floats, by short runs: right to 1e-13, or left to the next way."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.conditioning import conditioning
-from integrable.motion.near import SteppedFlow
+from integrable.motion.short import ShortRuns
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import MP
@@ -69,21 +69,23 @@ def test_what_floats_lose_near_the_start_is_left_to_the_next_way(name) -> None:
 
 
 def test_near_times_of_all_kinds_of_bodies() -> None:
-    """Heavy, light and tilted ones of wide distributions, where additions in floats are taken."""
+    """Heavy, light and tilted ones of wide distributions, where short runs answer."""
     rng, tried = Random(12), 0
     while tried < 40:
         system, state, t = random_motion(rng)
-        if not isinstance(system.flow(state)._way_to(np.array([t]), True), SteppedFlow):
+        if ShortRuns(system, state).at(np.array([t])) is None:
             continue
         tried += 1
         lost = error(system, state, t)
         assert lost < 1e-13 or lost < 10 * max(conditioning(system, state, [t]).floor()), (system, state, t)
 
 
-def test_an_ordinary_ball_does_not_wait_for_compiled_code() -> None:
+@pytest.mark.parametrize("kernel", ["auto", "python"])
+def test_an_ordinary_ball_does_not_wait_for_a_torus(kernel) -> None:
     ball = ChaplyginBall((1, 2, 3), 0.7)
-    flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
-    assert isinstance(flow._way_to(np.array([1.0, 2.0]), True), SteppedFlow)
+    flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), kernel=kernel)
+    flow.at([1.0, 2.0, -3.0]), flow.at_tau([1.0]), flow.physical_time([2.0])
+    assert not {"_torus", "_precise", "setup"} & set(vars(flow))
 
 
 def random_motion(rng):

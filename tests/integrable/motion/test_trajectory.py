@@ -37,7 +37,7 @@ DEFORMED = [
 ]
 WAY = {
     "closed form": (ChaplyginBall((1, 1, 3), 0.7), [1.0]),
-    "stepped": (BALL, [1.0]),
+    "short run": (BALL, [1.0]),
     "torus": (BALL, [1e9]),
     "multiprecision": (ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), [1.0]),
     "elliptic curves": (DEFORMED[0], [1.0]),
@@ -214,7 +214,7 @@ def test_many_refused_rows_cost_no_more_than_the_others() -> None:
 
 def test_a_state_off_the_level_set_is_refused_alone(monkeypatch) -> None:
     flow = motion(BALL)
-    way = flow._way_to(np.array([1e9]), True)
+    way = flow._far
 
     def spoilt(times):
         rows, tau = type(way).at(way, times)

@@ -1,0 +1,281 @@
+"""States near the start of a motion, by Chebyshev panels: written so that numba can compile it as it stands.
+
+A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers, a
+centre being a few additions of tabled translations from the start; those at the nodes of a panel are one addition in
+floats from its centre. What is asked for is read off the interpolants: σ and ν, which are smooth on the whole motion,
+and for physical time the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a
+step between its ends and those of its neighbours, say that it should; where rounding says so, its nodes are made in
+wide numbers. The neighbours share no addition but those of their ancestors, and σ and ν cannot change sign without a
+step: what passes has the signs of the motion.
+
+Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
+reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.
+Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
+"""
+
+from __future__ import annotations
+
+from math import floor, frexp, ldexp, log, sqrt
+
+from integrable.moving_point.addition import rate_at
+from integrable.moving_point.short_reading import drift, read_off
+from integrable.moving_point.short_rows import (
+    BEGIN,
+    CLOSE,
+    DOUBLINGS,
+    FIRST,
+    GROWTH,
+    LEVELS,
+    LIFT,
+    MOST_GROWN,
+    PANEL,
+    RATE,
+    REACH,
+    START,
+    Request,
+    Room,
+    Row,
+    Rule,
+    axes_of,
+    curve_of,
+    six,
+    ten,
+    unit_axes,
+)  # fmt: skip
+from integrable.moving_point.short_start import scaled, set_up
+from integrable.moving_point.short_steps import (
+    HALVINGS,
+    doubled,
+    moved,
+    node_steps,
+    node_values,
+    panel_steps,
+    wide_node_steps,
+    wide_values,
+)  # fmt: skip
+from integrable.moving_point.translations import power_series
+
+# half a panel, in basic half steps; steps of Newton to a float
+LENGTH, PASSES = 5.0, 4
+# last coefficients of σ, beside the smallest |σ| of the panel, and of ν: what they may be, and steps at its ends
+TAIL = 1e-14
+STEP = 4e-14
+# what the clock may be off by after all panels
+DRIFT = 5e-14
+# integrals of states that are returned
+INTEGRALS = 1e-9
+# digits that wide numbers have to spare, as a natural logarithm; a body whose moments differ by less of I + d, and an
+# upright motion whose errors are larger by more in γ or M, are left to the torus
+SPARE, CLOSEST, STEEPEST = 33.0, 4e4, 25.0
+# where errors grow translations by many panels lose digits too: then so many panels are gone through one by one
+SEQUENCE = 256
+# why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits
+ROUNDING, UNRESOLVED, FAR, LOST = 1, 2, 3, 4
+
+
+def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
+    """The states that are asked for, from the moments, d, γ and M: 0, or why they were not found."""
+    numbers, wide = room.numbers, room.wide
+    set_up(given, tilted, wide, room.points, numbers, room.point)
+    scaled(request.times, wide, request.high, request.low)
+    if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
+        return LOST
+    # of few digits: places of panels are exact in floats
+    mantissa, exponent = frexp(LENGTH * numbers[REACH])
+    h = ldexp(floor(mantissa * 2**20) / 2**20, exponent)
+    power_series(curve_of(numbers), -1, room.series)
+    power_series(curve_of(numbers), 1, room.roots)
+    node_steps(
+        curve_of(numbers), unit_axes(numbers), h, rule.nodes, room.series, room.roots, HALVINGS, PASSES, room.nodes
+    )
+    panel_steps(wide, h, room.wide_series, room.wide_roots, room.made[2], room.steps)
+    room.made[0], room.made[1] = 1, 0
+    status = both_ways(room, rule, request, h, False)
+    if status == ROUNDING:
+        status = both_ways(room, rule, request, h, True)
+    if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
+        status = LOST
+    return status
+
+
+def both_ways(room: Room, rule: Rule, request: Request, h: float, careful: bool) -> int:
+    """The states that are asked for, in both directions: 0, or why they were not found."""
+    first = 0
+    while first < len(request.order) and request.high[request.order[first]] < 0:
+        first += 1
+    status = one_way(room, rule, request, h, careful, first, 1) if first < len(request.order) else 0
+    if status == 0 and first > 0:
+        status = one_way(room, rule, request, h, careful, first - 1, -1)
+    return status
+
+
+def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i: int, sign: int) -> int:
+    """:func:`both_ways` in one direction, from the ``i``-th time on."""
+    for e in range(6):
+        room.last[e] = room.point[BEGIN + e]
+    room.sums[0], room.sums[1], room.sums[2] = 0.0, 0.0, 0.0
+    farthest = request.order[len(request.order) - 1] if sign > 0 else request.order[0]
+    rate = (
+        abs(rate_at(axes_of(room.numbers), (0.0, 0.0, 0.0, 0.0, *six(room.point, BEGIN)))) if request.physical else 1.0
+    )
+    # twice as slow on the way, at the most, or it will be seen there
+    if not abs(request.high[farthest]) <= 4 * h * rate * request.most:
+        return FAR
+    level, n = 0, 0
+    while 0 <= i < len(request.order):
+        if n >= request.most:
+            return FAR
+        sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
+        grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
+        if not grown + log(1 + 2 * h * n) < SPARE or (sequence and n >= SEQUENCE):
+            return LOST
+        place = centre_of(room, n, sequence, sign)
+        for c in range(10):
+            room.points[10 * (FIRST + place) + c] = room.points[c]
+        status, level, i = panel(room, rule, request, h, careful, n, level, i, sign)
+        if status != 0:
+            return status
+        n += 1
+        room.made[3] += 1
+    # a rate that floats have off on the whole way
+    return 0 if abs(room.sums[2]) <= DRIFT * abs(room.point[RATE]) else ROUNDING
+
+
+def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:
+    """The centre of the n-th panel into the first row of points, by one addition to an ancestor; which of those rows
+    it is to be kept in.
+    """
+    if n == 0:
+        moved(room.wide, room.points, START, room.steps, 0, sign, 0, room.point)
+        return DOUBLINGS
+    if sequence:
+        moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
+        return DOUBLINGS
+    k, above, j = 0, n & (n - 1), DOUBLINGS
+    while (n >> k) & 1 == 0:
+        k += 1
+    while room.made[0] <= k:
+        doubled(room.wide, room.steps, PANEL + room.made[0])
+        room.made[0] += 1
+    if above > 0:
+        j = 0
+        while (above >> j) & 1 == 0:
+            j += 1
+    moved(room.wide, room.points, FIRST + j, room.steps, PANEL + k, sign, 0, room.point)
+    return k
+
+
+def panel(
+    room: Room, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
+) -> tuple[int, int, int]:
+    """(status, least level, next time) after the n-th panel, halved where it must be; ``hint`` is the level at which
+    panels were good before.
+    """
+    level, place, least, status = 0, 0, LEVELS, 0
+    while True:
+        if level > 0:
+            side = sign if place & 1 else -sign
+            moved(room.wide, room.points, level - 1, room.steps, level, side, level, room.point)
+        if level >= hint:
+            status = piece(room, rule, request, h, careful, level, sign)
+            if status == UNRESOLVED and level == LEVELS:
+                return UNRESOLVED, least, i
+            if status == ROUNDING:
+                return ROUNDING, least, i
+        if level < hint or status == UNRESOLVED:
+            level, place, status = level + 1, 2 * place, 0
+            continue
+        least = min(least, level)
+        half = h / 2.0**level
+        left = 2 * h * n + 2 * half * place
+        i = read_off(room, rule, request, left, half, i, sign)
+        place += 1
+        while level > 0 and place & 1 == 0:
+            place >>= 1
+            level -= 1
+        if level == 0 or not 0 <= i < len(request.order):
+            return 0, max(0, least - (n & 1)), i
+
+
+def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
+    """The values at the nodes of one panel: 0 where they are good."""
+    numbers, count = room.numbers, len(rule.nodes)
+    begin = 10 * level * count
+    if not careful:
+        point = ten(room.point, 0)
+        node_values(curve_of(numbers), axes_of(numbers), point, room.nodes, begin, sign < 0, room.values, room.rates)
+        tail, before = tails(room, rule, request)
+        if tail <= TAIL and stepless(room, rule) <= STEP:
+            return 0
+        if tail > TAIL and tail < before / 4 and level < LEVELS:
+            return UNRESOLVED
+    if room.made[1] == 0:
+        fill_wide_nodes(room, rule, h)
+        room.made[1] = 1
+    wide_values(room.wide, room.points, level, room.wide_nodes, begin, sign < 0, room.values, room.rates)
+    tail, before = tails(room, rule, request)
+    if not tail <= TAIL:
+        return UNRESOLVED
+    return 0 if stepless(room, rule) <= STEP else ROUNDING
+
+
+def fill_wide_nodes(room: Room, rule: Rule, h: float) -> None:
+    """``room.wide_nodes``."""
+    wide_node_steps(room.wide, h, rule.nodes, room.wide_series, room.wide_roots, room.made[2], room.wide_nodes)
+
+
+def tails(room: Room, rule: Rule, request: Request) -> tuple[float, float]:
+    """The last coefficients of σ beside |σ|, of ν and of 1/g, the largest, and the same of earlier ones."""
+    count, values = len(rule.nodes), room.values
+    least = values[0] * values[0] + values[count] * values[count] + values[2 * count] * values[2 * count]
+    for j in range(1, count):
+        x, y, z = values[j], values[count + j], values[2 * count + j]
+        least = min(least, x * x + y * y + z * z)
+    size = sqrt(least)
+    tail, before = 0.0, 0.0
+    for e in range(6):
+        last, earlier = two_ends(rule, values, e * count)
+        if e < 3:
+            last, earlier = last / size, earlier / size
+        # no comparison that not-a-number passes
+        tail = last if not last <= tail else tail
+        before = max(before, earlier)
+    if request.physical or request.clock:
+        last, earlier = two_ends(rule, room.rates, 0)
+        last, earlier = last * size / 4, earlier * size / 4
+        tail = last if not last <= tail else tail
+        before = max(before, earlier)
+    return tail * room.numbers[LIFT], before * room.numbers[LIFT]
+
+
+def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
+    """The sizes of the last two Chebyshev coefficients, and of the two four places before."""
+    count, matrix = len(rule.nodes), rule.coefficients
+    a, b, c, d = 0.0, 0.0, 0.0, 0.0
+    for j in range(count):
+        value = values[place + j]
+        a += matrix[(count - 1) * count + j] * value
+        b += matrix[(count - 2) * count + j] * value
+        c += matrix[(count - 5) * count + j] * value
+        d += matrix[(count - 6) * count + j] * value
+    return abs(a) + abs(b), abs(c) + abs(d)
+
+
+def stepless(room: Room, rule: Rule) -> float:
+    """The largest step of σ, beside |σ|, or ν from the last panel to the left end of this."""
+    count, values, worst, size = len(rule.nodes), room.values, 0.0, 0.0
+    for e in range(6):
+        left, right = 0.0, 0.0
+        for j in range(count):
+            left += rule.ends[j] * values[e * count + j]
+            right += rule.ends[count + j] * values[e * count + j]
+        room.ends[e], room.ends[6 + e] = left, right
+        if e < 3:
+            size += left * left
+    size = sqrt(size)
+    for e in range(6):
+        step = abs(room.ends[e] - room.last[e])
+        if e < 3:
+            step /= size
+        worst = step if not step <= worst else worst
+    return worst * room.numbers[LIFT]

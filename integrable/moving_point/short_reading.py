@@ -1,0 +1,169 @@
+"""States off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats for numba as they stand."""
+
+from __future__ import annotations
+
+from math import sqrt
+
+from integrable.moving_point.short_rows import (
+    INVARIANTS,
+    MATRIX,
+    MOMENTUM,
+    RATE,
+    SHAPE,
+    Request,
+    Room,
+    Row,
+    Rule,
+)  # fmt: skip
+
+
+def read_off(room: Room, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
+    """The states at all times on the panel from ``left`` to left + 2·half, from the ``i``-th on; the next one."""
+    sums, clock = room.sums, request.physical or request.clock
+    full = antiderivative(room, rule, half) if clock else 0.0
+    while 0 <= i < len(request.order):
+        at = request.order[i]
+        high, low = abs(request.high[at]), sign * request.low[at]
+        if request.physical:
+            target = ((high - sums[0]) + (low - sums[1])) / half
+            if target > full:
+                break
+            x = place_of(room, target, full)
+            request.other[at] = sign * (left + half * (1 + x))
+        else:
+            x = ((high - left) + low) / half - 1
+            if x > 1:
+                break
+            if clock:
+                request.other[at] = sign * (sums[0] + (sums[1] + half * clenshaw(room.elapsed, x)))
+        interpolated(room, rule, x, request.out, 6 * at)
+        i += sign
+    if clock:
+        gone = half * full + sums[1]
+        total = sums[0] + gone
+        sums[1] = gone - (total - sums[0])
+        sums[0] = total
+    for e in range(6):
+        room.last[e] = room.ends[6 + e]
+    return i
+
+
+def antiderivative(room: Room, rule: Rule, half: float) -> float:
+    """The coefficients of 1/g and of its integral from −1 on; that integral over the panel."""
+    count, series, integral = len(rule.nodes), room.slowness, room.elapsed
+    for k in range(count):
+        total = 0.0
+        for j in range(count):
+            total += rule.coefficients[k * count + j] * room.rates[j]
+        series[k] = total
+    integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
+    for k in range(count - 2, 1, -1):
+        integral[k] = (series[k - 1] - series[k + 1]) / (2 * k)
+    integral[1] = series[0] - series[2] / 2
+    even, odd, middle = 0.0, 0.0, series[0]
+    for k in range(count, 1, -1):
+        if k % 2 == 0:
+            even += integral[k]
+        else:
+            odd += integral[k]
+    odd += integral[1]
+    integral[0] = odd - even
+    # at the centre 1/g is known from wide numbers
+    for k in range(2, count, 2):
+        middle += -series[k] if k % 4 == 2 else series[k]
+    room.sums[2] += (room.point[RATE] - middle) * 2 * half
+    return 2 * odd
+
+
+def place_of(room: Room, target: float, full: float) -> float:
+    """x with the integral of 1/g from −1 to x equal to ``target``: Newton, held between the ends."""
+    low, high = -1.0, 1.0
+    x = min(1.0, max(-1.0, -1 + 2 * target / full))
+    for _ in range(60):
+        gone = clenshaw(room.elapsed, x) - target
+        if gone > 0:
+            high = x
+        else:
+            low = x
+        step = gone / clenshaw(room.slowness, x)
+        if abs(step) < 1e-9:
+            return min(1.0, max(-1.0, x - step))
+        x = x - step if low < x - step < high else (low + high) / 2
+    return x
+
+
+def clenshaw(coefficients: Row, x: float) -> float:
+    """A Chebyshev series at x (Clenshaw 1955)."""
+    b1, b2 = 0.0, 0.0
+    for k in range(len(coefficients) - 1, 0, -1):
+        b1, b2 = coefficients[k] + 2 * x * b1 - b2, b1
+    result: float = coefficients[0] + x * b1 - b2
+    return result
+
+
+def interpolated(room: Room, rule: Rule, x: float, out: Row, place: int) -> None:
+    """γ and M at x on the panel (Berrut & Trefethen 2004)."""
+    count, values = len(rule.nodes), room.values
+    q0, q1, q2, q3, q4, q5, total, hit = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1
+    for j in range(count):
+        apart = x - rule.nodes[j]
+        if apart == 0:
+            hit = j
+            break
+        w = rule.weights[j] / apart
+        total += w
+        q0 += w * values[j]
+        q1 += w * values[count + j]
+        q2 += w * values[2 * count + j]
+        q3 += w * values[3 * count + j]
+        q4 += w * values[4 * count + j]
+        q5 += w * values[5 * count + j]
+    if hit >= 0:
+        q0, q1, q2 = values[hit], values[count + hit], values[2 * count + hit]
+        q3, q4, q5 = values[3 * count + hit], values[4 * count + hit], values[5 * count + hit]
+    elif total < 0:
+        # the lengths are divided out below
+        q0, q1, q2, q3, q4, q5 = -q0, -q1, -q2, -q3, -q4, -q5
+    state(room, q0, q1, q2, q3, q4, q5, out, place)
+
+
+def state(
+    room: Room, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
+) -> None:  # fmt: skip
+    """γ and M from a multiple of σ and ν."""
+    numbers = room.numbers
+    scale = 1 / sqrt(s0 * s0 + s1 * s1 + s2 * s2)
+    x, y, z = s0 * scale, s1 * scale, s2 * scale
+    lean = x * n0 + y * n1 + z * n2
+    w0, w1, w2 = n0 - lean * x, n1 - lean * y, n2 - lean * z
+    scale = numbers[MOMENTUM] / sqrt(w0 * w0 + w1 * w1 + w2 * w2)
+    m0, m1, m2 = (w1 * z - w2 * y) * scale, (w2 * x - w0 * z) * scale, (w0 * y - w1 * x) * scale
+    a, b, c, d = numbers[MATRIX], numbers[MATRIX + 1], numbers[MATRIX + 2], numbers[MATRIX + 3]
+    if b != 0:
+        x, y, z, m0, m1, m2 = (
+            a * x + b * m0, a * y + b * m1, a * z + b * m2, c * x + d * m0, c * y + d * m1, c * z + d * m2,
+        )  # fmt: skip
+    out[place], out[place + 1], out[place + 2] = x, y, z
+    out[place + 3], out[place + 4], out[place + 5] = m0, m1, m2
+
+
+def drift(room: Room, out: Row, count: int) -> float:
+    """The largest relative change of H1 or H2 from the start, whose values :func:`begun` has left."""
+    worst = 0.0
+    for i in range(count):
+        h1, h2 = invariants(room.numbers, out, 6 * i)
+        for x in (h1 / room.numbers[INVARIANTS], h2 / room.numbers[INVARIANTS + 1]):
+            worst = abs(x - 1) if not abs(x - 1) <= worst else worst
+    return worst
+
+
+def invariants(numbers: Row, row: Row, place: int) -> tuple[float, float]:
+    """H1 and H2 of γ and M."""
+    h1, h2, spin, square = 0.0, 0.0, 0.0, 0.0
+    for k in range(3):
+        a, x, m = numbers[SHAPE + k], row[place + k], row[place + 3 + k]
+        h1 += a * m * m
+        h2 += m * m
+        spin += a * x * m
+        square += numbers[SHAPE + 3 + k] * x * x
+    return h1 + numbers[SHAPE + 6] * spin * spin / square, h2

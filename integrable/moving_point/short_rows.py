@@ -1,0 +1,141 @@
+"""The rows that short runs work in (:mod:`integrable.moving_point.short`), flat, and tuples of what is in them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+Real = Any
+Row = Any
+
+
+NODES = 28
+# panels may be halved so often
+LEVELS = 6
+# translations by 2^k panels that are tabled
+DOUBLINGS = 20
+# terms of power series, in floats and wide
+TERMS, WIDE_TERMS = 20, 26
+
+# places in ``numbers``, what is known of a motion in floats: f, the axes, then
+CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
+GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE = 21, 22, 23, 24, 25, 27
+NUMBERS = 34
+# in ``wide``: f, the axes, the start, the clock's unit
+WIDE = 25
+# in ``point``: ten numbers of a moving point, 1/g there; σ and ν of the start
+RATE, BEGIN = 10, 11
+# rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
+FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
+POINTS = START + 1
+# rows of wide translations: by h/2^l, then by 2^k panels
+PANEL = LEVELS + 1
+
+
+class Rule(NamedTuple):
+    """Chebyshev nodes on [−1, 1], ascending, and the matrices that go with them."""
+
+    nodes: Row
+    coefficients: Row
+    """From values to coefficients, row by row."""
+    weights: Row
+    """Those of barycentric interpolation."""
+    ends: Row
+    """From values to the interpolant at −1, then at 1."""
+
+
+class Room(NamedTuple):
+    """Rows to work in."""
+
+    wide: Row
+    """f, the axes, the start and the clock's unit in wide numbers."""
+    numbers: Row
+    points: Row
+    steps: Row
+    wide_nodes: Row
+    """Translations to the nodes of panels of all levels, in wide numbers."""
+    nodes: Row
+    """The same in floats."""
+    series: Row
+    roots: Row
+    wide_series: Row
+    wide_roots: Row
+    made: Row
+    """How many translations by 2^k panels there are, whether there are ``wide_nodes``, steps of Newton for them, and
+    how many panels have been gone through.
+    """
+    point: Row
+    values: Row
+    rates: Row
+    slowness: Row
+    """Chebyshev coefficients of 1/g on the panel."""
+    elapsed: Row
+    """Those of its antiderivative, 0 at the left end."""
+    ends: Row
+    last: Row
+    sums: Row
+    """The time at the left end of the panel, high and low, and what the clock drifts by."""
+
+
+class Request(NamedTuple):
+    """What is asked for: ``order`` sorts ``high`` + ``low``, which are scaled times."""
+
+    physical: bool
+    """Whether times are physical."""
+    clock: bool
+    """Whether the other time is asked for too."""
+    most: int
+    """Panels in either direction."""
+    times: Row
+    order: Row
+    high: Row
+    low: Row
+    out: Row
+    """γ and M."""
+    other: Row
+    """τ where times are physical, physical time where they are not; in the units of the motion."""
+
+
+def new_room(wide: Callable[[int], Row], floats: Callable[[int], Row], made: Row) -> Room:
+    """Rows of zeros; ``made`` is (1, 0, steps of Newton from a float to a wide number, 0)."""
+    nodes = 10 * NODES * (LEVELS + 1)
+    return Room(
+        wide(WIDE), floats(NUMBERS), wide(10 * POINTS), wide(10 * (PANEL + 1 + DOUBLINGS)), wide(nodes), floats(nodes),
+        floats(TERMS), floats(TERMS), wide(WIDE_TERMS), wide(WIDE_TERMS), made, floats(BEGIN + 6), floats(6 * NODES),
+        floats(NODES), floats(NODES), floats(NODES + 1), floats(12), floats(6), floats(3),
+    )  # fmt: skip
+
+
+def curve_of(row: Row) -> Any:
+    """f as a tuple."""
+    return row[0], row[1], row[2], row[3], row[4], row[5]
+
+
+def axes_of(row: Row) -> Any:
+    """The axes as a tuple."""
+    return row[6], row[7], row[8], row[9], row[10], row[11], row[12], row[13]
+
+
+def unit_axes(row: Row) -> Any:
+    """Those of translations."""
+    one = 1 + 0 * row[6]
+    return row[6], row[7], row[8], one, one, one, one, 0 * one
+
+
+def ten(row: Row, k: int) -> Any:
+    """Ten numbers from place k on."""
+    return (
+        row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6], row[k + 7], row[k + 8],
+        row[k + 9],
+    )  # fmt: skip
+
+
+def six(row: Row, k: int) -> Any:
+    """Six numbers from place k on."""
+    return row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5]
+
+
+def store(values: Any, row: Row, k: int) -> None:
+    """Ten numbers from place k on."""
+    row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4] = values[0], values[1], values[2], values[3], values[4]
+    row[k + 5], row[k + 6], row[k + 7], row[k + 8], row[k + 9] = values[5], values[6], values[7], values[8], values[9]

@@ -1,0 +1,93 @@
+"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), for numba as they stand: centres of
+panels in wide numbers, the nodes about them in floats, or in wide numbers where floats do not do.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.moving_point.addition import carried, near_identity, opposite, rate_at, shift
+from integrable.moving_point.short_rows import LEVELS, PANEL, RATE, Row, axes_of, curve_of, store, ten, unit_axes
+from integrable.moving_point.translations import power_series
+
+# a translation by a panel's half is doubled so often from one by a power series
+HALVINGS, WIDE_HALVINGS = LEVELS, LEVELS + 2
+
+
+def panel_steps(wide: Row, h: float, series: Row, roots: Row, passes: int, steps: Row) -> None:
+    """The translations by h/2^l, and the first by a panel, into ``steps``."""
+    f, axes = curve_of(wide), unit_axes(wide)
+    power_series(f, -1, series)
+    power_series(f, 1, roots)
+    step = near_identity(series, roots, f[0], axes, (0 * f[0] + h) / 2.0**WIDE_HALVINGS, passes)
+    for level in range(WIDE_HALVINGS, -1, -1):
+        if level <= LEVELS:
+            store(step, steps, 10 * level)
+        step = shift(f, axes, step, step)
+    store(step, steps, 10 * PANEL)
+
+
+def doubled(wide: Row, steps: Row, place: int) -> None:
+    """Twice the translation before it into row ``place`` of ``steps``."""
+    step = ten(steps, 10 * (place - 1))
+    store(shift(curve_of(wide), unit_axes(wide), step, step), steps, 10 * place)
+
+
+def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
+    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and in floats, followed by 1/g,
+    into ``point``.
+    """
+    step = ten(steps, 10 * place)
+    if sign < 0:
+        step = opposite(step)
+    there = carried(curve_of(wide), axes_of(wide), ten(points, 10 * origin), step)
+    store(there, points, 10 * target)
+    for i in range(10):
+        point[i] = float(points[10 * target + i])
+    point[RATE] = float(rate_at(axes_of(wide), there))
+
+
+def wide_node_steps(wide: Row, h: float, nodes: Row, series: Row, roots: Row, passes: int, out: Row) -> None:
+    """:func:`node_steps` in wide numbers, with series that :func:`panel_steps` has made."""
+    node_steps(curve_of(wide), unit_axes(wide), h, nodes, series, roots, WIDE_HALVINGS, passes, out)
+
+
+def wide_values(
+    wide: Row, points: Row, origin: int, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
+) -> None:
+    """:func:`node_values` in wide numbers, rounded."""
+    node_values(curve_of(wide), axes_of(wide), ten(points, 10 * origin), steps, place, mirrored, values, rates)
+
+
+def node_steps(
+    f: Any, axes: Any, h: float, nodes: Row, series: Row, roots: Row, halvings: int, passes: int, out: Row
+) -> None:
+    """The translations by h·x/2^l for all nodes x, level by level."""
+    count = len(nodes)
+    for j in range((count + 1) // 2, count):
+        eps = (0 * f[0] + h * nodes[j]) / 2.0**halvings
+        step = near_identity(series, roots, f[0], axes, eps, passes)
+        for level in range(halvings, -1, -1):
+            if level <= LEVELS:
+                place = 10 * (level * count + j)
+                store(step, out, place)
+                store(opposite(step), out, 10 * (level * count + count - 1 - j))
+            if level > 0:
+                step = shift(f, axes, step, step)
+
+
+def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
+    """σ and ν (one after the other) and 1/g at the nodes about a point, one addition each. ``place`` is where the
+    translations begin; ``mirrored``: in the order of descending τ.
+    """
+    count = len(rates)
+    for j in range(count):
+        k = place + 10 * (count - 1 - j if mirrored else j)
+        there = carried(f, axes, point, ten(steps, k))
+        rates[j] = float(rate_at(axes, there))
+        values[j] = float(there[4])
+        values[count + j] = float(there[5])
+        values[2 * count + j] = float(there[6])
+        values[3 * count + j] = float(there[7])
+        values[4 * count + j] = float(there[8])
+        values[5 * count + j] = float(there[9])
