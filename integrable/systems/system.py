@@ -54,7 +54,7 @@ class System(PhaseSpace):
         return self.translation([self.field.inv(self.d)], signs=signs)
 
     def keyless(self, signs: Sequence[int] | None = None) -> Keyless:
-        """The 2-torsion map, by a lift that is real for every body, d = 0 too (:class:`integrable.steps.moves.Keyless`)."""
+        """The 2-torsion map, real for every body, for d = 0 too (:class:`integrable.steps.moves.Keyless`)."""
         from integrable.steps.moves import Keyless
 
         return Keyless(self, signs)
