@@ -133,11 +133,11 @@ def _formats(arguments: argparse.Namespace) -> tuple[str, ...]:
 
 
 def _report(arguments: argparse.Namespace) -> None:
-    from integrable.study.command import report
+    from integrable.study.command import study_of
     from integrable.study.page import answer
 
     out = Path(arguments.out or Path("runs") / ("report-quick" if arguments.quick else "report"))
-    study = report(
+    study = study_of(
         arguments.scenes,
         out=out,
         quick=arguments.quick,

@@ -115,14 +115,7 @@ def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
     if exact:
         top.within("field", lambda: finite_field(field))
     table = _section(top, place, "steps", _STEPS[:3] if exact else _STEPS)
-    digits = table.integers("digits", 1, (FLOAT_DIGITS,)) if not exact else ()
-    if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or not (digits or exact):
-        table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")
-    truth_digits = table.integer("truth_digits", 1, max((40, *(n + 15 for n in digits)))) if not exact else 0
-    if not exact and truth_digits < max(digits) + 10:
-        table.fail(
-            "truth_digits", f"{truth_digits} given; at least {max(digits) + 10}, 10 more than the costs, are needed"
-        )
+    digits, truth_digits = ((), 0) if exact else _read_costs(table, least=1)
     count = table.integer("count", 1)
     if count > MOST_STEPS:
         table.fail("count", f"{count} given; {MOST_STEPS} steps are the most, all states are kept")
@@ -233,23 +226,29 @@ _COMPARISON = ("digits", "tolerances", "truth_digits", "check_time", "repeat", "
 
 
 def _read_comparison(table: Table) -> Comparison:
-    digits = table.integers("digits", 1, (FLOAT_DIGITS,))
+    digits, truth_digits = _read_costs(table)
     tolerances = table.numbers("tolerances", default=())
     for tolerance in tolerances:
         if not _SMALLEST_TOLERANCE <= tolerance < 1:
             table.fail("tolerances", f"{float(tolerance)} given; SciPy takes tolerances from 2.3e-14 to below 1")
+    check_time = table.number("check_time", Fraction(1))
+    if not 0 < check_time <= 100:
+        table.fail("check_time", f"{float(check_time)} given; a time above 0, not above 100, is needed")
+    repeat, steps = table.integer("repeat", 1, 3), table.integers("steps", 1, ())
+    return Comparison(digits, tolerances, truth_digits, check_time, repeat, steps)
+
+
+def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
+    """Digits of the runs to measure, at least so many of them, and those of their truth."""
+    digits = table.integers("digits", 1, (FLOAT_DIGITS,))
+    if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
+        table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")
     truth_digits = table.integer("truth_digits", 1, max((40, *(n + 15 for n in digits))))
     if digits and truth_digits < max(digits) + 10:
         table.fail(
             "truth_digits", f"{truth_digits} given; at least {max(digits) + 10}, 10 more than the costs, are needed"
         )
-    check_time = table.number("check_time", Fraction(1))
-    if not 0 < check_time <= 100:
-        table.fail("check_time", f"{float(check_time)} given; a time above 0, not above 100, is needed")
-    if sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(set(digits)) < len(digits):
-        table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")
-    repeat, steps = table.integer("repeat", 1, 3), table.integers("steps", 1, ())
-    return Comparison(digits, tolerances, truth_digits, check_time, repeat, steps)
+    return digits, truth_digits
 
 
 def _read_output(table: Table, report: Comparison | None) -> tuple[tuple[str, ...], Times | None]:

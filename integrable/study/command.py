@@ -24,14 +24,14 @@ from jacobian.numbers.compiler import look_for_a_place
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["QUICK", "report"]
+__all__ = ["QUICK", "study_of"]
 
 QUICK = ("chaplygin", "euler_top", "thin_ball", "equal_moments", "hat_turning_point", "finite_field")
 """Scenes of a quick study that names none: one of each kind, whose truths take seconds."""
 FIGURES = "figures/report"
 
 
-def report(
+def study_of(
     sources: Sequence[str] = (),
     *,
     out: str | Path,

@@ -15,6 +15,8 @@ from integrable.oracles.methods import METHODS, time_scale
 from integrable.oracles.reference import dop853
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
+from integrable.study.additions import near_additions
+from integrable.study.fresh import compilation, first_use, left_out
 from integrable.study.plan import Task
 from integrable.study.timing import Timed, silent, timed
 from integrable.study.truth import Truth, compute
@@ -244,30 +246,6 @@ def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any
     return timed(once, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
 
-def _first_use(task: Task, _: Data | None, __: Tick) -> Data:
-    from integrable.study.fresh import first_use
-
-    return first_use(task.source)
-
-
-def _additions(task: Task, _: Data | None, __: Tick) -> Data:
-    from integrable.study.additions import near_additions
-
-    return near_additions(task.scene)
-
-
-def _left_out(task: Task, _: Data | None, __: Tick) -> Data:
-    from integrable.study.fresh import left_out
-
-    return left_out(task.source)
-
-
-def _compile(task: Task, _: Data | None, __: Tick) -> Data:
-    from integrable.study.fresh import compilation
-
-    return compilation(task.source, task.method)
-
-
 def _orbit(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.orbits import measure_orbit
 
@@ -283,13 +261,13 @@ _KINDS: dict[str, Callable[[Task, Data | None, Tick], Data]] = {
     "truth": _truth,
     "floor": _floor,
     "flow": _flow,
-    "first use": _first_use,
-    "compile": _compile,
+    "first use": lambda task, _, __: first_use(task.source),
+    "compile": lambda task, _, __: compilation(task.source, task.method),
     "backlund": _backlund,
     "comparator": _comparator,
     "tolerance": _tolerance,
     "growth": _growth,
-    "left out": _left_out,
-    "additions": _additions,
+    "left out": lambda task, _, __: left_out(task.source),
+    "additions": lambda task, _, __: near_additions(task.scene),
     "orbit": _orbit,
 }

@@ -6,8 +6,6 @@ Locks are the system's (:mod:`filelock`): it takes them away from a process that
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -66,15 +64,6 @@ class Store:
         with OutputFolder(self._rows) as folder:
             folder.write_text(f"{key}.json", as_json(kept))
         return kept
-
-    @contextmanager
-    def claimed(self, key: str) -> Iterator[bool]:
-        """Whether this process alone may now work on a row; the claim ends with the block, or with the process."""
-        lock = self.claim(key)
-        try:
-            yield lock is not None
-        finally:
-            self.release(lock)
 
     def claim(self, key: str) -> FileLock | None:
         """A claim to be given to :meth:`release`, or None where another process holds the row."""
