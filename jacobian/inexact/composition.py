@@ -3,7 +3,7 @@
 The numbers are brought to units in which the points are at |x| ≤ 1 and f is of size 1, powers of two apart, so that
 composition commutes with x → 2x and y → 2y to the bit; there :mod:`jacobian.inexact.stacked` adds. Where points, or the
 coefficients of the curve, are of very different sizes, or where what has to vanish does not to rounding, the sum is
-made with more digits (:mod:`jacobian.inexact.watched`): the summands are moved onto the curve, within their last bits,
+made with more digits (:mod:`jacobian.inexact.decided`): the summands are moved onto the curve, within their last bits,
 and degrees are decided by what these bits make of them. PrecisionLoss where they do not determine the sum.
 """
 
@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact import stacked
-from jacobian.inexact.dense import Coefficients, Number, added, product, remainder
+from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
 from jacobian.inexact.stacked import Pair, Sum
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
@@ -26,7 +26,7 @@ SPREAD = 24
 # what remainders may be, in units of the last digit
 REMAINDER = 64
 # the multiples of the field's bits that are tried
-FACTORS = (4, 8, 16, 32, 64)
+FACTORS = (4, 12)
 
 
 def add(curve: Any, first: Triple, second: Triple) -> Triple:
@@ -112,26 +112,26 @@ def _quick(
     if not _even(f, units):
         return None
     first, second = (_centred(units.of_u(u, move), units.of_p(v, move), half) for u, v in pairs)
-    (u, v, p, q), rest = stacked.compose(_Plain(field), genus, f, first, second)
+    (u, v, p, q), rest = stacked.compose(Plain(field), genus, f, first, second)
     if not rest <= REMAINDER * field.eps:
         return None
     return _returned(u, v, p, q, half, units, move)
 
 
-class _Plain:
-    """A field for :mod:`jacobian.inexact.stacked` that leaves to more digits what is neither noise nor far from it."""
+class Plain:
+    """A field for :mod:`jacobian.inexact.stacked` that leaves to more digits what may be noise."""
+
+    largest = staticmethod(index_of_largest)
 
     def __init__(self, field: Any) -> None:
         self.zero, self.one, self.eps = field.zero, field.one, field.eps
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        size = abs(x)
-        if size <= 16 * self.eps * scale:
-            return True
-        if size >= self._clear * scale:
+        """No, or PrecisionLoss."""
+        if abs(x) >= self._clear * scale:
             return False
-        raise PrecisionLoss("neither noise nor clear of it")
+        raise PrecisionLoss("not clear of noise")
 
 
 def _returned(
@@ -159,29 +159,20 @@ def _careful(
     field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
 ) -> Sum:
     """The sum with more digits, rounded."""
-    from jacobian.inexact.watched import Digits, MoreDigits
+    from jacobian.inexact.decided import Passes
+    from jacobian.inexact.digits import Digits, MoreDigits
 
     bits = 1 - field.exponent(field.eps)
     spread = 2 * len(f) * (units.x - units.low)
     for factor in FACTORS:
-        try:
-            with Digits(field, bits * factor + spread) as digits:
-                return _watched(digits, genus, f, h, pairs, units)
-        except MoreDigits:
-            continue
-        except ZeroDivisionError:
-            break
+        with Digits(field, bits * factor + spread) as digits:
+            half = [c / 2 for c in units.of_p(h, digits.number)]
+            wide = added(units.of_p(f, digits.number, power=2), product(half, half))
+            moved = [(units.of_u(u, digits.number), units.of_p(v, digits.number)) for u, v in pairs]
+            passes = Passes(digits, genus, wide, half, moved, _even(wide, units))
+            try:
+                u, v, p, q = passes.sum(2.0 ** max(units.low - units.x, -1000))
+            except MoreDigits:
+                continue
+            return _returned(u, v, p, q, half, units, digits.element)
     raise PrecisionLoss(f"{FACTORS[-1]} times the digits of {field.name} do not settle this sum; use more digits")
-
-
-def _watched(
-    digits: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
-) -> Sum:
-    half = [c / 2 for c in units.of_p(h, digits.number)]
-    f = added(units.of_p(f, digits.number, power=2), product(half, half))
-    digits.even = _even(f, units)
-    first, second = (digits.pair(f, half, units.of_u(u, digits.number), units.of_p(v, digits.number)) for u, v in pairs)
-    total, rest = stacked.compose(digits, genus, digits.plain(f), first, second)
-    digits.check(total, rest, 2.0 ** max(units.low - units.x, -1000))
-    u, v, p, q = digits.settled(total)
-    return _returned(u, v, p, q, half, units, digits.element)

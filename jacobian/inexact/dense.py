@@ -6,11 +6,12 @@ ascending lists.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from operator import add, mul
 from typing import Any
 
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.roots import root
 
 Number = Any
 Coefficients = list[Number]
@@ -95,17 +96,26 @@ def multiplication(factor: Sequence[Number], monic: Sequence[Number]) -> list[Co
 
 def norm(values: Any) -> Number:
     """The Euclidean norm."""
-    return sum([abs(x) ** 2 for x in values]) ** 0.5
+    return root(sum([abs(x) ** 2 for x in values]))
 
 
-def pivoted_qr(columns: list[Coefficients]) -> tuple[list[int], list[Coefficients]]:
-    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first."""
+def index_of_largest(sizes: Sequence[Number]) -> int:
+    """The index of the first largest."""
+    return max(range(len(sizes)), key=sizes.__getitem__)
+
+
+def pivoted_qr(
+    columns: list[Coefficients], largest: Callable[[Sequence[Number]], int] = index_of_largest
+) -> tuple[list[int], list[Coefficients]]:
+    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first, as
+    ``largest`` finds it.
+    """
     columns = [list(column) for column in columns]
     order = list(range(len(columns)))
     for k in range(min(len(columns), len(columns[0]))):
-        largest = max(range(k, len(columns)), key=lambda j: sum(abs(x) ** 2 for x in columns[j][k:]))
-        columns[k], columns[largest] = columns[largest], columns[k]
-        order[k], order[largest] = order[largest], order[k]
+        best = k + largest([sum([abs(x) ** 2 for x in column[k:]]) for column in columns[k:]])
+        columns[k], columns[best] = columns[best], columns[k]
+        order[k], order[best] = order[best], order[k]
         _reflect(columns, k)
     return order, columns
 
@@ -136,7 +146,7 @@ def _reflect(columns: list[Coefficients], k: int) -> None:
         return
     turn = phase(head[0])
     head[0] += length * turn
-    factor = 2 * inverse(sum([abs(x) ** 2 for x in head]))
+    factor = 2 / sum([abs(x) ** 2 for x in head])
     back = -turn.conjugate()
     conjugates = [x.conjugate() for x in head]
     for column in columns[k:]:
@@ -150,16 +160,7 @@ def phase(x: Number) -> Number:
     """x/|x|, or 1 for 0."""
     if isinstance(x, float):
         return -1.0 if x < 0 else 1.0
-    of_copies = getattr(x, "phase", None)
-    if of_copies:
-        return of_copies()
     return 1 + x if x == 0 else x / abs(x)
-
-
-def inverse(x: Number) -> Number:
-    """1/x; of the copies of a watched number those that are 0 stay 0."""
-    of_copies = getattr(x, "inverse", None)
-    return of_copies() if of_copies else 1 / x
 
 
 def _back_substitute(triangle: list[Coefficients], right: Coefficients) -> Coefficients:

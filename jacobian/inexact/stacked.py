@@ -13,8 +13,8 @@ solves a system stacked in the same way, to which the equation of the curve is a
 noise.
 
 Sizes are compared as they are: :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1 and
-f is of size 1. Numbers are ``float``, ``complex``, ``mpf``, ``mpc`` or :class:`jacobian.inexact.watched.Watched`, whose
-``field`` decides what is zero.
+f is of size 1. Numbers are those of a field, or with more bits. What is zero, and which column is the largest,
+``field`` says: :class:`jacobian.inexact.composition.Plain` or :class:`jacobian.inexact.decided.Pass`.
 """
 
 from __future__ import annotations
@@ -43,6 +43,9 @@ from jacobian.inexact.dense import (
 
 Pair = tuple[Coefficients, Coefficients]
 
+# the part of u by which p may be smaller, where the remainder of a division may be one unit in the last place
+FEWER = 16
+
 _AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
 
 
@@ -65,7 +68,8 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     p = added([q * c for c in v1], product(u1, slope))
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
-        return Sum(both, v, p, q), _departure(f, both, v)
+        # L and q are known to the last digit beside the largest of them, p beside itself to as many fewer
+        return Sum(both, v, p, q), max(_departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest = _monic_quotient(field, f, p, q, both)
     if len(u) == 1:
@@ -95,12 +99,12 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
             rows.append([*(c / weight for c in row), -right / weight])
     unit = max(weights) or 1
     columns = [list(column) for column in zip(*[[*row[:m], row[m] / unit] for row in rows], strict=True)]
-    order, triangle = pivoted_qr(columns)
+    order, triangle = pivoted_qr(columns, field.largest)
     free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
     if free == m:
         raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
     if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
-        order, triangle = pivoted_qr(columns[: m - free])
+        order, triangle = pivoted_qr(columns[: m - free], field.largest)
         solution = null_vector(order, triangle) + [field.zero] * (free + 1)
     else:
         solution = null_vector(order, triangle)
@@ -155,7 +159,9 @@ def _second_polynomial(
     modulus, unit = bound(u), size(f) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        weight = size(remainder(noise, modulus)) + unit * size(remainder(absolute(factor), modulus)) or 1
+        # at a point at 0 remainders say nothing of the noise of the factor's first coefficient
+        least = field.eps**0.5 * size(factor)
+        weight = size(remainder(noise, modulus)) + unit * (size(remainder(absolute(factor), modulus)) + least) or 1
         for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
             rows.append([x / weight for x in row])
             right.append(c / weight)

@@ -11,7 +11,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.dense import added, product, remainder, residue, value_at
-from jacobian.inexact.watched import Digits
+from jacobian.inexact.digits import Digits
 
 # the part of y that must be left of the value of a rounded v
 KNOWN = 2**-7

@@ -12,8 +12,6 @@ from contextlib import AbstractContextManager, contextmanager
 from threading import RLock, local
 from typing import Any
 
-from jacobian.numbers.roots import ROOTS
-
 
 class BareReals:
     """Numbers of ``bits`` bits: gmpy2's mpfr.
@@ -30,7 +28,6 @@ class BareReals:
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
         self._exact: Any = gmpy2.context(precision=bits)
-        ROOTS[self._type] = gmpy2.sqrt
 
     def __enter__(self) -> BareReals:
         manager = self.at(self.bits)
@@ -124,7 +121,6 @@ class BallReals(BareReals):
         self._open = _Open()
         self._flint: Any = flint
         self._type = flint.arb
-        ROOTS[flint.arb] = flint.arb.sqrt
 
     @contextmanager
     def at(self, bits: int) -> Iterator[Any]:

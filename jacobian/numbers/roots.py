@@ -1,4 +1,4 @@
-"""Square roots and comparisons of bare numbers: floats, mpf, and the long reals and double-doubles that register here.
+"""Square roots and comparisons of bare numbers: floats, mpf, long reals and double-doubles.
 
 Compiled code has its own versions of these functions: :mod:`jacobian.inexact.compiled`.
 """
@@ -6,20 +6,27 @@ Compiled code has its own versions of these functions: :mod:`jacobian.inexact.co
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import sqrt
 from typing import Any
 
 Real = Any  # float, or the mpf of one context
 
 
-# for types that have something quicker than x ** 0.5; long_reals adds its own
-ROOTS: dict[type, Callable[[Any], Any]] = {float: sqrt}
-
-
 def root(x: Real) -> Real:
     """√x."""
-    special = ROOTS.get(type(x))
-    return special(x) if special else x**0.5
+    numbers: Any = type(x)
+    return sqrt(x) if numbers is float else _root_of(numbers)(x)
+
+
+@lru_cache(16)
+def _root_of(numbers: Any) -> Callable[[Any], Any]:
+    if numbers.__module__ == "gmpy2":
+        import gmpy2
+
+        return gmpy2.sqrt
+    # of python-flint's and mpmath's numbers; double-doubles have none
+    return getattr(numbers, "sqrt", lambda x: x**0.5)
 
 
 def negligible(small: Real, large: Real) -> bool:

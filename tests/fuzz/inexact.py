@@ -3,7 +3,8 @@
 A coefficient of (u, v) is wrong where it has lost more than 0.6 of its digits (six of sixteen are left) and a thousand
 times what one unit in the last place of the coefficients of f and of the summands does to it
 (:func:`exact_sums.rounding`): each counts by its own size, so that small roots beside large ones are looked at as
-closely as these. A sum all of whose coefficients that rounding decides is not judged.
+closely as these. A sum all of whose coefficients that rounding decides is not judged. Another degree than that of the
+exact sum is wrong where such a unit moves every coefficient by less than a sixteenth.
 """
 
 from __future__ import annotations
@@ -21,6 +22,8 @@ from tests.fuzz.run import Suite
 C = exact.CONTEXT
 EPS = {"RR": 2.0**-52, "CC": 2.0**-52, "MP(30)": 1e-30}
 FACTOR, KEPT = 1000, 0.4
+# a degree is decided where the same unit moves no coefficient by that part of itself
+DECIDED = 1 / 16
 GENERA = (2, 2, 3, 3, 4, 5, 6)
 
 
@@ -116,7 +119,7 @@ def judged(got: Any, at: Setting, summands: Any) -> Complaint | None:
     right = exact.flat((u, v))
     if len(got.u) != len(u):
         noise = exact.rounding(f, at.genus, summands, EPS[at.field])
-        if any(FACTOR * x >= abs(y) for x, y in zip(noise, right, strict=True)):
+        if any(x >= DECIDED * abs(y) for x, y in zip(noise, right, strict=True)):
             raise Undecided("rounding of the summands decides the degree")
         return Complaint(f"degree {len(got.u) - 1} for {len(u) - 1}", f"{len(u)}", "len(got.u) == expected")
     found = [C.convert(c) for c in (*got.u[:-1], *got.v)]
@@ -171,6 +174,23 @@ def cluster(rng: Random) -> Case:
         (P,) = at.points(1, -3, 3)
         parts.append([P, *(at.near(P, k * distance, 1) for k in range(1, at.genus))])
     return sum_case(at, *parts)
+
+
+def one_cluster(rng: Random) -> Case:
+    """The points of both divisors near one point."""
+    at = setting(rng)
+    (P,) = at.points(1, -3, 3)
+
+    def part(count: int) -> list[Any]:
+        return [
+            at.near(P, 10.0 ** rng.uniform(-8, -1) * rng.choice((1, -1)), rng.choice((1, -1))) for _ in range(count)
+        ]
+
+    while True:
+        parts = part(rng.randrange(1, at.genus + 1)), part(rng.randrange(1, at.genus + 1))
+        points = [*parts[0], *parts[1]]
+        if len({x for x, _ in points}) == len(points):
+            return sum_case(at, *parts)
 
 
 def near_double(rng: Random) -> Case:
@@ -289,6 +309,7 @@ KINDS: dict[str, Callable[[Random], Case]] = {
     "mixed": mixed,
     "large": large,
     "cluster": cluster,
+    "one cluster": one_cluster,
     "near double": near_double,
     "near opposite": near_opposite,
     "scaled": scaled,

@@ -95,7 +95,11 @@ def conditioning(f, genus, summands, eps, rng, trials=3):
     u, v = total(f, genus, [point for points in summands for point in points])
     shift = [WIDE.zero] * (len(u) + len(v))
     for _ in range(trials):
-        near = total(f, genus, [point for points in summands for point in moved(f, points, eps, rng)])
+        try:
+            near = total(f, genus, [point for points in summands for point in moved(f, points, eps, rng)])
+        except ZeroDivisionError:
+            # last bits make two points one, or opposite
+            return (u, v), None
         if len(near[0]) != len(u):
             return (u, v), None
         shift = [max(s, abs(a - b)) for s, a, b in zip(shift, (*near[0], *near[1]), (*u, *v), strict=True)]

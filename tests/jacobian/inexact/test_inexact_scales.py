@@ -193,6 +193,86 @@ def test_points_of_every_size(genus):
     assert refused < 8
 
 
+# --- clusters -------------------------------------------------------------------------------------------------------
+
+
+def a_cluster(rng, genus):
+    """f, and the points of two divisors, all of them within 1e-8 … 1e-1 of each other."""
+    f, found = a_curve(rng, genus), []
+    wide, middle = [oracle.wide(c) for c in f], 10 ** rng.uniform(-1, 1)
+    first, second = rng.randint(1, genus), rng.randint(1, genus)
+    while len(found) < first + second:
+        x = oracle.wide(middle * (1 + rng.uniform(-1, 1) * 10 ** rng.uniform(-8, -1)))
+        square = oracle.value(wide, x)
+        if square > 0 and all(x != other for other, _ in found):
+            found.append((x, rng.choice((1, -1)) * oracle.WIDE.sqrt(square)))
+    return f, [found[:first], found[first:]]
+
+
+def share_of_rounding(f, genus, parts, rng):
+    """The largest part of a coefficient of the sum that one unit in the last place of the summands changes."""
+    (u, v), shift = oracle.conditioning([oracle.wide(c) for c in f], genus, parts, eps(RR), rng)
+    if shift is None:
+        return 1
+    return max(float(s / abs(c)) for s, c in zip([*shift[: len(u) - 1], *shift[len(u) :]], [*u[:-1], *v], strict=True))
+
+
+@pytest.mark.parametrize("genus", [2, 3, 4, 5])
+def test_clusters_lose_a_degree_only_where_rounding_decides_it(genus):
+    rng, refused, count = Random(f"one cluster {genus}"), 0, 60
+    for _ in range(count):
+        f, parts = a_cluster(rng, genus)
+        J = HyperellipticCurve(RR, f).jacobian()
+        try:
+            total = into(J, parts[0]) + into(J, parts[1])
+        except PrecisionLoss:
+            refused += 1
+            continue
+        exact = oracle.total([oracle.wide(c) for c in f], genus, [P for part in parts for P in part])
+        if len(total.u) != len(exact[0]):
+            assert len(total.u) < len(exact[0])
+            assert share_of_rounding(f, genus, parts, rng) > 1 / 16
+    assert refused <= count // 3
+
+
+def test_sums_that_the_summands_decide_are_not_refused():
+    """Two divisors of points of all sizes, some last bits apart: intermediate quantities are noise, the sum is not."""
+    f = [
+        1.9735734294493752, -1.736960634477068, 1.5636799215323527, -0.8108116040666382, -0.44489478676557326,
+        0.7944302569668134, -0.25958515457707243, 0.9236749056709566, 1.0996278811842428, 0.5591945599402299,
+        -0.9287085660501266, 1.1782623256979443,
+    ]  # fmt: skip
+    wide, J = [oracle.wide(c) for c in f], HyperellipticCurve(RR, f).jacobian()
+    xs = (-0.0005574512572347635, 20026.160418464482, 3.1635001584177336e-06, -0.006736874596037922)
+    points = [(oracle.wide(x), oracle.WIDE.sqrt(oracle.value(wide, oracle.wide(x)))) for x in xs]
+    near = [
+        (x, oracle.WIDE.sqrt(oracle.value(wide, x))) for x in (x * (1 + oracle.WIDE.mpf(2) ** -50) for x, _ in points)
+    ]
+    near = [(oracle.wide(float(x)), oracle.WIDE.sqrt(oracle.value(wide, oracle.wide(float(x))))) for x, _ in near]
+    found = into(J, points) + into(J, near)
+    exact, shift = oracle.conditioning(wide, 5, [points, near], eps(RR), Random(1))
+    assert oracle.share((found.u, found.v), exact, shift, eps(RR)) < 500
+
+
+@pytest.mark.parametrize("genus", [2, 3, 4])
+def test_a_summand_taken_away_again(genus):
+    """D + E − E is D, or refused: D + E was rounded. D may have come back with points near infinity beside it."""
+    rng, refused = Random(f"away again {genus}"), 0
+    for _ in range(8):
+        f = a_curve(rng, genus)
+        J = HyperellipticCurve(RR, f).jacobian()
+        D, E = (into(J, some_points(f, rng, count)) for count in (genus - 1, rng.randint(1, genus)))
+        try:
+            back = D + E - E
+        except PrecisionLoss:
+            refused += 1
+            continue
+        assert len(back.u) >= len(D.u)
+        if len(back.u) == len(D.u):
+            assert max(abs(a - b) for a, b in zip(back.u, D.u, strict=True)) < 1e-3 * max(map(abs, D.u))
+    assert refused <= 4
+
+
 @pytest.mark.parametrize("size", [1e-20, 1e20, 1e-160, 1e160])
 def test_curves_of_any_size(size):
     rng = Random(f"{size}")

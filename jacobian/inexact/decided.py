@@ -1,0 +1,220 @@
+"""Sums that a field's own digits do not settle: made with more digits, several times, and compared.
+
+The summands are moved onto the curve, within their last bits, and count as exact from there on. Their sum is made once
+from them, once more from them moved by a few units of the last working bit, and once from summands moved by a few units
+of the last bit *that the field has*. All passes answer alike what a pass asks for, whether a quantity is zero and which
+column is the largest. The second pass shows what the working precision leaves open, the third what the field's own
+rounding of the summands does to the sum, whatever the algorithm.
+
+First only what vanishes at every precision is zero. A sum that is then known beside what rounding makes of it is the
+answer: nothing was decided. If it is not, a point of it may be at infinity to rounding, or points of the summands
+opposite: a quantity that one unit in the last place of the summands moves as far as it is from zero is zero, one that
+is far from what rounding makes of it is not, and between the two rounding decides and PrecisionLoss is raised.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from random import Random
+from typing import Any, NamedTuple
+
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact import stacked
+from jacobian.inexact.dense import Coefficients, index_of_largest
+from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
+from jacobian.inexact.stacked import Pair, Sum
+
+# a quantity is zero up to this multiple of what a unit in the last place of the summands does to it
+ZERO = 16
+# summands that are sums themselves have errors of this size, in units of the last place; a quantity is not zero from
+# these multiples of their effect on: one that a degree depends on, and the distance of a point from an opposite one
+ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
+# the part of a sum up to which rounding may move it: where nothing is decided, and at all
+CLEAR, UNKNOWN = 2.0**-12, 2.0**-4
+# a number is resolved when the working precision knows it to this part
+RESOLVED = 2**16
+# the ways of rounding that are tried where a degree depends on it
+WAYS = 4
+
+LOST = "rounding of the summands decides the degree of their sum; use more digits"
+
+
+class Question(NamedTuple):
+    """Is this number zero? ``of_degree``: a degree depends on it, or whether points are opposite."""
+
+    value: Any
+    of_degree: bool
+
+
+class Pass:
+    """The ``field`` of one pass of :func:`jacobian.inexact.stacked.compose`: what was asked, answered and found."""
+
+    def __init__(self, digits: Digits, answer: Callable[[int, Any], bool], like: Pass | None = None) -> None:
+        self.zero, self.one, self.eps = digits.zero, digits.one, digits.eps
+        self._answer, self._like = answer, like
+        self.questions: list[Question] = []
+        self.answers: list[bool] = []
+        self.columns: list[int] = []
+        self.total = Sum([], [], [], 0)
+        self.rest: Any = 0
+
+    def is_zero(self, x: Any, scale: Any, of_degree: bool = True) -> bool:
+        """What the pass is to answer."""
+        self.answers.append(self._answer(len(self.questions), x))
+        self.questions.append(Question(x, of_degree))
+        return self.answers[-1]
+
+    def largest(self, sizes: Sequence[Any]) -> int:
+        """The index of the largest; in a pass like another the same as there."""
+        largest = self._like.columns[len(self.columns)] if self._like else index_of_largest(sizes)
+        self.columns.append(largest)
+        return largest
+
+    @property
+    def coefficients(self) -> list[Any]:
+        """All numbers of the sum."""
+        u, v, p, q = self.total
+        return [*u[:-1], *v, *p, q]
+
+
+class Passes:
+    """The passes over one sum of pairs (u, v), in entered :class:`Digits`, on y² = curve with y + half in the place of
+    y; ``even``: all sizes are moderate.
+    """
+
+    def __init__(
+        self, digits: Digits, genus: int, curve: Coefficients, half: Coefficients, pairs: Sequence[Pair], even: bool
+    ) -> None:
+        self._digits, self._genus, self._curve, self._half, self._pairs = digits, genus, curve, half, pairs
+        self._even, self._rng = even, Random(0)
+
+    def sum(self, least: float) -> Sum:
+        """The sum. ``least``: the size of the point of the summands that is nearest to 0.
+
+        PrecisionLoss where rounding of the summands decides, MoreDigits where this precision does not resolve it.
+        """
+        units = self._digits.own_eps
+        first = [self._on_curve(pair) for pair in self._pairs]
+        others = (
+            [self._jogged(pair, 256 * self._digits.eps) for pair in first],
+            self._moved(ROUNDED * units, units if self._even else 0),
+        )
+        compared = self._compared(first, others, {})
+        if not compared.clear(least):
+            ways = [self._moved(units, 0) for _ in range(WAYS)]
+            forced: dict[int, bool] = {}
+            while (k := compared.wrong_answer([self._like(compared.first, way) for way in ways])) is not None:
+                forced[k] = not compared.first.answers[k]
+                compared = self._compared(first, others, forced)
+            compared.check(least)
+        total = compared.sum()
+        if len(total.u) == 1 or compared.first.rest <= self._digits.floor:
+            return total
+        # what was dropped takes the sum off the curve, within what is known of it
+        u, v = on_curve(self._digits, self._curve, [], (total.u, total.v), self._even)
+        return Sum(u, v, total.p, total.q)
+
+    def _compared(self, first: list[Pair], others: Sequence[list[Pair]], forced: dict[int, bool]) -> Compared:
+        run = self._run(Pass(self._digits, lambda k, x: forced.get(k, bool(abs(x) <= self._digits.floor))), first)
+        return Compared(self._digits, run, *(self._like(run, pairs) for pairs in others))
+
+    def _like(self, first: Pass, pairs: list[Pair]) -> Pass:
+        return self._run(Pass(self._digits, lambda k, _: first.answers[k], first), pairs)
+
+    def _run(self, field: Pass, pairs: list[Pair]) -> Pass:
+        field.total, field.rest = stacked.compose(field, self._genus, self._curve, *pairs)
+        return field
+
+    def _moved(self, part: Any, floor: Any) -> list[Pair]:
+        """The summands with every coefficient moved by about that part of itself, at least of that part of what it is
+        where points are as large as the largest.
+        """
+        known = self._digits.own_eps**2
+        return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
+
+    def _on_curve(self, pair: Pair, known: Any = None) -> Pair:
+        return on_curve(self._digits, self._curve, self._half, pair, self._even, known)
+
+    def _jogged(self, pair: Pair, part: Any, floor: Any = 0) -> Pair:
+        u, v = pair
+        least = [floor * size for size in places(self._curve, u)] if floor else [0] * (2 * len(u) - 2)
+        moved = [
+            c + part * max(abs(c), low) * (self._rng.choice((1, -1)) * self._rng.uniform(0.5, 1))
+            for c, low in zip([*u[:-1], *v], least, strict=True)
+        ]
+        return [*moved[: len(u) - 1], u[-1]], moved[len(u) - 1 :]
+
+
+class Compared(NamedTuple):
+    """Three passes answered alike: from the summands, from them moved in the last working bit, and from them moved as
+    sums are by rounding.
+    """
+
+    digits: Digits
+    first: Pass
+    near: Pass
+    rounded: Pass
+
+    def wrong_answer(self, ways: Sequence[Pass]) -> int | None:
+        """The first question whose answer differs from what the ways of rounding say."""
+        for k, ((x, of_degree), answer) in enumerate(zip(self.first.questions, self.first.answers, strict=True)):
+            size, rounding = abs(x), abs(x - self.near.questions[k].value)
+            noise = max(abs(x - way.questions[k].value) for way in ways)
+            if self.digits.floor < size < RESOLVED * rounding and noise < ZERO * rounding:
+                raise MoreDigits
+            zero = size <= max(ZERO * noise, ZERO * rounding, self.digits.floor)
+            doubt = abs(x - self.rounded.questions[k].value)
+            if not zero and not size >= (NONZERO if of_degree else DISTINCT) * doubt:
+                raise PrecisionLoss(LOST)
+            if zero != answer:
+                return k
+        return None
+
+    def clear(self, least: float) -> bool:
+        """Whether the sum is known to all but its last digits, with nothing zero but what is so at every precision."""
+        asked = zip(self.first.questions, self.near.questions, self.first.answers, strict=True)
+        return (
+            all(zero or abs(x) >= RESOLVED * abs(x - y) for (x, _), (y, _), zero in asked)
+            and self.first.rest <= self.digits.floor
+            and self._resolved()
+            and self._known(CLEAR, least, (self.first.total.u[:-1], self.first.total.v))
+        )
+
+    def check(self, least: float) -> None:
+        """PrecisionLoss where nothing is known of the points of the sum, MoreDigits where it is not resolved."""
+        asked = zip(self.first.questions, self.first.answers, strict=True)
+        dropped = max((abs(x) for (x, _), zero in asked if zero), default=0)
+        if (self.first.rest > self.digits.floor >= dropped) or not self._resolved():
+            raise MoreDigits
+        if not (self.first.rest <= CLEAR and self._known(UNKNOWN, least, (self.first.total.u[:-1],))):
+            raise PrecisionLoss(LOST)
+
+    def sum(self) -> Sum:
+        """The sum, with zeros for what is zero at every precision."""
+        floor = self.digits.floor
+        pairs = zip(self.first.coefficients, self.near.coefficients, strict=True)
+        values = iter([0 * x if abs(x) <= floor and 2 * abs(x - y) > abs(x) else x for x, y in pairs])
+        u, v, p, _ = self.first.total
+        return Sum(
+            [*(next(values) for _ in u[:-1]), u[-1]], [next(values) for _ in v], [next(values) for _ in p], next(values)
+        )
+
+    def _resolved(self) -> bool:
+        """Whether the working precision knows every number of the sum as well as the field can, or the summands do."""
+        own, floor = self.digits.own_eps / 8, self.digits.floor
+        numbers = zip(*(run.coefficients for run in (self.first, self.near, self.rounded)), strict=True)
+        return all(abs(x) <= floor or abs(x - y) <= own * abs(x) or 8 * abs(x - y) <= abs(x - z) for x, y, z in numbers)
+
+    def _known(self, part: float, least: float, polynomials: Sequence[Coefficients]) -> bool:
+        """Whether rounding moves no more than that part of the polynomials, at the largest point of the sum or at
+        ``least``.
+        """
+        u, moved = self.first.total.u, iter(self.rounded.coefficients)
+        m = len(u) - 1
+        radius = max([least, *(abs(c) ** (1 / (m - i)) for i, c in enumerate(u[:-1]))])
+        for k, polynomial in enumerate(polynomials):
+            sizes = [abs(c) * radius**i for i, c in enumerate(polynomial)]
+            size = max(sizes, default=0) if k else radius**m
+            if not all(abs(c - next(moved)) * radius**i <= part * size for i, c in enumerate(polynomial)):
+                return False
+        return True
