@@ -156,24 +156,34 @@ class TorusGrid:
 
 
 def fourier(setup: Setup, samples: list[list[Any]]) -> Any:
-    """Two-dimensional discrete Fourier transform, normalised: coefficient (0, 0) is the mean."""
+    """Two-dimensional discrete Fourier transform, normalised: rows of mpc, the coefficient (0, 0) is the mean."""
+    import gmpy2
+
     context: Any = MP(setup.digits).context
-    most = max(len(samples), len(samples[0]))
-    turns = [context.expjpi(-context.mpf(2 * k) / most) for k in range(most // 2)]
-    lines = [_transform(context, [context.mpc(x) for x in line], turns) for line in samples]
-    columns = [_transform(context, list(column), turns) for column in zip(*lines, strict=True)]
-    size = len(lines) * len(columns)
-    return [[x / size for x in line] for line in zip(*columns, strict=True)]
+    reals, most = setup.reals, max(len(samples), len(samples[0]))
+
+    def bare(x: Any) -> Any:
+        z = context.mpc(x)
+        return gmpy2.mpc(reals.number(z.real), reals.number(z.imag))
+
+    with reals:
+        turns = [bare(context.expjpi(-context.mpf(2 * k) / most)) for k in range(most // 2)]
+        lines = [_transform([bare(x) for x in line], turns) for line in samples]
+        columns = [_transform(list(column), turns) for column in zip(*lines, strict=True)]
+        size = len(lines) * len(columns)
+        field = MP(setup.digits)
+        parts = [[reals.elements(field, ((x / size).real, (x / size).imag)) for x in line] for line in columns]
+    return [[context.mpc(*pair) for pair in line] for line in zip(*parts, strict=True)]
 
 
-def _transform(context: Any, values: list[Any], turns: list[Any]) -> list[Any]:
+def _transform(values: list[Any], turns: list[Any]) -> list[Any]:
     """The discrete Fourier transform of 2^k numbers (Cooley & Tukey 1965); ``turns`` are e^(−2πik/2^m), k < 2^(m−1),
     2^m ≥ 2^k.
     """
     n = len(values)
     if n == 1:
         return values
-    even, odd = _transform(context, values[::2], turns), _transform(context, values[1::2], turns)
+    even, odd = _transform(values[::2], turns), _transform(values[1::2], turns)
     turned = [factor * x for factor, x in zip(turns[:: 2 * len(turns) // n], odd, strict=True)]
     return [x + y for x, y in zip(even, turned, strict=True)] + [x - y for x, y in zip(even, turned, strict=True)]
 
