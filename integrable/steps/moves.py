@@ -27,7 +27,6 @@ from jacobian import poly
 from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
-from jacobian.relatives.conic import parameter
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
 
 
@@ -193,6 +192,8 @@ class ConicStep(Move):
 
     def _image(self, state: State) -> State:
         """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) = 0."""
+        from jacobian.relatives.conic import parameter
+
         system, K = self.system, self.system.field
         pairs = coordinates.to_pairs(system.body, state)
         h1, h2 = system.integrals(state)[2:]
