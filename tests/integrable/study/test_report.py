@@ -9,7 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from integrable.oracles.reference import dop853
+from integrable.oracles.reference import Solution, dop853
 from integrable.scene.data import Comparison, Times
 from integrable.scene.file import load_scene
 from integrable.scene.tables import aligned, duration
@@ -138,6 +138,15 @@ def test_a_method_that_gives_up_keeps_its_line():
     row = Row("SciPy DOP853", "tol 1e-3", note="step size too small")
     report = Report("A ball", (0.0, 1.0, 2), 3, (row,), TruthCheck(40, 1.0, 0.0, 0.0, 0.1), ())
     assert "SciPy DOP853, tol 1e-3: step size too small" in report.table()
+
+
+def test_a_method_that_returns_no_number_is_said_to(monkeypatch):
+    """It was compared with the truth, and written as an error that is not a number."""
+    nothing = Solution(np.full((3, 3), np.nan), np.full((3, 3), np.nan), 7)
+    monkeypatch.setattr("integrable.study.measure.dop853", lambda *_, **__: nothing)
+    asked = replace(ASKED, digits=(15,), tolerances=(Fraction("1e-5"),), steps=(), repeat=1)
+    report, _ = measure(replace(short("euler_top"), report=asked), 15, lambda _: None)
+    assert "SciPy DOP853, tol 1e-5: the method returned a number that is not finite" in report.table()
 
 
 def test_run_writes_the_report_and_the_picture(tmp_path):
