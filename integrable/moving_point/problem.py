@@ -5,11 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.moving_point.translations import REACH
-from integrable.phase.body import Body, Vector, cross
+from integrable.phase.body import Body, Vector
+from integrable.phase.coordinates import directions_of, to_mumford, to_pairs
+from integrable.phase.state import State
 from integrable.phase.upright import ChaplyginTransformation
 from jacobian import poly
 from jacobian.errors import ArgumentError
-from jacobian.numbers.roots import root
 
 
 class MotionProblem:
@@ -63,19 +64,11 @@ class MotionProblem:
         return upright, lean * top * spin
 
     def _moving_point(self, body: Body, gamma: Vector, M: Vector, spin: Any) -> tuple[Any, ...]:
-        K = self.field
-        g = 1 / K.sqrt(body.conformal(gamma))
-        w = cross(K, gamma, M)
-        lean = 2 * g * body.d * sum(a * x * y for a, x, y in zip(body.a, gamma, w, strict=True)) / (2 * spin)
-        sigma = tuple(g * x for x in gamma)
-        nu = tuple(y / spin + lean * x for x, y in zip(sigma, w, strict=True))
-        u, v = [K.zero] * 3, [K.zero] * 3
-        for i, (r, x, y) in enumerate(zip(body.contact, sigma, nu, strict=True)):
-            others = self.axes[(i + 1) % 3], self.axes[(i + 2) % 3]
-            for k, c in enumerate((others[0] * others[1], -others[0] - others[1], 1)):
-                u[k] += r * x * x * c
-                v[k] += r * x * y * c
-        return (u[0], u[1], v[0], v[1], *sigma, *nu)
+        pairs = to_pairs(body, State(gamma, M))
+        (u0, u1, _), (v0, v1) = to_mumford(body, pairs)
+        top, twice = max(body.a), 2 * spin
+        sigma, nu = zip(*pairs, strict=True)
+        return (u0 / top**2, u1 / top, v0 / (twice * top**2), v1 / (twice * top), *sigma, *(y / twice for y in nu))
 
 
 def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
@@ -83,13 +76,8 @@ def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tu
 
     ``momentum`` is |M|; ``matrix`` is the inverse of Chaplygin's transformation, None for an upright body.
     """
-    sigma, nu = point[4:7], point[7:10]
-    square = sum(x * x for x in sigma)
-    lean = sum(x * y for x, y in zip(sigma, nu, strict=True)) / square
-    length = root(square)
-    gamma = tuple(x / length for x in sigma)
-    w = [(y - lean * x) * momentum for x, y in zip(sigma, nu, strict=True)]
-    M = tuple(w[i - 2] * gamma[i - 1] - w[i - 1] * gamma[i - 2] for i in range(3))
+    gamma, M = directions_of(point)
+    M = (M[0] * momentum, M[1] * momentum, M[2] * momentum)
     if matrix is None:
         return gamma, M
     a, b, c, d = matrix

@@ -18,6 +18,7 @@ from integrable.phase.body import Body, Vector, cross, square_root
 from integrable.phase.state import State
 from jacobian import poly
 from jacobian.errors import ArgumentError, CurveMismatch, NotRepresentable
+from jacobian.numbers.roots import root
 from jacobian.relatives.signed import Pair, sheared
 
 if TYPE_CHECKING:
@@ -89,6 +90,19 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
     gamma = tuple(K.div(x, g) for x in sigma)
     w = tuple(K.mul(half, K.sub(y, K.mul(lean, x))) for x, y in zip(sigma, nu, strict=True))
     return State(gamma, cross(K, w, gamma), g if len(pairs) == 4 else None)
+
+
+def directions_of(point: Any) -> tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]:
+    """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|): :func:`from_pairs` on bare
+    reals, floats, mpf, balls, or double-doubles where numba compiles it.
+    """
+    s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
+    square = s1 * s1 + s2 * s2 + s3 * s3
+    lean = (s1 * n1 + s2 * n2 + s3 * n3) / square
+    scale = 1 / root(square)
+    n1, n2, n3 = n1 - lean * s1, n2 - lean * s2, n3 - lean * s3
+    s1, s2, s3 = s1 * scale, s2 * scale, s3 * scale
+    return (s1, s2, s3), (n2 * s3 - n3 * s2, n3 * s1 - n1 * s3, n1 * s2 - n2 * s1)
 
 
 def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Poly]:

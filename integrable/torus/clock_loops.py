@@ -3,37 +3,69 @@
 from __future__ import annotations
 
 from math import cos, floor, pi, sin
-from typing import Any
+from typing import Any, NamedTuple
 
-from integrable.torus.states import state_at, whole_turns
+from integrable.torus.states import Torus, state_at, whole_turns
 
 Real = Any
 Row = Any
 
 
-def states_at_times(
-    torus: Any, pace: Any, clock: Any, modes: Row, loud: Row, times: Row, tau: Row, delays: Row, out: Row, room: Row
-) -> None:
+class Series(NamedTuple):
+    """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
+
+    For every first mode k = 0, 1, … three ``lines`` are the place of its first second mode, and where its coefficients
+    begin and end; for k > 0 they are doubled, in place of those of −k. The coefficients are those of S and of its
+    slope; ``least`` is the least second mode, ``width`` how many there are, ``bound`` one of |S|, ``origin`` what S is
+    without it at the start, negative, ``mean`` the mean rate.
+    """
+
+    lines: Row
+    real: Row
+    imaginary: Row
+    slope_real: Row
+    slope_imaginary: Row
+    least: int
+    width: int
+    frequencies: tuple[float, float]
+    bound: float
+    origin: float
+    mean: float
+
+
+class Clock(NamedTuple):
+    """t(τ): ``doubled`` are the periods of 1/g in turns; ``rough`` a series of its largest modes, ``series`` all of
+    them, ``quiet`` those without the largest, ``modes`` and ``loud`` these (:func:`loud_swing`); ``pace`` the turns of
+    either phase in a unit of t and in one of τ, dτ/dt and dt/dτ, all means.
+    """
+
+    doubled: tuple[int, int]
+    rough: Series
+    series: Series
+    quiet: Series
+    modes: Row
+    loud: Row
+    pace: Row
+
+
+def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
     """γ and M at physical times, six floats each, the times of the flow into ``tau``, and how far they are from their
     mean into ``delays``.
 
-    ``pace`` is (turns of either phase in a unit of t, frequencies, dτ/dt), all means; ``clock`` (periods of 1/g in
-    turns, rough series, series, series without its largest modes), ``modes`` and ``loud`` the latter
-    (:func:`loud_swing`), as :class:`integrable.torus.access.TorusClock` makes them. τ = t·dτ/dt + x with a bounded x
-    from :func:`delay`, whose rounding is then taken off. ``room`` is for powers.
+    τ = t·dτ/dt + x with a bounded x from :func:`delay`, whose rounding is then taken off. ``room`` is for powers.
     """
-    pace1, pace2, nu1, nu2, mean = pace
-    (double1, double2), rough, series, quiet = clock
+    pace1, pace2, nu1, nu2, mean, _ = clock.pace
+    (double1, double2), modes = clock.doubled, clock.modes
     for i in range(len(times)):
         first, turn1 = whole_turns(pace1 * times[i])
         second, turn2 = whole_turns(pace2 * times[i])
         a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-        start, rate = delay(rough, series, a, b, room)
+        start, rate = delay(clock.rough, clock.series, a, b, room)
         x = 0 * nu1 + start
         if len(modes) > 0:
             p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
-            rest, _ = swing_and_rate(quiet, float(p), float(q), room)
-            x -= (loud_swing(modes, loud, p, q) + x + rest) / rate
+            rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
+            x -= (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
         first, more1 = whole_turns(first + nu1 * x)
         second, more2 = whole_turns(second + nu2 * x)
         tau[i] = float(mean * times[i] + x)
@@ -41,14 +73,14 @@ def states_at_times(
         state_at(torus, first, second, turn1 + more1, turn2 + more2, out, 6 * i)
 
 
-def times_at_tau(frequencies: Any, clock: Any, mean: Real, tau: Row, times: Row, room: Row) -> None:
-    """Physical times at the times ``tau`` of the flow, ``mean`` = dt/dτ."""
-    (double1, double2), _, series, _ = clock
+def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
+    """Physical times at the times ``tau`` of the flow."""
+    (double1, double2), nu1, nu2, mean = clock.doubled, clock.pace[2], clock.pace[3], clock.pace[5]
     for i in range(len(tau)):
-        first, turn1 = whole_turns(frequencies[0] * tau[i])
-        second, turn2 = whole_turns(frequencies[1] * tau[i])
+        first, turn1 = whole_turns(nu1 * tau[i])
+        second, turn2 = whole_turns(nu2 * tau[i])
         a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-        swing, _ = swing_and_rate(series, a, b, room)
+        swing, _ = swing_and_rate(clock.series, a, b, room)
         times[i] = float(mean * tau[i] + float(mean) * swing)
 
 
@@ -78,13 +110,13 @@ def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
     return (-c, -s) if quarters % 4 > 1 else (c, s)
 
 
-def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> tuple[float, float]:
+def delay(rough: Series, series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
     """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
     of x + S there.
 
     x + S grows with x: Newton's steps on the few largest modes, held inside the interval that signs leave; then on all.
     """
-    nu1, nu2, bound = series[6]
+    (nu1, nu2), bound = series.frequencies, series.bound
     low, high, x = -bound, bound, 0.0
     for _ in range(100):
         rest, rate = swing_and_rate(rough, a + nu1 * x, b + nu2 * x, room)
@@ -108,15 +140,11 @@ def delay(rough: Any, series: Any, a: float, b: float, room: Row) -> tuple[float
     return x, rate
 
 
-def swing_and_rate(series: Any, a: float, b: float, room: Row) -> tuple[float, float]:
-    """(S, mean rate + dS/dτ) at the phases (a, b) in turns, S a real Fourier series that vanishes at the start.
-
-    ``series`` is (lines, real parts of the coefficients of S, imaginary, those of dS/dτ, imaginary, (least second mode,
-    number of second modes), (ν₁, ν₂, bound of |S|), (−S at the start, mean rate)). For every first mode k = 0, 1, …
-    three lines are the place of its first second mode, and where its coefficients begin and end; for k > 0 they are
-    doubled, in place of those of −k. ``room`` is for twice the number of second modes.
-    """
-    lines, real, imaginary, slope_real, slope_imaginary, (least, count), _, (swing, rate) = series
+def swing_and_rate(series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
+    """(S, mean rate + dS/dτ) at the phases (a, b) in turns; ``room`` is for twice the number of second modes."""
+    lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
+    real, imaginary = series.real, series.imaginary
+    slope_real, slope_imaginary = series.slope_real, series.slope_imaginary
     x, y = cos(2 * pi * b), sin(2 * pi * b)
     p, q = cos(2 * pi * b * least), sin(2 * pi * b * least)
     for m in range(count):

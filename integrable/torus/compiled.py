@@ -1,5 +1,5 @@
-"""The loops of random access on the torus compiled by numba from :mod:`integrable.torus.walks`: moving points in
-double-double numbers, Fourier series in floats.
+"""The loops of random access on the torus compiled by numba from :mod:`integrable.torus.walks` and its neighbours:
+moving points in double-double numbers, Fourier series in floats.
 
 Arrays of numbers are float arrays with a last axis (hi, lo). Importing this module imports numba; compiled code is kept
 on disk beside the source.
@@ -10,36 +10,45 @@ from __future__ import annotations
 from numba.extending import overload, register_jitable
 
 from integrable.moving_point import compiled
-from integrable.torus import clock_loops, states, tables, walks
-from integrable.torus import survey as torus_survey
+from integrable.phase import coordinates
+from integrable.torus import clock_loops, lattice, states, survey, tables, walks
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double_compiled import JIT, numbers
 
-# the double-double kernels that :mod:`integrable.moving_point.compiled` registers are what these loops call
+# the additions in double-doubles that :mod:`integrable.moving_point.compiled` registers are what these loops call
 assert compiled
 
 for _inner in (
-    torus_survey.bracket,
-    torus_survey.between,
-    torus_survey.oval_periods,
-    torus_survey.complete,
-    torus_survey.slowed,
-    torus_survey.mean_slowness,
-    torus_survey.reach_of,
-    torus_survey.centre_of,
-    torus_survey.split_by,
-    torus_survey.reduced,
-    torus_survey.cells,
-    torus_survey.best_chart,
-    torus_survey.about_centre,
+    survey.apart,
+    survey.richelot,
+    survey.bracket,
+    survey.between,
+    survey.oval_periods,
+    survey.complete,
+    survey.slowed,
+    survey.mean_slowness,
+    survey.reach_of,
+    survey.centre_of,
+    survey.split_by,
+    survey.reduced,
+    survey.cells,
+    survey.best_chart,
+    survey.about_centre,
+    tables.near_centre,
     tables.direction,
+    tables.to_powers,
     tables.recentred,
     tables.alike,
     tables.point_in,
     tables.put,
+    tables.small_translation,
     walks.turn,
     walks.step_over,
-    tables.small_translation,
+    walks.place_of,
+    walks.moved,
+    walks.with_signs,
+    walks.rates_beside,
+    coordinates.directions_of,
     states.whole_turns,
     states.state_at,
     states.turned,
@@ -59,7 +68,7 @@ def _overloaded(series, a, b, room):  # type: ignore[no-untyped-def]  # numba co
     return lambda series, a, b, room: _swing_and_rate(series, a, b, room)
 
 
-_survey = register_jitable(torus_survey.survey)
+_survey = register_jitable(survey.survey)
 _directions = register_jitable(tables.directions)
 _corners = register_jitable(walks.corners)
 _offsets = register_jitable(walks.offsets)
@@ -71,136 +80,119 @@ _times_at_tau = register_jitable(clock_loops.times_at_tau)
 
 
 @njit(**JIT)
-def survey(motion, near, points, out):  # type: ignore[no-untyped-def]
+def surveyed(motion, near, points, out):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.survey.survey`."""
     return _survey(numbers(motion), near, points, numbers(out))
 
 
 @njit(**JIT)
-def directions(motion, chart, parts, nodes, passes, series, roots, room, tables, halves):  # type: ignore[no-untyped-def]
+def directions(motion, chart, parts, nodes, passes, room, tables, halves):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.tables.directions`."""
-    _directions(
-        numbers(motion),
-        chart,
-        numbers(parts),
-        nodes,
-        passes,
-        numbers(series),
-        numbers(roots),
-        numbers(room),
-        numbers(tables),
-        numbers(halves),
-    )
+    centres, reaches, basis, cells = chart
+    series, roots, rest = room
+    numbered = Room(numbers(series), numbers(roots), numbers(rest))
+    about = Chart(centres, reaches, basis, cells)
+    _directions(numbers(motion), about, numbers(parts), nodes, passes, numbered, numbers(tables), numbers(halves))
 
 
 @njit(**JIT)
-def corners(f, axes, unit_axes, start, cells, forward, most, halves, steps, states, ends, known, turns):  # type: ignore[no-untyped-def]
+def corners(curve, start, walk, states, ends, known):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.walks.corners`."""
-    _corners(
-        _six(numbers(f)),
-        _eight(numbers(axes)),
-        _eight(numbers(unit_axes)),
-        numbers(start),
-        cells,
-        forward,
-        most,
-        numbers(halves),
-        numbers(steps),
-        numbers(states),
-        numbers(ends),
-        numbers(known),
-        turns,
-    )
+    cells, forward, most, turns, halves, steps = walk
+    numbered = Walk(cells, forward, most, turns, numbers(halves), numbers(steps))
+    _corners(_curve(curve), numbers(start), numbered, numbers(states), numbers(ends), numbers(known))
 
 
 @njit(**JIT)
-def offsets(f, unit_axes, centres, tables, terms, parts, cells, finer, steps, counts):  # type: ignore[no-untyped-def]
+def offsets(curve, small, fine):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.walks.offsets`."""
-    _offsets(
-        _six(numbers(f)),
-        _eight(numbers(unit_axes)),
-        centres,
-        numbers(tables),
-        terms,
-        numbers(parts),
-        cells,
-        finer,
-        numbers(steps),
-        counts,
-    )
+    _offsets(_curve(curve), _small(small), _fine(fine))
 
 
 @njit(**JIT)
-def sampled(f, axes, states, cells, finer, odd, steps, counts, rates, others):  # type: ignore[no-untyped-def]
+def sampled(curve, states, fine, rates, others):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.walks.sampled`."""
-    _sampled(
-        _six(numbers(f)),
-        _eight(numbers(axes)),
-        numbers(states),
-        cells,
-        finer,
-        odd,
-        numbers(steps),
-        counts,
-        numbers(rates),
-        numbers(others),
-    )
+    _sampled(_curve(curve), numbers(states), _fine(fine), numbers(rates), numbers(others))
 
 
 @njit(**JIT)
-def states_at_phases(rows, sizes, phases, out):  # type: ignore[no-untyped-def]
+def states_at_phases(torus, phases, out):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.states.states_at_phases`."""
-    _states_at_phases(_torus(rows, sizes), phases, out)
+    _states_at_phases(_torus(torus), phases, out)
 
 
 @njit(**JIT)
-def states_at_tau(rows, sizes, frequencies, tau, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.states.states_at_tau`; ``rows`` are the arrays of ``torus`` in order."""
-    _states_at_tau(_torus(rows, sizes), _two(frequencies), tau, out)
+def states_at_tau(torus, frequencies, tau, out):  # type: ignore[no-untyped-def]
+    """:func:`integrable.torus.states.states_at_tau`."""
+    _states_at_tau(_torus(torus), numbers(frequencies), tau, out)
 
 
 @njit(**JIT)
-def states_at_times(rows, sizes, pace, clock, modes, loud, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
+def states_at_times(torus, clock, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.clock_loops.states_at_times`."""
-    p = numbers(pace)
-    mean = p[0], p[1], p[2], p[3], p[4]
-    _states_at_times(_torus(rows, sizes), mean, clock, modes, numbers(loud), times, tau, delays, out, room)
+    _states_at_times(_torus(torus), _clock(clock), times, tau, delays, out, room)
 
 
 @njit(**JIT)
-def times_at_tau(frequencies, clock, mean, tau, times, room):  # type: ignore[no-untyped-def]
+def times_at_tau(clock, tau, times, room):  # type: ignore[no-untyped-def]
     """:func:`integrable.torus.clock_loops.times_at_tau`."""
-    _times_at_tau(_two(frequencies), clock, numbers(mean)[0], tau, times, room)
+    _times_at_tau(_clock(clock), tau, times, room)
+
+
+# --- arrays of floats as numbers, and tuples as NamedTuples: a call is 30 µs faster where it is given plain tuples
+
+Room, SmallSteps = tables.Room, tables.SmallSteps
+Curve, Walk, Fine = walks.Curve, walks.Walk, walks.Fine
+Torus, Clock, Series, Chart = states.Torus, clock_loops.Clock, clock_loops.Series, lattice.Chart
 
 
 @register_jitable
-def _two(row):  # type: ignore[no-untyped-def]
-    pair = numbers(row)
-    return pair[0], pair[1]
+def _four(row):  # type: ignore[no-untyped-def]
+    return row[0], row[1], row[2], row[3]
 
 
 @register_jitable
-def _six(f):  # type: ignore[no-untyped-def]
-    return f[0], f[1], f[2], f[3], f[4], f[5]
+def _six(row):  # type: ignore[no-untyped-def]
+    return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
 @register_jitable
-def _eight(axes):  # type: ignore[no-untyped-def]
-    return axes[0], axes[1], axes[2], axes[3], axes[4], axes[5], axes[6], axes[7]
+def _eight(row):  # type: ignore[no-untyped-def]
+    return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 
 @register_jitable
-def _torus(rows, sizes):  # type: ignore[no-untyped-def]
-    f, axes, matrix, states, tables, parts, centres, turns = rows
-    matrix, parts = numbers(matrix), numbers(parts)
-    return (
-        _six(numbers(f)),
-        _eight(numbers(axes)),
-        (matrix[0], matrix[1], matrix[2], matrix[3]),
-        numbers(states),
-        numbers(tables),
-        (parts[0], parts[1], parts[2], parts[3]),
-        centres,
-        turns,
-        sizes,
-    )
+def _curve(curve):  # type: ignore[no-untyped-def]
+    f, axes, unit_axes = curve
+    return Curve(_six(numbers(f)), _eight(numbers(axes)), _eight(numbers(unit_axes)))
+
+
+@register_jitable
+def _small(small):  # type: ignore[no-untyped-def]
+    axes, centres, tables, terms, parts = small
+    return SmallSteps(_eight(numbers(axes)), centres, numbers(tables), terms, _four(numbers(parts)))
+
+
+@register_jitable
+def _fine(fine):  # type: ignore[no-untyped-def]
+    cells, finer, odd, steps, counts = fine
+    return Fine(cells, finer, odd, numbers(steps), counts)
+
+
+@register_jitable
+def _torus(torus):  # type: ignore[no-untyped-def]
+    curve, matrix, states, small, turns, cells = torus
+    return Torus(_curve(curve), _four(numbers(matrix)), numbers(states), _small(small), turns, cells)
+
+
+@register_jitable
+def _series(series):  # type: ignore[no-untyped-def]
+    lines, real, imaginary, slope_real, slope_imaginary, least, width, frequencies, bound, origin, mean = series
+    return Series(lines, real, imaginary, slope_real, slope_imaginary, least, width, frequencies, bound, origin, mean)
+
+
+@register_jitable
+def _clock(clock):  # type: ignore[no-untyped-def]
+    doubled, rough, series, quiet, modes, loud, pace = clock
+    parts = _series(rough), _series(series), _series(quiet)
+    return Clock(doubled, parts[0], parts[1], parts[2], modes, numbers(loud), _six(numbers(pace)))

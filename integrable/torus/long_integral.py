@@ -3,22 +3,24 @@ the real torus, like that of 1/g in :mod:`integrable.torus.long_clock`."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point import addition
-from integrable.torus.long_clock import powers
-from integrable.torus.long_grid import FINEST, MOST_SAMPLES, SAMPLES_A_DIGIT, TorusGrid, fourier, next_size, tails
-from jacobian import MP
-from jacobian.errors import PrecisionLoss
+import numpy as np
+
+from integrable.moving_point.addition import shift
+from integrable.torus.corners import Corners
+from integrable.torus.long_clock import MOST_SAMPLES, SAMPLES_A_DIGIT, phases
+from integrable.torus.loops import ReadableLoops
+from integrable.torus.series import LongSeries, long_spectrum
+from integrable.torus.states import turned
+from integrable.torus.tables import point_in
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
-"""Two numbers, bare reals, for each of some moving points."""
-
-FIRST_SIZE = 32
+"""Two numbers, bare reals, for the pairs of each of some moving points."""
 
 
 class LongIntegral:
@@ -29,73 +31,75 @@ class LongIntegral:
     """
 
     def __init__(self, setup: Setup, digits: int, function: Pairs) -> None:
-        self._setup, self._work = setup, MP(setup.digits)
-        self._grid = grid = _Grid(setup, digits, function)
-        self._frequencies = grid.frequencies()
-        self._series = self._integrated(grid.spectrum(), 10.0**-digits)
-        self._start = self._sums(self._angles(setup.wide.zero))
+        loops = ReadableLoops(setup, digits)
+        self._wide, self._reals = setup.wide, loops.reals
+        corners = _Values(setup, loops, max(MOST_SAMPLES, SAMPLES_A_DIGIT * digits**2), function)
+        nu = [rate / n / setup.time_scale for rate, n in zip(corners.frequencies, corners.doubled, strict=True)]
+        self._frequencies = nu[0], nu[1]
+        noise = 8 * loops.noise
+        both = corners.resolved(lambda samples: long_spectrum(samples, self._wide, loops.reals), (noise, noise))
+        # those of the real and of the imaginary part: c and the conjugate of its opposite
+        with loops.reals:
+            other = np.roll(both[::-1, ::-1], (1, 1), axis=(0, 1))
+            other = np.frompyfunc(lambda c: c.conjugate(), 1, 1)(other)
+            parts = (both + other) / 2, (both - other) / (2 * loops.reals.i)
+        most = np.abs(both).max()
+        self._series = []
+        for grid in parts:
+            size = np.abs(grid).max()
+            least = float(min(1, loops.noise * most / size)) if size else 1.0
+            self._series.append(LongSeries(grid, self._frequencies, self._wide, loops.reals, least))
 
     def at(self, tau: Any) -> tuple[Any, Any]:
         """Both integrals at τ, wide numbers."""
-        first, second = self._sums(self._angles(tau))
-        return first - self._start[0], second - self._start[1]
-
-    def _integrated(self, spectrum: Any, noise: float) -> list[tuple[int, int, list[Any]]]:
-        """The coefficients of the integral of F₁ + iF₂: (k, first m, those of m, m + 1, …) for k of either sign."""
-        rows, columns = len(spectrum), len(spectrum[0])
-        least = noise * max(abs(c) for line in spectrum for c in line)
-        unit, lines = 2j * self._work.context.pi, []
-        for k in range(1 - rows // 2, rows // 2):
-            kept = [m for m in range(1 - columns // 2, columns // 2) if (k or m) and abs(spectrum[k][m]) > least]
-            if not kept:
-                continue
-            line = []
-            for m in range(min(kept), max(kept) + 1):
-                turns = self._work.coerce(k * self._frequencies[0] + m * self._frequencies[1])
-                line.append(spectrum[k][m] / (unit * turns) if turns and (k or m) else self._work.context.zero)
-            lines.append((k, min(kept), line))
-        return lines
-
-    def _angles(self, tau: Any) -> tuple[Any, Any]:
-        floor, coerce = self._setup.wide.context.floor, self._work.coerce
-        first, second = (tau * nu + origin for nu, origin in zip(self._frequencies, self._grid.origin, strict=True))
-        return coerce(first - floor(first)), coerce(second - floor(second))
-
-    def _sums(self, angles: tuple[Any, Any]) -> tuple[Any, Any]:
-        context: Any = self._work.context
-        reach = [max((abs(k) for k, _, _ in self._series), default=0)]
-        reach.append(max((max(abs(m), abs(m + len(line))) for _, m, line in self._series), default=0))
-        left, right = (powers(context, angle, size + 1) for angle, size in zip(angles, reach, strict=True))
-        left, right = ([x.conjugate() for x in row[:0:-1]] + row for row in (left, right))
-        total = context.zero
-        for k, first, line in self._series:
-            place = first + reach[1]
-            total += context.fdot(line, right[place : place + len(line)]) * left[k + reach[0]]
-        return total.real, total.imag
+        angles = phases(tau, self._frequencies, self._wide)
+        first, second = (self._reals.element(self._wide, series.at(*angles)) for series in self._series)
+        return first, second
 
 
-class _Grid(TorusGrid):
+class _Values(Corners):
     """Samples of F₁ + iF₂."""
 
-    def __init__(self, setup: Setup, digits: int, function: Pairs) -> None:
-        super().__init__(setup, digits, odd=True)
+    def __init__(self, setup: Setup, loops: Any, most: int, function: Pairs) -> None:
+        super().__init__(setup, loops, most)
         self._function = function
+        self.doubled = (1 + self.odd[0], 1 + self.odd[1])
 
-    def spectrum(self) -> Any:
-        """The Fourier coefficients of the first grid that holds the function to its digits: rows of mpc."""
-        sizes, noise = [FIRST_SIZE, FIRST_SIZE], 32 * 10.0**-self._digits
-        while sizes[0] * sizes[1] <= max(MOST_SAMPLES, SAMPLES_A_DIGIT * self._digits**2) and max(sizes) < 2**FINEST:
-            grid = fourier(self._setup, self.samples(sizes[0], sizes[1]))
-            most = max(abs(c) for line in grid for c in line)
-            ends = [float(tail / most) if most else 0.0 for tail in tails(grid)]
-            if max(ends) < noise:
-                return grid
-            sizes = [n if end < noise else next_size(n, end, noise) for n, end in zip(sizes, ends, strict=True)]
-        raise PrecisionLoss(f"a grid of {sizes[0]} × {sizes[1]} is needed for an integral on the torus")
+    def samples(self, sizes: tuple[int, int]) -> Any:
+        places, points = zip(*self._points(sizes), strict=True)
+        blocks = []
+        with self.loops.reals as reals:
+            for i in range(self.doubled[0]):
+                for j in range(self.doubled[1]):
+                    here = [self._turned(point, i, j) for point in points]
+                    values = [x + reals.i * y for x, y in self._function(here)]
+                    table = np.empty(sizes, dtype=object)
+                    for place, value in zip(places, values, strict=True):
+                        table[place] = value
+                    blocks.append(table)
+        width = self.doubled[1]
+        return np.block([blocks[width * i : width * (i + 1)] for i in range(self.doubled[0])])
 
-    def _values(self, point: tuple[Any, ...], steps: list[Any]) -> list[Any]:
-        setup, context = self._setup, MP(self._setup.digits).context
-        f, axes = setup.bare.f, setup.bare.axes
-        pairs = self._function([point, *(addition.shift(f, axes, point, step) for step in steps)])
-        real, imaginary = (setup.reals.elements(MP(setup.digits), part) for part in zip(*pairs, strict=True))
-        return [context.mpc(x, y) for x, y in zip(real, imaginary, strict=True)]
+    def _points(self, sizes: tuple[int, int]) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
+        """(row, column) and the moving point of every place of the grid."""
+        (rows, columns), fine = self.sizes, self.fine(sizes)
+        above, left = (fine.finer[0] - 1) // 2, (fine.finer[1] - 1) // 2
+        # ν in the units of the set-up
+        lift, f, axes = self.units.lift, self.curve.f, self.curve.axes
+        for i, j in np.ndindex(rows, columns):
+            corner = point_in(self.states, (i * columns + j) * 10)
+            for n, (a, b) in enumerate(np.ndindex(*fine.finer)):
+                point = corner
+                with self.loops.reals:
+                    for k in range(fine.counts[n]):
+                        point = shift(f, axes, point, point_in(fine.steps, 20 * n + 10 * k))
+                    point = (*point[:7], *(lift * x for x in point[7:]))
+                    row, column = i * fine.finer[0] + a - above, j * fine.finer[1] + b - left
+                    point = self._turned(point, row < 0, column < 0)
+                yield (row % sizes[0], column % sizes[1]), point
+
+    def _turned(self, point: tuple[Any, ...], first: int, second: int) -> tuple[Any, ...]:
+        """The point a period further in the first direction, in the second."""
+        if first:
+            point = turned(point, self.signs, 0)
+        return turned(point, self.signs, 3) if second else point

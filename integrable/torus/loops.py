@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import survey as torus_survey
 from integrable.torus import walks
-from integrable.torus.clock_loops import panel_values, states_at_times, times_at_tau
-from integrable.torus.states import states_at_phases, states_at_tau
-from integrable.torus.tables import directions
+from integrable.torus.clock_loops import Clock, panel_values, states_at_times, times_at_tau
+from integrable.torus.states import Torus, states_at_phases, states_at_tau
+from integrable.torus.tables import Room, directions
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS, pack
 
@@ -20,10 +22,13 @@ if TYPE_CHECKING:
 
 # steps from a float to a double-double number
 NEWTON_PASSES = 1
-
-
 # terms of a power series that bring 32 digits within reach
 SERIES = 85
+# terms of the polynomials of a direction for 25 digits, those that a digit beyond them takes, and the bits that a term
+# costs where values become coefficients
+TERMS = 18
+TERMS_A_DIGIT = 1.6
+BITS_A_TERM = 1.3
 
 
 class NotClosed(PrecisionLoss):
@@ -31,130 +36,131 @@ class NotClosed(PrecisionLoss):
 
 
 class ReadableLoops:
-    """The loops of :mod:`integrable.torus.walks` interpreted, on lists of numbers of the set-up's wide precision."""
+    """The loops of :mod:`integrable.torus.walks` interpreted, on lists of numbers of the set-up's wide precision; what
+    they are for is good to ``digits``.
+    """
 
-    terms = 18
-    # what rounding leaves of 1/g where its Fourier series has ended
-    noise = 1e-15
-
-    def __init__(self, setup: Setup) -> None:
-        self._reals = setup.reals
-        self._passes = setup.passes
-        self._series = setup.terms
+    def __init__(self, setup: Setup, digits: int = FLOAT_DIGITS) -> None:
+        self._digits = digits
+        more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
+        self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
+        self.reals = type(setup.reals)(bits)
+        # from a float of 46 bits or more
+        self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
         self.short = float(setup.wide.eps) ** 0.5 / 16
+        # what rounding leaves of 1/g where its Fourier series has ended
+        self.noise = 10.0**-digits
+
+    def packed(self, value: Any) -> Any:
+        """A NamedTuple as the loops take it: with lists for arrays, which interpreted loops read faster."""
+        if hasattr(value, "_fields"):
+            return type(value)(*map(self.packed, value))
+        return value.tolist() if isinstance(value, np.ndarray) else value
 
     def row(self, values: Any) -> Any:
         """Numbers of any kind as working ones."""
-        return list(self._reals.row(values))
+        return list(self.reals.row(values))
 
     def room(self, count: int) -> Any:
         """Room for so many."""
-        return [self._reals.number(0)] * count
+        return [self.reals.number(0)] * count
 
     def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
         """Working numbers as those of a wide field."""
-        return self._reals.elements(field, values)
+        return self.reals.elements(field, values)
 
     def floats(self, values: Any) -> np.ndarray:
         """Working numbers rounded to floats, shape (N,)."""
         return np.array([float(x) for x in values])
 
-    def long_doubles(self, values: Any) -> np.ndarray:
-        """Working numbers as long doubles, where the machine has them, shape (N,)."""
+    def samples(self, values: Any) -> np.ndarray:
+        """Working numbers, shape (N,), as they are, or as the long doubles of this machine where those suffice."""
+        if self._digits > FLOAT_DIGITS:
+            return np.array(values, dtype=object)
         high = self.floats(values)
-        with self._reals:
+        with self.reals:
             low = [float(x - y) for x, y in zip(values, self.row(high.tolist()), strict=True)]
         return high.astype(np.longdouble) + low
 
     def differences(self, first: Any, second: Any) -> np.ndarray:
         """Differences of working numbers, as floats."""
-        with self._reals:
+        with self.reals:
             return np.array([float(x - y) for x, y in zip(first, second, strict=True)])
 
     def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
         """:func:`integrable.torus.survey.survey`."""
-        with self._reals:
+        with self.reals:
             return torus_survey.survey(motion, short, points, out)
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
         """:func:`integrable.torus.tables.directions`."""
-        series, roots, room = map(self.room, (self._series, self._series, 9 + len(nodes)))
-        with self._reals:
-            directions(motion, chart, parts, nodes, self._passes, series, roots, room, tables, halves)
+        room = Room(*map(self.room, (self._series, self._series, 9 + len(nodes))))
+        with self.reals:
+            directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
     panel_values = staticmethod(panel_values)
 
     def corners(self, *args: Any) -> None:
         """:func:`integrable.torus.walks.corners`."""
-        with self._reals:
+        with self.reals:
             walks.corners(*args)
 
     def offsets(self, *args: Any) -> None:
         """:func:`integrable.torus.walks.offsets`."""
-        with self._reals:
+        with self.reals:
             walks.offsets(*args)
 
     def sampled(self, *args: Any) -> None:
         """:func:`integrable.torus.walks.sampled`."""
-        with self._reals:
+        with self.reals:
             walks.sampled(*args)
 
-    def states_at_phases(self, rows: Any, sizes: Any, phases: Any, out: Any) -> None:
+    def states_at_phases(self, torus: Torus, phases: Any, out: Any) -> None:
         """:func:`integrable.torus.states.states_at_phases`."""
-        with self._reals:
-            states_at_phases((*rows, sizes), phases.tolist(), out)
+        with self.reals:
+            states_at_phases(torus, phases.tolist(), out)
 
-    def states_at_tau(self, rows: Any, sizes: Any, frequencies: Any, tau: Any, out: Any) -> None:
+    def states_at_tau(self, torus: Torus, frequencies: Any, tau: Any, out: Any) -> None:
         """:func:`integrable.torus.states.states_at_tau`."""
-        with self._reals:
-            states_at_tau((*rows, sizes), frequencies, tau.tolist(), out)
+        with self.reals:
+            states_at_tau(torus, frequencies, tau.tolist(), out)
 
     def states_at_times(
-        self,
-        rows: Any,
-        sizes: Any,
-        pace: Any,
-        clock: Any,
-        modes: Any,
-        loud: Any,
-        times: Any,
-        tau: Any,
-        delays: Any,
-        out: Any,
-        room: Any,
+        self, torus: Torus, clock: Clock, times: Any, tau: Any, delays: Any, out: Any, room: Any
     ) -> None:
         """:func:`integrable.torus.clock_loops.states_at_times`."""
-        with self._reals:
-            states_at_times(
-                (*rows, sizes), pace, _listed(clock), modes.tolist(), loud, times.tolist(), tau, delays, out,
-                room.tolist(),
-            )  # fmt: skip
+        with self.reals:
+            states_at_times(torus, clock, times.tolist(), tau, delays, out, room.tolist())
 
-    def times_at_tau(self, frequencies: Any, clock: Any, mean: Any, tau: Any, times: Any, room: Any) -> None:
+    def times_at_tau(self, clock: Clock, tau: Any, times: Any, room: Any) -> None:
         """:func:`integrable.torus.clock_loops.times_at_tau`."""
-        with self._reals:
-            times_at_tau(frequencies, _listed(clock), mean[0], tau.tolist(), times, room.tolist())
+        with self.reals:
+            times_at_tau(clock, tau.tolist(), times, room.tolist())
 
 
 class CompiledLoops:
     """The same compiled, on arrays of double-double numbers."""
 
-    terms = 18
+    terms = TERMS
     noise = 1e-15
     short = EPS**0.5 / 16
 
     def __init__(self) -> None:
-        from integrable.torus import compiled as torus_compiled
+        from integrable.torus import compiled
 
-        self._loops = torus_compiled
-        self.corners: Any = torus_compiled.corners
-        self.offsets: Any = torus_compiled.offsets
-        self.sampled: Any = torus_compiled.sampled
-        self.states_at_phases: Any = torus_compiled.states_at_phases
-        self.states_at_tau: Any = torus_compiled.states_at_tau
-        self.states_at_times: Any = torus_compiled.states_at_times
-        self.times_at_tau: Any = torus_compiled.times_at_tau
-        self.panel_values: Any = torus_compiled.panel_values
+        self.survey_rows: Any = compiled.surveyed
+        self.direction_rows: Any = compiled.directions
+        self.corners: Any = compiled.corners
+        self.offsets: Any = compiled.offsets
+        self.sampled: Any = compiled.sampled
+        self.states_at_phases: Any = compiled.states_at_phases
+        self.states_at_tau: Any = compiled.states_at_tau
+        self.states_at_times: Any = compiled.states_at_times
+        self.times_at_tau: Any = compiled.times_at_tau
+        self.panel_values: Any = compiled.panel_values
+
+    def packed(self, value: Any) -> Any:
+        return tuple(map(self.packed, value)) if hasattr(value, "_fields") else value
 
     def row(self, values: Any) -> Any:
         return pack(np.array(list(values), dtype=object))
@@ -170,7 +176,7 @@ class CompiledLoops:
     def floats(self, values: Any) -> np.ndarray:
         return np.ascontiguousarray(values[:, 0])
 
-    def long_doubles(self, values: Any) -> np.ndarray:
+    def samples(self, values: Any) -> np.ndarray:
         long: np.ndarray = values[:, 0].astype(np.longdouble) + values[:, 1]
         return long
 
@@ -179,16 +185,8 @@ class CompiledLoops:
         return (first[:, 0] - second[:, 0]) + (first[:, 1] - second[:, 1])
 
     def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
-        return self._loops.survey(motion, short, np.array(points), out)
+        return self.survey_rows(motion, short, np.array(points), out)
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
-        rooms = map(self.room, (SERIES, SERIES, 9 + len(nodes)))
-        self._loops.directions(motion, chart, parts, np.array(nodes), NEWTON_PASSES, *rooms, tables, halves)
-
-
-def _listed(clock: Any) -> Any:
-    """The clock's arrays as lists, which interpreted loops read faster."""
-    return tuple(
-        tuple(x.tolist() if isinstance(x, np.ndarray) else x for x in part) if isinstance(part, tuple) else part
-        for part in clock
-    )
+        room = tuple(map(self.room, (SERIES, SERIES, 9 + len(nodes))))
+        self.direction_rows(motion, self.packed(chart), parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)

@@ -11,7 +11,9 @@ from typing import Any
 
 import numpy as np
 
+from integrable.torus.clock_loops import Series
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
 
 # 2π as the sum of two floats
 TWO_PI = np.longdouble(2 * pi) + 2.4492935982947064e-16
@@ -33,21 +35,20 @@ class TorusSeries:
         scale: Any = 1.0,
         noise: float = 2.0**-54,
         least: float = inf,
+        rounding: float | None = None,
     ) -> None:
         grid = grid / scale
+        if rounding is None:
+            rounding = 8 * float(np.finfo(grid.dtype).eps)
         self.mean = float(grid[0, 0].real)
         self.frequencies = frequencies
-        rows, columns = grid.shape
-        # the modes k ≥ 0 (the others are conjugate), m from −columns/2 to columns/2
-        half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
-        half[1:] *= 2
+        columns = grid.shape[1]
+        half = half_plane(grid)
         self._first = -(columns // 2)
         largest = float(np.abs(grid).max())
-        kept = np.abs(half) > 8 * float(np.finfo(grid.dtype).eps) * largest
-        kept[0, columns // 2] = False
+        kept = np.abs(half) > rounding * largest
         # the conjugate half of the row k = 0 is counted with its other half
-        kept[0, : columns // 2] = False
-        half[0, columns // 2 + 1 :] *= 2
+        kept[0, : columns // 2 + 1] = False
         self._slope = half.astype(complex)
         self._kept = kept
         turns = self._turns(kept)
@@ -91,9 +92,9 @@ class TorusSeries:
             coefficients += [value.imag, -value.real]
         return np.array(modes, dtype=np.int64), coefficients
 
-    def packed(self, part: float = 0.0, without: Any = ()) -> tuple[Any, ...]:
-        """What :func:`integrable.torus.clock_loops.swing_and_rate` takes; only modes of F beyond ``part`` of its mean,
-        or without some modes as :meth:`loudest` gives them and without their part of the value at the start.
+    def packed(self, part: float = 0.0, without: Any = ()) -> Series:
+        """What compiled loops take; only modes of F beyond ``part`` of its mean, or without some modes as
+        :meth:`loudest` gives them and without their part of the value at the start.
         """
         kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
         left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first
@@ -111,22 +112,78 @@ class TorusSeries:
             swings.append(np.where(kept[k, begin:end], self._swing[k, begin:end], 0))
             slopes.append(np.where(kept[k, begin:end], self._slope[k, begin:end], 0))
         swing, slope = np.concatenate(swings), np.concatenate(slopes)
-        nu = tuple(map(float, self.frequencies))
-        return (
-            np.array(lines),
-            *(np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag)),
-            (least + self._first, count),
-            (*nu, self._bound),
-            (-origin, self.mean),
-        )
+        s, t, u, v = (np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag))
+        nu1, nu2 = map(float, self.frequencies)
+        least += self._first
+        return Series(np.array(lines), s, t, u, v, least, count, (nu1, nu2), self._bound, -origin, self.mean)
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """S at arrays of phases, in turns."""
+        return self._sums(first, second, self._swing)[0] - self._origin
+
+    def swings_and_rates(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """S and F at arrays of phases."""
+        swing, slope = self._sums(first, second, self._swing, np.where(self._kept, self._slope, 0))
+        return swing - self._origin, self.mean + slope
+
+    def _sums(self, first: np.ndarray, second: np.ndarray, *tables: np.ndarray) -> list[np.ndarray]:
         rows, columns = self._swing.shape
         left = np.exp(2j * pi * np.outer(first, np.arange(rows)))
         right = np.exp(2j * pi * np.outer(second, np.arange(columns) + self._first))
-        swing: np.ndarray = np.einsum("ij,ij->i", left @ self._swing, right).real - self._origin
-        return swing
+        return [np.einsum("ij,ij->i", left @ table, right).real for table in tables]
+
+
+class LongSeries:
+    """S in bare reals at one point at a time, for a :func:`long_spectrum` of F; ``rough`` is the same for floats.
+
+    Modes of F below ``noise`` times its mean are left out; ``field`` is the MP field of the frequencies.
+    """
+
+    def __init__(
+        self, grid: np.ndarray, frequencies: tuple[Any, Any], field: Any, reals: BareReals, noise: float
+    ) -> None:
+        self.rough = TorusSeries(grid.astype(complex), frequencies, noise=noise, rounding=noise)
+        self._field, self._reals = field, reals
+        kept = self.rough._kept
+        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
+        least, columns, rows = (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (0, 1, 1)
+        self._first = least - grid.shape[1] // 2
+        part = slice(rows), slice(least, columns)
+        nu1, nu2, two_pi = reals.row((*frequencies, 2 * field.context.pi))
+        with reals:
+            turns = np.arange(rows).astype(object)[:, None] * nu1
+            turns = turns + (np.arange(columns - least) + self._first).astype(object)[None, :] * nu2
+            self._swing = half_plane(grid)[part] * 0
+            mask = kept[part]
+            self._swing[mask] = half_plane(grid)[part][mask] / (reals.i * two_pi * turns[mask])
+            self._origin = self._swing.sum().real
+
+    def at(self, first: Any, second: Any) -> Any:
+        """S at the phases, numbers of the field, in turns."""
+        rows, columns = self._swing.shape
+        left, right = self._circle(first), self._circle(second)
+        with self._reals:
+            swing = _powers(left, 0, rows) @ (self._swing @ _powers(right, self._first, columns))
+            return swing.real - self._origin
+
+    def _circle(self, angle: Any) -> Any:
+        point, number = self._field.context.expjpi(2 * angle), self._reals.number
+        with self._reals:
+            return number(point.real) + self._reals.i * number(point.imag)
+
+
+def _powers(base: Any, first: int, count: int) -> np.ndarray:
+    """base^first, base^(first + 1), …, for |base| = 1."""
+    return np.array([base**n for n in range(first, first + count)], dtype=object)
+
+
+def half_plane(grid: np.ndarray) -> np.ndarray:
+    """The modes k ≥ 0, the others are conjugate and counted with them, m from −columns/2 to columns/2."""
+    rows, columns = grid.shape
+    half = np.roll(grid[: (rows + 1) // 2], columns // 2, axis=1)
+    half[1:] *= 2
+    half[0, columns // 2 + 1 :] *= 2
+    return half
 
 
 def long_double(x: Any) -> Any:
@@ -138,6 +195,28 @@ def spectrum(samples: np.ndarray) -> np.ndarray:
     """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
     grid: np.ndarray = np.fft.fft2(samples) / samples.size
     return grid
+
+
+def long_spectrum(samples: np.ndarray, field: Any, reals: BareReals) -> np.ndarray:
+    """The same for samples in bare reals, on a grid of powers of 2."""
+    most = max(samples.shape)
+    circle = [field.context.expjpi(-field.context.mpf(2 * k) / most) for k in range(most // 2)]
+    with reals:
+        turns = np.array([reals.number(x.real) + reals.i * reals.number(x.imag) for x in circle], dtype=object)
+        grid: np.ndarray = _transform(_transform(samples + 0 * reals.i, turns).T, turns).T / samples.size
+        return grid
+
+
+def _transform(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    """The discrete Fourier transform of 2^k rows (Cooley & Tukey 1965); ``turns`` are e^(−2πik/2^m), k < 2^(m−1),
+    2^m ≥ 2^k.
+    """
+    n = len(values)
+    if n == 1:
+        return values
+    even, odd = _transform(values[::2], turns), _transform(values[1::2], turns)
+    odd = turns[:: 2 * len(turns) // n, None] * odd
+    return np.concatenate([even + odd, even - odd])
 
 
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:

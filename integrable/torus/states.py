@@ -3,15 +3,29 @@
 from __future__ import annotations
 
 from math import floor
-from typing import Any
+from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import carried
-from integrable.torus.tables import point_in, small_translation
-from integrable.torus.walks import IDENTITY
-from jacobian.numbers.roots import root
+from integrable.phase.coordinates import directions_of
+from integrable.torus.tables import SmallSteps, point_in, small_translation
+from integrable.torus.walks import IDENTITY, Curve
 
 Real = Any
 Row = Any
+
+
+class Torus(NamedTuple):
+    """What states are read from: the moving points at the corners of the cells, row by row of ten numbers, and the
+    translations beside them; ``matrix`` (p, q, r, s): γ = pγ̃ + q·w̃×γ̃, M = rγ̃ + s·w̃×γ̃ from the upright γ̃ and
+    w̃ = γ̃×M̃/|M̃|; ``turns`` the signs that σ1, σ2, σ3 change by in either period; ``cells`` (rows, columns).
+    """
+
+    curve: Curve
+    matrix: Row
+    states: Row
+    small: SmallSteps
+    turns: Row
+    cells: tuple[int, int]
 
 
 def whole_turns(x: Real) -> tuple[Real, int]:
@@ -24,63 +38,63 @@ def whole_turns(x: Real) -> tuple[Real, int]:
     return rest, whole
 
 
-def state_at(torus: Any, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
+def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
     """γ and M at the phases (first, second) in [0, 1) after so many whole turns, into out[place … place + 5].
 
     The nearest corner, and two translations near the identity.
     """
-    f, axes, matrix, states, tables, parts, centres, turns, sizes = torus
-    rows, columns, terms = sizes
+    (rows, columns), parts = torus.cells, torus.small.parts
     i, j = floor(float(first) * rows + 0.5), floor(float(second) * columns + 0.5)
     a, b = first - i / rows, second - j / columns
     if i == rows:
         i, turn1 = 0, turn1 + 1
     if j == columns:
         j, turn2 = 0, turn2 + 1
-    point = point_in(states, (i * columns + j) * 10)
+    point = point_in(torus.states, (i * columns + j) * 10)
     x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
     # the translation has a pole at 0, where it is the identity
     if abs(x) > IDENTITY:
-        point = carried(f, axes, point, small_translation(axes, centres[0], tables, 0, terms, x))
+        point = carried(torus.curve.f, torus.curve.axes, point, small_translation(torus.small, 0, x))
     if abs(y) > IDENTITY:
-        point = carried(f, axes, point, small_translation(axes, centres[1], tables, 4 * terms, terms, y))
-    s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
+        point = carried(torus.curve.f, torus.curve.axes, point, small_translation(torus.small, 1, y))
     if turn1 % 2 != 0:
-        s1, s2, s3, n1, n2, n3 = turned(turns[0], turns[1], turns[2], s1, s2, s3, n1, n2, n3)
+        point = turned(point, torus.turns, 0)
     if turn2 % 2 != 0:
-        s1, s2, s3, n1, n2, n3 = turned(turns[3], turns[4], turns[5], s1, s2, s3, n1, n2, n3)
-    square = s1 * s1 + s2 * s2 + s3 * s3
-    lean = (s1 * n1 + s2 * n2 + s3 * n3) / square
-    scale = 1 / root(square)
-    n1, n2, n3 = n1 - lean * s1, n2 - lean * s2, n3 - lean * s3
-    s1, s2, s3 = s1 * scale, s2 * scale, s3 * scale
-    m1, m2, m3 = n2 * s3 - n3 * s2, n3 * s1 - n1 * s3, n1 * s2 - n2 * s1
-    p, q, r, s = matrix
-    out[place] = float(p * s1 + q * m1)
-    out[place + 1] = float(p * s2 + q * m2)
-    out[place + 2] = float(p * s3 + q * m3)
-    out[place + 3] = float(r * s1 + s * m1)
-    out[place + 4] = float(r * s2 + s * m2)
-    out[place + 5] = float(r * s3 + s * m3)
+        point = turned(point, torus.turns, 3)
+    gamma, M = directions_of(point)
+    p, q, r, s = torus.matrix
+    for c in range(3):
+        out[place + c] = float(p * gamma[c] + q * M[c])
+        out[place + 3 + c] = float(r * gamma[c] + s * M[c])
 
 
-def turned(
-    t1: float, t2: float, t3: float, s1: Real, s2: Real, s3: Real, n1: Real, n2: Real, n3: Real
-) -> tuple[Real, Real, Real, Real, Real, Real]:
-    """The pairs with the signs t."""
-    return t1 * s1, t2 * s2, t3 * s3, t1 * n1, t2 * n2, t3 * n3
+def turned(point: Row, turns: Row, first: int) -> Row:
+    """The point with the signs turns[first … first + 2] at its pairs."""
+    t1, t2, t3 = turns[first], turns[first + 1], turns[first + 2]
+    return (
+        point[0],
+        point[1],
+        point[2],
+        point[3],
+        t1 * point[4],
+        t2 * point[5],
+        t3 * point[6],
+        t1 * point[7],
+        t2 * point[8],
+        t3 * point[9],
+    )
 
 
-def states_at_phases(torus: Any, phases: Row, out: Row) -> None:
+def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
     """γ and M at pairs of phases in turns, one after the other in ``phases``: six floats each."""
-    zero = 0 * torus[1][0]
+    zero = 0 * torus.curve.axes[0]
     for i in range(len(phases) // 2):
         first, turn1 = whole_turns(phases[2 * i] + zero)
         second, turn2 = whole_turns(phases[2 * i + 1] + zero)
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
 
 
-def states_at_tau(torus: Any, frequencies: Any, tau: Row, out: Row) -> None:
+def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
     """γ and M at the times ``tau`` of the flow, six floats each; ``frequencies`` are turns in a unit of τ."""
     for i in range(len(tau)):
         first, turn1 = whole_turns(frequencies[0] * tau[i])

@@ -43,49 +43,62 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
     however near branch points are, and ends with ovals that are shorter than ``near`` of the distance to
     other branch points, of the order of √eps.
     """
-    p1, p2, q1, q2 = ends[0], ends[1], ends[2], ends[3]
-    one = 1 + 0 * p1
-    scale = 2 * one
+    one = 1 + 0 * ends[0]
+    points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one
     # R, ascending, and its values at the ends
-    r0, r1, r2 = r * one, -d * one, 0 * one
-    at_p1, at_p2, at_q1, at_q2 = r - d * p1, r - d * p2, r - d * q1, r - d * q2
-    # R varies by these over the ovals: what is left must be short beside the distance of every other root
-    while (
-        max(p2 - p1, q2 - q1) > near * (q1 - p2)
-        or abs(at_p1 - at_p2) > near * abs(at_p1)
-        or abs(at_q1 - at_q2) > near * abs(at_q2)
-    ):
-        a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
-        u0, u1, u2 = bracket(b0, b1, one, r0, r1, r2)
-        v0, v1, v2 = bracket(r0, r1, r2, a0, a1, one)
-        w0, w1, w2 = bracket(a0, a1, one, b0, b1, one)
-        # Δ is the determinant of the coefficients; W and those of R complete it
-        determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-        # the discriminants are resultants: no difference of near numbers but those of the ends
-        x1, x2 = between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
-        leads = w2
-        if u2 == 0:
-            # R is constant, and ∞ a root of U and V
-            y1, z1 = -u0 / u1, -v0 / v1
-            leads *= u1 * v1
-            r0, r1, r2 = one, 0 * one, 0 * one
-            at_p1, at_p2, at_q1, at_q2 = one, one, one, one
-            p1, p2, q1, q2 = z1, x1, x2, y1
-        else:
-            y1, y2 = between(u0, u1, u2, root(abs(at_q1 * at_q2)))
-            z1, z2 = between(v0, v1, v2, root(abs(at_p1 * at_p2)))
-            leads *= u2 * v2
-            r0, r1, r2 = y2 * z2, -y2 - z2, one
-            p1, p2, q1, q2 = z1, x1, x2, y1
-            at_p1, at_p2 = (y2 - p1) * (z2 - p1), (y2 - p2) * (z2 - p2)
-            at_q1, at_q2 = (y2 - q1) * (z2 - q1), (y2 - q2) * (z2 - q2)
-        scale *= 2 * root(abs(determinant / leads))
+    rest = r * one, -d * one, 0 * one
+    values = r - d * ends[0], r - d * ends[1], r - d * ends[2], r - d * ends[3]
+    while apart(points, values, near):
+        points, rest, values, factor = richelot(points, rest, values)
+        scale *= factor
+    p1, p2, q1, q2 = points
+    r0, r1, r2 = rest
     x = (p1 + p2) / 2
     out[0] = scale * pi / root(abs((x - q1) * (x - q2) * (r0 + x * (r1 + x * r2))))
     out[1] = out[0] * x
     x = (q1 + q2) / 2
     out[2] = scale * pi / root(abs((x - p1) * (x - p2) * (r0 + x * (r1 + x * r2))))
     out[3] = out[2] * x
+
+
+def apart(points: Row, values: Row, near: Real) -> bool:
+    """Whether an oval is not short yet: R varies over it, and beside the distance of every other root it has a length.
+
+    ``points`` are the ends of the ovals, ``values`` those of R there.
+    """
+    long: bool = max(points[1] - points[0], points[3] - points[2]) > near * (points[2] - points[1])
+    first: bool = abs(values[0] - values[1]) > near * abs(values[0])
+    second: bool = abs(values[2] - values[3]) > near * abs(values[2])
+    return long or first or second
+
+
+def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
+    """A step of :func:`oval_periods`: the ends of the new ovals, the new R, its values there, and 2√|Δ/leads|."""
+    (p1, p2, q1, q2), (r0, r1, r2) = points, rest
+    one = 1 + 0 * p1
+    a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
+    u0, u1, u2 = bracket(b0, b1, one, r0, r1, r2)
+    v0, v1, v2 = bracket(r0, r1, r2, a0, a1, one)
+    w0, w1, w2 = bracket(a0, a1, one, b0, b1, one)
+    # Δ is the determinant of the coefficients; W and those of R complete it
+    determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
+    # the discriminants are resultants: no difference of near numbers but those of the ends
+    x1, x2 = between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
+    if u2 == 0:
+        # R is constant, and ∞ a root of U and V
+        y1, z1 = -u0 / u1, -v0 / v1
+        factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
+        return (z1, x1, x2, y1), (one, 0 * one, 0 * one), (one, one, one, one), factor
+    y1, y2 = between(u0, u1, u2, root(abs(values[2] * values[3])))
+    z1, z2 = between(v0, v1, v2, root(abs(values[0] * values[1])))
+    ends = (z1, x1, x2, y1)
+    at_ends = (
+        (y2 - z1) * (z2 - z1),
+        (y2 - x1) * (z2 - x1),
+        (y2 - x2) * (z2 - x2),
+        (y2 - y1) * (z2 - y1),
+    )
+    return ends, (y2 * z2, -y2 - z2, one), at_ends, 2 * root(abs(determinant / (w2 * u2 * v2)))
 
 
 def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
@@ -113,15 +126,16 @@ def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real
     the ovals and nothing cancels.
     """
     middle = (ends[1] + ends[2]) / 2
-    low0, low1 = slowed(ends[0], ends[1], ends[2], ends[3], middle, d, r, pi, near)
-    high0, high1 = slowed(ends[2], ends[3], ends[1], ends[0], middle, d, r, pi, near)
+    low0, low1 = slowed((ends[0], ends[1], ends[2], ends[3]), middle, d, r, pi, near)
+    high0, high1 = slowed((ends[2], ends[3], ends[1], ends[0]), middle, d, r, pi, near)
     return 4 * (high1 * low0 - low1 * high0) / abs(area)
 
 
-def slowed(
-    a: Real, b: Real, c: Real, e: Real, middle: Real, d: Real, r: Real, pi: Real, near: float
-) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1; c and e are on one side."""
+def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
+    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, of the ``ends`` a, b, c, e; c and
+    e are on one side.
+    """
+    a, b, c, e = ends
     # x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
     ratio = (c - a) / (c - b)
     k = root(ratio * (e - b) / (e - a))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import floor, log2
-from typing import Any
+from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import near_identity
 from integrable.moving_point.translations import power_series
@@ -14,27 +14,48 @@ Real = Any
 Row = Any
 
 
+class Room(NamedTuple):
+    """Room for two power series, and for nine numbers and one for each node."""
+
+    series: Row
+    roots: Row
+    numbers: Row
+
+
+class Expansion(NamedTuple):
+    """What :func:`integrable.moving_point.addition.near_identity` takes beside eps."""
+
+    series: Row
+    roots: Row
+    f0: Real
+    axes: Row
+    passes: int
+
+
+class SmallSteps(NamedTuple):
+    """Translations inside a cell: ``axes`` those of κ = 1, ``tables`` two of :func:`direction` of 4·``terms`` numbers,
+    one for either centre, ``parts`` (p, q, r, s): the translation by (a, b) in periods takes the parts pa + qb and
+    ra + sb of both reaches.
+    """
+
+    axes: Row
+    centres: tuple[float, float]
+    tables: Row
+    terms: int
+    parts: Row
+
+
 def directions(
-    motion: Row,
-    chart: Any,
-    parts: Row,
-    nodes: Row,
-    passes: int,
-    series: Row,
-    roots: Row,
-    room: Row,
-    tables: Row,
-    halves: Row,
+    motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: Room, tables: Row, halves: Row
 ) -> None:
     """:func:`direction` about either centre, one after the other into ``tables``, and into ``halves`` the translations
     by half a cell in either direction, both parts of the first, then of the second.
 
-    ``motion`` is as for :func:`integrable.torus.survey.survey`; ``chart`` is (centres, reaches, cells); ``series`` and
-    ``roots`` are room for power series, ``room`` for nine numbers and one for each node.
+    ``motion`` is as for :func:`integrable.torus.survey.survey`, ``chart`` a
+    :class:`~integrable.torus.lattice.Chart`; ``passes`` are those of Newton.
     """
-    centres, reaches, cells = chart
     for k in range(2):
-        centre = centres[k]
+        centre = chart.centres[k]
         # about the distance to the nearest branch point: no power of it leaves the range of floats, no product rounds
         near = abs(float(motion[7]) - centre)
         for i in range(3):
@@ -42,15 +63,21 @@ def directions(
         if motion[8] > 0:
             near = min(near, abs(float(motion[10] / motion[8]) - centre))
         unit = 2.0 ** floor(log2(near))
-        about_centre(motion, centre, unit, room)
-        power_series(room, -1, series)
-        power_series(room, 1, roots)
-        f0, axes, reach = room[0], (room[6], room[7], room[8]), reaches[k] / unit + 0 * room[0]
+        about_centre(motion, centre, unit, room.numbers)
+        power_series(room.numbers, -1, room.series)
+        power_series(room.numbers, 1, room.roots)
+        f0, axes = room.numbers[0], (room.numbers[6], room.numbers[7], room.numbers[8])
+        about = Expansion(room.series, room.roots, f0, axes, passes)
+        reach = chart.reaches[k] / unit + 0 * f0
         for n in range(2):
-            x = parts[2 * k + n] * (0.5 / cells[n])
-            step = near_identity(series, roots, f0, axes, reach * x, passes)
-            put(recentred(step, axes, centre, unit), halves, 20 * n + 10 * k)
-        direction(series, roots, f0, axes, reach, unit, nodes, passes, room, 4 * len(nodes) * k, tables)
+            x = parts[2 * k + n] * (0.5 / chart.cells[n])
+            put(recentred(near_centre(about, reach * x), axes, centre, unit), halves, 20 * n + 10 * k)
+        direction(about, reach, unit, nodes, room.numbers, 4 * len(nodes) * k, tables)
+
+
+def near_centre(about: Expansion, eps: Real) -> Row:
+    """T(eps) in the abscissa of an expansion."""
+    return near_identity(about.series, about.roots, about.f0, about.axes, eps, about.passes)
 
 
 def recentred(step: Row, axes: Row, centre: float, unit: float) -> Row:
@@ -79,55 +106,49 @@ def alike(x: Real, size: Real) -> Real:
     return -size if x < 0 else size
 
 
-def direction(
-    series: Row,
-    roots: Row,
-    f0: Real,
-    axes: Row,
-    reach: Real,
-    unit: float,
-    nodes: Row,
-    passes: int,
-    room: Row,
-    begin: int,
-    table: Row,
-) -> None:
+def direction(about: Expansion, reach: Real, unit: float, nodes: Row, room: Row, begin: int, table: Row) -> None:
     """Polynomials of T(s) in one direction, |s| ≤ reach, into ``table`` from ``begin`` on: with x = s/reach and z = x²,
     its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v
     one after the other, ascending.
 
-    ``reach``, ``axes`` and the series (:func:`integrable.moving_point.addition.near_identity`) are taken about the
-    centre c in units of ``unit``; ``nodes`` are values of z, ``room`` is for nine numbers more than there are nodes.
+    ``about`` and ``reach`` are taken about the centre c in units of ``unit``; ``nodes`` are values of z, ``room`` is
+    for nine numbers more than there are nodes.
     """
     size = len(nodes)
     for n in range(size):
         x = root(nodes[n] + 0 * reach)
-        step = near_identity(series, roots, f0, axes, reach * x, passes)
+        step = near_centre(about, reach * x)
         m = -step[1] / 2
         table[begin + n] = m * unit / nodes[n]
         table[begin + size + n] = (m * m - step[0]) * (unit * unit) / nodes[n]
         table[begin + 2 * size + n] = step[3] / unit * x
         table[begin + 3 * size + n] = step[2] / x
     for part in range(4):
-        first = begin + part * size
-        # divided differences, and Newton's form as powers of z
-        for k in range(1, size):
-            for n in range(size - 1, k - 1, -1):
-                table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
-        for n in range(size):
-            room[9 + n] = 0 * reach
-        for k in range(size - 1, -1, -1):
-            for n in range(size - 1, 0, -1):
-                room[9 + n] = room[8 + n] - nodes[k] * room[9 + n]
-            room[9] = table[first + k] - nodes[k] * room[9]
-        for n in range(size):
-            table[first + n] = room[9 + n]
+        to_powers(nodes, table, begin + part * size, room)
 
 
-def small_translation(axes: Row, centre: float, table: Row, first: int, size: int, x: Real) -> Row:
-    """T(x·reach) from the table of :func:`direction` that begins at ``first``, as a moving point with κ = 1."""
+def to_powers(nodes: Row, table: Row, first: int, room: Row) -> None:
+    """Values at the nodes, in ``table`` from ``first`` on, replaced by the coefficients of their polynomial."""
+    size = len(nodes)
+    # divided differences, and Newton's form as powers of z
+    for k in range(1, size):
+        for n in range(size - 1, k - 1, -1):
+            table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
+    for n in range(size):
+        room[9 + n] = 0 * table[first]
+    for k in range(size - 1, -1, -1):
+        for n in range(size - 1, 0, -1):
+            room[9 + n] = room[8 + n] - nodes[k] * room[9 + n]
+        room[9] = table[first + k] - nodes[k] * room[9]
+    for n in range(size):
+        table[first + n] = room[9 + n]
+
+
+def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
+    """T(x·reach) in the direction of the centre ``k``, as a moving point with κ = 1."""
+    axes, centre, table, size = small.axes, small.centres[k], small.tables, small.terms
     z = x * x
-    n = first + size - 1
+    n = (4 * k + 1) * size - 1
     m, r, t, v = table[n], table[n + size], table[n + 2 * size], table[n + 3 * size]
     for _ in range(size - 1):
         n -= 1

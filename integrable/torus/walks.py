@@ -3,22 +3,15 @@ loops of random access (:mod:`integrable.torus.tables`, :mod:`integrable.torus.s
 :mod:`integrable.torus.clock_loops`).
 
 Arrays are flat and moving points are those of :mod:`integrable.moving_point.addition`. Numbers are floats in lists, or
-double-doubles when compiled (:mod:`integrable.torus.compiled`). An argument ``torus`` is the tuple that
-:class:`integrable.torus.access.TorusFlow` makes: (f, axes, matrix, states, tables, parts, centres, turns, sizes), where
-
-* ``states`` holds the moving points at the corners of the cells, row by row of ten numbers;
-* ``tables`` two tables of ``sizes[2]`` terms of :func:`direction`, one for either centre;
-* ``parts`` (p, q, r, s): the translation by (a, b) in periods takes the parts pa + qb and ra + sb of both reaches;
-* ``turns`` the signs that σ1, σ2, σ3 change by in either period, ``sizes`` (rows, columns, terms);
-* ``matrix`` (p, q, r, s): γ = pγ̃ + q·w̃×γ̃, M = rγ̃ + s·w̃×γ̃ from the upright γ̃ and w̃ = γ̃×M̃/|M̃|.
+double-doubles when compiled (:mod:`integrable.torus.compiled`).
 """
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import carried, conditioning, moving_point, opposite, rate_after, rate_at, shift
-from integrable.torus.tables import point_in, put, small_translation
+from integrable.torus.tables import SmallSteps, point_in, put, small_translation
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -30,66 +23,111 @@ IDENTITY = 1e-30
 LEAST_CONDITION = 0.02
 
 
-def corners(
-    f: Row,
-    axes: Row,
-    unit_axes: Row,
-    start: Row,
-    cells: Any,
-    forward: int,
-    most: int,
-    halves: Row,
-    steps: Row,
-    states: Row,
-    ends: Row,
-    known: Row,
-    turns: Row,
-) -> None:
-    """The moving points at the corners of the cells into ``states``.
+class Curve(NamedTuple):
+    """f and axes as :mod:`integrable.moving_point.addition` takes them, and the axes of translations, κ = 1."""
+
+    f: Row
+    axes: Row
+    unit_axes: Row
+
+
+class Walk(NamedTuple):
+    """How the corners are walked over: ``cells`` (rows, columns); ``forward`` so many columns forward and the others
+    backward; ``most`` as :func:`corners` says; ``turns`` the signs that σ1, σ2, σ3 change by in either period;
+    ``halves`` those of :func:`integrable.torus.tables.directions`; ``steps`` room for forty numbers.
+    """
+
+    cells: tuple[int, int]
+    forward: int
+    most: int
+    turns: Row
+    halves: Row
+    steps: Row
+
+
+class Stride(NamedTuple):
+    """Cells that a step leads down, across, and down when it leads across."""
+
+    down: int
+    across: int
+    lower: int
+
+
+class Fine(NamedTuple):
+    """A grid of ``finer[0]`` × ``finer[1]`` points to a cell: ``odd`` is whether a period turns an odd number of γ_i,
+    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point.
+    """
+
+    cells: tuple[int, int]
+    finer: tuple[int, int]
+    odd: tuple[bool, bool]
+    steps: Row
+    counts: Row
+
+
+def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
+    """The moving points at the corners of the cells into ``states``, row by row of ten numbers.
 
     The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
-    such steps that may lead down by one cell as well; where ``forward`` is less than the number of columns, so many
-    columns forward and the others backward, which takes ``most`` = 1. Into ``ends`` where every walk ends and into
-    ``known`` where it should, signs included: that of the first direction, then those of the second from all rows.
-    ``turns`` are the signs of the periods, ``unit_axes`` the axes of translations, κ = 1; ``halves`` are those of
-    :func:`directions`, ``steps`` is room for forty numbers.
+    such steps that may lead down by one cell as well; columns backward take ``most`` = 1. Into ``ends`` where every
+    walk ends and into ``known`` where it should, signs included: that of the first direction, then those of the second
+    from all rows.
     """
-    rows, columns = cells
-    down, _, parts0 = step_over(f, unit_axes, halves, 0, min(rows, most), steps)
-    across, lower, parts1 = step_over(f, unit_axes, halves, 1, min(columns, most), steps)
+    rows, columns = walk.cells
+    down, _, parts0 = step_over(curve, walk, 0)
+    across, lower, parts1 = step_over(curve, walk, 1)
+    stride = Stride(down, across, lower)
     left = moving_point(start)
     for i in range(rows):
         point = left
-        for j in range(forward):
-            put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
-            for k in range(parts1):
-                point = shift(f, axes, point, point_in(steps, 20 + 10 * k))
+        for j in range(walk.forward):
+            put(point, states, place_of(walk, stride, i, j))
+            point = moved(curve, point, walk.steps, 20, parts1, False)
         put(point, ends, 10 * (i + 1))
         point = left
-        for j in range(-1, forward - columns - 1, -1):
-            for k in range(parts1):
-                point = shift(f, axes, point, opposite(point_in(steps, 20 + 10 * k)))
-            put(point, states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns))
-        for k in range(parts0):
-            left = shift(f, axes, left, point_in(steps, 10 * k))
+        for j in range(-1, walk.forward - columns - 1, -1):
+            point = moved(curve, point, walk.steps, 20, parts1, True)
+            put(point, states, place_of(walk, stride, i, j))
+        left = moved(curve, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     put(moving_point(start), known, 0)
-    turn(known, 0, turns, 0)
+    turn(known, 0, walk.turns, 0)
+    with_signs(walk, stride, states, ends, known)
+
+
+def place_of(walk: Walk, stride: Stride, i: int, j: int) -> int:
+    """Where the corner after i steps down and j across is in ``states``."""
+    rows, columns = walk.cells
+    return 10 * ((stride.down * i + stride.lower * j) % rows * columns + stride.across * j % columns)
+
+
+def moved(curve: Curve, point: Row, steps: Row, first: int, count: int, back: bool) -> Row:
+    """The point after ``count`` translations, those in ``steps`` from ``first`` on or their inverses."""
+    for k in range(count):
+        step = point_in(steps, first + 10 * k)
+        point = shift(curve.f, curve.axes, point, opposite(step) if back else step)
+    return point
+
+
+def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -> None:
+    """The signs of whole periods taken off the corners, and where the walks across should end."""
+    rows, columns = walk.cells
+    first = walk.forward - columns
     for i in range(rows):
-        for j in range(forward - columns, forward):
-            if (down * i + lower * j) // rows % 2 != 0:
-                turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 0)
+        for j in range(first, walk.forward):
+            if (stride.down * i + stride.lower * j) // rows % 2 != 0:
+                turn(states, place_of(walk, stride, i, j), walk.turns, 0)
     for i in range(rows):
         # a whole period away, times an odd number of cells: the walk that began, or went back, there
-        place, below = 10 * (i + 1), down * i + lower * forward
-        if below // rows % 2 != 0:
-            turn(ends, place, turns, 0)
-        put(point_in(states, 10 * (below % rows * columns + across * forward % columns)), known, place)
-        turn(known, place, turns, 3)
+        place = 10 * (i + 1)
+        if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
+            turn(ends, place, walk.turns, 0)
+        put(point_in(states, place_of(walk, stride, i, walk.forward)), known, place)
+        turn(known, place, walk.turns, 3)
     for i in range(rows):
-        for j in range(forward - columns, forward):
-            if across * j // columns % 2 != 0:
-                turn(states, 10 * ((down * i + lower * j) % rows * columns + across * j % columns), turns, 3)
+        for j in range(first, walk.forward):
+            if stride.across * j // columns % 2 != 0:
+                turn(states, place_of(walk, stride, i, j), walk.turns, 3)
 
 
 def turn(points: Row, place: int, turns: Row, first: int) -> None:
@@ -99,16 +137,17 @@ def turn(points: Row, place: int, turns: Row, first: int) -> None:
         points[place + 7 + c] = turns[first + c] * points[place + 7 + c]
 
 
-def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Row) -> tuple[int, int, int]:
-    """The step over an odd number of cells in a direction into out[20·direction …], and (that number, 1 or 0 for one
+def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
+    """The step over an odd number of cells in a direction into steps[20·direction …], and (that number, 1 or 0 for one
     cell more in the first direction, where the second is asked for, number of translations): of the odd numbers up to
-    ``most`` the one that is best conditioned. ``axes`` are those of κ = 1.
+    ``most`` the one that is best conditioned.
 
     One translation, or both parts of one cell where every sum is badly conditioned: a direction in which an oval runs
     through no more than a point, that of a body with two equal moments, has both points of its translations there.
     """
-    first, second = point_in(halves, 20 * direction), point_in(halves, 20 * direction + 10)
-    down1, down2 = point_in(halves, 0), point_in(halves, 10)
+    f, axes, out = curve.f, curve.unit_axes, walk.steps
+    first, second = point_in(walk.halves, 20 * direction), point_in(walk.halves, 20 * direction + 10)
+    down1, down2 = point_in(walk.halves, 0), point_in(walk.halves, 10)
     down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
     # multiples of either part, and one sum of both: sums lie anywhere, and at d = 0 those by one of the periods, the
     # residue of x dx/y, at infinity
@@ -118,7 +157,7 @@ def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Ro
     double1, double2 = carried(f, axes, first, first), carried(f, axes, second, second)
     trust, later = min(conditioning(first), conditioning(second)), min(conditioning(double1), conditioning(double2))
     best, chosen, lower, parts = LEAST_CONDITION * trust, 1, 0, 2
-    for count in range(1, most + 1, 2):
+    for count in range(1, min(walk.cells[direction], walk.most) + 1, 2):
         total = carried(f, axes, first, second)
         found = min(trust, conditioning(total))
         if found > best:
@@ -136,22 +175,11 @@ def step_over(f: Row, axes: Row, halves: Row, direction: int, most: int, out: Ro
     return chosen, lower, parts
 
 
-def offsets(
-    f: Row,
-    axes: Row,
-    centres: Any,
-    tables: Row,
-    terms: int,
-    parts: Row,
-    cells: Any,
-    finer: Any,
-    steps: Row,
-    counts: Row,
-) -> None:
-    """The translations from a corner to the finer[0] × finer[1] points around it, row by row: two in ``steps`` for
-    each, of which ``counts`` says how many to take, 1 where their sum is well conditioned and none for the corner
-    itself.
+def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
+    """The translations from a corner to the points of the grid around it, row by row: two in ``steps`` for each, of
+    which ``counts`` says how many to take, 1 where their sum is well conditioned and none for the corner itself.
     """
+    parts, cells, finer, counts = small.parts, fine.cells, fine.finer, fine.counts
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n = 0 * parts[0], 0
     for i in range(-above, finer[0] - above):
@@ -161,37 +189,24 @@ def offsets(
             place = 20 * n
             counts[n] = 0
             if abs(x) > IDENTITY:
-                put(small_translation(axes, centres[0], tables, 0, terms, x), steps, place)
+                put(small_translation(small, 0, x), fine.steps, place)
                 counts[n] += 1
             if abs(y) > IDENTITY:
-                put(small_translation(axes, centres[1], tables, 4 * terms, terms, y), steps, place + 10 * counts[n])
+                put(small_translation(small, 1, y), fine.steps, place + 10 * counts[n])
                 counts[n] += 1
             if counts[n] == 2:
-                both = carried(f, axes, point_in(steps, place), point_in(steps, place + 10))
+                both = carried(curve.f, curve.unit_axes, point_in(fine.steps, place), point_in(fine.steps, place + 10))
                 if conditioning(both) > LEAST_CONDITION:
-                    put(both, steps, place)
+                    put(both, fine.steps, place)
                     counts[n] = 1
             n += 1
 
 
-def sampled(
-    f: Row,
-    axes: Row,
-    states: Row,
-    cells: Any,
-    finer: Any,
-    odd: Any,
-    steps: Row,
-    counts: Row,
-    rates: Row,
-    others: Row,
-) -> None:
-    """1/g on a grid that has finer[0] × finer[1] points to a cell, from the corners in ``states`` by the translations
-    of :func:`offsets`, into ``rates``; for a tilted body, with an odd number of γ_i turned, into ``others``.
-
-    ``odd``: whether a period turns an odd number of γ_i.
+def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+    """1/g on the grid, from the corners in ``states`` by the translations of :func:`offsets`, into ``rates``; for a
+    tilted body, with an odd number of γ_i turned, into ``others``.
     """
-    rows, columns = cells
+    (rows, columns), finer = fine.cells, fine.finer
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     height, width = rows * finer[0], columns * finer[1]
     for i in range(rows):
@@ -201,26 +216,29 @@ def sampled(
             for a in range(-above, finer[0] - above):
                 row, over = i * finer[0] + a, False
                 if row < 0:
-                    row, over = row + height, odd[0]
+                    row, over = row + height, fine.odd[0]
                 for b in range(-left, finer[1] - left):
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
-                        column, flipped = column + width, over != odd[1]
-                    point, last = corner, counts[n] - 1
-                    for k in range(last):
-                        point = carried(f, axes, point, point_in(steps, 20 * n + 10 * k))
-                    if last >= 0 and axes[7] == 0:
-                        rate = rate_after(f, axes, point, point_in(steps, 20 * n + 10 * last))
-                    elif last >= 0:
-                        point = carried(f, axes, point, point_in(steps, 20 * n + 10 * last))
-                        rate = rate_at(axes, point)
-                    else:
-                        rate = rate_at(axes, point)
+                        column, flipped = column + width, over != fine.odd[1]
+                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n, fine.counts[n])
                     n += 1
-                    if axes[7] != 0:
-                        square = point[4] * point[4] + point[5] * point[5] + point[6] * point[6]
-                        other = 2 * axes[6] / root(square) - rate
+                    if curve.axes[7] != 0:
                         if flipped:
                             rate, other = other, rate
                         others[row * width + column] = other
                     rates[row * width + column] = rate
+
+
+def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) -> tuple[Real, Real]:
+    """1/g after ``count`` translations, those in ``steps`` from ``place`` on; and with an odd number of γ_i turned."""
+    f, axes, point, last = curve.f, curve.axes, corner, count - 1
+    for k in range(last):
+        point = carried(f, axes, point, point_in(steps, place + 10 * k))
+    if last >= 0 and axes[7] == 0:
+        rate = rate_after(f, axes, point, point_in(steps, place + 10 * last))
+        return rate, rate
+    if last >= 0:
+        point = carried(f, axes, point, point_in(steps, place + 10 * last))
+    rate = rate_at(axes, point)
+    return rate, 2 * axes[6] / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6]) - rate

@@ -28,6 +28,8 @@ class BareReals:
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
         self._exact: Any = gmpy2.context(precision=bits)
+        # sums with products of it are complex
+        self.i: Any = gmpy2.mpc(0, 1)
 
     def __enter__(self) -> BareReals:
         manager = self.at(self.bits)

@@ -10,12 +10,12 @@ from integrable.motion.precise import PreciseFlow
 from integrable.oracles.reference import taylor
 from integrable.torus.access import TorusFlow
 from integrable.torus.clock_loops import swing_and_rate
-from integrable.torus.long_periods import directed
 from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
 from integrable.torus.tables import small_translation
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
+from tests.integrable.torus.translations import directed
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 BALL = ChaplyginBall((1, 2, 3), 0.7)
@@ -158,11 +158,11 @@ def test_directions_are_polynomials() -> None:
     system, state, _, _ = scene("S1")
     setup = system.flow(state).setup
     torus = TorusFlow(setup, ReadableLoops(setup))
-    n, origin = ReadableLoops.terms, torus.units.origin
+    origin = torus.units.origin
     for k, (centre, reach) in enumerate(zip(torus.lattice.chart.centres, torus.lattice.chart.reaches, strict=True)):
         for x in (1.0, -0.4, 1e-3):
             with setup.reals:
-                found = small_translation(torus._axes, centre, torus._tables, 4 * n * k, n, setup.reals.number(x))
+                found = small_translation(torus.small, k, setup.reals.number(x))
             u0, u1, v0, v1, *pairs = directed(setup, centre + origin, setup.wide.coerce(x) * reach)
             truth = (u0 + (u1 + origin) * origin, u1 + 2 * origin, v0 + v1 * origin, v1, *pairs)
             assert (
@@ -196,7 +196,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
     assert series.at(0.3 * tau, -0.71 * tau) == pytest.approx(swing, abs=1e-14)
     packed = series.packed()
     for t, expected in zip(tau, swing, strict=True):
-        found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed[5][1]))
+        found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed.width))
         assert found == pytest.approx(expected, abs=1e-14)
         assert slope == pytest.approx(rate(0.3 * t, -0.71 * t), abs=1e-13)
 

@@ -9,15 +9,15 @@ from integrable import ChaplyginBall
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.setup import Setup
 from integrable.torus.access import TorusFlow
+from integrable.torus.corners import Corners
 from integrable.torus.lattice import TorusLattice
 from integrable.torus.long_clock import MultiprecisionTorusClock
-from integrable.torus.long_grid import TorusGrid
-from integrable.torus.long_periods import combine, directed, moved, ovals, translation
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss
 from jacobian.periods.matrix import real_periods
+from tests.integrable.torus.translations import combine, directed, moved, ovals, translation
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -131,9 +131,12 @@ def test_the_mean_of_the_clock_is_that_of_its_samples(ball, start, tilted) -> No
     """A determinant of complete elliptic integrals against the mean over grids, which nears it geometrically."""
     state = ball.state(*start, tilted=tilted)
     setup = Setup(ball.body, state.gamma, state.M, tilted, digits=25)
-    grid = TorusGrid(setup)
-    found = TorusFlow(setup, ReadableLoops(setup)).mean
-    coarse, fine = (abs(float(grid.mean(grid.samples(*sizes)) / found - 1)) for sizes in ((16, 32), (64, 128)))
+    loops = ReadableLoops(setup, setup.digits)
+    corners = Corners(setup, loops, 1 << 16)
+    coarse, fine = corners.sizes, tuple(4 * n for n in corners.sizes)
+    with loops.reals:
+        means = [loops.reals.element(setup.wide, corners.samples(sizes).mean()) for sizes in (coarse, fine)]
+    coarse, fine = (abs(float(mean / corners.mean - 1)) for mean in means)
     assert fine < max(coarse**2, 1e-30)
     assert fine < 1e-15
 

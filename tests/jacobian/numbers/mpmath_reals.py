@@ -19,6 +19,7 @@ class MpmathReals(BareReals):
         self._context: Any = MPContext()
         self._context.prec = bits
         self._type = self._context.mpf
+        self.i = self._context.mpc(0, 1)
 
     @contextmanager
     def at(self, bits: int) -> Iterator[Any]:

@@ -1,4 +1,6 @@
-"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow."""
+"""The real periods of a motion's curve, and translations in any direction, in the wide precision of a flow: without the
+charts, cells and tables that :mod:`integrable.torus` makes of them.
+"""
 
 from __future__ import annotations
 

@@ -1,0 +1,174 @@
+"""The corners of a torus, made once: from them any state, and 1/g on grids of its periods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from math import cos, pi
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.torus.lattice import TorusLattice, Units, motion_row
+from integrable.torus.loops import NotClosed
+from integrable.torus.series import needed_sizes
+from integrable.torus.states import Torus
+from integrable.torus.survey import about_centre
+from integrable.torus.tables import SmallSteps
+from integrable.torus.walks import Curve, Fine, Walk
+from jacobian.errors import PrecisionLoss
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+# a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
+ROUND = 1e-17
+CLOSED = 1e-13
+# a moving point's divisor, σ and ν
+PARTS = (slice(4), slice(4, 7), slice(7, 10))
+# corners are walked over in steps of fewer cells than this
+MOST_AT_ONCE = 7
+# the first grid of 1/g
+FIRST_SIZE = 16
+
+
+class Corners:
+    """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
+
+    ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods;
+    ``closure`` says to what periods lead back, ``doubled`` how many of them are one of 1/g. PrecisionLoss where the
+    torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where walks do not lead back.
+    """
+
+    def __init__(self, setup: Setup, loops: Any, most: int) -> None:
+        self.setup, self.loops, self._most = setup, loops, most
+        # the motion in an abscissa of its own
+        self.units = units = Units.of(setup)
+        motion = motion_row(setup, units)
+        row = loops.row(motion)
+        self.lattice = lattice = TorusLattice(setup, loops, row)
+        self.sizes, self.turns = lattice.cells, lattice.turns
+        self.signs = tuple(self.turns.ravel().tolist())
+        odd = [bool(np.prod(signs) < 0) for signs in self.turns]
+        self.odd = odd[0], odd[1]
+        # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
+        self.doubled = (1, 1) if setup.tilt is None else (1 + odd[0], 1 + odd[1])
+        self.curve = self._curve(motion)
+        tables, self._halves = self._translations(row)
+        self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
+        if self.sizes[0] * self.sizes[1] > most:
+            raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
+        self._walk_over()
+
+    @cached_property
+    def frequencies(self) -> tuple[Any, Any]:
+        """Turns of either phase in a unit of τ, wide."""
+        nu1, nu2 = self.loops.wide(self.lattice.frequencies, self.setup.wide)
+        scale = self.setup.time_scale * self.units.time
+        return nu1 * scale, nu2 * scale
+
+    @cached_property
+    def mean(self) -> Any:
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, whatever the samples are.
+
+        That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
+        """
+        problem, K = self.setup.problem, self.setup.wide
+        d, (u0, u1), sigma = problem.d, problem.start[:2], problem.start[4:7]
+        slowness = self.loops.wide(self.lattice.slowness, K)[0] / self.units.lift**2
+        # g² is a multiple of (1 − du₁)(1 − du₂)
+        scale = K.sqrt((1 + d * (u1 + d * u0)) / K.dot(sigma, sigma))
+        return problem.axes[6] * scale * slowness
+
+    @cached_property
+    def torus(self) -> Any:
+        """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
+        tilt, row = self.setup.tilt, self.loops.row
+        a, b, c, d = (1, 0, 0, 1) if tilt is None else tilt.inverse_matrix()
+        momentum = self.setup.problem.momentum * self.units.lift
+        matrix = row((a, b * momentum, c, d * momentum))
+        return self.loops.packed(Torus(self.curve, matrix, self.states, self.small, self.signs, self.sizes))
+
+    def resolved(self, spectrum: Callable[[Any], np.ndarray], noise: tuple[float, float]) -> np.ndarray:
+        """The ``spectrum`` of 1/g, on a grid of its periods whose last modes are below ``noise`` both ways."""
+        sizes = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1]))
+        while sizes[0] * sizes[1] <= self._most:
+            grid = spectrum(self.samples(sizes))
+            wanted = needed_sizes(grid, noise)
+            if wanted == grid.shape:
+                return grid
+            sizes = (sizes[0] * wanted[0] // grid.shape[0], sizes[1] * wanted[1] // grid.shape[1])
+        raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+    def samples(self, sizes: tuple[int, int]) -> Any:
+        """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of long doubles, or
+        of the loops' own numbers where they are for more digits.
+        """
+        loops, fine = self.loops, self.fine(sizes)
+        first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
+        loops.sampled(loops.packed(self.curve), self.states, fine, first, other)
+        table = loops.samples(first).reshape(sizes)
+        if self.setup.tilt is None:
+            return table
+        beside = loops.samples(other).reshape(sizes)
+        blocks = [
+            [beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table for j in range(self.doubled[1])]
+            for i in range(self.doubled[0])
+        ]
+        return np.block(blocks)
+
+    def fine(self, sizes: tuple[int, int]) -> Any:
+        """The :class:`~integrable.torus.walks.Fine` of a grid, packed for the loops."""
+        loops, cells = self.loops, self.sizes
+        finer = sizes[0] // cells[0], sizes[1] // cells[1]
+        steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
+        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts))
+        loops.offsets(loops.packed(self.curve), loops.packed(self.small), fine)
+        return fine
+
+    # --- set-up
+
+    def _curve(self, motion: Any) -> Curve:
+        setup, units, row = self.setup, self.units, self.loops.row
+        curve = [setup.wide.zero] * 9
+        about_centre(motion, setup.wide.zero, setup.wide.one, curve)
+        axes, (*kappas, alpha, beta) = curve[6:], setup.problem.axes[3:]
+        kappas = [kappa / (units.length * units.length) for kappa in kappas]
+        self._start = row(units.of_point(setup.problem.start))
+        return Curve(row(curve[:6]), row((*axes, *kappas, alpha, beta * units.time)), row((*axes, 1, 1, 1, 1, 0)))
+
+    def _translations(self, motion: Any) -> tuple[Any, Any]:
+        """The tables of both directions, one after the other, and the translations by half a cell."""
+        loops = self.loops
+        # Chebyshev nodes in z = (s/reach)²: whatever floats they are
+        nodes = [(1 + cos(pi * (k + 0.5) / loops.terms)) / 2 for k in range(loops.terms)]
+        tables, halves = loops.room(8 * loops.terms), loops.room(40)
+        loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes, tables, halves)
+        return tables, halves
+
+    def _walk_over(self) -> None:
+        """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
+        columns = self.sizes[1]
+        self._walk(columns, MOST_AT_ONCE)
+        if not self.closure <= ROUND:
+            # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
+            # them: both ways to where the motion comes nearest to it
+            rows = self.loops.floats(self.states).reshape(*self.sizes, 10)
+            with np.errstate(divide="ignore"):
+                nearness = np.log(np.abs(rows[0, :, 0]))
+            width = columns // 8
+            around = [np.roll(nearness, n) for n in range(-width, width + 1)]
+            self._walk(max(1, int(np.argmin(np.maximum.reduce(around)))), 1)
+        if not self.closure <= CLOSED:
+            raise NotClosed(f"a period of this motion leads back to {self.closure:.1e} only; use more digits")
+
+    def _walk(self, forward: int, most: int) -> None:
+        loops, cells = self.loops, self.sizes
+        ends, known = loops.room(10 * (cells[0] + 1)), loops.room(10 * (cells[0] + 1))
+        self.states = loops.room(10 * cells[0] * cells[1])
+        walk = Walk(cells, forward, most, self.signs, self._halves, loops.room(40))
+        loops.corners(loops.packed(self.curve), self._start, loops.packed(walk), self.states, ends, known)
+        gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10)
+        sizes = np.abs(loops.floats(self._start))
+        # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
+        self.closure = max(float(gaps[:, part].max() / sizes[part].max()) for part in PARTS)
