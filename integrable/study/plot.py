@@ -32,6 +32,8 @@ FORMATS = ("png", "svg")
 _BLUE, _ORANGE, GREY, INK = "#0072B2", "#D55E00", "#8a8a8a", "#222222"
 STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
 WIDTH = 7.2  # inches: the text width of a page
+NEAR_THE_FLOOR = 3.0
+"""Decades above and below the line of rounding in which a mark is in the way of its label."""
 
 
 def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
@@ -96,7 +98,7 @@ def work_precision(report: Report) -> Figure:
 def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
     axes.axhline(floor, color=GREY, linewidth=1, linestyle=(0, (4, 3)), zorder=1)
     words: dict[str, Any] = {"fontsize": 8.5, "color": "#5a5a5a", "textcoords": "offset points"}
-    left = _on_the_right(rows, floor)
+    left = _more_room_left(rows, floor)
     place: dict[str, Any] = {
         "xy": (0 if left else 1, floor),
         "xycoords": ("axes fraction", "data"),
@@ -107,11 +109,11 @@ def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
     axes.annotate(f"inputs rounded to doubles: {floor:.0e}", **place, **words)
 
 
-def _on_the_right(rows: list[Row], floor: float) -> bool:
-    """Whether the marks nearest to the line of rounding are in the right half of the picture."""
+def _more_room_left(rows: list[Row], floor: float) -> bool:
+    """Whether the marks near the line of rounding leave more of the picture free to their left than to their right."""
     times = [row.total for row in rows if row.total]
-    near = min(rows, key=lambda row: abs(np.log10((row.error_gamma or 1) / floor)), default=None)
-    return near is not None and near.total is not None and near.total**2 > min(times) * max(times)
+    near = [row.total for row in rows if row.total and abs(np.log10((row.error_gamma or 1) / floor)) < NEAR_THE_FLOOR]
+    return bool(near) and min(near) * max(near) > min(times) * max(times)
 
 
 def _series(axes: Any, rows: list[Row], colour: str, marker: str, side: int) -> None:

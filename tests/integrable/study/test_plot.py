@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import matplotlib as mpl
@@ -71,6 +72,17 @@ def test_work_precision_shows_every_measured_row_once():
 def test_work_precision_of_nothing_is_still_a_picture():
     empty = Report("A ball", (0.0, 1.0, 2), 3, (), REPORT.truth, ())
     assert draw("work_precision", "png", SCENE, empty, None).startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize(("times", "side"), [((0.04, 0.6), "right"), ((0.6, 7.0), "left")])
+def test_the_label_of_the_floor_is_where_no_marks_are(times, side):
+    """It lay on the mark of the compiled run: the side was chosen by one mark of two at the same height."""
+    flow = [Row("divisor flow", "floats", error_gamma=1.5e-14, total=time, digits=15) for time in reversed(times)]
+    rows = (*flow, Row("divisor flow", "30 digits", error_gamma=1e-29, total=8.0),
+            Row("SciPy DOP853", "tol 1e-4", error_gamma=0.8, total=0.04))  # fmt: skip
+    axes = work_precision(replace(REPORT, rows=rows)).axes[0]
+    (label,) = (text for text in axes.texts if text.get_text().startswith("inputs rounded"))
+    assert label.get_ha() == side
 
 
 def test_sphere_shows_each_segment_on_one_side_only():
