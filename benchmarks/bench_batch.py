@@ -115,12 +115,13 @@ def _measured(
     count = len(A)
     repeat = 3 if smoke else max(5, 4_000_000 // count)
     rows, out = np.empty(count, np.int64), run.empty(count)
+    first, second = (x.data, x.degree), (y.data, y.degree)
     if operation == "A + B":
         action: Callable[[], object] = lambda: A + B  # noqa: E731
-        ours = lambda: add_rows(run.K, run.formulas, x.data, x.degree, y.data, y.degree, out.data, 0, count, rows)  # noqa: E731
+        ours = lambda: add_rows(run.K, run.formulas, first, second, out.data, 0, count, rows)  # noqa: E731
     else:
         action = A.double
-        ours = lambda: double_rows(run.K, run.formulas, x.data, x.degree, out.data, 0, count, rows)  # noqa: E731
+        ours = lambda: double_rows(run.K, run.formulas, first, out.data, 0, count, rows)  # noqa: E731
     found: dict[str, object] = {"kernel": 1e9 * fastest(ours, repeat) / count}
     special = rows[: int(ours())]  # type: ignore[call-overload]
     program = Compiled(run.K, run.formulas, directory)

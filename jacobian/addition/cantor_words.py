@@ -211,11 +211,11 @@ def add_classes(K, curve, S, first, second, result):  # type: ignore[no-untyped-
         _, _, h, nh = equation(curve)
         nt = _sum(K, difference, v1, m1, v2, m2)
         nt = _sum(K, difference, difference, nt, h, nh)
-        nd, nk = _common_part(K, curve, S, nd, difference, nt, nk, u2, n2, v2, m2)
+        nd, nk = _common_part(K, curve, S, nd, (difference, nt), nk, (u2, n2, v2, m2))
     reduced1, reduced2 = S[11], S[12]
     n1, n2 = _without(K, S, reduced1, u1, n1, d, nd), _without(K, S, reduced2, u2, n2, d, nd)
     weights = first[2] + second[2]
-    _close(K, curve, S, reduced1, n1, reduced2, n2, v2, m2, nk, weights + nd - 1, result)
+    _close(K, curve, S, (reduced1, n1), (reduced2, n2, v2, m2), nk, weights + nd - 1, result)
 
 
 @compiled
@@ -227,8 +227,11 @@ def _without(K, S, r, u, nu, d, nd):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _common_part(K, curve, S, nd, trace, nt, nk, u, nu, v, nv):  # type: ignore[no-untyped-def]
-    """The lengths of d and k (rows 7 and 9) after :func:`jacobian.addition.cantor._common_part`."""
+def _common_part(K, curve, S, nd, sum_of_v, nk, divisor):  # type: ignore[no-untyped-def]
+    """The lengths of d and k (rows 7 and 9) after :func:`jacobian.addition.cantor._common_part`; what else is given
+    has its length behind it, here and below.
+    """
+    (trace, nt), (u, nu, v, nv) = sum_of_v, divisor
     d, k, common, t, r, other = S[7], S[9], S[11], S[12], S[13], S[14]
     size, ns = _half_xgcd(K, S, common, t, d, nd, trace, nt)
     if ns > 0:
@@ -254,7 +257,7 @@ def double_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
     other = S[12]
     nk = _product(K, k, t, nt, other, _cofactor(K, curve, S, other, u, nu, v, nv))
     n = _without(K, S, reduced, u, nu, d, nd)
-    _close(K, curve, S, reduced, n, reduced, n, v, nv, nk, 2 * first[2] + nd - 1, result)
+    _close(K, curve, S, (reduced, n), (reduced, n, v, nv), nk, 2 * first[2] + nd - 1, result)
 
 
 @compiled
@@ -272,8 +275,9 @@ def negate_class(K, curve, S, first, result):  # type: ignore[no-untyped-def]
 
 
 @compiled
-def _close(K, curve, S, u1, n1, u2, n2, v, nv, nk, weights, result):  # type: ignore[no-untyped-def]
+def _close(K, curve, S, first, second, nk, weights, result):  # type: ignore[no-untyped-def]
     """The reduced class of (u₁u₂, v + u₂·(k mod u₁)), k in row 9, for coprime u₁ and u₂ or equal ones."""
+    (u1, n1), (u2, n2, v, nv) = first, second
     k, u, total = S[9], S[15], S[16]
     _, nk = _divide(K, S[6], k, nk, u1, n1)
     size = _product(K, total, u2, n2, k, nk)

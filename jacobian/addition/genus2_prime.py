@@ -15,6 +15,8 @@ from jacobian.addition import cantor, ladder
 from jacobian.addition.genus2 import ExplicitFormulas
 from jacobian.curve.curve import HyperellipticCurve
 
+Row = tuple[int, ...]
+
 
 class PrimeFormulas(ExplicitFormulas):
     """The explicit formulas over GF(p)."""
@@ -41,7 +43,7 @@ class PrimeFormulas(ExplicitFormulas):
             s1 = (z1 * w0 + z3 * w1 - top * c1) % p
             s0 = (z3 * w0 - top * c0) % p
             close = self._ramified if self.ramified else self._of_degree_six
-            triple = close(r, s1, s0, a1, a0, b1, b0, c1, c0)
+            triple = close(r, s1, s0, u1, v1, u2)
             if triple is not None:
                 return triple
         return cantor.sum_of(self.curve, a, b)
@@ -68,14 +70,14 @@ class PrimeFormulas(ExplicitFormulas):
             s1 = (t3 * k1 - t1 * k0 + top * a1) % p
             s0 = (t3 * k0 + top * a0) % p
             close = self._ramified if self.ramified else self._of_degree_six
-            triple = close(r, s1, s0, a1, a0, b1, b0, a1, a0)
+            triple = close(r, s1, s0, u, v, u)
             if triple is not None:
                 return triple
         return cantor.double(self.curve, a)
 
-    def _ramified(
-        self, r: int, s1: int, s0: int, a1: int, a0: int, b1: int, b0: int, c1: int, c0: int
-    ) -> cantor.Triple | None:
+    def _ramified(self, r: int, s1: int, s0: int, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
+        """The sum from the resultant r and r·s, the cubic through both being v₁ + u₁·s."""
+        (a0, a1, _), (b0, b1), (c0, c1, _) = u1, v1, u2
         p, h0, h1, h2, _, _, _, f4, f5, _ = self.coefficients
         product = r * s1 % p
         if not product:
@@ -91,13 +93,13 @@ class PrimeFormulas(ExplicitFormulas):
         e1 = (s + bent - f5 * w5) % p
         e0 = ((s - c1) * bent + l1 - c0 + (b1 + b1 + h1) * w4 + (f5 * (a1 + c1) - f4) * w5) % p
         w = s + a1 - e1
-        v1 = (h2 * e1 - h1 - b1 - lead * ((l1 - e0 - e1 * w) % p)) % p
-        v0 = (h2 * e0 - h0 - b0 - lead * ((s * a0 - e0 * w) % p)) % p
-        return (e0, e1, 1), (v0, v1) if v1 else (v0,) if v0 else (), None
+        new1 = (h2 * e1 - h1 - b1 - lead * ((l1 - e0 - e1 * w) % p)) % p
+        new0 = (h2 * e0 - h0 - b0 - lead * ((s * a0 - e0 * w) % p)) % p
+        return (e0, e1, 1), (new0, new1) if new1 else (new0,) if new0 else (), None
 
-    def _of_degree_six(
-        self, r: int, s1: int, s0: int, a1: int, a0: int, b1: int, b0: int, c1: int, c0: int
-    ) -> cantor.Triple | None:
+    def _of_degree_six(self, r: int, s1: int, s0: int, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
+        """The same for deg f = 6, or deg h = 3."""
+        (a0, a1, _), (b0, b1), (c0, c1, _) = u1, v1, u2
         p, h0, h1, h2, h3, _, _, f4, f5, f6 = self.coefficients
         square = r * r % p
         lead = (s1 * (s1 + h3 * r) - f6 * square) % p
@@ -117,9 +119,9 @@ class PrimeFormulas(ExplicitFormulas):
         e0 = (t2 * scale - c1 * e1 - c0) % p
         p3 = s1 + h3
         q = (p2 - e1 * p3) % p
-        v1 = (e0 * p3 + e1 * q - low - a1 * s0 - b1 - h1) % p
-        v0 = (e0 * q - a0 * s0 - b0 - h0) % p
-        return (e0, e1, 1), (v0, v1) if v1 else (v0,) if v0 else (), self.weight
+        new1 = (e0 * p3 + e1 * q - low - a1 * s0 - b1 - h1) % p
+        new0 = (e0 * q - a0 * s0 - b0 - h0) % p
+        return (e0, e1, 1), (new0, new1) if new1 else (new0,) if new0 else (), self.weight
 
 
 GMP_BITS = 32

@@ -232,7 +232,7 @@ class CompiledRows:
         else:
             out.degree[begin:end] = 2
             count = genus2_kernels.add_rows(
-                self.K, self.formulas, x.data, x.degree, y.data, y.degree, out.data, begin, end, rows
+                self.K, self.formulas, (x.data, x.degree), (y.data, y.degree), out.data, begin, end, rows
             )
             rows = rows[:count]
         if len(rows):
@@ -244,7 +244,7 @@ class CompiledRows:
             rows[:] = range(begin, end)
         else:
             out.degree[begin:end] = 2
-            count = genus2_kernels.double_rows(self.K, self.formulas, x.data, x.degree, out.data, begin, end, rows)
+            count = genus2_kernels.double_rows(self.K, self.formulas, (x.data, x.degree), out.data, begin, end, rows)
             rows = rows[:count]
         if len(rows):
             self._cantor(row_kernels.cantor_double, (x,), out, rows)
@@ -252,11 +252,11 @@ class CompiledRows:
     def _cantor(self, kernel: Any, operands: Sequence[Rows], out: Rows, rows: Any) -> None:
         """A kernel of Cantor's algorithm on the rows of an array of ints."""
         if not self.floats:
-            kernel(self.slow_K, self.packed, *(array for x in operands for array in x), *out, rows)
+            kernel(self.slow_K, self.packed, *map(tuple, operands), tuple(out), rows)
             return
         parts = [self._in_words(self.take(x, rows)) for x in operands]
         found = Rows(np.empty_like(parts[0].data), np.empty_like(parts[0].degree), parts[0].weight.copy())
-        kernel(self.slow_K, self.packed, *(array for x in parts for array in x), *found, np.arange(len(rows)))
+        kernel(self.slow_K, self.packed, *map(tuple, parts), tuple(found), np.arange(len(rows)))
         out.data[:, rows], out.degree[rows] = self._stored(found).data, found.degree
         if self.split:
             out.weight[rows] = found.weight

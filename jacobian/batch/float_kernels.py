@@ -121,10 +121,7 @@ for _function in (extent, shift, scaled, on_curve, apart, added, steep, row):
 
 @njit(**JIT)
 def add_columns(
-    f: Any,
-    half: Any,
-    units: Any,
-    inverses: Any,
+    curve: tuple[Any, Any, Any, Any],
     first: Columns,
     second: Columns,
     out: Columns,
@@ -132,7 +129,10 @@ def add_columns(
     begin: int,
     end: int,
 ) -> None:
-    """In blocks: what is the same for all rows goes through loops that LLVM makes vector instructions of."""
+    """In blocks: what is the same for all rows goes through loops that LLVM makes vector instructions of. ``curve``:
+    f, h/2, the units of the kernel and their inverses.
+    """
+    f, half, units, inverses = curve
     # the summands, the sum and what of it vanishes where the degree drops: rows of one array, which do not overlap
     block = np.empty((13, BLOCK), out.dtype)
     each = second.shape[1] > 1

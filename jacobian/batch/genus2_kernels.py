@@ -123,10 +123,11 @@ def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-d
 
 
 @njit(**JIT)
-def add_rows(K, C, x, x_degree, y, y_degree, out, begin, end, special):  # type: ignore[no-untyped-def]
+def add_rows(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
     """out[:, j] = x[:, j] + y[:, j] for the general rows j with begin ≤ j < end; the others go into ``special``, and
-    their number is returned.
+    their number is returned. ``first`` is x with its degrees, ``second`` y with its.
     """
+    (x, x_degree), (y, y_degree) = first, second
     S = np.zeros(SCRATCH, x.dtype)
     count = 0
     for start in range(begin, end, BLOCK):
@@ -152,8 +153,9 @@ def add_rows(K, C, x, x_degree, y, y_degree, out, begin, end, special):  # type:
 
 
 @njit(**JIT)
-def double_rows(K, C, x, x_degree, out, begin, end, special):  # type: ignore[no-untyped-def]
+def double_rows(K, C, first, out, begin, end, special):  # type: ignore[no-untyped-def]
     """As :func:`add_rows`, for out[:, j] = 2x[:, j]."""
+    x, x_degree = first
     S = np.zeros(SCRATCH, x.dtype)
     count = 0
     for start in range(begin, end, BLOCK):

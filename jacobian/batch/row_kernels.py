@@ -1,8 +1,8 @@
 """Loops over rows of any genus: the compiled Cantor of :mod:`jacobian.addition.cantor_words`, and conversions.
 
-A row is stored as in :mod:`jacobian.batch.genus2_kernels`: column i of ``x`` holds u₀ … u_{g−1} (with the leading 1
-where deg u < g) and v₀ … v_{g−1}; beside it stand its degree and, on a split model, its weight at ∞₊. Importing this
-module imports numba.
+Rows are (x, degree, weight), stored as in :mod:`jacobian.batch.genus2_kernels`: column i of ``x`` holds u₀ … u_{g−1}
+(with the leading 1 where deg u < g) and v₀ … v_{g−1}; beside it stand its degree and, on a split model, its weight at
+∞₊. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -20,8 +20,9 @@ register_jitable(width)
 
 
 @register_jitable
-def take(K, g, x, degree, weight, i, a):  # type: ignore[no-untyped-def]  # compiled, as all below
+def take(K, g, rows, i, a):  # type: ignore[no-untyped-def]  # compiled, as all below
     """Row i as a class of :mod:`jacobian.addition.cantor_words`."""
+    x, degree, weight = rows
     d = np.int64(degree[i])
     size = 0
     for k in range(g):
@@ -35,8 +36,9 @@ def take(K, g, x, degree, weight, i, a):  # type: ignore[no-untyped-def]  # comp
 
 
 @register_jitable
-def put(g, a, out, degree, weight, i):  # type: ignore[no-untyped-def]
+def put(g, a, rows, i):  # type: ignore[no-untyped-def]
     """Stores a class as row i."""
+    out, degree, weight = rows
     degree[i] = a[0] - 1
     for k in range(g):
         out[k, i] = a[3 + k]
@@ -46,37 +48,37 @@ def put(g, a, out, degree, weight, i):  # type: ignore[no-untyped-def]
 
 
 @njit(**JIT)
-def cantor_add(K, curve, x, x_degree, x_weight, y, y_degree, y_weight, out, degree, weight, rows):  # type: ignore[no-untyped-def]
-    """out[:, i] = x[:, i] + y[:, i] for the i in ``rows``."""
+def cantor_add(K, curve, first, second, out, chosen):  # type: ignore[no-untyped-def]
+    """out = first + second in the rows whose numbers are in ``chosen``."""
     g, S = curve[0], scratch(curve)
     a, b, c = np.zeros(width(g), np.int64), np.zeros(width(g), np.int64), np.zeros(width(g), np.int64)
-    for i in rows:
-        take(K, g, x, x_degree, x_weight, i, a)
-        take(K, g, y, y_degree, y_weight, i, b)
+    for i in chosen:
+        take(K, g, first, i, a)
+        take(K, g, second, i, b)
         add_classes(K, curve, S, a, b, c)
-        put(g, c, out, degree, weight, i)
+        put(g, c, out, i)
 
 
 @njit(**JIT)
-def cantor_double(K, curve, x, x_degree, x_weight, out, degree, weight, rows):  # type: ignore[no-untyped-def]
-    """out[:, i] = 2x[:, i] for the i in ``rows``."""
+def cantor_double(K, curve, rows, out, chosen):  # type: ignore[no-untyped-def]
+    """out = 2·rows, likewise."""
     g, S = curve[0], scratch(curve)
-    a, c = np.zeros(width(g), np.int64), np.zeros(width(g), np.int64)
-    for i in rows:
-        take(K, g, x, x_degree, x_weight, i, a)
-        double_class(K, curve, S, a, c)
-        put(g, c, out, degree, weight, i)
+    a = np.zeros(width(g), np.int64)
+    for i in chosen:
+        take(K, g, rows, i, a)
+        double_class(K, curve, S, a, a)
+        put(g, a, out, i)
 
 
 @njit(**JIT)
-def cantor_negate(K, curve, x, x_degree, x_weight, out, degree, weight, rows):  # type: ignore[no-untyped-def]
-    """out[:, i] = −x[:, i] for the i in ``rows``."""
+def cantor_negate(K, curve, rows, out, chosen):  # type: ignore[no-untyped-def]
+    """out = −rows, likewise."""
     g, S = curve[0], scratch(curve)
-    a, c = np.zeros(width(g), np.int64), np.zeros(width(g), np.int64)
-    for i in rows:
-        take(K, g, x, x_degree, x_weight, i, a)
-        negate_class(K, curve, S, a, c)
-        put(g, c, out, degree, weight, i)
+    a = np.zeros(width(g), np.int64)
+    for i in chosen:
+        take(K, g, rows, i, a)
+        negate_class(K, curve, S, a, a)
+        put(g, a, out, i)
 
 
 @njit(**JIT)

@@ -63,7 +63,7 @@ class FloatSums:
 
         def work(begin: int, end: int) -> None:
             constants = self._f, self._half, self._units, self._inverses
-            add_columns(*constants, first, second, out, doubtful, begin, end)
+            add_columns(constants, first, second, out, doubtful, begin, end)
 
         in_ranges(first.shape[1], RANGE, _one_by_one(work, doubtful) if interpreted() else work)
         return out, doubtful

@@ -87,25 +87,9 @@ def _inverse(K, x):  # type: ignore[no-untyped-def]
 
 
 @overload(words.encode)
-def _encode(K, a):  # type: ignore[no-untyped-def]
-    return (lambda K, a: a) if _tables(K) else None
-
-
 @overload(words.decode)
-def _decode(K, x):  # type: ignore[no-untyped-def]
-    return (lambda K, x: x) if _tables(K) else None
-
-
 @overload(words.fit)
-def _fit(K, x):  # type: ignore[no-untyped-def]
-    return (lambda K, x: x) if _tables(K) else None
-
-
 @overload(words.canonical)
-def _canonical(K, x):  # type: ignore[no-untyped-def]
-    return (lambda K, x: x) if _tables(K) else None
-
-
 @overload(words.settled)
-def _settled(K, x):  # type: ignore[no-untyped-def]
+def _same(K, x):  # type: ignore[no-untyped-def]
     return (lambda K, x: x) if _tables(K) else None

@@ -209,9 +209,9 @@ def number(K: Any, x: Any) -> Any:
     return x
 
 
-def encode(K: Any, a: Any) -> Any:
+def encode(K: Any, x: Any) -> Any:
     """The canonical word of a field element."""
-    return K.to_word(a)
+    return K.to_word(x)
 
 
 def decode(K: Any, x: Any) -> Any:

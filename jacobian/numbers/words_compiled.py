@@ -64,8 +64,7 @@ def _montgomery(bits: int) -> Any:
     return montgomery
 
 
-_dot32 = _montgomery(32)
-_dot64 = _montgomery(64)
+_DOTS = {bits: _montgomery(bits) for bits in (32, 64)}
 
 
 @intrinsic
@@ -98,9 +97,8 @@ def _mul(K, a, b):  # type: ignore[no-untyped-def]  # numba compares the bare si
     if _kind(K) is words.Double:
         return lambda K, a, b: _rest(a, b, K.p, K.reciprocal)
     if _kind(K):
-        if _kind(K).bits == 32:
-            return lambda K, a, b: _dot32((a, b), K.p, K.reciprocal)
-        return lambda K, a, b: _dot64((a, b), K.p, K.reciprocal)
+        dot = _DOTS[_kind(K).bits]
+        return lambda K, a, b: dot((a, b), K.p, K.reciprocal)
     return None
 
 
@@ -109,9 +107,8 @@ def _dot2(K, a, b, c, d):  # type: ignore[no-untyped-def]
     if _kind(K) is words.Double:
         return lambda K, a, b, c, d: words.mul(K, a, b) + words.mul(K, c, d)
     if _kind(K):
-        if _kind(K).bits == 32:
-            return lambda K, a, b, c, d: _dot32((a, b, c, d), K.p, K.reciprocal)
-        return lambda K, a, b, c, d: _dot64((a, b, c, d), K.p, K.reciprocal)
+        dot = _DOTS[_kind(K).bits]
+        return lambda K, a, b, c, d: dot((a, b, c, d), K.p, K.reciprocal)
     return None
 
 
@@ -120,9 +117,8 @@ def _dot3(K, a, b, c, d, e, f):  # type: ignore[no-untyped-def]
     if _kind(K) is words.Double:
         return lambda K, a, b, c, d, e, f: words.dot2(K, a, b, c, d) + words.mul(K, e, f)
     if _kind(K):
-        if _kind(K).bits == 32:
-            return lambda K, a, b, c, d, e, f: _dot32((a, b, c, d, e, f), K.p, K.reciprocal)
-        return lambda K, a, b, c, d, e, f: _dot64((a, b, c, d, e, f), K.p, K.reciprocal)
+        dot = _DOTS[_kind(K).bits]
+        return lambda K, a, b, c, d, e, f: dot((a, b, c, d, e, f), K.p, K.reciprocal)
     return None
 
 
@@ -131,9 +127,8 @@ def _dot4(K, a, b, c, d, e, f, g, h):  # type: ignore[no-untyped-def]
     if _kind(K) is words.Double:
         return lambda K, a, b, c, d, e, f, g, h: words.dot2(K, a, b, c, d) + words.dot2(K, e, f, g, h)
     if _kind(K):
-        if _kind(K).bits == 32:
-            return lambda K, a, b, c, d, e, f, g, h: _dot32((a, b, c, d, e, f, g, h), K.p, K.reciprocal)
-        return lambda K, a, b, c, d, e, f, g, h: _dot64((a, b, c, d, e, f, g, h), K.p, K.reciprocal)
+        dot = _DOTS[_kind(K).bits]
+        return lambda K, a, b, c, d, e, f, g, h: dot((a, b, c, d, e, f, g, h), K.p, K.reciprocal)
     return None
 
 
@@ -236,8 +231,8 @@ def _number(K, x):  # type: ignore[no-untyped-def]
 
 
 @overload(words.encode)
-def _encode(K, a):  # type: ignore[no-untyped-def]
-    return (lambda K, a: words.canonical(K, words.mul(K, words.canonical(K, a), K.square))) if _kind(K) else None
+def _encode(K, x):  # type: ignore[no-untyped-def]
+    return (lambda K, x: words.canonical(K, words.mul(K, words.canonical(K, x), K.square))) if _kind(K) else None
 
 
 @overload(words.decode)

@@ -241,7 +241,7 @@ def test_equal_rows_are_doubled():
     rows = np.empty(len(A), np.int64)
     out = run.empty(len(A))
     count = compiled_rows.genus2_kernels.add_rows(
-        run.K, run.formulas, A._rows.data, A._rows.degree, B._rows.data, B._rows.degree, out.data, 0, len(A), rows
+        run.K, run.formulas, (A._rows.data, A._rows.degree), (B._rows.data, B._rows.degree), out.data, 0, len(A), rows
     )
     special = {A[int(i)] for i in rows[:count]}
     assert special == {D for D in POOL if D.degree < 2 or D.u[0] == 0 or D.double().degree < 2}
