@@ -18,6 +18,33 @@ from tests.fuzz.zoo import IMPORTED
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("jacobian", "integrable")
 MOST_FILES = 20
+MOST_LINES, MOST_PARAMETERS = 40, 8
+# compiled loops and what they call: to numba an argument is a register, and another function is another compilation
+LONG = {
+    "integrable.moving_point.addition.state_at_time",
+    "integrable.moving_point.addition.wind",
+    "integrable.torus.clock_loops.states_at_times",
+    "integrable.torus.compiled.corners",
+    "integrable.torus.compiled.directions",
+    "integrable.torus.compiled.offsets",
+    "integrable.torus.compiled.sampled",
+    "integrable.torus.compiled.states_at_times",
+    "integrable.torus.loops.states_at_times",
+    "integrable.torus.states.turned",
+    "integrable.torus.survey.oval_periods",
+    "integrable.torus.survey.slowed",
+    "integrable.torus.tables.direction",
+    "integrable.torus.tables.directions",
+    "integrable.torus.walks.corners",
+    "integrable.torus.walks.offsets",
+    "integrable.torus.walks.sampled",
+    "jacobian.inexact.genus2_complex.tangent_polynomial",
+    "jacobian.inexact.genus2_real.slope",
+    "jacobian.inexact.genus2_real.tangent_polynomial",
+    "jacobian.numbers.tables_compiled._dot4",
+    "jacobian.numbers.words.dot4",
+    "jacobian.numbers.words_compiled._dot4",
+}
 # files of a package that lie in no room: below the rooms, above them, or public names of what lies in one
 OUTSIDE = {
     "jacobian": {"__init__", "__main__", "compilation", "errors", "group", "immutable", "poly", "terminal"},
@@ -150,3 +177,16 @@ def test_what_a_study_leaves_out_of_its_stamp_is_there():
 
     for name in _SHOWN_ONLY:
         assert any((ROOT / package / name).exists() for package in PACKAGES), name
+
+
+def test_functions_fit_on_a_screen_and_take_few_arguments():
+    """At most 40 lines and 8 parameters, but for a few compiled ones."""
+    found = set()
+    for module in modules():
+        for node in ast.walk(tree(module)):
+            if isinstance(node, ast.FunctionDef):
+                lines = (node.end_lineno or 0) - node.lineno + 1
+                arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
+                if lines > MOST_LINES or len(arguments) > MOST_PARAMETERS:
+                    found.add(f"{module}.{node.name}")
+    assert found <= LONG
