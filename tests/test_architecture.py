@@ -21,8 +21,10 @@ MOST_FILES = 20
 MOST_LINES, MOST_PARAMETERS = 40, 8
 # compiled loops and what they call: to numba an argument is a register, and another function is another compilation
 LONG = {
-    "integrable.moving_point.addition.state_at_time",
-    "integrable.moving_point.addition.wind",
+    "integrable.moving_point.short.panel",
+    "integrable.moving_point.short_compiled.short_run",
+    "integrable.moving_point.short_reading.state",
+    "integrable.moving_point.short_steps.node_steps",
     "integrable.torus.clock_loops.states_at_times",
     "integrable.torus.compiled.corners",
     "integrable.torus.compiled.directions",
@@ -41,6 +43,7 @@ LONG = {
     "jacobian.inexact.genus2_complex.tangent_polynomial",
     "jacobian.inexact.genus2_real.slope",
     "jacobian.inexact.genus2_real.tangent_polynomial",
+    "jacobian.inexact.stacked._second_polynomial",
     "jacobian.numbers.tables_compiled._dot4",
     "jacobian.numbers.words.dot4",
     "jacobian.numbers.words_compiled._dot4",
