@@ -106,6 +106,7 @@ _KERNEL: tuple[Any, ...] = (
     genus2_complex.cofactor,
     genus2_complex.remainder,
     genus2_complex.slope,
+    genus2_complex.newton_step,
     genus2_complex.tangent_polynomial,
     genus2_complex.second_polynomial,
     genus2_complex.chord,

@@ -36,6 +36,7 @@ def _negligible(small, large):  # type: ignore[no-untyped-def]  # numba compares
 
 for _function in (
     genus2_real.slope,
+    genus2_real.newton_step,
     genus2_real.tangent_polynomial,
     genus2_real.second_polynomial,
     genus2_real.chord,

@@ -195,21 +195,28 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # size = 0: nothing but the curve knows the tangent
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
-    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open, held back as
-    # far as the curve's equation is noisier than the rows
+    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open
     for _ in range(2):
-        sizes = square(c0) + square(c1)
-        doubt = size * (sizes * sizes + square(f[0]) + square(f[1])) / scale
-        d0, d1 = remainder(f[0] - c0 * c0, f[1] - 2 * c0 * c1, f[2] - c1 * c1, f[3], f[4], b0, b1)
-        # x⁵ and x⁶ modulo U'', by x² ≡ −b1·x − b0
-        m0, m1 = remainder(0 * b0, 0 * b0, 0 * b0, f[5], f[6], b0, b1)
-        m0, m1 = -b0 * m1, m0 - b1 * m1
-        m0, m1 = -b0 * m1, m0 - b1 * m1
-        d0, d1 = d0 + m0, d1 + m1
-        # along c → c + t·(lean, 1): residual d − t·J, J = 2·V''·direction mod U''
-        top = 2 * c1
-        j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
-        step = (j0.conjugate() * d0 + j1.conjugate() * d1) * (1 / (square(j0) + square(j1) + doubt))
-        c0 += step * lean
-        c1 += step
+        c0, c1 = newton_step(f, b0, b1, c0, c1, lean, size / scale)
     return c0, c1
+
+
+def newton_step(
+    f: Seven, b0: Number, b1: Number, c0: Number, c1: Number, lean: Number, noise: Any
+) -> tuple[Number, Number]:
+    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', t held back as far as this equation is noisier than what c comes
+    from.
+    """
+    sizes = square(c0) + square(c1)
+    doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))
+    d0, d1 = remainder(f[0] - c0 * c0, f[1] - 2 * c0 * c1, f[2] - c1 * c1, f[3], f[4], b0, b1)
+    # x⁵ and x⁶ modulo U'', by x² ≡ −b1·x − b0
+    m0, m1 = remainder(0 * b0, 0 * b0, 0 * b0, f[5], f[6], b0, b1)
+    m0, m1 = -b0 * m1, m0 - b1 * m1
+    m0, m1 = -b0 * m1, m0 - b1 * m1
+    d0, d1 = d0 + m0, d1 + m1
+    # the residual is d − t·J, J = 2·V''·(lean, 1) mod U''
+    top = 2 * c1
+    j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
+    step = (j0.conjugate() * d0 + j1.conjugate() * d1) * (1 / (square(j0) + square(j1) + doubt))
+    return c0 + step * lean, c1 + step

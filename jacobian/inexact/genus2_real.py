@@ -70,26 +70,16 @@ def chord(f: Six, first: Four, second: Four) -> tuple[Real, Real, Real]:
         l1 = chordal * (r1 * a0 - r0 * a1) + tangent * (r3 * a2 - r2 * a3)
         l0 = chordal * (r0 * h0 + r1 * a1 * s0) + tangent * (r2 * h2 + r3 * a3 * s0)
     else:
-        l0, l1, q = slope(a0, a1, a2, a3, -s0 * a1, h0, -s0 * a3, h2, r0, r1, r2, r3)
+        l0, l1, q = slope((a0, a1, a2, a3), (-s0 * a1, h0, -s0 * a3, h2), (r0, r1, r2, r3))
     scale = 1 / max(abs(l0), abs(l1), abs(q))
     return q * scale, l1 * scale, l0 * scale
 
 
-def slope(
-    a0: Real,
-    a1: Real,
-    a2: Real,
-    a3: Real,
-    b0: Real,
-    b1: Real,
-    b2: Real,
-    b3: Real,
-    r0: Real,
-    r1: Real,
-    r2: Real,
-    r3: Real,
-) -> tuple[Real, Real, Real]:
+def slope(a: Four, b: Four, r: Four) -> tuple[Real, Real, Real]:
     """(l0, l1, q) with l0·a + l1·b = q·r in the least-squares sense: two Householder reflections."""
+    a0, a1, a2, a3 = a
+    b0, b1, b2, b3 = b
+    r0, r1, r2, r3 = r
     swap = a0 * a0 + a1 * a1 + a2 * a2 + a3 * a3 < b0 * b0 + b1 * b1 + b2 * b2 + b3 * b3
     if swap:
         a0, a1, a2, a3, b0, b1, b2, b3 = b0, b1, b2, b3, a0, a1, a2, a3
@@ -169,7 +159,6 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     """The same stacked system by Householder reflections, and the curve's own equation along the direction that it
     leaves open.
     """
-    f0, f1, f2, f3, f4, f5 = f
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
     y2, y3, y4, y5 = -b0 * x3, x2 - b1 * x3, -b0 * x5, x4 - b1 * x5
@@ -188,23 +177,26 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     # size = 0: nothing but the curve knows the tangent
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
-    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open, held back as
-    # far as the curve's equation is noisier than the rows
+    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open
     for _ in range(2):
-        square = c0 * c0 + c1 * c1
-        doubt = size * (square * square + f0 * f0 + f1 * f1) / scale
-        e1 = f5
-        e2 = f4 - b1 * e1
-        e3 = f3 - b1 * e2 - b0 * e1
-        e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
-        d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
-        d0 = f0 - c0 * c0 - b0 * e4
-        # along c → c + t·(y0/norm, 1): residual d − t·J, J = 2·V''·direction mod U''
-        k = y0 / norm
-        top = 2 * c1
-        j0, j1 = 2 * c0 * k - b0 * top, 2 * (c1 * k + c0) - b1 * top
-        jj = j0 * j0 + j1 * j1
-        step = (j0 * d0 + j1 * d1) / (jj + doubt)
-        c0 += step * k
-        c1 += step
+        c0, c1 = newton_step(f, b0, b1, c0, c1, y0 / norm, size / scale)
     return c0, c1
+
+
+def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
+    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', t held back as far as this equation is noisier than what c comes
+    from.
+    """
+    f0, f1, f2, f3, f4, f5 = f
+    square = c0 * c0 + c1 * c1
+    doubt = noise * (square * square + f0 * f0 + f1 * f1)
+    e2 = f4 - b1 * f5
+    e3 = f3 - b1 * e2 - b0 * f5
+    e4 = f2 - c1 * c1 - b1 * e3 - b0 * e2
+    d1 = f1 - 2 * c0 * c1 - b1 * e4 - b0 * e3
+    d0 = f0 - c0 * c0 - b0 * e4
+    # the residual is d − t·J, J = 2·V''·(lean, 1) mod U''
+    top = 2 * c1
+    j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
+    step = (j0 * d0 + j1 * d1) / (j0 * j0 + j1 * j1 + doubt)
+    return c0 + step * lean, c1 + step
