@@ -389,3 +389,22 @@ def test_real_round_trips_from_thin_to_heavy_bodies() -> None:
         for x, y in zip((*back.gamma, *back.M), (*state.gamma, *state.M), strict=True):
             # u_k = a_i + (a part as small as 1 − da_i): its digits go
             assert abs(x - y) < 1e-38 * max(1, float(d)) ** 3
+
+
+@pytest.mark.parametrize("field", [RR, MP(40)], ids=["floats", "40 digits"])
+@pytest.mark.parametrize("kind", ["ball", "top"])
+def test_the_map_back_on_bare_reals_is_that_over_fields(kind, field) -> None:
+    """γ and M/|M| from σ = γ̂ and ν = n̂/(2|M|), as compiled loops take them, beside ``from_pairs``."""
+    system = ChaplyginBall((1, 2, 3), 0.7, field=field) if kind == "ball" else EulerTop((1, 2, 3), field=field)
+    gamma, M = ([field.coerce(x) for x in v] for v in (("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")))
+    pairs = coordinates.to_pairs(system.body, State(tuple(gamma), tuple(M)))
+    spin = field.sqrt(field.dot(M, M))
+    sigma, nu = zip(*pairs, strict=True)
+    found = coordinates.directions_of((0, 0, 0, 0, *sigma, *(y / (2 * spin) for y in nu)))
+    back = coordinates.from_pairs(system.body, pairs)
+    for here, there, given in zip(
+        found, (back.gamma, [m / spin for m in back.M]), (gamma, [m / spin for m in M]), strict=True
+    ):
+        for x, y, z in zip(here, there, given, strict=True):
+            assert abs(x - y) < 4 * field.eps
+            assert abs(x - z) < 8 * field.eps
