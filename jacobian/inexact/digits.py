@@ -93,7 +93,7 @@ def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, ev
         before, size = size, max(map(abs, steps))
         changed = [c + s * x for c, s, x in zip([*u[:-1], *v], scales, steps, strict=True)]
         u, v = [*changed[:m], u[m]], changed[m:]
-        if size < known or (before is not None and size < last**2 and not size < before / 4):
+        if size < known or (before is not None and size < digits.floor and not size < before / 4):
             return u, remainder(added(v, half), u)
     raise MoreDigits
 

@@ -254,6 +254,31 @@ def test_sums_that_the_summands_decide_are_not_refused():
     assert oracle.share((found.u, found.v), exact, shift, eps(RR)) < 500
 
 
+def test_the_way_onto_the_curve_may_be_crooked():
+    """Newton's steps towards the curve grow for a while before they shrink, here below the square of the last bit."""
+    f = [
+        3.028795767581607e-07, 40.46867485942532, 1133409851.0197961, 224865646476367.2, 1.6317994498519421e+18,
+        1.1638457281341593e+21, 1.5271320651646106e+23, 2.0133989447325077e+23, 6.48184771030601e+22,
+        3.5699891618326936e+21, 5.835474377445281e+18, 60515176389333.914, 29634555.951663442, 3.7185193249900297,
+    ]  # fmt: skip
+    first = [
+        (2.607294382984643e-08, 1), (5.671685014325861, 1), (0.3656322887581507, -1),
+    ]  # fmt: skip
+    second = [
+        (8.37986344095832e-07, 1), (-9.492279287828342e-07, 1), (8.815788584512843e-09, -1), (898184948.0352241, -1),
+        (376362.1044430729, 1), (-1.3543680928825399e-07, 1),
+    ]  # fmt: skip
+    wide = [oracle.wide(c) for c in f]
+    parts = [
+        [(oracle.wide(x), sign * oracle.WIDE.sqrt(oracle.value(wide, oracle.wide(x)))) for x, sign in part]
+        for part in (first, second)
+    ]
+    J = HyperellipticCurve(RR, f).jacobian()
+    found = into(J, parts[0]) + into(J, parts[1])
+    exact, shift = oracle.conditioning(wide, 6, parts, eps(RR), Random(1))
+    assert oracle.share((found.u, found.v), exact, shift, eps(RR)) < 500
+
+
 @pytest.mark.parametrize("genus", [2, 3, 4])
 def test_a_summand_taken_away_again(genus):
     """D + E − E is D, or refused: D + E was rounded. D may have come back with points near infinity beside it."""
