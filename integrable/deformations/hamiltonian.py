@@ -203,7 +203,7 @@ class Hamiltonian(Immutable):
             energy, second = energy.value, second.value
         return DeformedIntegrals(K.dot(state.gamma, state.gamma), K.dot(state.gamma, state.M), energy, second)
 
-    def integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
+    def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> DeformedIntegrals:
         """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
         import numpy as np
 
@@ -211,14 +211,14 @@ class Hamiltonian(Immutable):
         with _Infinite(), np.errstate(divide="raise"):
             return DeformedIntegrals(dot(q.gamma, q.gamma), dot(q.gamma, q.M), *self.pair(q, self._terms(lambda x: x)))
 
-    def omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+    def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """Ω = ½∂H/∂M, γ̇ = γ × Ω, of many real states, shape (N, 3)."""
         import numpy as np
 
         with _Infinite(), np.errstate(divide="raise"):
             return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
 
-    def attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+    def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """NotRepresentable: M does not rest in space."""
         raise NotRepresentable(f"{self!r}: M does not rest in space, and with γ alone no attitude is known")
 

@@ -263,7 +263,7 @@ class Trajectory(Record):
     def omega(self) -> Vectors:
         """The angular velocity ω in the body frame, γ̇ = γ × ω, shape (N, 3); ½∂H/∂M for a deformation."""
         self._check_kept("omega")
-        return read_only(self.system.omega_along(self.gamma, self.M))
+        return read_only(self.system._omega_along(self.gamma, self.M))
 
     @cached_property
     def attitude(self) -> Matrices:
@@ -272,7 +272,7 @@ class Trajectory(Record):
         (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M does not.
         """
         self._check_kept("attitude")
-        return read_only(self.system.attitude_along(self.gamma, self.M))
+        return read_only(self.system._attitude_along(self.gamma, self.M))
 
     @cached_property
     def quaternion(self) -> Vectors:
@@ -297,7 +297,7 @@ class Trajectory(Record):
         (:class:`integrable.phase.body.Integrals`), C1, C2, H, K of a deformation.
         """
         self._check_kept("integrals")
-        values = self.system.integrals_along(self.gamma, self.M)
+        values = self.system._integrals_along(self.gamma, self.M)
         return type(values)(*map(read_only, values))
 
     def _check_kept(self, name: str) -> None:

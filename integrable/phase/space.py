@@ -104,18 +104,18 @@ class PhaseSpace(Immutable):
         state = self._checked(state)
         return self.body.integrals(state.gamma, state.M)
 
-    def integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
+    def _integrals_along(self, gamma: np.ndarray, M: np.ndarray) -> Integrals:
         """:meth:`integrals` of many real states, γ and M of shape (N, 3): each of shape (N,)."""
         x, m = gamma.T, M.T
         return Integrals(sum(x * x), sum(x * m), *self.body.energies(x, m))
 
-    def omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+    def _omega_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """:meth:`omega` of many real states, shape (N, 3)."""
         from integrable.phase import attitude
 
         return attitude.angular_velocities(self.body, gamma, M)[0]
 
-    def attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
+    def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
         """The rotations from the body to space, shape (N, 3, 3) (:func:`integrable.phase.attitude.matrices`)."""
         from integrable.phase import attitude
 

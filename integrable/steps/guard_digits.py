@@ -28,8 +28,8 @@ if TYPE_CHECKING:
 
 MOST_CONDITION = 30
 """Up to this condition a step is computed in the numbers of its field: it then costs one digit or two."""
-MOST_DRIFT = 64
-"""Roundings by which H1 and H2 may differ there: what an image has lost shows in them (measured on random bodies)."""
+MOST_DRIFT = 16
+"""Roundings, times that condition, by which H1 and H2 may differ there: what an image has lost shows in them."""
 LARGEST = 1e300
 ATTEMPTS = 3
 
