@@ -223,15 +223,15 @@ class Flow(BodyMotion):
 
         return positions(run)
 
-    def _off(self, rows: np.ndarray) -> tuple[np.ndarray, str]:
+    def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
         """The rows whose integrals differ from those of the start.
 
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
-        if rows.dtype == object:
-            # the precise flow has compared them, and with more digits
-            return super()._off(rows)
+        if rows.dtype == object or way.way == "short run":
+            # these have compared them, the precise flow with more digits
+            return super()._off(rows, way)
         found: list[np.ndarray] = []
         why = ""
         for first in range(0, len(rows), CHUNK):
@@ -245,7 +245,7 @@ class Flow(BodyMotion):
                 )
             if len(wrong):
                 found.append(first + wrong)
-        return (np.concatenate(found), why) if found else super()._off(rows)
+        return (np.concatenate(found), why) if found else super()._off(rows, way)
 
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import CLOCK, NODES, Request, Rule, new_room
+from integrable.moving_point.short_rows import CLOCK, NODES, PHYSICAL, Request, Rule, new_room
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -126,7 +126,7 @@ class ShortRuns:
                 # compiled these are infinities, not-a-numbers, and roots of negative numbers
                 status = short.LOST
         self._interpreted_panels += room.made[3]
-        return status, room.numbers[CLOCK], np.array(request.out), np.array(request.other)
+        return status, room.numbers[CLOCK if physical else PHYSICAL], np.array(request.out), np.array(request.other)
 
 
 class ShortFirst:

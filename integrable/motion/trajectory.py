@@ -89,7 +89,7 @@ class Motion(Immutable):
         """What computes the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
 
-    def _off(self, rows: np.ndarray) -> tuple[np.ndarray, str]:
+    def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
         """Numbers of rows that are not where the motion is, and what is wrong with the first."""
         return np.empty(0, dtype=np.intp), ""
 
@@ -107,14 +107,14 @@ class Motion(Immutable):
         way = self._way_to(given, physical)
         if strict:
             found = Rows(*_computed(way, given, physical))
-            off, why = self._off(found.rows)
+            off, why = self._off(found.rows, way)
             if len(off):
                 raise PrecisionLoss(f"row {off[0]}: {why}")
         else:
             nan = np.nan if self.system.field == RR else self.system.field.context.nan
             found = self._kept(way, given, physical, nan)
             had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
-            off, why = self._off(found.rows[had])
+            off, why = self._off(found.rows[had], way)
             found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)
         times = given if physical or not self.system.body.rolls else None
         tau = found.tau if physical else given

@@ -2,10 +2,10 @@
 
 A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers, a
 centre being a few additions of tabled translations from the start; those at the nodes of a panel are one addition in
-floats from its centre. What is asked for is read off the interpolants: σ and ν, which are smooth on the whole motion,
-and for physical time the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a
+floats from its centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for
+physical time the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a
 step between its ends and those of its neighbours, say that it should; where rounding says so, its nodes are made in
-wide numbers. The neighbours share no addition but those of their ancestors, and σ and ν cannot change sign without a
+wide numbers. The neighbours share no addition but those of their ancestors, and γ and w cannot change sign without a
 step: what passes has the signs of the motion.
 
 Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
@@ -15,15 +15,15 @@ Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
 
 from __future__ import annotations
 
-from math import floor, frexp, ldexp, log, sqrt
+from math import floor, frexp, ldexp, log
 
-from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_reading import drift, read_off
 from integrable.moving_point.short_rows import (
     BEGIN,
     CLOSE,
     DOUBLINGS,
     FIRST,
+    FIRST_RATE,
     GROWTH,
     LEVELS,
     LIFT,
@@ -32,13 +32,14 @@ from integrable.moving_point.short_rows import (
     RATE,
     REACH,
     START,
+    TAU_UNIT,
+    TIME_UNIT,
     Request,
     Room,
     Row,
     Rule,
     axes_of,
     curve_of,
-    six,
     ten,
     unit_axes,
 )  # fmt: skip
@@ -57,11 +58,14 @@ from integrable.moving_point.translations import power_series
 
 # half a panel, in basic half steps; steps of Newton to a float
 LENGTH, PASSES = 5.0, 4
-# last coefficients of σ, beside the smallest |σ| of the panel, and of ν: what they may be, and steps at its ends
+# last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
+# floats, or wide beside a panel whose nodes were not
 TAIL = 1e-14
-STEP = 4e-14
-# what the clock may be off by after all panels
-DRIFT = 5e-14
+STEP, WIDE_STEP = 2e-14, 6e-14
+# what the clock may be off by after all panels, and by how much more for every unit of time
+DRIFT, RATE_DRIFT = 5e-14, 4e-16
+# a panel with wide nodes costs as much as so many
+CAREFUL = 10
 # integrals of states that are returned
 INTEGRALS = 1e-9
 # digits that wide numbers have to spare, as a natural logarithm; a body whose moments differ by less of I + d, and an
@@ -77,7 +81,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     """The states that are asked for, from the moments, d, γ and M: 0, or why they were not found."""
     numbers, wide = room.numbers, room.wide
     set_up(given, tilted, wide, room.points, numbers, room.point)
-    scaled(request.times, wide, request.high, request.low)
+    scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
     # of few digits: places of panels are exact in floats
@@ -114,16 +118,15 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
     for e in range(6):
         room.last[e] = room.point[BEGIN + e]
     room.sums[0], room.sums[1], room.sums[2] = 0.0, 0.0, 0.0
+    most = request.most // CAREFUL if careful else request.most
     farthest = request.order[len(request.order) - 1] if sign > 0 else request.order[0]
-    rate = (
-        abs(rate_at(axes_of(room.numbers), (0.0, 0.0, 0.0, 0.0, *six(room.point, BEGIN)))) if request.physical else 1.0
-    )
+    rate = abs(room.numbers[FIRST_RATE]) if request.physical else 1.0
     # twice as slow on the way, at the most, or it will be seen there
-    if not abs(request.high[farthest]) <= 4 * h * rate * request.most:
+    if not abs(request.high[farthest]) <= 4 * h * rate * most:
         return FAR
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        if n >= request.most:
+        if n >= most:
             return FAR
         sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
         grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
@@ -138,7 +141,7 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         n += 1
         room.made[3] += 1
     # a rate that floats have off on the whole way
-    return 0 if abs(room.sums[2]) <= DRIFT * abs(room.point[RATE]) else ROUNDING
+    return 0 if abs(room.sums[2]) <= (DRIFT + RATE_DRIFT * 2 * h * n) * abs(room.point[RATE]) else ROUNDING
 
 
 def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:
@@ -207,7 +210,7 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
         tail, before = tails(room, rule, request)
         if tail <= TAIL and stepless(room, rule) <= STEP:
             return 0
-        if tail > TAIL and tail < before / 4 and level < LEVELS:
+        if tail < before / 4 and level < LEVELS:
             return UNRESOLVED
     if room.made[1] == 0:
         fill_wide_nodes(room, rule, h)
@@ -216,7 +219,10 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     tail, before = tails(room, rule, request)
     if not tail <= TAIL:
         return UNRESOLVED
-    return 0 if stepless(room, rule) <= STEP else ROUNDING
+    if stepless(room, rule) <= WIDE_STEP:
+        return 0
+    # a step at the ends of a series that still falls, or one that the panel before has left
+    return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
 def fill_wide_nodes(room: Room, rule: Rule, h: float) -> None:
@@ -225,24 +231,19 @@ def fill_wide_nodes(room: Room, rule: Rule, h: float) -> None:
 
 
 def tails(room: Room, rule: Rule, request: Request) -> tuple[float, float]:
-    """The last coefficients of σ beside |σ|, of ν and of 1/g, the largest, and the same of earlier ones."""
-    count, values = len(rule.nodes), room.values
-    least = values[0] * values[0] + values[count] * values[count] + values[2 * count] * values[2 * count]
-    for j in range(1, count):
-        x, y, z = values[j], values[count + j], values[2 * count + j]
-        least = min(least, x * x + y * y + z * z)
-    size = sqrt(least)
-    tail, before = 0.0, 0.0
+    """The last coefficients of γ, of w and of 1/g beside its mean, the largest, and the same of earlier ones."""
+    count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
-        last, earlier = two_ends(rule, values, e * count)
-        if e < 3:
-            last, earlier = last / size, earlier / size
+        last, earlier = two_ends(rule, room.values, e * count)
         # no comparison that not-a-number passes
         tail = last if not last <= tail else tail
         before = max(before, earlier)
     if request.physical or request.clock:
+        mean = 0.0
+        for j in range(count):
+            mean += room.rates[j] / count
         last, earlier = two_ends(rule, room.rates, 0)
-        last, earlier = last * size / 4, earlier * size / 4
+        last, earlier = last / (4 * abs(mean)), earlier / (4 * abs(mean))
         tail = last if not last <= tail else tail
         before = max(before, earlier)
     return tail * room.numbers[LIFT], before * room.numbers[LIFT]
@@ -262,20 +263,14 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 
 def stepless(room: Room, rule: Rule) -> float:
-    """The largest step of σ, beside |σ|, or ν from the last panel to the left end of this."""
-    count, values, worst, size = len(rule.nodes), room.values, 0.0, 0.0
+    """The largest step of γ or w from the last panel to the left end of this."""
+    count, values, worst = len(rule.nodes), room.values, 0.0
     for e in range(6):
         left, right = 0.0, 0.0
         for j in range(count):
             left += rule.ends[j] * values[e * count + j]
             right += rule.ends[count + j] * values[e * count + j]
         room.ends[e], room.ends[6 + e] = left, right
-        if e < 3:
-            size += left * left
-    size = sqrt(size)
-    for e in range(6):
-        step = abs(room.ends[e] - room.last[e])
-        if e < 3:
-            step /= size
+        step = abs(left - room.last[e])
         worst = step if not step <= worst else worst
     return worst * room.numbers[LIFT]

@@ -27,11 +27,11 @@ for _inner in (
     short_rows.axes_of,
     short_rows.unit_axes,
     short_rows.ten,
-    short_rows.six,
     short.centre_of,
     short_rows.store,
     short_steps.node_steps,
     short_steps.node_values,
+    short_steps.gamma_and_w,
     short_start.growth,
     short.both_ways,
     short.one_way,
@@ -75,8 +75,8 @@ def _to_set_up(given, tilted, wide, points, known, point):  # type: ignore[no-un
 
 
 @overload(short_start.scaled)
-def _to_scaled(times, wide, high, low):  # type: ignore[no-untyped-def]
-    return lambda times, wide, high, low: _scaled(times, numbers(wide), high, low)
+def _to_scaled(times, wide, unit, high, low):  # type: ignore[no-untyped-def]
+    return lambda times, wide, unit, high, low: _scaled(times, numbers(wide), unit, high, low)
 
 
 @overload(short_steps.panel_steps)
@@ -114,7 +114,7 @@ def _to_wide_values(wide, points, origin, steps, place, mirrored, values, rates)
 
 _short_run = register_jitable(short.short_run)
 _new_room = register_jitable(short_rows.new_room)
-_Request, _CLOCK = short_rows.Request, short_rows.CLOCK
+_Request, _CLOCK, _PHYSICAL = short_rows.Request, short_rows.CLOCK, short_rows.PHYSICAL
 
 
 @register_jitable
@@ -129,7 +129,7 @@ def _floats(count):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def short_run(given, tilted, rule, physical, clock, most, times, order, out, other):  # type: ignore[no-untyped-def]
-    """:func:`integrable.moving_point.short.short_run`, the unit of time, and how many panels there were."""
+    """:func:`integrable.moving_point.short.short_run`, the unit of ``other``, and how many panels there were."""
     count = len(times)
     wide = _wide(len(given))
     for i in range(len(given)):
@@ -137,4 +137,4 @@ def short_run(given, tilted, rule, physical, clock, most, times, order, out, oth
     room = _new_room(_wide, _floats, np.array([1, 0, 1, 0]))
     request = _Request(physical, clock, most, times, order, _floats(count), _floats(count), out, other)
     status = _short_run(room, rule, request, wide, tilted)
-    return status, room.numbers[_CLOCK], room.made[3]
+    return status, room.numbers[_CLOCK if physical else _PHYSICAL], room.made[3]

@@ -51,11 +51,14 @@ def read_off(room: Room, rule: Rule, request: Request, left: float, half: float,
 def antiderivative(room: Room, rule: Rule, half: float) -> float:
     """The coefficients of 1/g and of its integral from −1 on; that integral over the panel."""
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
+    # what 1/g differs by from one of its values: of all of it, rounding of the matrix would take the same part always
+    base = room.rates[0]
     for k in range(count):
         total = 0.0
         for j in range(count):
-            total += rule.coefficients[k * count + j] * room.rates[j]
+            total += rule.coefficients[k * count + j] * (room.rates[j] - base)
         series[k] = total
+    series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
     for k in range(count - 2, 1, -1):
         integral[k] = (series[k - 1] - series[k + 1]) / (2 * k)

@@ -19,11 +19,12 @@ TERMS, WIDE_TERMS = 20, 26
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE = 21, 22, 23, 24, 25, 27
-NUMBERS = 34
-# in ``wide``: f, the axes, the start, the clock's unit
-WIDE = 25
-# in ``point``: ten numbers of a moving point, 1/g there; σ and ν of the start
+GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE = 21, 22, 23, 24, 25, 27, 34, 35
+NUMBERS = 36
+# in ``wide``: f, the axes, the start, then the units of τ and of physical time
+TAU_UNIT, TIME_UNIT = 24, 25
+WIDE = 26
+# in ``point``: ten numbers of a moving point, 1/g there; γ and w of the start
 RATE, BEGIN = 10, 11
 # rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
@@ -48,7 +49,7 @@ class Room(NamedTuple):
     """Rows to work in."""
 
     wide: Row
-    """f, the axes, the start and the clock's unit in wide numbers."""
+    """f, the axes, the start and the units of time in wide numbers."""
     numbers: Row
     points: Row
     steps: Row
@@ -128,11 +129,6 @@ def ten(row: Row, k: int) -> Any:
         row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6], row[k + 7], row[k + 8],
         row[k + 9],
     )  # fmt: skip
-
-
-def six(row: Row, k: int) -> Any:
-    """Six numbers from place k on."""
-    return row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5]
 
 
 def store(values: Any, row: Row, k: int) -> None:

@@ -7,20 +7,28 @@ from __future__ import annotations
 from math import log, sqrt
 from typing import Any
 
+from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_rows import (
     BEGIN,
     CLOCK,
     CLOSE,
+    FIRST_RATE,
     GROWTH,
     INVARIANTS,
     LIFT,
     MATRIX,
     MOMENTUM,
     MOST_GROWN,
+    PHYSICAL,
     REACH,
     SHAPE,
     START,
+    TAU_UNIT,
+    TIME_UNIT,
+    axes_of,
+    ten,
 )  # fmt: skip
+from integrable.moving_point.short_steps import gamma_and_w
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -40,16 +48,19 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     contact = (I0 * a[0], I1 * a[1], I2 * a[2])
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     ratio = curve(given, a, (contact, e), gamma, M, wide)
-    wide[12], wide[13] = s, d * k * s * s / p * top * spin
+    # physical time is counted in units of s: what is left of the clock is 1 on the mean, to the last digit
+    wide[12], wide[13] = 1 + 0 * s, d * k * s / p * top * spin
     moving_start(a, (contact, e), gamma, M, spin, wide)
-    wide[24] = 2 * top * spin
+    wide[TAU_UNIT] = 2 * top * spin
+    wide[TIME_UNIT] = wide[TAU_UNIT] / s
     for i in range(10):
         points[10 * START + i] = wide[14 + i]
-    for i in range(6):
-        point[BEGIN + i] = float(wide[18 + i])
+    gamma_and_w(ten(wide, 14), point, BEGIN, 1)
+    numbers[FIRST_RATE] = float(rate_at(axes_of(wide), ten(wide, 14)))
     for i in range(14):
         numbers[i] = float(wide[i])
-    numbers[CLOCK], numbers[MOMENTUM] = float(wide[24]), float(spin)
+    numbers[CLOCK], numbers[PHYSICAL] = float(wide[TAU_UNIT]), float(wide[TIME_UNIT])
+    numbers[MOMENTUM] = float(spin)
     across = s * s / p
     numbers[MATRIX], numbers[MATRIX + 1] = float(across), float(-(s * k))
     numbers[MATRIX + 2], numbers[MATRIX + 3] = float(across * rise), float(s)
@@ -159,10 +170,10 @@ def moving_start(a: Any, body: Any, gamma: Any, M: Any, spin: Real, wide: Row) -
     wide[18], wide[19], wide[20], wide[21], wide[22], wide[23] = s0, s1, s2, n0, n1, n2
 
 
-def scaled(times: Row, wide: Row, high: Row, low: Row) -> None:
-    """``times`` in the units of the motion, in two floats each."""
+def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
+    """``times`` in the units of the motion, in two floats each; ``unit`` is the place of that of τ or of time."""
     for i in range(len(times)):
-        t = wide[24] * times[i]
+        t = wide[unit] * times[i]
         high[i] = float(t)
         low[i] = float(t - high[i])
 

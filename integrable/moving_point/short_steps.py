@@ -9,6 +9,7 @@ from typing import Any
 from integrable.moving_point.addition import carried, near_identity, opposite, rate_at, shift
 from integrable.moving_point.short_rows import LEVELS, PANEL, RATE, Row, axes_of, curve_of, store, ten, unit_axes
 from integrable.moving_point.translations import power_series
+from jacobian.numbers.roots import root
 
 # a translation by a panel's half is doubled so often from one by a power series
 HALVINGS, WIDE_HALVINGS = LEVELS, LEVELS + 2
@@ -77,7 +78,7 @@ def node_steps(
 
 
 def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
-    """σ and ν (one after the other) and 1/g at the nodes about a point, one addition each. ``place`` is where the
+    """γ, w and 1/g at the nodes about a point, one addition each. ``place`` is where the
     translations begin; ``mirrored``: in the order of descending τ.
     """
     count = len(rates)
@@ -85,9 +86,17 @@ def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored:
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, ten(steps, k))
         rates[j] = float(rate_at(axes, there))
-        values[j] = float(there[4])
-        values[count + j] = float(there[5])
-        values[2 * count + j] = float(there[6])
-        values[3 * count + j] = float(there[7])
-        values[4 * count + j] = float(there[8])
-        values[5 * count + j] = float(there[9])
+        gamma_and_w(there, values, j, count)
+
+
+def gamma_and_w(point: Any, values: Row, place: int, stride: int) -> None:
+    """γ and w = γ × M/|M| of the upright motion at a moving point, six floats ``stride`` apart. ν is w and a multiple
+    of σ, which may be large on thin balls.
+    """
+    scale = 1 / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6])
+    x, y, z = point[4] * scale, point[5] * scale, point[6] * scale
+    lean = x * point[7] + y * point[8] + z * point[9]
+    values[place], values[place + stride], values[place + 2 * stride] = float(x), float(y), float(z)
+    values[place + 3 * stride] = float(point[7] - lean * x)
+    values[place + 4 * stride] = float(point[8] - lean * y)
+    values[place + 5 * stride] = float(point[9] - lean * z)
