@@ -126,7 +126,8 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         return FAR
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        if n >= most:
+        # a panel that is halved costs more than one
+        if n >= most or room.made[3] > 2 * request.most:
             return FAR
         sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
         grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
@@ -139,7 +140,6 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         if status != 0:
             return status
         n += 1
-        room.made[3] += 1
     # a rate that floats have off on the whole way
     return 0 if abs(room.sums[2]) <= (DRIFT + RATE_DRIFT * 2 * h * n) * abs(room.point[RATE]) else ROUNDING
 
@@ -204,6 +204,7 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     """The values at the nodes of one panel: 0 where they are good."""
     numbers, count = room.numbers, len(rule.nodes)
     begin = 10 * level * count
+    room.made[3] += 1
     if not careful:
         point = ten(room.point, 0)
         node_values(curve_of(numbers), axes_of(numbers), point, room.nodes, begin, sign < 0, room.values, room.rates)
@@ -215,6 +216,7 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     if room.made[1] == 0:
         fill_wide_nodes(room, rule, h)
         room.made[1] = 1
+    room.made[3] += CAREFUL
     wide_values(room.wide, room.points, level, room.wide_nodes, begin, sign < 0, room.values, room.rates)
     tail, before = tails(room, rule, request)
     if not tail <= TAIL:

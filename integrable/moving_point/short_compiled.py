@@ -129,7 +129,7 @@ def _floats(count):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def short_run(given, tilted, rule, physical, clock, most, times, order, out, other):  # type: ignore[no-untyped-def]
-    """:func:`integrable.moving_point.short.short_run`, the unit of ``other``, and how many panels there were."""
+    """:func:`integrable.moving_point.short.short_run`, the unit of ``other``, and what it has cost in panels."""
     count = len(times)
     wide = _wide(len(given))
     for i in range(len(given)):

@@ -63,7 +63,7 @@ class Room(NamedTuple):
     wide_roots: Row
     made: Row
     """How many translations by 2^k panels there are, whether there are ``wide_nodes``, steps of Newton for them, and
-    how many panels have been gone through.
+    what all panels have cost, in those of floats that are not halved.
     """
     point: Row
     values: Row
