@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from integrable.motion.enclosure import Enclosure
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import RoundedRows
+    from integrable.motion.rotation import PrincipalRotation
     from integrable.motion.short import ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseSymmetricFlow
@@ -152,6 +153,8 @@ class Flow(BodyMotion):
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self._symmetric:
             return self._symmetric
+        if self._rotation:
+            return self._rotation
         if self.system.field != RR:
             return self._precise
         if self.kernel == "compiled":
@@ -194,6 +197,15 @@ class Flow(BodyMotion):
         if self.system.field != RR:
             return PreciseSymmetricFlow(self.system, self.state)
         return SymmetricFlow(self.system, self.state)
+
+    @cached_property
+    def _rotation(self) -> PrincipalRotation | None:
+        """In floats, None where M is not along a principal axis with γ across it."""
+        from integrable.motion.rotation import PrincipalRotation, rotation_axis
+
+        if self.system.field != RR or rotation_axis(self.state) is None:
+            return None
+        return PrincipalRotation(self.system, self.state)
 
     @cached_property
     def _torus(self) -> TorusFlow | None:

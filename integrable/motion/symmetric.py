@@ -63,7 +63,7 @@ class SymmetricFlow:
         K = self._wide = MP(SET_UP_DIGITS)
         self._rolls = system.body.rolls
         upright = Upright.of(system, state, K)
-        self._columns, self._matrix = upright.columns, [_long(x) for x in upright.matrix]
+        self._columns, self._matrix = upright.columns, [long(x) for x in upright.matrix]
         swing = Swing.of(upright.body, upright.gamma, upright.M)
         self._shape(swing)
         self._phases(swing, upright.body.a[0], upright.clock)
@@ -74,17 +74,17 @@ class SymmetricFlow:
         sqrt = self._wide.sqrt
         # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
         self._flat = bool(delta == 0)
-        self._kappa, self._size, self._root3 = map(_long, (kappa, size, sqrt(r3)))
-        self._delta, self._bulge, self._root_mu = map(_long, (delta, delta * size * size / mu, sqrt(mu)))
+        self._kappa, self._size, self._root3 = map(long, (kappa, size, sqrt(r3)))
+        self._delta, self._bulge, self._root_mu = map(long, (delta, delta * size * size / mu, sqrt(mu)))
         # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
-        self._least, self._more = _long(mu if delta > 0 else r), _long(abs(delta) * size * size)
-        self._spin, self._across = _long(momentum * kappa / sqrt(mu)), _long(momentum * size / sqrt(mu))
+        self._least, self._more = long(mu if delta > 0 else r), long(abs(delta) * size * size)
+        self._spin, self._across = long(momentum * kappa / sqrt(mu)), long(momentum * size / sqrt(mu))
         # k = √(1 − m), 1 − k, r₃/r, and what F and Π are multiplied with in φ
-        self._modulus, self._thin = sqrt(mu / r), _long(r3 / r)
-        self._complement = _long(self._modulus)
-        self._missing = _long(delta * size * size / r / (1 + self._modulus))
+        self._modulus, self._thin = sqrt(mu / r), long(r3 / r)
+        self._complement = long(self._modulus)
+        self._missing = long(delta * size * size / r / (1 + self._modulus))
         self._first, self._third = kappa * ratio / sqrt(r * r3), kappa * sqrt(r3 / r)
-        self._factors = _long(self._first), _long(self._third)
+        self._factors = long(self._first), long(self._third)
 
     def _phases(self, swing: Swing, a: Any, clock: tuple[Any, Any]) -> None:
         """The rates of the phases, in turns of θ and φ to a unit of t and of τ, and of φ to half a turn of θ."""
@@ -92,10 +92,10 @@ class SymmetricFlow:
         alpha, beta = clock
         # t = (θ − θ₀)α/Ω − β'(G(cos θ) − G(cos θ₀)), in turns: θ/2π − ε·G
         spin = swing.momentum * swing.kappa / K.sqrt(swing.mu)
-        self._kepler = _long(beta * spin * a * swing.ratio * swing.size / (2 * pi * alpha))
+        self._kepler = long(beta * spin * a * swing.ratio * swing.size / (2 * pi * alpha))
         self._rate = swing.rate / (2 * pi * alpha)
         quarter = complete(self._modulus, K.one, K.one, K.one, pi, NEAR)
-        self._quarter = _long(quarter)
+        self._quarter = long(quarter)
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
         # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
         self._advance = -self._first * 2 * quarter / pi
@@ -106,8 +106,8 @@ class SymmetricFlow:
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * self._third * pole) / (2 * pi)
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
-        x = np.array([_long(swing.theta - count * pi)])
-        self._start_angle = _long(K.context.sin(swing.theta)), _long(K.context.cos(swing.theta))
+        x = np.array([long(swing.theta - count * pi)])
+        self._start_angle = long(K.context.sin(swing.theta)), long(K.context.cos(swing.theta))
         self._start_lean = self._lean(np.cos(x) * (-1) ** count)
         self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
         self._start_swing = self._swing(x)
@@ -121,19 +121,19 @@ class SymmetricFlow:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         count, x = self._at_times(times)
         delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
-        _, turns = _turns(times, self._turning[0], self._wide.zero)
-        turned = turns + _long(self._advance) * delay - self._factors[0] * swing / (2 * PI)
+        _, turns = turns_of(times, self._turning[0], self._wide.zero)
+        turned = turns + long(self._advance) * delay - self._factors[0] * swing / (2 * PI)
         rows = self._rows(count, x, self._turned_nearby(times, turned))
         if not self._rolls:
             return rows, times
-        gap = (delay + swing / (4 * self._quarter)) / _long(self._flow_rate)
-        return rows, (times * _long(self._rate / self._flow_rate) + gap).astype(float)
+        gap = (delay + swing / (4 * self._quarter)) / long(self._flow_rate)
+        return rows, (times * long(self._rate / self._flow_rate) + gap).astype(float)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
         if not self._rolls:
             return self.at(tau)[0]
-        return self._rows(*self._at_tau(tau), _turns(tau, self._turning[1], self._wide.zero)[1])
+        return self._rows(*self._at_tau(tau), turns_of(tau, self._turning[1], self._wide.zero)[1])
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
@@ -141,7 +141,7 @@ class SymmetricFlow:
             return tau
         count, x = self._at_tau(tau)
         gap = (self._swing(x) - self._start_swing) / (4 * self._quarter) + self._delay(count, x)
-        times: np.ndarray = (tau * _long(self._flow_rate / self._rate) - gap / _long(self._rate)).astype(float)
+        times: np.ndarray = (tau * long(self._flow_rate / self._rate) - gap / long(self._rate)).astype(float)
         return times
 
     def _delay(self, count: np.ndarray, x: Any) -> Any:
@@ -150,7 +150,7 @@ class SymmetricFlow:
 
     def _at_times(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(half turns, x) with θ = π·(half turns) + x, |x| ≤ π/2."""
-        whole, rest = _turns(times, self._rate, self._start)
+        whole, rest = turns_of(times, self._rate, self._start)
         low, high = rest - self._farthest_lean, rest + self._farthest_lean
         y = rest.copy()
         for _ in range(PASSES if self._kepler else 0):
@@ -171,7 +171,7 @@ class SymmetricFlow:
         """``turned``, but of F(θ) − F(θ₀) itself where that is small: φ may follow F a million times as fast, and the
         two F's are long doubles only. By the addition theorem F(θ) − F(θ₀) = F(ψ).
         """
-        goal = 2 * PI * times * _long(self._rate)
+        goal = 2 * PI * times * long(self._rate)
         near = np.flatnonzero(np.abs(goal) + 4 * PI * self._farthest_lean < NEARBY)
         if self._flat or not len(near):
             return turned
@@ -225,7 +225,7 @@ class SymmetricFlow:
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As :meth:`_at_times`."""
-        whole, rest = _turns(tau, self._flow_rate, self._flow_start)
+        whole, rest = turns_of(tau, self._flow_rate, self._flow_start)
         half = np.rint(2 * rest)
         v = (2 * rest - half) * 2 * self._quarter
         k = self._complement
@@ -265,7 +265,7 @@ class SymmetricFlow:
 
     def _rows(self, count: np.ndarray, x: np.ndarray, turned: Any) -> np.ndarray:
         """γ and M at θ = π·count + x, where F has turned φ by ``turned`` turns since the start, shape (N, 6)."""
-        _, turns = _turns(count, self._third_advance, self._origin)
+        _, turns = turns_of(count, self._third_advance, self._origin)
         phi = 2 * PI * (turns + turned) + self._turned(x)
         s, c = (_sign(count) * y for y in (np.sin(x), np.cos(x)))
         p, q, kappa = np.cos(phi), np.sin(phi), self._kappa
@@ -281,7 +281,7 @@ class SymmetricFlow:
         return np.stack(rows, axis=1).astype(float)
 
 
-def _turns(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
+def turns_of(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
     """(whole turns, the rest in [−½, ½]) of values·rate + start, floats and long doubles; rate and start are wide."""
     # in a unit in which the rate is about 1: its parts and those of the products are floats
     exponent = 0 if rate == 0 else int(np.frexp(float(rate))[1])
@@ -298,7 +298,7 @@ def _turns(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
     x, y = (_halves(scaled), _halves(np.float64(high)))
     error = ((x[0] * y[0] - product) + x[0] * y[1] + x[1] * y[0]) + x[1] * y[1]
     whole = np.rint(product)
-    rest = (product - whole).astype(Long) + error + scaled.astype(Long) * low + _long(start)
+    rest = (product - whole).astype(Long) + error + scaled.astype(Long) * low + long(start)
     more = np.rint(rest)
     return whole + more.astype(float), rest - more
 
@@ -315,7 +315,7 @@ def _sign(count: np.ndarray) -> np.ndarray:
     return sign
 
 
-def _long(x: Any) -> Any:
+def long(x: Any) -> Any:
     """A wide number as a long double."""
     high, low = split(x)
     return Long(high) + Long(low)
@@ -327,4 +327,4 @@ def _wide(K: Any, x: Any) -> Any:
     return K.coerce(high) + K.coerce(float(x - high))
 
 
-PI = _long(MP(SET_UP_DIGITS).context.pi)
+PI = long(MP(SET_UP_DIGITS).context.pi)
