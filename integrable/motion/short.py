@@ -32,7 +32,7 @@ PANEL_COST = 5.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
-MOST_PANELS, MOST_TIMES = 1000, 20_000
+MOST_PANELS, MOST_TIMES = 400, 20_000
 # interpreted: panels of one run, those of a flow before it loads numba, and times from which on loading it pays
 INTERPRETED_PANELS, BEFORE_NUMBA, INTERPRETED_TIMES = 64, 500, 500
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled

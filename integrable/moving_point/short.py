@@ -62,8 +62,8 @@ LENGTH, PASSES = 5.0, 4
 # floats, or wide beside a panel whose nodes were not
 TAIL = 1e-14
 STEP, WIDE_STEP = 2e-14, 6e-14
-# what the clock may be off by after all panels, and by how much more for every unit of time
-DRIFT, RATE_DRIFT = 5e-14, 4e-16
+# what the clock may be off by after all panels
+DRIFT = 5e-14
 # a panel with wide nodes costs as much as so many
 CAREFUL = 10
 # integrals of states that are returned
@@ -95,7 +95,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     panel_steps(wide, h, room.wide_series, room.wide_roots, room.made[2], room.steps)
     room.made[0], room.made[1] = 1, 0
     status = both_ways(room, rule, request, h, False)
-    if status == ROUNDING:
+    if status == ROUNDING and room.made[3] * CAREFUL <= request.most:
         status = both_ways(room, rule, request, h, True)
     if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
@@ -141,7 +141,7 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
             return status
         n += 1
     # a rate that floats have off on the whole way
-    return 0 if abs(room.sums[2]) <= (DRIFT + RATE_DRIFT * 2 * h * n) * abs(room.point[RATE]) else ROUNDING
+    return 0 if abs(room.sums[2]) <= DRIFT * abs(room.point[RATE]) else ROUNDING
 
 
 def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:
