@@ -83,7 +83,7 @@ class HyperellipticCurve(Immutable):
             self.infinity_plus, self.infinity_minus = plus, minus
         elif infinity_plus is not None:
             raise ArgumentError(
-                f"infinity_plus = {infinity_plus}: {self!r} is {self.model}, only a split model has ∞₊ and ∞₋"
+                f"infinity_plus = {shown(infinity_plus)}: {self!r} is {self.model}, only a split model has ∞₊ and ∞₋"
             )
 
     def _name_infinity(self, roots: list[Any], chosen: Any) -> tuple[Any, Any]:
@@ -96,7 +96,9 @@ class HyperellipticCurve(Immutable):
         matches = [z for z in roots if K.is_zero(K.sub(z, plus), None if K.exact else abs(z) + abs(plus))]
         if not matches:
             values = " and ".join(map(str, roots))
-            raise ArgumentError(f"infinity_plus = {chosen}: y/x^{self.genus + 1} takes the values {values} at infinity")
+            raise ArgumentError(
+                f"infinity_plus = {shown(chosen)}: y/x^{self.genus + 1} takes the values {values} at infinity"
+            )
         return matches[0], next(z for z in roots if z is not matches[0])
 
     def _check_infinity(self, z: Any) -> None:
