@@ -63,7 +63,7 @@ LENGTH, PASSES = 5.0, 4
 TAIL = 1e-14
 STEP, WIDE_STEP = 2e-14, 6e-14
 # what the clock may be off by after all panels
-DRIFT = 5e-14
+DRIFT = 5e-15
 # a panel with wide nodes costs as much as so many
 CAREFUL = 10
 # integrals of states that are returned

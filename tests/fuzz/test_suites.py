@@ -153,7 +153,7 @@ def test_a_few_cases(name):
 
 
 # suites and as many cases of them as take about a minute; --cases runs any number
-MANY = {"engine": 250, "inexact": 300, "calls": 6000}
+MANY = {"engine": 250, "flow": 400, "inexact": 300, "calls": 6000}
 
 
 @pytest.mark.slow
