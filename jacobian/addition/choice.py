@@ -16,6 +16,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import NamedTuple
 
@@ -44,6 +45,17 @@ Doubling = Callable[[cantor.Triple], cantor.Triple]
 Multiple = Callable[[int, cantor.Triple], cantor.Triple]
 
 
+@dataclass
+class Work:
+    """What groups over word-sized fields have spent before compiled kernels: ``additions``, counted together."""
+
+    additions: float = 0
+
+
+PROCESS = Work()
+"""That of all groups of this process, which load numba once."""
+
+
 class Kernel(NamedTuple):
     """Addition, doubling and multiples by m > 0 of reduced triples on one curve, an arithmetic model."""
 
@@ -52,10 +64,11 @@ class Kernel(NamedTuple):
     multiple: Multiple
 
 
-def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None) -> Kernel:
+def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
     """The kernel for C, the arithmetic model of a curve over an exact field.
 
-    ``adopt`` is called with the compiled one when it has become worthwhile; without it none is considered.
+    ``adopt`` is called with the compiled one when it has become worthwhile by ``work``, which it adds to; without it
+    none is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):
@@ -63,7 +76,7 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None)
         chosen = _with_ladder(C, on_flint.sum_of, on_flint.double)
     if adopt is None or not is_word_sized(C):
         return chosen
-    counted = Counted(C, chosen, adopt)
+    counted = Counted(C, chosen, adopt, work)
     return Kernel(counted.sum_of, counted.double, counted.multiple)
 
 
@@ -106,10 +119,8 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 class Counted:
     """A kernel that counts its additions, and names the compiled kernel when all such groups have spent enough."""
 
-    spent: float = 0
-
-    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None]) -> None:
-        self._curve, self._adopt = C, adopt
+    def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
+        self._curve, self._adopt, self._work = C, adopt, work
         self._sum_of, self._double, self._multiple = chosen
         self._left = SHARE
 
@@ -136,19 +147,19 @@ class Counted:
         return self._multiple(m, a)
 
     def _account(self) -> None:
-        Counted.spent += SHARE - self._left
+        self._work.additions += SHARE - self._left
         self._left = SHARE
-        if Counted.spent < READY:
+        if self._work.additions < READY:
             return
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             from jacobian.addition.calls import is_cached
 
-            chosen = compiled_kernel(self._curve) if Counted.spent >= COLD or is_cached() else None
+            chosen = compiled_kernel(self._curve) if self._work.additions >= COLD or is_cached() else None
         except (ImportError, RuntimeError) as error:
             # no numba, or no directory that it can write its cache to: nobody asked for it, so nobody's addition fails
-            Counted.spent = -math.inf
+            self._work.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
         if chosen is not None:

@@ -19,7 +19,7 @@ CURVE = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1])
 @pytest.fixture
 def fresh(monkeypatch):
     """A process that has not added yet and changes over after 1000 additions, or 5000 where nothing is cached."""
-    monkeypatch.setattr(Counted, "spent", 0)
+    monkeypatch.setattr(choice.PROCESS, "additions", 0)
     monkeypatch.setattr(choice, "READY", 1000)
     monkeypatch.setattr(choice, "COLD", 5000)
     return monkeypatch
@@ -93,7 +93,7 @@ def test_multiples_are_counted_by_their_length(fresh):
 
 
 def test_a_group_of_few_additions_stays_as_it_is(fresh):
-    fresh.setattr(Counted, "spent", 10**9)
+    fresh.setattr(choice.PROCESS, "additions", 10**9)
     J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
     D = J.random(Random(1))
     J._adopt(kernel(J._model, J._adopt))
