@@ -37,7 +37,8 @@ def check_domain(system: PhaseSpace, state: State) -> None:
     for name, x in (*named, *((f"M[{i}]", x) for i, x in enumerate(state.M))):
         if abs(x) > LARGEST:
             raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
-    if not any(state.M):
+    # tilted, it is refused as M ∥ γ is
+    if not any(state.M) and not state.tilted:
         raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
     for name, x in (*named, ("max(|M|)", max(map(abs, state.M)))):
         if 0 < x < 1 / LARGEST:

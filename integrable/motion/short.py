@@ -81,8 +81,17 @@ class ShortRuns:
             status, unit, out, other = self._compiled(times, order, physical, clock, most)
         if status:
             return None
+        rows = out.reshape(-1, 6)
+        if not times.all():
+            rows[times == 0] = self._start()
         # without a clock there is nothing in ``other``
-        return out.reshape(-1, 6), other / unit if physical or clock else times
+        return rows, other / unit if physical or clock else times
+
+    def _start(self) -> np.ndarray:
+        """The state itself, on its constraints: no interpolant's error is there."""
+        gamma, M = self._given[4:7].astype(np.longdouble), self._given[7:].astype(np.longdouble)
+        gamma /= np.sqrt(gamma @ gamma)
+        return np.concatenate([gamma, M if self._tilted else M - (gamma @ M) * gamma]).astype(float)
 
     def _without_numba(self, count: int) -> bool:
         if count >= INTERPRETED_TIMES:
