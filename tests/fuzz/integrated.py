@@ -116,8 +116,13 @@ class Integrated:
         """What the integrator itself may be off by: by another order of its series, or a bound for each turn."""
         s = self.start
         if self.extended:
-            inputs = map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c))
-            return abs(self._rows(*inputs, wanted, 1e-17) - base).max(axis=1)
+            inertia, d, gamma, M, c = map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c))
+            order = abs(self._rows(inertia, d, gamma, M, c, wanted, 1e-17) - base).max(axis=1)
+            if gamma.all() and M.all():
+                return order
+            # beside unstable rotations a zero grows from what rounds the first step
+            nudged = [np.where(v == 0, np.finfo(np.longdouble).eps * abs(v).max(), v) for v in (gamma, M)]
+            return order + abs(self._rows(inertia, d, *nudged, c, wanted) - base).max(axis=1)
         turns = np.array([1 + abs(t) * s.speed for t in wanted]) * (1 + s.d / min(s.inertia))
         return (10 * EPS if self.equations == "body" else 1e-12) * turns
 
