@@ -256,7 +256,8 @@ class SymmetricFlow:
         """φ at θ = x, less φ at θ = 0 and what F adds."""
         if self._flat or self._kappa == 0:
             return 0 * x
-        s, c = np.sin(x), np.cos(x)
+        # the arctangent and Π, each of which turns by a half at π/2 within κ, see the same side of it
+        s, c = np.sin(x), np.maximum(np.cos(x), 0)
         k2, n, square = self._complement**2, self._size**2, self._kappa**2
         far = np.maximum(c * c + square * s * s, np.finfo(Long).tiny)
         product = square * n * n * self._thin * s**6

@@ -315,3 +315,14 @@ def test_the_signs_of_every_region_are_those_of_the_walk(loops) -> None:
         ):
             setup = ball.flow(ball.state(gamma, M)).setup
             assert TorusFlow(setup, loops(setup)).closure < 1e-17
+
+
+def test_a_start_at_the_end_of_the_swing_of_a_body_that_hardly_spins() -> None:
+    # found by fuzz: θ = π/2 rounded to beyond it turned φ by 7e-12
+    inertia, d = (53053.053061136634, 53053.053061136634, 46219.24961653579), 0.002017929182472763
+    gamma, M = (0.0, -0.19033512337582564, 0.9817191761443337), (0.0, 104198.09836584321, 0.0)
+    ball, times = ChaplyginBall(inertia, d), [-0.004174995157132701, 0.07, 19.0]
+    run = ball.flow(ball.state(gamma, M, tilted=True)).at(times)
+    right = reference.taylor(ball.body, restored(MP(40), gamma, M, tilted=True), times, digits=20)
+    assert np.abs(run.gamma - right.gamma.astype(float)).max() < 1e-14
+    assert np.abs(run.M - right.M.astype(float)).max() < 1e-14 * M[1]
