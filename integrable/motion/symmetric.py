@@ -107,6 +107,7 @@ class SymmetricFlow:
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = np.array([long(swing.theta - count * pi)])
+        self._start_count, self._start_x = count, x[0]
         self._start_angle = long(K.context.sin(swing.theta)), long(K.context.cos(swing.theta))
         self._start_lean = self._lean(np.cos(x) * (-1) ** count)
         self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
@@ -123,7 +124,9 @@ class SymmetricFlow:
         delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
         _, turns = turns_of(times, self._turning[0], self._wide.zero)
         turned = turns + long(self._advance) * delay - self._factors[0] * swing / (2 * PI)
-        rows = self._rows(count, x, self._turned_nearby(times, turned))
+        rows = self._rows(
+            count, x, self._turned_nearby(times, PI * (count - self._start_count) + (x - self._start_x), turned)
+        )
         if not self._rolls:
             return rows, times
         gap = (delay + swing / (4 * self._quarter)) / long(self._flow_rate)
@@ -167,15 +170,14 @@ class SymmetricFlow:
         half = np.rint(2 * y)
         return 2 * whole + half.astype(float), PI * (2 * y - half)
 
-    def _turned_nearby(self, times: np.ndarray, turned: Any) -> Any:
-        """``turned``, but of F(θ) − F(θ₀) itself where that is small: φ may follow F a million times as fast, and the
-        two F's are long doubles only. By the addition theorem F(θ) − F(θ₀) = F(ψ).
+    def _turned_nearby(self, times: np.ndarray, gap: Any, turned: Any) -> Any:
+        """``turned``, but of F(θ) − F(θ₀) itself where θ − θ₀, about ``gap``, is small: φ may follow F a million times
+        as fast, and the two F's are long doubles only. By the addition theorem F(θ) − F(θ₀) = F(ψ).
         """
-        goal = 2 * PI * times * long(self._rate)
-        near = np.flatnonzero(np.abs(goal) + 4 * PI * self._farthest_lean < NEARBY)
+        near = np.flatnonzero(np.abs(gap) < NEARBY)
         if self._flat or not len(near):
             return turned
-        gap = self._gap(goal[near])
+        gap = self._gap(gap[near], 2 * PI * times[near] * long(self._rate))
         (s0, c0), (s, c) = self._start_angle, self._angle_at(gap)
         k2 = self._complement**2
         root0, root = np.sqrt(c0 * c0 + k2 * s0 * s0), np.sqrt(c * c + k2 * s * s)
@@ -190,10 +192,14 @@ class SymmetricFlow:
         turned[near[small]] = -self._factors[0] * self._first_kind(np.arcsin(sine[small])) / (2 * PI)
         return turned
 
-    def _gap(self, goal: Any) -> Any:
-        """θ − θ₀ where it would be ``goal`` but for what a tilted body's clock makes of it; small."""
-        gap, (_, c0) = goal, self._start_angle
-        for _ in range(PASSES if self._kepler else 0):
+    def _gap(self, gap: Any, goal: Any) -> Any:
+        """θ − θ₀ to its last digit from a value nearby; it would be ``goal`` but for what a tilted body's clock makes
+        of it.
+        """
+        if not self._kepler:
+            return goal
+        _, c0 = self._start_angle
+        for _ in range(PASSES):
             s, c = self._angle_at(gap)
             root0, root = (np.sqrt(1 + self._bulge * y * y) for y in (c0, c))
             # G(cos θ) − G(cos θ₀) is G of this

@@ -326,3 +326,15 @@ def test_a_start_at_the_end_of_the_swing_of_a_body_that_hardly_spins() -> None:
     right = reference.taylor(ball.body, restored(MP(40), gamma, M, tilted=True), times, digits=20)
     assert np.abs(run.gamma - right.gamma.astype(float)).max() < 1e-14
     assert np.abs(run.M - right.M.astype(float)).max() < 1e-14 * M[1]
+
+
+def test_a_tilted_needle_whose_clock_swings_widely() -> None:
+    # found by fuzz: θ − θ₀ is small though its clock may differ from the mean by more
+    inertia, d = (0.05786006517951956, 569825497814.925, 569825497814.925), 12862.788305941547
+    gamma = (-0.4462505273466137, 0.8948980184244874, 0.0042430487618258135)
+    M = (-0.005203122456366258, -0.007587598710789265, -0.002102423055535908)
+    ball, times = ChaplyginBall(inertia, d), [-1405.2014433516497, 4424344.386216561]
+    run = ball.flow(ball.state(gamma, M, tilted=True)).at(times)
+    right = reference.taylor(ball.body, restored(MP(50), gamma, M, tilted=True), times, digits=25)
+    assert np.abs(run.gamma - right.gamma.astype(float)).max() < 1e-14
+    assert np.abs(run.M - right.M.astype(float)).max() < 1e-16
