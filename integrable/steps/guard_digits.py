@@ -58,12 +58,12 @@ def with_enough_digits(step: Step, state: State) -> State:
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
         return step.plain(state)
-    image = None
-    if step.condition(state) <= MOST_CONDITION:
+    image, condition = None, step.condition(state)
+    if condition <= MOST_CONDITION:
         # next to a double point of the curve the sum loses more than the map
         with suppress(PrecisionLoss):
             image = step.plain(state)
-    if image is None or not drift(step.system, image, state) <= MOST_DRIFT * K.eps:
+    if image is None or not drift(step.system, image, state) <= MOST_DRIFT * max(condition, 1) * K.eps:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:

@@ -73,7 +73,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         found[name], failed = tally.data(), failed or tally.failed
         print(f"{name}, seed {given.seed}: {tally.line()}", flush=True)
     if given.json:
-        with open(given.json, "w", encoding="utf-8") as file:
+        with open(given.json, "w", encoding="utf-8", errors="backslashreplace") as file:
             json.dump({"seed": given.seed, "suites": found}, file, indent=1, ensure_ascii=False)
     return int(failed)
 
