@@ -14,11 +14,14 @@ from itertools import count
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import ArgumentError, FieldError, shown
+from jacobian.errors import ArgumentError, FieldError, Infeasible, shown
 from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import prime_factors
 from jacobian.fields.prime import PrimeField
+
+# a search of minutes already
+MOST_DEGREE = 1000
 
 
 class ExtensionField(FiniteField):
@@ -147,7 +150,13 @@ def extension_field(kind: type[ExtensionField], base: PrimeField, modulus: tuple
 
 
 def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
-    """galois's Conway polynomial, or, where its table has none, the irreducible one that comes first."""
+    """galois's Conway polynomial, or, where its table has none, the irreducible one that comes first; Infeasible for
+    k > MOST_DEGREE.
+    """
+    if k > MOST_DEGREE:
+        raise Infeasible(
+            f"k = {k}: no irreducible polynomial is looked for beyond degree {MOST_DEGREE}; give a modulus"
+        )
     # the table ends far below 64 bits, and cannot be asked for more
     if base.p.bit_length() < 64:
         import galois

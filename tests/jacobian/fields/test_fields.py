@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from jacobian import CC, GF, MP, QQ, RR, ArgumentError, Field, FieldError, NotASquare, PrecisionLoss
+from jacobian.errors import Infeasible
 from jacobian.fields.digits import DigitField
 from jacobian.fields.primality import is_prime, prime_power
 from jacobian.fields.quadratic import quadratic_roots
@@ -308,3 +309,9 @@ def test_primality():
     assert not is_prime(318665857834031151167461)
     assert prime_power(3**20) == (3, 20)
     assert prime_power(6) is None
+
+
+@pytest.mark.parametrize("k", [1001, 10**18, 10**30])
+def test_a_degree_without_a_modulus_to_be_found_is_refused_at_once(k):
+    with pytest.raises(Infeasible, match=f"k = {k}: no irreducible polynomial is looked for beyond degree 1000"):
+        GF(101, k)
