@@ -40,9 +40,8 @@ def drift(system: PhaseSpace, image: State, state: State) -> Any:
     return max(abs(x - y) / (abs(y) or 1) for x, y in zip(after, before, strict=True))
 
 
-def check_integrals(step: Step, image: State, state: State) -> None:
-    """PrecisionLoss where H1 or H2 of an image is off by more than eps^0.575 of its size (10⁻⁹ in floats)."""
-    lost = drift(step.system, image, state)
+def check_integrals(step: Step, state: State, lost: Any) -> None:
+    """PrecisionLoss where the :func:`drift` of an image is more than eps^0.575 (10⁻⁹ in floats)."""
     if not lost <= step.system.field.eps**0.575:
         C1, C2 = step.system.integrals(state)[:2]
         raise PrecisionLoss(
@@ -58,19 +57,21 @@ def with_enough_digits(step: Step, state: State) -> State:
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
         return step.plain(state)
-    image, condition = None, step.condition(state)
+    condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
         # next to a double point of the curve the sum loses more than the map
         with suppress(PrecisionLoss):
             image = step.plain(state)
-    if image is None or not drift(step.system, image, state) <= MOST_DRIFT * max(condition, 1) * K.eps:
+            lost = drift(step.system, image, state)
+    if lost is None or not lost <= MOST_DRIFT * max(condition, 1) * K.eps:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
             # in the numbers of the field where they refuse it too: those are the user's
             step.plain(state)
             raise
-    check_integrals(step, image, state)
+        lost = drift(step.system, image, state)
+    check_integrals(step, state, lost)
     return image
 
 
