@@ -235,6 +235,12 @@ class Flow(BodyMotion):
 
         return positions(run)
 
+    @cached_property
+    def _level(self) -> tuple[Any, Any]:
+        """H1 and H2 of the motion."""
+        h1, h2 = self.system.integrals(self.state)[2:]
+        return h1, h2
+
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
         """The rows whose integrals differ from those of the start.
 
@@ -262,6 +268,6 @@ class Flow(BodyMotion):
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
     """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
-    h1, h2 = flow.system.integrals(flow.state)[2:]
+    h1, h2 = flow._level
     found1, found2 = flow.system.body.energies(rows[:, :3].T, rows[:, 3:].T)
     return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))

@@ -26,9 +26,9 @@ if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-# microseconds, compiled: a panel; a time off a torus that is there, off panels between ascending ones, and before that
-# the torus itself (python -m benchmarks short)
-PANEL_COST = 5.0
+# microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
+# between ascending ones, and before that the torus itself (python -m benchmarks short)
+PANEL_COST, START_COST = 5.0, 100.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
@@ -78,7 +78,8 @@ class ShortRuns:
             status, unit, out, other = self._interpreted(times, order, physical, clock)
         if status == short.FAR and self._kernel != "python" and not interpreted():
             most = self._most(len(times), torus)
-            status, unit, out, other = self._compiled(times, order, physical, clock, most)
+            if most > 0:
+                status, unit, out, other = self._compiled(times, order, physical, clock, most)
         if status:
             return None
         rows = out.reshape(-1, 6)
@@ -105,7 +106,7 @@ class ShortRuns:
         cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
         if not torus:
             cost += max(0.0, TORUS_SET_UP - PANEL_COST * self._compiled_panels)
-        return min(MOST_PANELS, int(cost / PANEL_COST))
+        return min(MOST_PANELS, int((cost - START_COST) / PANEL_COST))
 
     def _compiled(
         self, times: np.ndarray, order: np.ndarray, physical: bool, clock: bool, most: int
