@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 # cells of a long panel (odd, so that it is centred at a cell), and cells before the first of them
 LONG = 9
 NEAR_CELLS = 27
+# the first cells may be so many times as fast or slow as those after them
+UNEVEN = 4
 # a rule of floats that shows how fast Legendre coefficients fall, for a cell and for a long panel
 SCOUTS = (24, 80)
 SCOUT_BITS = 240
@@ -159,6 +161,9 @@ class PanelClock:
             return False
         while not self._far or self._far[-1] <= t:
             self._wind(len(self._far))
+            # the first cells may have promised more than those after them keep; a mean is known the better the longer
+            cells = NEAR_CELLS + LONG * (len(self._far) - 1)
+            self._afford(float(t / self._far[-1]) * cells, 1 + UNEVEN * NEAR_CELLS / cells)
         return True
 
     def _wind(self, panels: int) -> None:
@@ -173,10 +178,10 @@ class PanelClock:
             total = sum(w * x for w, x in zip(weights, values, strict=True))
             self._far.append(self._far[-1] + LONG * self._half * total)
 
-    def _afford(self, cells: float) -> None:
-        """PrecisionLoss where the clock of so many cells is beyond what it may take."""
+    def _afford(self, cells: float, uneven: float = 1) -> None:
+        """PrecisionLoss where the clock of so many cells is beyond what it may take, ``uneven`` times as much."""
         work = cells * (len(self._long_rule()[0]) / LONG if self._long_panels() else len(self._nodes))
-        if work > self._most:
+        if work > uneven * self._most:
             raise PrecisionLoss(
                 f"floats and double-double numbers do not carry this motion, and to {self._setup.digits} digits the "
                 f"way there takes {work:.3g} values of 1/g, where floats take {self._most:.3g}: MP(digits) goes there "

@@ -219,9 +219,13 @@ def _transform(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
     return np.concatenate([even + odd, even - odd])
 
 
+# modes that are small and level are rounding
+LEVEL = 1e-8
+
+
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
     """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
-    (relative), else a larger one where their decay leads.
+    (relative), else a larger one where their decay leads, or the number of samples that averages their rounding.
     """
     grid = np.abs(grid).astype(float)
     grid /= grid.max()
@@ -235,8 +239,12 @@ def _needed(modes: np.ndarray, noise: float) -> int:
     # envelope[k]: the largest of the modes from ±k on
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
     envelope = np.maximum.accumulate(folded[::-1])[::-1]
-    if envelope[half - max(1, size // 16)] < noise:
+    last = float(envelope[half - max(1, size // 16)])
+    if last < noise:
         return size
+    if envelope[half // 2] < min(LEVEL, 8 * last):
+        # the samples' own rounding: it falls with the root of their number, and is random (hence a quarter)
+        return int(max(2 * size, 2 ** ceil(log2(size * (last / noise) ** 2 / 4))))
     known = int(np.flatnonzero(envelope > 32 * noise)[-1])
     if known < 2:
         return 2 * size

@@ -219,6 +219,20 @@ def test_a_grid_that_is_too_coarse_is_noticed() -> None:
     assert needed_sizes(spectrum(samples(128)), (1e-15, 1e-15)) == (128, 128)
 
 
+def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
+    # found by fuzz: grids were doubled up to the last, of samples good to 1e-15 that were to show 1e-17
+    def needed(size: int, rounding: float, noise: float) -> int:
+        smooth = 1 / (1.2 + np.cos(2 * np.pi * np.arange(size) / size))
+        dust = rounding * np.random.default_rng(1).standard_normal((size, 16))
+        return needed_sizes(spectrum(smooth[:, None] + dust), (noise, 1e-9))[0]
+
+    # what decays is waited for as before, and so is rounding that another doubling averages away
+    assert needed(64, 1e-15, 1e-17) == 128
+    assert needed(1024, 1e-12, 1e-14) == 2048
+    # a hundredth of it takes ten thousand times as many samples
+    assert needed(1024, 1e-12, 1e-16) >= 1024 * 1024
+
+
 # --- dense output
 
 
