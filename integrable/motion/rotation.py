@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.symmetric import NEAR, PI, long, turns_of
-from integrable.moving_point.elliptic_integrals import amplitude, first_kind_swing
+from integrable.motion.symmetric import NEAR, PI, half_turns, long, turns_of, wide
+from integrable.moving_point.elliptic_integrals import FirstKind
 from integrable.phase.body import Body
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.torus.survey import complete
@@ -47,21 +47,20 @@ class PrincipalRotation:
         root = K.sqrt(body.contact[j])
         modulus = K.sqrt(body.contact[k]) / root
         less = body.d * (body.inertia[j] - body.inertia[k]) * body.a[j] * body.a[k] / body.contact[j]
-        self._modulus, self._missing = long(modulus), long(less / (1 + modulus))
         quarter = complete(modulus, K.one, K.one, K.one, pi, NEAR)
-        self._quarter, self._speed = long(quarter), long(root * rate)
-        self._pace = long(2 * quarter / (pi * root))
+        self._first_kind = FirstKind(long(modulus), long(less / (1 + modulus)), long(quarter))
+        self._speed, self._pace = long(root * rate), long(2 * quarter / (pi * root))
         count = int(K.context.nint(start / pi))
-        self._start = self._swing(np.array([long(start - count * pi)]))
-        origin = K.coerce(float(self._start[0])) + K.coerce(float(self._start[0] - float(self._start[0])))
-        self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + origin / (4 * quarter)
+        self._start = self._first_kind.swing(np.array([long(start - count * pi)]))
+        self._flow_turning = root * rate / (4 * quarter), start / (2 * pi) + wide(K, self._start[0]) / (4 * quarter)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        half, x = _halves(turns_of(times, *self._turning)[1])
+        half, part = half_turns(turns_of(times, *self._turning)[1])
+        x = PI * part
         if not self._rolls:
             return self._rows(half, x), times
-        tau = times * self._pace + (self._swing(x) - self._start) / self._speed
+        tau = times * self._pace + (self._first_kind.swing(x) - self._start) / self._speed
         return self._rows(half, x), tau.astype(float)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -73,29 +72,15 @@ class PrincipalRotation:
         if not self._rolls:
             return tau
         _, x = self._at_tau(tau)
-        found: np.ndarray = (tau - (self._swing(x) - self._start) / self._speed) / self._pace
+        found: np.ndarray = (tau - (self._first_kind.swing(x) - self._start) / self._speed) / self._pace
         return found.astype(float)
 
     def _at_tau(self, tau: np.ndarray) -> tuple[Any, Any]:
-        half, part = _halves(turns_of(tau, *self._flow_turning)[1])
-        v, k = part * 2 * self._quarter / PI, self._modulus
-        x = amplitude(v, k) if k <= 1 else PI / 2 - amplitude(k * (self._quarter - v), 1 / k)
-        # a step of Newton, for what the transformations have rounded
-        first = 2 * self._quarter / PI * x + self._swing(x)
-        return half, x - (first - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
-
-    def _swing(self, x: Any) -> Any:
-        """F(x) − (2K/π)x."""
-        return first_kind_swing(x, self._modulus, self._missing) if self._missing else 0 * x
+        half, part = half_turns(turns_of(tau, *self._flow_turning)[1])
+        return half, self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
     def _rows(self, half: Any, x: Any) -> np.ndarray:
         i, j, k = self._order
         rows, sign = np.zeros((len(x), 6)), 1 - 2 * (half % 2)
         rows[:, j], rows[:, k], rows[:, 3 + i] = sign * np.cos(x), -sign * np.sin(x), self._momentum
         return rows
-
-
-def _halves(rest: Any) -> tuple[Any, Any]:
-    """(half turns, x) of a part of a turn: π·(half turns) + x is its angle, |x| ≤ π/2."""
-    half = np.rint(2 * rest)
-    return half, PI * (2 * rest - half)

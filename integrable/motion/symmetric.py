@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.elliptic_integrals import amplitude, carlson_j, first_kind_swing
+from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j
 from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.space import PhaseSpace
@@ -79,10 +79,8 @@ class SymmetricFlow:
         # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
         self._least, self._more = long(mu if delta > 0 else r), long(abs(delta) * size * size)
         self._spin, self._across = long(momentum * kappa / sqrt(mu)), long(momentum * size / sqrt(mu))
-        # k = √(1 − m), 1 − k, r₃/r, and what F and Π are multiplied with in φ
-        self._modulus, self._thin = sqrt(mu / r), long(r3 / r)
-        self._complement = long(self._modulus)
-        self._missing = long(delta * size * size / r / (1 + self._modulus))
+        # r₃/r, and what F and Π are multiplied with in φ
+        self._thin = long(r3 / r)
         self._first, self._third = kappa * ratio / sqrt(r * r3), kappa * sqrt(r3 / r)
         self._factors = long(self._first), long(self._third)
 
@@ -94,15 +92,18 @@ class SymmetricFlow:
         spin = swing.momentum * swing.kappa / K.sqrt(swing.mu)
         self._kepler = long(beta * spin * a * swing.ratio * swing.size / (2 * pi * alpha))
         self._rate = swing.rate / (2 * pi * alpha)
-        quarter = complete(self._modulus, K.one, K.one, K.one, pi, NEAR)
-        self._quarter = long(quarter)
+        # k = √(1 − m), and 1 − k
+        modulus = K.sqrt(swing.mu / swing.r)
+        missing = swing.delta * swing.size * swing.size / swing.r / (1 + modulus)
+        quarter = complete(modulus, K.one, K.one, K.one, pi, NEAR)
+        self._first_kind = FirstKind(long(modulus), long(missing), long(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
         # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
         self._advance = -self._first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
         self._third_advance = K.zero
         if swing.kappa and not self._flat:
-            pole = complete(self._modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
+            pole = complete(modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * self._third * pole) / (2 * pi)
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
@@ -110,18 +111,18 @@ class SymmetricFlow:
         self._start_count, self._start_x = count, x[0]
         self._start_angle = long(K.context.sin(swing.theta)), long(K.context.cos(swing.theta))
         self._start_lean = self._lean(np.cos(x) * (-1) ** count)
-        self._start = swing.theta / (2 * pi) - _wide(K, (self._kepler * self._start_lean)[0])
-        self._start_swing = self._swing(x)
-        self._flow_start = swing.theta / (2 * pi) + _wide(K, (self._start_swing / (4 * self._quarter))[0])
+        self._start = swing.theta / (2 * pi) - wide(K, (self._kepler * self._start_lean)[0])
+        self._start_swing = self._first_kind.swing(x)
+        self._flow_start = swing.theta / (2 * pi) + wide(K, (self._start_swing / (4 * self._first_kind.quarter))[0])
         self._origin = swing.phi / (2 * pi) - count * self._third_advance
-        self._origin -= _wide(K, (self._turned(x) / (2 * PI))[0])
+        self._origin -= wide(K, (self._turned(x) / (2 * PI))[0])
 
     # --- at times
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         count, x = self._at_times(times)
-        delay, swing = self._delay(count, x), self._swing(x) - self._start_swing
+        delay, swing = self._delay(count, x), self._first_kind.swing(x) - self._start_swing
         _, turns = turns_of(times, self._turning[0], self._wide.zero)
         turned = turns + long(self._advance) * delay - self._factors[0] * swing / (2 * PI)
         rows = self._rows(
@@ -129,7 +130,7 @@ class SymmetricFlow:
         )
         if not self._rolls:
             return rows, times
-        gap = (delay + swing / (4 * self._quarter)) / long(self._flow_rate)
+        gap = (delay + swing / (4 * self._first_kind.quarter)) / long(self._flow_rate)
         return rows, (times * long(self._rate / self._flow_rate) + gap).astype(float)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
@@ -143,7 +144,7 @@ class SymmetricFlow:
         if not self._rolls:
             return tau
         count, x = self._at_tau(tau)
-        gap = (self._swing(x) - self._start_swing) / (4 * self._quarter) + self._delay(count, x)
+        gap = (self._first_kind.swing(x) - self._start_swing) / (4 * self._first_kind.quarter) + self._delay(count, x)
         times: np.ndarray = (tau * long(self._flow_rate / self._rate) - gap / long(self._rate)).astype(float)
         return times
 
@@ -167,8 +168,8 @@ class SymmetricFlow:
             y = better
             if done:
                 break
-        half = np.rint(2 * y)
-        return 2 * whole + half.astype(float), PI * (2 * y - half)
+        half, part = half_turns(y)
+        return 2 * whole + half.astype(float), PI * part
 
     def _turned_nearby(self, times: np.ndarray, gap: Any, turned: Any) -> Any:
         """``turned``, but of F(θ) − F(θ₀) itself where θ − θ₀, about ``gap``, is small: φ may follow F a million times
@@ -179,7 +180,7 @@ class SymmetricFlow:
             return turned
         gap = self._gap(gap[near], 2 * PI * times[near] * long(self._rate))
         (s0, c0), (s, c) = self._start_angle, self._angle_at(gap)
-        k2 = self._complement**2
+        k2 = self._first_kind.k**2
         root0, root = np.sqrt(c0 * c0 + k2 * s0 * s0), np.sqrt(c * c + k2 * s * s)
         left, right = s * c0 * root0, s0 * c * root
         # sin ψ·(1 − m sin²θ sin²θ₀) is left − right, and its conjugate the difference of squares
@@ -189,7 +190,7 @@ class SymmetricFlow:
         sine = np.where(left * right > 0, sine, sine / (c0 * c0 + s0 * s0 * (c * c + k2 * s * s)))
         small = (np.abs(sine) <= 0.5) & (c0 * c + s0 * s * root0 * root > 0)
         turned = turned.copy()
-        turned[near[small]] = -self._factors[0] * self._first_kind(np.arcsin(sine[small])) / (2 * PI)
+        turned[near[small]] = -self._factors[0] * self._first_kind.at(np.arcsin(sine[small])) / (2 * PI)
         return turned
 
     def _gap(self, gap: Any, goal: Any) -> Any:
@@ -232,13 +233,8 @@ class SymmetricFlow:
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As :meth:`_at_times`."""
         whole, rest = turns_of(tau, self._flow_rate, self._flow_start)
-        half = np.rint(2 * rest)
-        v = (2 * rest - half) * 2 * self._quarter
-        k = self._complement
-        x = amplitude(v, k) if k <= 1 else PI / 2 - amplitude(k * (self._quarter - v), 1 / k)
-        # one step of Newton, for what the transformations have rounded
-        x = x - (self._first_kind(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
-        return 2 * whole + half.astype(float), x
+        half, part = half_turns(rest)
+        return 2 * whole + half.astype(float), self._first_kind.inverse(2 * self._first_kind.quarter * part)
 
     def _lean(self, c: Any) -> Any:
         """G(c) = ∫_0^c du/√(μ + δA²u²)."""
@@ -250,24 +246,16 @@ class SymmetricFlow:
 
     # --- states
 
-    def _swing(self, x: Any) -> Any:
-        """P(x) = F(x | m) − (2K/π)x."""
-        return 0 * x if self._flat else first_kind_swing(x, self._complement, self._missing)
-
-    def _first_kind(self, x: Any) -> Any:
-        """F(x | m)."""
-        return 2 * self._quarter / PI * x + self._swing(x)
-
     def _turned(self, x: Any) -> Any:
         """φ at θ = x, less φ at θ = 0 and what F adds."""
         if self._flat or self._kappa == 0:
             return 0 * x
         # the arctangent and Π, each of which turns by a half at π/2 within κ, see the same side of it
         s, c = np.sin(x), np.maximum(np.cos(x), 0)
-        k2, n, square = self._complement**2, self._size**2, self._kappa**2
+        k2, n, square = self._first_kind.k**2, self._size**2, self._kappa**2
         far = np.maximum(c * c + square * s * s, np.finfo(Long).tiny)
         product = square * n * n * self._thin * s**6
-        third = self._first_kind(x) + n / 3 * s**3 * carlson_j(c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
+        third = self._first_kind.at(x) + n / 3 * s**3 * carlson_j(c * c, c * c + k2 * s * s, 1 + 0 * s, far, product)
         return np.arctan2(self._kappa * s, c) - self._factors[1] * third
 
     def _rows(self, count: np.ndarray, x: np.ndarray, turned: Any) -> np.ndarray:
@@ -316,6 +304,12 @@ def _halves(x: Any) -> tuple[Any, Any]:
     return high, x - high
 
 
+def half_turns(rest: Any) -> tuple[Any, Any]:
+    """(half turns, the rest in [−½, ½] of one) of parts of a turn."""
+    half = np.rint(2 * rest)
+    return half, 2 * rest - half
+
+
 def _sign(count: np.ndarray) -> np.ndarray:
     """(−1)^count."""
     sign: np.ndarray = 1.0 - 2.0 * (count % 2)
@@ -328,7 +322,7 @@ def long(x: Any) -> Any:
     return Long(high) + Long(low)
 
 
-def _wide(K: Any, x: Any) -> Any:
+def wide(K: Any, x: Any) -> Any:
     """A long double as a wide number."""
     high = float(x)
     return K.coerce(high) + K.coerce(float(x - high))

@@ -80,3 +80,29 @@ def amplitude(v: Array, k: Any) -> Array:
         # sin(2x' − x) = (c/a) sin x with c/a of the next level
         x = (x + np.arcsin(np.clip(ratio * np.sin(x), -1, 1))) / 2
     return x
+
+
+class FirstKind:
+    """F(x | m), |x| ≤ π/2, and its inverse for one k = √(1 − m) > 0: the mean (2K/π)x and a swing about it.
+
+    ``missing`` = 1 − k and ``quarter`` = K, numbers of the same kind as the x.
+    """
+
+    def __init__(self, k: Any, missing: Any, quarter: Any) -> None:
+        self.k, self.missing, self.quarter = k, missing, quarter
+        self._right_angle = np.arccos(0 * quarter)
+
+    def swing(self, x: Array) -> Array:
+        """F(x | m) − (2K/π)x."""
+        return first_kind_swing(x, self.k, self.missing) if self.missing else 0 * x
+
+    def at(self, x: Array) -> Array:
+        """F(x | m)."""
+        return self.quarter / self._right_angle * x + self.swing(x)
+
+    def inverse(self, v: Array) -> Array:
+        """x with F(x | m) = v."""
+        k = self.k
+        x = amplitude(v, k) if k <= 1 else self._right_angle - amplitude(k * (self.quarter - v), 1 / k)
+        # a step of Newton, for what the transformations have rounded
+        return x - (self.at(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
