@@ -66,45 +66,42 @@ class SymmetricFlow:
         self._columns, self._matrix = upright.columns, [long(x) for x in upright.matrix]
         swing = Swing.of(upright.body, upright.gamma, upright.M)
         self._shape(swing)
-        self._phases(swing, upright.body.a[0], upright.clock)
+        self._phases(swing, *swing.clock(upright))
 
     def _shape(self, swing: Swing) -> None:
         """What the states take beside θ and φ, as long doubles."""
-        r, r3, delta, ratio, momentum, kappa, size, mu = swing[:8]
+        r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         sqrt = self._wide.sqrt
         # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
         self._flat = bool(delta == 0)
         self._kappa, self._size, self._root3 = map(long, (kappa, size, sqrt(r3)))
-        self._delta, self._bulge, self._root_mu = map(long, (delta, delta * size * size / mu, sqrt(mu)))
+        self._delta, self._bulge, self._root_mu = map(long, (delta, swing.spread / mu, sqrt(mu)))
         # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
-        self._least, self._more = long(mu if delta > 0 else r), long(abs(delta) * size * size)
-        self._spin, self._across = long(momentum * kappa / sqrt(mu)), long(momentum * size / sqrt(mu))
+        self._least, self._more = long(mu if delta > 0 else r), long(abs(swing.spread))
+        self._spin, self._across = long(swing.spin), long(momentum * size / sqrt(mu))
         # r₃/r, and what F and Π are multiplied with in φ
         self._thin = long(r3 / r)
-        self._first, self._third = kappa * ratio / sqrt(r * r3), kappa * sqrt(r3 / r)
-        self._factors = long(self._first), long(self._third)
+        first, third = swing.factors
+        self._factors = long(first), long(third)
 
-    def _phases(self, swing: Swing, a: Any, clock: tuple[Any, Any]) -> None:
+    def _phases(self, swing: Swing, rate: Any, kepler: Any) -> None:
         """The rates of the phases, in turns of θ and φ to a unit of t and of τ, and of φ to half a turn of θ."""
         K, pi = self._wide, self._wide.context.pi
-        alpha, beta = clock
-        # t = (θ − θ₀)α/Ω − β'(G(cos θ) − G(cos θ₀)), in turns: θ/2π − ε·G
-        spin = swing.momentum * swing.kappa / K.sqrt(swing.mu)
-        self._kepler = long(beta * spin * a * swing.ratio * swing.size / (2 * pi * alpha))
-        self._rate = swing.rate / (2 * pi * alpha)
+        self._kepler, self._rate = long(kepler / (2 * pi)), rate / (2 * pi)
         # k = √(1 − m), and 1 − k
         modulus = K.sqrt(swing.mu / swing.r)
-        missing = swing.delta * swing.size * swing.size / swing.r / (1 + modulus)
+        missing = swing.spread / swing.r / (1 + modulus)
         quarter = complete(modulus, K.one, K.one, K.one, pi, NEAR)
         self._first_kind = FirstKind(long(modulus), long(missing), long(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
         # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
-        self._advance = -self._first * 2 * quarter / pi
+        first, third = swing.factors
+        self._advance = -first * 2 * quarter / pi
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
         self._third_advance = K.zero
         if swing.kappa and not self._flat:
             pole = complete(modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
-            self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * self._third * pole) / (2 * pi)
+            self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = np.array([long(swing.theta - count * pi)])

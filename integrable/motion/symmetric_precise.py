@@ -39,14 +39,10 @@ class ClosedForm:
         self._swing = s = Swing.of(upright.body, upright.gamma, upright.M)
         self._flat = bool(s.delta == 0)
         self._square = s.mu / s.r
-        self._first = s.kappa * s.ratio / K.sqrt(s.r * s.r3)
-        self._third = s.kappa * K.sqrt(s.r3 / s.r)
+        self._first, self._third = s.factors
         self._flow_rate = s.rate * K.sqrt(s.r)
-        alpha, beta = upright.clock
-        spin = s.momentum * s.kappa / K.sqrt(s.mu)
-        self._rate = s.rate / alpha
-        self._kepler = beta * spin * upright.body.a[0] * s.ratio * s.size / alpha
-        self._bulge = s.delta * s.size * s.size / s.mu
+        self._rate, self._kepler = s.clock(upright)
+        self._bulge = s.spread / s.mu
         self._half = c.pi, 2 * self._first_kind(c.pi / 2)
         self._half_turn = 2 * self._angle(c.pi / 2)
         self._start = self._phases(s.theta)
@@ -146,7 +142,7 @@ class ClosedForm:
     def _row(self, theta: Any) -> list[Any]:
         context, swing = self._context, self._swing
         phi = swing.phi + self._phases(theta)[1] - self._start[1]
-        gamma, M = swing.ellipse(context.cos(theta), context.sin(theta), context.sqrt)
+        gamma, M = swing.ellipse(context.cos(theta), context.sin(theta))
         p, q = context.cos(phi), context.sin(phi)
         gamma, M = ([p * v[0] - q * v[1], q * v[0] + p * v[1], v[2]] for v in (gamma, M))
         a, b, e, d = self._upright.matrix

@@ -57,18 +57,44 @@ class Swing(NamedTuple):
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
         # the ellipse before it turns, of γ and of M/|M|: the larger tells φ
         c, s = K.context.cos(theta), K.context.sin(theta)
-        before_gamma, before_M = swing.ellipse(c, s, K.sqrt)
+        before_gamma, before_M = swing.ellipse(c, s)
         found, before = ((g1, g2), before_gamma) if c * c + kappa2 * s * s >= 0.5 else ((m1, m2), before_M)
         return swing._replace(phi=atan2(found[1], found[0]) - atan2(before[1], before[0]))
 
-    def ellipse(self, c: Any, s: Any, sqrt: Any) -> tuple[list[Any], list[Any]]:
+    @property
+    def spread(self) -> Any:
+        """δA², the swing of g⁻²."""
+        return self.delta * self.size * self.size
+
+    @property
+    def spin(self) -> Any:
+        """gM₃, which is constant."""
+        return self.momentum * self.kappa / _sqrt(self.mu)
+
+    @property
+    def factors(self) -> tuple[Any, Any]:
+        """What F and Π are multiplied with in −φ."""
+        first = self.kappa * self.ratio / _sqrt(self.r * self.r3)
+        return first, self.kappa * _sqrt(self.r3 / self.r)
+
+    def clock(self, upright: Upright) -> tuple[Any, Any]:
+        """(Ω', ε) of Ω't = θ − θ₀ − ε(G(cos θ) − G(cos θ₀)) at the times t of the tilted body; 0 for an upright one."""
+        alpha, beta = upright.clock
+        return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
+
+    def ellipse(self, c: Any, s: Any) -> tuple[list[Any], list[Any]]:
         """γ and M at θ with the cosine c and the sine s, before they turn by φ."""
-        root3, spread = sqrt(self.r3), self.delta * self.size * self.size
-        slow = sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
-        lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / sqrt(self.mu)
+        root3, spread = _sqrt(self.r3), self.spread
+        slow = _sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
+        lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / _sqrt(self.mu)
         across = scale * self.size
         M = [-across * lean * c, across * (root3 + lean * self.kappa * s), scale * self.kappa * slow]
         return [c, -self.kappa * s, self.size * s], M
+
+
+def _sqrt(x: Any) -> Any:
+    """Of an mpf, to the digits that it was computed with."""
+    return x.context.sqrt(x)
 
 
 class Upright(NamedTuple):
