@@ -52,8 +52,9 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 def _interpreted(name: str, system: ChaplyginBall | EulerTop, calls: int) -> list[dict[str, object]]:
     state = system.state(GAMMA, MOMENTUM)
-    setup = system.flow(state).setup.floats
-    f, start, step = setup.f, setup.start[:4], setup.near(setup.half_step)[:4]
+    setup = system.flow(state).setup
+    f, start = setup.floats.f, setup.floats.start[:4]
+    step = tuple(map(float, setup.translations.near(setup.problem.half_step)))[:4]
     rows = [
         _row(
             name,

@@ -7,10 +7,10 @@ from functools import cached_property
 from math import ceil, log, log10
 from typing import Any
 
-from integrable.moving_point.addition import near_identity, opposite, rate_at, shift
+from integrable.moving_point.addition import opposite, rate_at, shift
 from integrable.moving_point.problem import MotionProblem
 from integrable.moving_point.step_table import StepTable
-from integrable.moving_point.translations import REACH, Translations, series_of
+from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
 from jacobian import MP, RR
@@ -20,8 +20,6 @@ from jacobian.numbers.long_reals import BareReals
 GUARD_DIGITS = 10
 WIDER = 20
 GUARD_BITS = 10
-# Newton's steps from the leading order to a float
-FLOAT_PASSES = 6
 
 
 class Setup:
@@ -53,18 +51,18 @@ class Setup:
     @cached_property
     def floats(self) -> View:
         """The motion in floats."""
-        return View(self, float, ceil(EPS_DIGITS * TERMS_A_DIGIT) + 4, FLOAT_PASSES)
+        return View(self, float)
 
     @cached_property
     def mpf(self) -> View:
         """The motion in numbers of the wide field."""
         reals = self.reals
-        return View(self, lambda x: reals.element(self.wide, reals.number(x)), self.terms, self.passes)
+        return View(self, lambda x: reals.element(self.wide, reals.number(x)))
 
     @cached_property
     def bare(self) -> View:
         """The motion in bare reals, whose operations take ``with setup.reals``."""
-        return View(self, self.reals.number, self.terms, self.passes)
+        return View(self, self.reals.number)
 
     @cached_property
     def translations(self) -> Translations:
@@ -75,11 +73,6 @@ class Setup:
     def steps(self) -> StepTable:
         """The translations by about 2^k basic steps."""
         return StepTable(self.translations)
-
-    @property
-    def passes(self) -> int:
-        """Steps of Newton from a float to the wide precision."""
-        return max(1, ceil(log(self.wide.dps / 14, 2)))
 
     @property
     def terms(self) -> int:
@@ -96,7 +89,7 @@ class Setup:
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
 
 
-# that a series within REACH takes
+# terms that a series within REACH takes
 TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
@@ -105,9 +98,8 @@ class View:
     as :mod:`integrable.moving_point.addition` takes them, half of a basic step and |M|.
     """
 
-    def __init__(self, setup: Setup, number: Callable[[Any], Any], terms: int, passes: int) -> None:
+    def __init__(self, setup: Setup, number: Callable[[Any], Any]) -> None:
         self._setup, self.number = setup, number
-        self._terms, self.passes = terms, passes
         problem = setup.problem
         self.f, self.axes, self.start = (tuple(map(number, row)) for row in (problem.f, problem.axes, problem.start))
         self.half_step, self.momentum = number(problem.half_step), number(problem.momentum)
@@ -131,25 +123,6 @@ class View:
                 point = plain_row(shift(self.f, self.axes, point, step))
                 steps -= count
         return point
-
-    @cached_property
-    def series(self) -> tuple[Any, ...]:
-        """The power series of 1/√(f/f0) about 0, as long as :meth:`near` needs at half a step."""
-        return self._series(-1)
-
-    @cached_property
-    def roots(self) -> tuple[Any, ...]:
-        """The power series of √(f/f0)."""
-        return self._series(1)
-
-    def _series(self, power: int) -> tuple[Any, ...]:
-        reals = self._setup.reals
-        with reals:
-            return tuple(map(self.number, series_of(reals.row(self._setup.problem.f), power, self._terms)))
-
-    def near(self, eps: Any) -> tuple[Any, ...]:
-        """T(eps), for |eps| up to half a step."""
-        return near_identity(self.series, self.roots, self.f[0], self.axes, self.number(eps), self.passes)
 
 
 def digits_of_closeness(body: Body) -> int:

@@ -15,6 +15,7 @@ from integrable.moving_point import addition
 from integrable.oracles.reference import taylor
 from jacobian import MP, QQ
 from jacobian.errors import ArgumentError
+from tests.integrable.torus.translations import in_floats
 
 SCENES = json.loads((Path(__file__).parents[2] / "data" / "trajectories.json").read_text())["scenes"]
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
@@ -224,5 +225,5 @@ def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
         eps = setup.wide.coerce(10) ** -exponent * setup.problem.half_step
         step = setup.reals.elements(setup.wide, setup.translations.near(eps))
         exact = addition.shift(setup.mpf.f, setup.mpf.axes, setup.mpf.start, step)
-        found = addition.shift(setup.floats.f, setup.floats.axes, setup.floats.start, setup.floats.near(eps))
+        found = addition.shift(setup.floats.f, setup.floats.axes, setup.floats.start, in_floats(setup, float(eps)))
         assert max(abs(float(a - b)) for a, b in zip(exact, found, strict=True)) < 2e-14

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import near_identity, shift
+from integrable.moving_point.addition import FLOAT_TERMS, near_identity, shift
 from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
 from integrable.torus.survey import REACH, oval_periods
@@ -15,6 +15,9 @@ from jacobian.periods.matrix import Oval
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
+
+# Newton's steps from the leading order to a float, or from a float to some hundred digits
+PASSES = 6
 
 
 def ovals(setup: Setup) -> list[Oval]:
@@ -55,10 +58,17 @@ def directed(setup: Setup, centre: Any, eps: Any) -> tuple[Any, ...]:
         eps, doublings = eps / 2, doublings + 1
     with setup.reals as reals:
         series, roots = (reals.elements(K, series_of(reals.row(f), power, setup.terms)) for power in (-1, 1))
-    step = centred(near_identity(series, roots, f[0], axes, eps, setup.passes), x0)
+    step = centred(near_identity(series, roots, f[0], axes, eps, PASSES), x0)
     for _ in range(doublings):
         step = combine(setup, step, step)
     return step
+
+
+def in_floats(setup: Setup, eps: float) -> tuple[Any, ...]:
+    """T(eps) computed in floats, |eps| up to half a basic step."""
+    f, axes = setup.floats.f, setup.floats.axes
+    series, roots = (series_of(f, power, FLOAT_TERMS) for power in (-1, 1))
+    return near_identity(series, roots, f[0], axes, eps, PASSES)
 
 
 def centred(step: Any, x0: Any) -> tuple[Any, ...]:

@@ -9,6 +9,7 @@ import pytest
 from integrable import ChaplyginBall
 from jacobian import CC, MP, QQ, RR, HyperellipticCurve, NotRepresentable, PrecisionLoss, poly
 from jacobian.inexact import composition
+from tests.integrable.torus.translations import in_floats
 from tests.jacobian.inexact.real_rows import CELLS, assert_accurate, lift, mumford, random_curve, random_point, rows
 from tests.jacobian.jacobian_rows import Row
 
@@ -48,7 +49,7 @@ def test_translations_near_the_identity(k):
     exact = setup.reals.elements(wide, setup.translations.near(wide.coerce(eps)))
     sums = []
     for K, f, start, step in (
-        (RR, setup.floats.f, setup.floats.start, setup.floats.near(eps)),
+        (RR, setup.floats.f, setup.floats.start, in_floats(setup, eps)),
         (wide, setup.mpf.f, setup.mpf.start, exact),
     ):
         pairs = [([*row[:2], K.one], list(row[2:4])) for row in (start, step)]
