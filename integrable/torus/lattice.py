@@ -34,40 +34,18 @@ class Chart(NamedTuple):
     cells: tuple[int, int]
 
 
-class WideNumbers:
-    """The numbers of a set-up's wide precision, for :class:`TorusLattice`."""
-
-    survey: Any = staticmethod(torus_survey.survey)
-
-    def __init__(self, setup: Setup) -> None:
-        self._field = setup.wide
-        # ovals of this length end the arithmetic-geometric mean
-        self.short = float(setup.wide.eps) ** 0.5 / 16
-
-    def row(self, values: Any) -> Any:
-        """Numbers of any kind as working ones."""
-        return [self._field.coerce(x) for x in values]
-
-    def room(self, count: int) -> Any:
-        """Room for so many."""
-        return [self._field.zero] * count
-
-
 class TorusLattice:
-    """The periods, frequencies and cells of a motion's torus, in the units of a flow's set-up.
+    """The periods, frequencies and cells of a motion's torus, in the units of ``motion``.
 
     ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), ``parts`` s₁ of Λ₁ and Λ₂ and s₂ of both
-    over their reaches, ``slowness`` the mean of 1/√((1 − du₁)(1 − du₂)): rows of numbers of ``loops``, wide ones if it
-    is None; so are those of ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss
-    where the torus is not compact, or needs too many cells.
+    over their reaches, ``slowness`` the mean of 1/√((1 − du₁)(1 − du₂)): rows of numbers of ``loops``, as are those of
+    ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many cells are
+    needed.
     """
 
-    def __init__(self, setup: Setup, loops: Any = None, motion: Any = None) -> None:
-        loops = loops or WideNumbers(setup)
+    def __init__(self, setup: Setup, loops: Any, motion: Any) -> None:
         found, points = loops.room(11), [0.0] * len(setup.problem.branch_points)
-        c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(
-            loops.row(motion_row(setup)) if motion is None else motion, loops.short, points, found
-        )
+        c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
             raise PrecisionLoss(
                 f"more than {torus_survey.MOST_CELLS} cells are needed on the torus of this motion, which is nearly "
@@ -141,10 +119,7 @@ def _near_power(x: float) -> float:
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
-PLAIN = Units()
-
-
-def motion_row(setup: Setup, units: Units = PLAIN) -> tuple[Any, ...]:
+def motion_row(setup: Setup, units: Units) -> tuple[Any, ...]:
     """What :mod:`integrable.torus.survey` takes, wide: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ at the
     origin, in the given units.
 

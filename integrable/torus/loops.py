@@ -47,6 +47,7 @@ class ReadableLoops:
         self.reals = type(setup.reals)(bits)
         # from a float of 46 bits or more
         self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
+        # ovals of this length end the arithmetic-geometric mean
         self.short = float(setup.wide.eps) ** 0.5 / 16
         # what rounding leaves of 1/g where its Fourier series has ended
         self.noise = 10.0**-digits

@@ -10,7 +10,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.setup import Setup
 from integrable.torus.access import TorusFlow
 from integrable.torus.corners import Corners
-from integrable.torus.lattice import TorusLattice
+from integrable.torus.lattice import TorusLattice, Units, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.survey import complete, oval_periods
@@ -106,12 +106,13 @@ def test_directions_add_up() -> None:
 @pytest.mark.parametrize("ball", [BALL, THIN, ChaplyginBall((1, 1e4, 1e8), 1)], ids=["ball", "thin", "far apart"])
 def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball) -> None:
     setup = setup_of(ball, *START)
-    lattice = TorusLattice(setup)
+    loops, wide = ReadableLoops(setup), setup.wide
+    lattice = TorusLattice(setup, loops, loops.row(motion_row(setup, Units())))
     (a, b), (c, d) = lattice.chart.basis
     assert abs(a * d - b * c) == 1
-    nu = lattice.frequencies
-    assert abs(sum(n * p[0] for n, p in zip(nu, lattice.periods, strict=True)) - 1) < 1e-35
-    assert abs(sum(n * p[1] for n, p in zip(nu, lattice.periods, strict=True))) < 1e-35
+    nu, periods = loops.wide(lattice.frequencies, wide), [loops.wide(period, wide) for period in lattice.periods]
+    assert abs(sum(n * p[0] for n, p in zip(nu, periods, strict=True)) - 1) < 1e-35
+    assert abs(sum(n * p[1] for n, p in zip(nu, periods, strict=True))) < 1e-35
     for parts in (lattice.parts[:2], lattice.parts[2:]):
         corner = sum(abs(float(part)) / (2 * n) for part, n in zip(parts, lattice.cells, strict=True))
         assert corner <= 1 + 1e-12
@@ -172,7 +173,7 @@ def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> 
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0, 0, 1), (0, 1, 0)))
     with pytest.raises(PrecisionLoss, match="met"):
-        TorusLattice(flow.setup)
+        motion_row(flow.setup, Units())
     run = flow.at([1.0, 400.0])
     # M rests, and γ turns about the middle axis
     assert np.abs(run.M - [0, 1, 0]).max() < 1e-15
