@@ -118,7 +118,8 @@ class SceneFindings:
         drift = max(value for name, value in row["drift"].items() if name not in ("C1", "C2"))
         if drift > OFF_LEVEL * max(row["error_gamma"], row["error_M"]):
             return "additions leave the level set of the integrals"
-        return f"on the level set, in the phase (way: {row['way']})"
+        way = f" (way: {row['way']})" if self.orbit is None else ""
+        return f"on the level set, in the phase{way}"
 
     @property
     def doubtful(self) -> bool:

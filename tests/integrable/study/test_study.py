@@ -30,7 +30,7 @@ from integrable.study.store import Store, code_stamp
 from integrable.study.truth import INTEGRATED, Truth, compute, moved_by
 from jacobian import MP
 from jacobian.errors import ArgumentError
-from tests.integrable.scene_texts import EXACT, TOP
+from tests.integrable.scene_texts import EXACT, ORBIT, TOP
 
 # the same few rows as the fixture `rows`, run by a process of its own that says which it has written
 SCRIPT = """
@@ -563,6 +563,22 @@ def test_an_exact_orbit_has_error_zero(tmp_path):
     assert found.orbit["jump"] == 0
     assert not any(found.orbit["rows"][0]["drift"].values())
     assert "Orbits over finite fields are exact. | 1 of 1 orbits" in (tmp_path / "out" / "report.md").read_text("utf-8")
+
+
+def test_an_orbit_over_the_reals_is_held_against_its_floor(tmp_path):
+    """The page of one that keeps its integrals could not be written: its rows have no way, which a motion's have."""
+    path = tmp_path / "orbit.toml"
+    path.write_text(ORBIT, encoding="utf-8")
+    study = study_of([str(path)], out=tmp_path / "out", quick=True, formats=(), jobs=1)
+    (found,) = study.findings
+    row = found.judged
+    row["drift"] = dict.fromkeys(row["drift"], 0.0)
+    for factor, said in (
+        (5, "1 of 1 scenes | holds"),
+        (20, "0 of 1 scenes; orbit: 20 times, on the level set, in the phase | does not hold"),
+    ):
+        found.floor |= {f"floor_{part}": row[f"error_{part}"] / factor for part in ("gamma", "M")}
+        assert f"within 10 times the floor on every scene. | {said} |" in page(study)
 
 
 @pytest.mark.slow
