@@ -28,6 +28,7 @@ from integrable.oracles.compiled_equations import (
     whole_steps,
 )
 from integrable.oracles.reference import Solution
+from integrable.oracles.stepping import by_sign
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import njit
 
@@ -86,24 +87,17 @@ def gauss16(system: Any, state: Any, times: Iterable[float], *, step: float = 0.
     wanted = np.array([float(t) for t in times])
     constants, rule = ball_constants(system), _rule()
     start = np.array([float(x) for x in (*state.gamma, *state.M)])
-    rows = np.empty((len(wanted), 6))
-    work = 0
-    for sign in (1.0, -1.0):
-        chosen = np.flatnonzero(sign * wanted > 0)
-        if not len(chosen):
-            continue
-        chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
-        out = np.empty((len(chosen), 6))
-        distances = np.abs(wanted[chosen])
-        done = _adaptive if tolerance else _fixed
+    done = _adaptive if tolerance else _fixed
+
+    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+        out = np.empty((len(distances), 6))
         cost = done(constants, rule, start, distances, sign, tolerance or step, out)
         if cost == FAILED:
             setting = f"tolerance = {tolerance}" if tolerance else f"step = {step}"
             raise PrecisionLoss(f"{setting}: the stages of the implicit step have not converged; take a smaller one")
-        rows[chosen] = out
-        work += int(cost)
-    rows[wanted == 0] = start
-    return Solution(rows[:, :3], rows[:, 3:], work)
+        return out, int(cost)
+
+    return by_sign(start, wanted, reach)
 
 
 @register_jitable(**INLINED)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from integrable.oracles.reference import Solution, body_equations
+from integrable.oracles.stepping import by_sign
 
 __all__ = ["heyoka_run"]
 
@@ -36,35 +37,16 @@ def heyoka_run(
         list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=kind, time=number(0)
     )
 
-    def run(times: Iterable[Any]) -> Solution:
-        wanted = np.array([number(t) for t in times], dtype=kind)
-        rows = np.empty((len(wanted), 6))
-        steps = 0
-        for sign in (1, -1):
-            chosen = np.flatnonzero(sign * wanted > 0)
-            if not len(chosen):
-                continue
-            chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
-            grid, back = np.unique(np.abs(wanted[chosen]), return_inverse=True)
-            integrator.state[:] = start
-            values, count = _propagated(integrator, np.concatenate([[number(0)], sign * grid]))
-            rows[chosen] = values[1:][back]
-            steps += count
-        rows[wanted == 0] = start
-        return Solution(rows[:, :3], rows[:, 3:], steps)
+    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+        grid, back = np.unique(distances, return_inverse=True)
+        integrator.time = number(0)
+        integrator.state[:] = start
+        outcome, *_, count, _, values = integrator.propagate_grid(np.concatenate([[number(0)], sign * grid]))
+        if outcome != heyoka.taylor_outcome.time_limit:
+            raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
+        return values[1:][back], int(count)
 
-    return run
-
-
-def _propagated(integrator: Any, grid: np.ndarray) -> tuple[np.ndarray, int]:
-    """The states at the times of a grid, the integrator's being at the first of them, and how many steps it took."""
-    import heyoka
-
-    integrator.time = grid[0]
-    outcome, *_, count, _, values = integrator.propagate_grid(grid)
-    if outcome != heyoka.taylor_outcome.time_limit:
-        raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
-    return values, int(count)
+    return lambda times: by_sign(start, np.array([number(t) for t in times], dtype=kind), reach)
 
 
 def _long_double(x: Any) -> Any:

@@ -1,4 +1,6 @@
-"""One-step methods with a fixed step, followed to times in any order: the driver of the comparators in plain Python."""
+"""Times in any order, forwards and backwards: for what goes to ascending ones, and for one-step methods with a fixed
+step in plain Python.
+"""
 
 from __future__ import annotations
 
@@ -12,7 +14,7 @@ import numpy as np
 from integrable.oracles.reference import Solution
 from jacobian.errors import ArgumentError
 
-__all__ = ["follow", "solution_of", "split_times"]
+__all__ = ["by_sign", "follow", "solution_of", "split_times"]
 
 Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
 """(y, h, memory) ↦ (y after a step of h, what helps the next step of the same h, evaluations); memory None: nothing."""
@@ -66,3 +68,22 @@ def solution_of(rows: list[list[Any]], evaluations: int) -> Solution:
     kind = np.float64 if all(isinstance(x, float) for row in rows for x in row) else object
     table = np.array(rows, dtype=kind).reshape(len(rows), 6)
     return Solution(table[:, :3], table[:, 3:], evaluations)
+
+
+def by_sign(
+    start: np.ndarray, wanted: np.ndarray, reach: Callable[[float, np.ndarray], tuple[np.ndarray, int]]
+) -> Solution:
+    """γ and M at ``wanted``, times of any order and sign, in float64; (γ, M) is ``start`` at time 0.
+
+    ``reach(sign, distances)`` gives the rows at ascending positive distances from 0, and the work: once for each sign.
+    """
+    rows = np.empty((len(wanted), 6))
+    work = 0
+    for sign in (1.0, -1.0):
+        chosen = np.flatnonzero(sign * wanted > 0)
+        if len(chosen):
+            chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
+            rows[chosen], cost = reach(sign, np.abs(wanted[chosen]))
+            work += cost
+    rows[wanted == 0] = start
+    return Solution(rows[:, :3], rows[:, 3:], work)

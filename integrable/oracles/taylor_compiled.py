@@ -15,6 +15,7 @@ from numba.extending import register_jitable
 
 from integrable.oracles.compiled_equations import COMPILED, INLINED, ball_constants, two_sum
 from integrable.oracles.reference import Solution
+from integrable.oracles.stepping import by_sign
 from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import njit
 
@@ -32,17 +33,12 @@ def compiled_taylor(system: Any, state: Any, times: Iterable[float], *, toleranc
     constants = ball_constants(system)
     order = max(4, ceil(-log(tolerance) / 2 + 1))
     start = np.array([float(x) for x in (*state.gamma, *state.M)])
-    rows = np.empty((len(wanted), 6))
-    work = 0
-    for sign in (1.0, -1.0):
-        chosen = np.flatnonzero(sign * wanted > 0)
-        chosen = chosen[np.argsort(np.abs(wanted[chosen]), kind="stable")]
-        out = np.empty((len(chosen), 6))
-        if len(chosen):
-            work += _march(constants, start, np.abs(wanted[chosen]), sign, tolerance, order, out)
-            rows[chosen] = out
-    rows[wanted == 0] = start
-    return Solution(rows[:, :3], rows[:, 3:], work)
+
+    def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+        out = np.empty((len(distances), 6))
+        return out, int(_march(constants, start, distances, sign, tolerance, order, out))
+
+    return by_sign(start, wanted, reach)
 
 
 @register_jitable(fastmath={"contract", "reassoc"}, **INLINED)
