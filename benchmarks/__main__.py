@@ -27,7 +27,7 @@ from jacobian.terminal import write_anything
 
 
 def names() -> list[str]:
-    """Names of the benchmarks: ``scene`` for ``bench_scene.py``."""
+    """Names of the benchmarks: ``flow`` for ``bench_flow.py``."""
     modules = (module.name for module in pkgutil.iter_modules([str(Path(__file__).parent)]))
     return sorted(name.removeprefix("bench_") for name in modules if name.startswith("bench_"))
 
