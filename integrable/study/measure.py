@@ -18,7 +18,7 @@ from integrable.scene.data import Scene
 from integrable.study.additions import near_additions
 from integrable.study.fresh import compilation, first_use, left_out
 from integrable.study.plan import Task
-from integrable.study.timing import Timed, silent, timed
+from integrable.study.timing import Tick, Timed, silent, timed
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
@@ -33,7 +33,6 @@ TRIAL = 0.5
 """Seconds of successive steps from which the time of all of them is told."""
 
 Data = dict[str, Any]
-Tick = Callable[[str], None]
 
 
 class TooLong(RuntimeError):

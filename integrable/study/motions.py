@@ -11,7 +11,7 @@ body each time. The floor is eps·conditioning: what rounding the inputs to doub
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -21,10 +21,9 @@ from integrable.scene.data import Scene
 from integrable.study.measure import flow_measured, measured
 from integrable.study.plan import Task, tasks_of_run
 from integrable.study.report import Report, Row, TruthCheck
+from integrable.study.timing import Tick
 
 __all__ = ["measure", "pieces_of_work"]
-
-Tick = Callable[[str], None]
 
 
 def pieces_of_work(scene: Scene, digits: int) -> int:

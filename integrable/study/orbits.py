@@ -20,7 +20,7 @@ from integrable.scene.data import Scene
 from integrable.scene.orbit import Orbit, orbit
 from integrable.scene.tables import aligned, duration, figure
 from integrable.steps.translation import Translation
-from integrable.study.timing import Timed, timed
+from integrable.study.timing import Tick, Timed, timed
 from integrable.study.truth import Judge
 from jacobian.immutable import replaced
 
@@ -69,7 +69,7 @@ def pieces_of_orbit(scene: Scene, digits: int) -> int:
     return scene.steps.repeat * costs + (not scene.finite_field)
 
 
-def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orbit:
+def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
     """The orbit of ``scene.steps`` at ``digits`` digits, with its report; ``tick(label)`` before each piece of work."""
     steps = scene.steps
     assert steps is not None, "the scene has no [steps]"
@@ -93,7 +93,7 @@ def measure_orbit(scene: Scene, digits: int, tick: Callable[[str], None]) -> Orb
     return replaced(kept, report=_report(scene, rows, truth_digits, _jump(step, state, truth)))
 
 
-def _exact(scene: Scene, tick: Callable[[str], None]) -> Orbit:
+def _exact(scene: Scene, tick: Tick) -> Orbit:
     """The orbit over the scene's finite field: the drift of an integral counts the states at which it is another."""
     found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)

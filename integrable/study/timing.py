@@ -8,8 +8,8 @@ from typing import Any
 
 __all__ = ["Tick", "Timed", "silent", "timed"]
 
-Tick = Callable[[], None]
-"""Called between two pieces of work, for a progress bar."""
+Tick = Callable[[str], None]
+"""Called before a piece of work with its name, for a progress bar."""
 Timed = tuple[tuple[float, ...], Any]
 """Seconds of the set-up, if there is one, and of the evaluation; and what was found."""
 
@@ -18,7 +18,9 @@ def silent(*_: Any) -> None:
     """A tick that nobody looks at."""
 
 
-def timed(once: Callable[[], Timed], repeat: int, patience: float, tick: Tick = silent) -> tuple[dict[str, Any], Any]:
+def timed(
+    once: Callable[[], Timed], repeat: int, patience: float, tick: Callable[[], None] = silent
+) -> tuple[dict[str, Any], Any]:
     """``once`` at most ``repeat`` times, none begun after ``patience`` seconds, with a ``tick`` between two of them.
 
     Medians of "setup", "evaluation" and their sum "total", in seconds, the number of "runs"; and what the last found.

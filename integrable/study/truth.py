@@ -5,7 +5,7 @@ It is kept as decimal strings; :class:`Truth` reads it back and judges the state
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from time import perf_counter
 from typing import Any
@@ -15,7 +15,7 @@ from integrable.oracles.reference import is_body, taylor
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.scene.data import Scene
-from integrable.study.timing import silent
+from integrable.study.timing import Tick, silent
 from jacobian.errors import JacobianError, PrecisionLoss
 
 __all__ = ["CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
@@ -35,7 +35,7 @@ def compute(
     *,
     digits: int | None = None,
     time: Fraction | None = None,
-    tick: Callable[[str], None] = silent,
+    tick: Tick = silent,
 ) -> dict[str, Any]:
     """The truth at the scene's times as plain data, with what the check against another integrator found.
 
@@ -67,7 +67,7 @@ def compute(
     return {**found, "seconds": perf_counter() - begun, "check": None}
 
 
-def _carried(scene: Scene, digits: int, tick: Callable[[str], None]) -> tuple[Any, dict[str, Any]]:
+def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]]:
     """The motion of a scene at so many digits and its states at the scene's times, as they are kept."""
     system, state = scene.start(digits)
     flow = system.motion_through(state)
