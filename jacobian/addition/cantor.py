@@ -15,7 +15,7 @@ Mireles Morales 2008 for the balanced divisors and the steps at infinity.
 from __future__ import annotations
 
 from jacobian.curve.curve import HyperellipticCurve, coefficient
-from jacobian.poly import Poly, add, half_xgcd, mod, monic, mul, neg, quotient, sub
+from jacobian.poly import Poly, add, gcd, half_xgcd, mod, monic, mul, neg, quotient, sub
 
 Triple = tuple[Poly, Poly, int | None]
 
@@ -68,6 +68,13 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
         return common, k
     r = quotient(K, sub(K, common, mul(K, t, trace)), d)
     return common, add(K, mul(K, r, k), mul(K, t, cofactor(C, u, v)))
+
+
+def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
+    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: a point of a for each opposite one of b."""
+    K = C.field
+    (u1, v1, _), (u2, v2, _) = a, b
+    return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
 
 
 def cofactor(C: HyperellipticCurve, u: Poly, v: Poly) -> Poly:

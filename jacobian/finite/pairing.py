@@ -149,7 +149,7 @@ def _add(C: HyperellipticCurve, a: Any, b: Any, places: Any) -> tuple[cantor.Tri
     """The reduced a + b and the values at ``places`` of the function that a + b is reduced by."""
     K = C.field
     result = cantor.compose(C, a, b)
-    over: list[poly.Poly] = [poly.gcd(K, poly.gcd(K, a[0], b[0]), poly.add(K, poly.add(K, a[1], b[1]), C.h))]
+    over = [cantor.cancelled(C, a, b)]
     lines, under = [], []
     for line, reduced in _reductions(C, *result):
         lines.append(line)

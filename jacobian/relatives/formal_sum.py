@@ -160,10 +160,9 @@ class FormalSum(Immutable):
         if not isinstance(other, FormalSum):
             return self if is_zero_int(other) else NotImplemented
         C, K = self._compatible(other).curve, self.curve.field
-        trace = poly.add(K, poly.add(K, self.v, other.v), C.h)
-        common = poly.gcd(K, poly.gcd(K, self.u, other.u), trace)
-        u, v, _ = cantor.compose(C, (self.u, self.v, None), (other.u, other.v, None))
-        above = poly.mul(K, common, poly.mul(K, self.numerator, other.numerator))
+        first, second = (self.u, self.v, None), (other.u, other.v, None)
+        u, v, _ = cantor.compose(C, first, second)
+        above = poly.mul(K, cantor.cancelled(C, first, second), poly.mul(K, self.numerator, other.numerator))
         below = poly.mul(K, self.denominator, other.denominator)
         weights = tuple(x + y for x, y in zip(self.weights, other.weights, strict=True))
         return FormalSum(C, (u, poly.mod(K, v, u)), (above, below), weights)
