@@ -51,6 +51,21 @@ def rational_roots(a: Poly) -> list[Fraction]:
     return sorted(x for x in found if poly.evaluate(QQ, a, x) == 0)
 
 
+def roots_in(K: Any, a: Poly) -> list[Any]:
+    """The distinct roots in K, a finite field or QQ, of a non-zero polynomial, sorted."""
+    if len(a) == 1:
+        return []
+    return rational_roots(a) if K.order is None else roots(K, a)
+
+
+def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
+    """How often x is a root of a non-zero polynomial, and what is left of that without it."""
+    line, multiplicity = (K.neg(x), K.one), 0
+    while poly.evaluate(K, a, x) == K.zero:
+        a, multiplicity = poly.quotient(K, a, line), multiplicity + 1
+    return multiplicity, a
+
+
 def linear_part(K: Any, a: Poly) -> Poly:
     """gcd(x^q − x, a): the product of the distinct linear factors of a."""
     x = (K.zero, K.one)

@@ -12,7 +12,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.fields.embedding import Embedding, embedding
-from jacobian.fields.factor import factor, rational_roots, roots
+from jacobian.fields.factor import factor, roots_in, without_root
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
 
@@ -66,12 +66,12 @@ def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
     if extension is not None:
         inclusion = embedding(K, extension)
         K, u, v = extension, inclusion.polynomial(u), inclusion.polynomial(v)
+    if not K.exact:
+        raise FieldError(f"field = {K.name}: multiplicities of points are not decided over an inexact field")
     points: list[tuple[Point, int]] = []
     rest = u
-    for x in _roots(K, u):
-        line, multiplicity = (K.neg(x), K.one), 0
-        while poly.evaluate(K, rest, x) == K.zero:
-            rest, multiplicity = poly.quotient(K, rest, line), multiplicity + 1
+    for x in roots_in(K, u):
+        multiplicity, rest = without_root(K, rest, x)
         points.append((AffinePoint(x, poly.evaluate(K, v, x)), multiplicity))
     if len(rest) > 1:
         raise NotRepresentable(f"u = {poly.text(C.field, D.u)} has no more than {_missing(D, K, rest)}")
@@ -79,14 +79,6 @@ def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
         weights = ((INFINITY_PLUS, D.n), (INFINITY_MINUS, C.genus - D.degree - D.n))
         points += [(point, weight) for point, weight in weights if weight]
     return points
-
-
-def _roots(K: Any, u: poly.Poly) -> list[Any]:
-    if not K.exact:
-        raise FieldError(f"field = {K.name}: multiplicities of points are not decided over an inexact field")
-    if K.order is None:
-        return rational_roots(u)
-    return roots(K, u) if len(u) > 1 else []
 
 
 def _missing(D: Divisor, K: Any, rest: poly.Poly) -> str:

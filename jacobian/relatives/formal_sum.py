@@ -29,7 +29,7 @@ from jacobian.errors import (
     shown,
     whole,
 )
-from jacobian.fields.factor import rational_roots, roots
+from jacobian.fields.factor import roots_in, without_root
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor, check_scalar, is_zero_int
 
@@ -116,9 +116,9 @@ class FormalSum(Immutable):
         P, C, K = self.curve.check_point(point), self.curve, self.curve.field
         if isinstance(P, PointAtInfinity):
             return self.weights[C.points_at_infinity().index(P)]
-        own = _order(K, self.u, P.x) if self.u[1:] and poly.evaluate(K, self.v, P.x) == P.y else 0
-        fibres = _order(K, self.numerator, P.x) - _order(K, self.denominator, P.x)
-        return own + (2 if C.involution(P) == P else 1) * fibres
+        own = without_root(K, self.u, P.x)[0] if poly.evaluate(K, self.v, P.x) == P.y else 0
+        above, below = (without_root(K, a, P.x)[0] for a in (self.numerator, self.denominator))
+        return own + (2 if C.involution(P) == P else 1) * (above - below)
 
     def support(self) -> list[tuple[Point, int]]:
         """The points with their multiplicities, the affine ones by ascending x, over a finite field or QQ.
@@ -127,8 +127,7 @@ class FormalSum(Immutable):
         """
         C, K = self.curve, self.curve.field
         whole_part = poly.mul(K, self.u, poly.mul(K, self.numerator, self.denominator))
-        xs = [] if len(whole_part) == 1 else rational_roots(whole_part) if K.order is None else roots(K, whole_part)
-        points: list[Point] = [P for x in xs for P in C.lift_x(x, all=True)]
+        points: list[Point] = [P for x in roots_in(K, whole_part) for P in C.lift_x(x, all=True)]
         points += C.points_at_infinity()
         found = [(P, m) for P in points if (m := self.multiplicity(P))]
         if sum(m for _, m in found) != self.degree or FormalSum.from_points(C, *_columns(found)) != self:
@@ -293,14 +292,6 @@ def _of_point(C: HyperellipticCurve, P: Point) -> FormalSum:
         return FormalSum(C, pair, (zero.numerator, zero.denominator), zero.weights)
     weights = tuple(int(P == Q) for Q in C.points_at_infinity())
     return FormalSum(C, (zero.u, zero.v), (zero.numerator, zero.denominator), weights)
-
-
-def _order(K: Any, a: poly.Poly, x: Any) -> int:
-    """How often x is a root of a."""
-    line, count = (K.neg(x), K.one), 0
-    while poly.evaluate(K, a, x) == K.zero:
-        a, count = poly.quotient(K, a, line), count + 1
-    return count
 
 
 def _columns(rows: list[tuple[Point, int]]) -> tuple[list[Point], list[int]]:
