@@ -33,12 +33,9 @@ class Descent(NamedTuple):
 
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
     """Each point as often as its multiplicity, an int ≥ 0, says."""
-    points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
-    if multiplicities is None:
+    points, numbers = counted(points, multiplicities)
+    if numbers is None:
         return points
-    numbers = entries(multiplicities, "multiplicities", "a sequence of ints, one for each point,")
-    if len(numbers) != len(points):
-        raise ArgumentError(f"multiplicities = {shown(numbers)}: {len(points)} of them are needed, one for each point")
     result = []
     for i, (point, number) in enumerate(zip(points, numbers, strict=True)):
         wanted = "that is not an int ≥ 0; for −P give the opposite point"
@@ -50,6 +47,17 @@ def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> lis
             )
         result += [point] * number
     return result
+
+
+def counted(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> tuple[list[Any], list[Any] | None]:
+    """Both as lists, of one length: what is in them is not looked at."""
+    points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
+    if multiplicities is None:
+        return points, None
+    numbers = entries(multiplicities, "multiplicities", "a sequence of ints, one for each point,")
+    if len(numbers) != len(points):
+        raise ArgumentError(f"multiplicities = {shown(numbers)}: {len(points)} of them are needed, one for each point")
+    return points, numbers
 
 
 def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None = None) -> Divisor:

@@ -25,13 +25,13 @@ from jacobian.errors import (
     FieldError,
     Infeasible,
     NotRepresentable,
-    entries,
     shown,
     whole,
 )
 from jacobian.fields.factor import roots_in, without_root
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor, check_scalar, is_zero_int
+from jacobian.law.from_points import counted
 
 MOST_POINTS = 2000
 
@@ -70,17 +70,9 @@ class FormalSum(Immutable):
     ) -> FormalSum:
         """Σ m_i P_i for pairs (x, y) and points at infinity; ``multiplicities``: ints of any sign, 1 by default."""
         total = FormalSum.zero(curve)
-        given = [curve.check_point(P) for P in entries(points, "points", "a sequence of pairs (x, y)")]
-        if multiplicities is None:
-            numbers = [1] * len(given)
-        else:
-            wanted = f"a sequence of {len(given)} ints, one for each point,"
-            found = entries(multiplicities, "multiplicities", wanted)
-            if len(found) != len(given):
-                raise ArgumentError(f"multiplicities = {shown(found)}: {wanted} is needed")
-            numbers = [whole(m, f"multiplicities[{i}]") for i, m in enumerate(found)]
-        for P, m in zip(given, numbers, strict=True):
-            total = total + m * _of_point(curve, P)
+        given, numbers = counted(points, multiplicities)
+        for i, (P, m) in enumerate(zip(given, numbers or [1] * len(given), strict=True)):
+            total = total + whole(m, f"multiplicities[{i}]") * _of_point(curve, curve.check_point(P))
         return total
 
     @staticmethod
