@@ -235,10 +235,9 @@ class PreciseContact:
         self._flow, self._setup = flow, flow.setup
         setup = self._setup
         reals = setup.reals
-        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
         with reals:
             rolling, momentum = Rolling(flow, reals.number), setup.bare.momentum
-            back = None if matrix is None else reals.row(matrix)
+            back = setup.problem.matrix and reals.row(setup.problem.matrix)
 
         def rates(points: list[tuple[Any, ...]]) -> Any:
             rows = [[*gamma, *M] for gamma, M in (vectors(point, momentum, back) for point in points)]

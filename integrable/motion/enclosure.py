@@ -113,7 +113,7 @@ def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tupl
         with motion.reals:
             try:
                 scaled = place(motion)
-                gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.matrix)
+                gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.problem.matrix)
                 found = [*gamma, *(x / motion.problem.momentum for x in M)]
             except PrecisionLoss:
                 found = []
@@ -145,7 +145,6 @@ class BallMotion:
             (g1, g2, g3), (m1, m2, m3) = (map(K.coerce, v) for v in (state.gamma, state.M))
             moved = Body.make(body.inertia, body.d, K)
             problem = self.problem = MotionProblem(moved, (g1, g2, g3), (m1, m2, m3), state.tilted)
-            self.matrix = None if problem.tilt is None else problem.tilt.inverse_matrix()
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
             self._translations = BallTranslations(problem, plain)

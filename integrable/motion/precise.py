@@ -263,9 +263,8 @@ class BodyCarrier(Carrier):
             return setup.reals.plain_row(point)
 
     def vectors(self, point: Any) -> tuple[Any, Any]:
-        setup = self.setup
-        matrix = None if setup.tilt is None else setup.tilt.inverse_matrix()
-        return vectors(setup.reals.elements(setup.wide, point), setup.problem.momentum, matrix)
+        setup, problem = self.setup, self.setup.problem
+        return vectors(setup.reals.elements(setup.wide, point), problem.momentum, problem.matrix)
 
     def drift(self, points: list[Any]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)

@@ -19,7 +19,8 @@ class MotionProblem:
     ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.addition`. Units: x
     over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d``
     d·X, ``half_step`` half of a basic step.
-    A tilted state is brought to (γ, M) = 0 by ``tilt``, Chaplygin's transformation.
+    A tilted state is brought to (γ, M) = 0 by ``tilt``, Chaplygin's transformation, and back by its inverse ``matrix``;
+    both are None for an upright one.
     """
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool) -> None:
@@ -31,6 +32,7 @@ class MotionProblem:
         if tilted:
             self.tilt = ChaplyginTransformation.of(body, gamma, M)
             body, (gamma, M) = self.tilt.upright, self.tilt.apply_vectors(gamma, M)
+        self.matrix = None if self.tilt is None else self.tilt.inverse_matrix()
         tilt = K.dot(gamma, M)
         M = (M[0] - tilt * gamma[0], M[1] - tilt * gamma[1], M[2] - tilt * gamma[2])
         h1, h2 = body.integrals(gamma, M)[2:]
@@ -74,7 +76,7 @@ class MotionProblem:
 def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(γ, M) of a moving point of bare reals, mpf or balls.
 
-    ``momentum`` is |M|; ``matrix`` is the inverse of Chaplygin's transformation, None for an upright body.
+    ``momentum`` is |M|; ``matrix`` is that of the :class:`MotionProblem`.
     """
     gamma, M = directions_of(point)
     M = (M[0] * momentum, M[1] * momentum, M[2] * momentum)

@@ -58,8 +58,7 @@ class Shift(Move):
         if step is None:
             return state
         point = self._finite(setup, shift, setup.bare.f, setup.bare.axes, setup.bare.start, step)
-        tilt = setup.tilt
-        rows = vectors(point, setup.problem.momentum, None if tilt is None else tilt.inverse_matrix())
+        rows = vectors(point, setup.problem.momentum, setup.problem.matrix)
         (x1, x2, x3), (m1, m2, m3) = (tuple(map(K.coerce, row)) for row in rows)
         return State((x1, x2, x3), (m1, m2, m3), tilted=state.tilted)
 

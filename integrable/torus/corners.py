@@ -83,9 +83,9 @@ class Corners:
     @cached_property
     def torus(self) -> Any:
         """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
-        tilt, row = self.setup.tilt, self.loops.row
-        a, b, c, d = (1, 0, 0, 1) if tilt is None else tilt.inverse_matrix()
-        momentum = self.setup.problem.momentum * self.units.lift
+        problem, row = self.setup.problem, self.loops.row
+        a, b, c, d = problem.matrix or (1, 0, 0, 1)
+        momentum = problem.momentum * self.units.lift
         matrix = row((a, b * momentum, c, d * momentum))
         return self.loops.packed(Torus(self.curve, matrix, self.states, self.small, self.signs, self.sizes))
 

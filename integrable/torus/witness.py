@@ -42,7 +42,7 @@ def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.nda
     tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
     found = states(tau)
     momentum = setup.floats.momentum
-    matrix = None if setup.tilt is None else tuple(float(x) for x in setup.tilt.inverse_matrix())
+    matrix = setup.problem.matrix and tuple(map(float, setup.problem.matrix))
     if _difference(found, [vectors(point, momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
         return True
     return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau.tolist()]) <= RIGHT
