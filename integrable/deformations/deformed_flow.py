@@ -67,7 +67,7 @@ class CurvesCarrier(Carrier):
         return gamma, M
 
     def drift(self, points: list[Any]) -> int:
-        return integrals_missing(self.system, self.start, self.sizes, points, 0)
+        return integrals_missing(self.system, self.system.integrals(self.start)[2:], self.sizes, points, 0)
 
     def gap(self, point: Any, truth: CurvesCarrier, tau: Any) -> int:
         return truth.difference(point, truth.point(truth.field.coerce(tau)))
@@ -132,11 +132,12 @@ class OnCurves(ManyDigits):
         raise PrecisionLoss(f"{self._state!r}: it is not found again from its two points even with {digits} digits")
 
 
-def integrals_missing(system: Any, start: State, sizes: tuple[Any, Any], rows: Sequence[Any], digits: int) -> int:
-    """How many of so many digits H and K of rows (γ, M) lack beside those of the start, relative to ``sizes``; over
-    wide numbers, 0 or less for none.
+def integrals_missing(
+    system: Any, before: tuple[Any, Any], sizes: tuple[Any, Any], rows: Sequence[Any], digits: int
+) -> int:
+    """How many of so many digits H and K of rows (γ, M) lack beside ``before``, relative to ``sizes``; over wide
+    numbers, 0 or less for none.
     """
-    before = system.integrals(start)[2:]
     worst = -NOTHING
     for gamma, M in rows:
         after = system.integrals(State(tuple(gamma), tuple(M)))[2:]

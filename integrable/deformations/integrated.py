@@ -118,18 +118,23 @@ class Equations:
     def _missing(self, row: list[Any]) -> int:
         """How many of the digits asked for, but for LOST_DIGITS, H and K of a row lack."""
         rows = [(row[:3], row[3:6])]
-        return integrals_missing(self._system, self._state, self._sizes, rows, self._asked - LOST_DIGITS)
+        return integrals_missing(self._system, self._before, self._sizes, rows, self._asked - LOST_DIGITS)
+
+    @cached_property
+    def _before(self) -> tuple[Any, Any]:
+        """H and K of the start."""
+        H, K = self._system.integrals(self._state)[2:]
+        return H, K
 
     @cached_property
     def _sizes(self) -> tuple[Any, Any]:
-        return _sizes(self._system, self._state)
+        return _sizes(self._system, self._state, self._before)
 
 
-def _sizes(system: Any, state: State) -> tuple[Any, Any]:
+def _sizes(system: Any, state: State, before: tuple[Any, Any]) -> tuple[Any, Any]:
     """|F| + Σ|ΔF/part| of F = H and K, where one coordinate is moved by a part of |γ| or |M|."""
     values, part = [*state.gamma, *state.M], system.field.coerce(PART)
     units = [part * max(map(abs, v)) for v in (state.gamma, state.M)]
-    before = system.integrals(state)[2:]
     sizes = [abs(F) for F in before]
     for i in range(6):
         x = [*values[:i], values[i] + units[i // 3], *values[i + 1 :]]
