@@ -24,6 +24,7 @@ from integrable.motion.trajectory import BodyMotion
 from integrable.moving_point.legendre import legendre_rule
 from integrable.moving_point.problem import vectors
 from integrable.phase.body import cross
+from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from integrable.torus.panel_calculus import integrals
@@ -105,7 +106,7 @@ class Rolling:
         moments = self.flow.system.inertia
         if len(set(moments)) == 1:
             return np.zeros((len(run.tau), 2), dtype=run.tau.dtype)
-        if len(set(moments)) == 2:
+        if symmetry_axis(moments) is not None:
             from integrable.motion.contact_symmetric import SymmetricPath
 
             path = SymmetricPath(self.flow)

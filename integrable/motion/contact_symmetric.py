@@ -22,6 +22,7 @@ import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import cross
+from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import RR
@@ -35,7 +36,9 @@ class SymmetricPath:
         system = widened(flow.system, wide)
         state, body = onto_constraints(system, flow.state), system.body
         gamma, M = state.gamma, state.M
-        self._axis = i = next(k for k in range(3) if body.inertia[k - 1] == body.inertia[k - 2])
+        axis = symmetry_axis(body.inertia)
+        assert axis is not None
+        self._axis = i = axis
         other, a = body.inertia[i - 1], body.a[i - 1]
         difference = (body.inertia[i] - other) * a * body.a[i]
         w, c = cross(wide, gamma, M), wide.dot(gamma, M)

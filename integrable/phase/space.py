@@ -157,8 +157,7 @@ class PhaseSpace(Immutable):
 
         K = self.field
         h1, h2 = K.coerce(h1, "h1"), K.coerce(h2, "h2")
-        if h2 == K.zero:
-            raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
+        check_moving(K, h2)
         return HyperellipticCurve(K, self.body.polynomial(h1, h2))
 
     def group(self, h1: Any, h2: Any) -> Jacobian:
@@ -266,6 +265,12 @@ def check_state(system: Any, state: Any) -> State:
     if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
         raise FieldError(f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {system!r}")
     return state
+
+
+def check_moving(K: Any, h2: Any) -> None:
+    """ArgumentError where H2 = (M, M) vanishes."""
+    if h2 == K.zero:
+        raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
 
 
 def _pair(K: Any, values: Any, argument: str) -> list[Any]:

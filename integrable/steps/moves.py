@@ -13,7 +13,7 @@ from typing import Any, Self
 from integrable.phase import coordinates
 from integrable.phase.body import square_root
 from integrable.phase.jets import apply
-from integrable.phase.space import PhaseSpace
+from integrable.phase.space import PhaseSpace, check_moving
 from integrable.phase.state import State
 from integrable.steps.guard_digits import (
     LARGEST,
@@ -131,7 +131,7 @@ class Keyless(Move):
         """The image; NotASquare where |M|, a √(1 − d·a_i) or g̃ is not in the field."""
         body, K = self.system.body, self.system.field
         h2 = K.dot(state.M, state.M)
-        _check_moving(K, h2)
+        check_moving(K, h2)
         size = square_root(K, h2, "H2 = |M|²")
         roots = [K.add(size, size)] * 3
         if body.rolls:
@@ -182,7 +182,7 @@ class ConicStep(Move):
             return 1.0
         u, v = coordinates.to_mumford(system.body, coordinates.to_pairs(system.body, state))
         h1, h2 = system.integrals(state)[2:]
-        _check_moving(K, h2)
+        check_moving(K, h2)
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
         below = poly.evaluate(K, u, self.x0)
         lost_above = abs(y0) + sum(abs(c * self.x0**i) for i, c in enumerate(v))
@@ -197,15 +197,10 @@ class ConicStep(Move):
         system, K = self.system, self.system.field
         pairs = coordinates.to_pairs(system.body, state)
         h1, h2 = system.integrals(state)[2:]
-        _check_moving(K, h2)
+        check_moving(K, h2)
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
         c = parameter(K, coordinates.to_mumford(system.body, pairs), self.x0, y0)
         s = square_root(K, K.add(K.mul(c, c), K.mul(poly.integer(K, 4), h2)), "c² + 4H2")
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
         # M as it was: every member of the pencil has it
         return State((x1, x2, x3), state.M)
-
-
-def _check_moving(K: Any, h2: Any) -> None:
-    if h2 == K.zero:
-        raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
