@@ -89,6 +89,10 @@ class Motion(Immutable):
         """What computes the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
 
+    def _prepare(self, times: Any) -> None:
+        """Make what is made once on the way to states at these times, so that it can be timed by itself."""
+        self._way_to(self._checked(times, "times"), physical=True)
+
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
         """Numbers of rows that are not where the motion is, and what is wrong with the first."""
         return np.empty(0, dtype=np.intp), ""

@@ -111,6 +111,7 @@ def flow_measured(task: Task, kept: Data | None, tick: Tick) -> tuple[Data, Any]
         system, state = scene.start(digits)
         begun = perf_counter()
         flow = system.flow(state, kernel=task.kernel) if scene.rolls_or_spins else system.motion_through(state)
+        flow._prepare(times)
         ready = perf_counter()
         trajectory = flow.at(times)
         _ = trajectory.gamma, trajectory.M

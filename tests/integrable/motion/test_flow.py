@@ -227,3 +227,13 @@ def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
         exact = addition.shift(setup.mpf.f, setup.mpf.axes, setup.mpf.start, step)
         found = addition.shift(setup.floats.f, setup.floats.axes, setup.floats.start, in_floats(setup, float(eps)))
         assert max(abs(float(a - b)) for a, b in zip(exact, found, strict=True)) < 2e-14
+
+
+def test_a_flow_can_be_prepared_so_that_its_set_up_is_timed_by_itself() -> None:
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    for kernel, made in (("compiled", True), ("auto", False)):
+        flow = ball.flow(ball.state(*START), kernel=kernel)
+        assert "_torus" not in vars(flow)
+        flow._prepare([1000.0])
+        # "auto" chooses by the times, in the evaluation
+        assert ("_torus" in vars(flow)) is made
