@@ -25,24 +25,6 @@ LONG = {
     "integrable.moving_point.short_compiled.short_run",
     "integrable.moving_point.short_reading.state",
     "integrable.moving_point.short_steps.node_steps",
-    "integrable.torus.clock_loops.states_at_times",
-    "integrable.torus.compiled.corners",
-    "integrable.torus.compiled.directions",
-    "integrable.torus.compiled.offsets",
-    "integrable.torus.compiled.sampled",
-    "integrable.torus.compiled.states_at_times",
-    "integrable.torus.loops.states_at_times",
-    "integrable.torus.states.turned",
-    "integrable.torus.survey.oval_periods",
-    "integrable.torus.survey.slowed",
-    "integrable.torus.tables.direction",
-    "integrable.torus.tables.directions",
-    "integrable.torus.walks.corners",
-    "integrable.torus.walks.offsets",
-    "integrable.torus.walks.sampled",
-    "jacobian.inexact.genus2_complex.tangent_polynomial",
-    "jacobian.inexact.genus2_real.slope",
-    "jacobian.inexact.genus2_real.tangent_polynomial",
     "jacobian.inexact.stacked._second_polynomial",
     "jacobian.numbers.tables_compiled._dot4",
     "jacobian.numbers.words.dot4",
@@ -183,7 +165,7 @@ def test_what_a_study_leaves_out_of_its_stamp_is_there():
 
 
 def test_functions_fit_on_a_screen_and_take_few_arguments():
-    """At most 40 lines and 8 parameters, but for a few compiled ones."""
+    """At most 40 lines and 8 parameters, but for a few compiled ones, all of which are longer."""
     found = set()
     for module in modules():
         for node in ast.walk(tree(module)):
@@ -192,4 +174,4 @@ def test_functions_fit_on_a_screen_and_take_few_arguments():
                 arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]
                 if lines > MOST_LINES or len(arguments) > MOST_PARAMETERS:
                     found.add(f"{module}.{node.name}")
-    assert found <= LONG
+    assert found == LONG
