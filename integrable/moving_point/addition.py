@@ -227,9 +227,19 @@ def integrate_series(coefficients: Row, x: Real) -> tuple[Real, Real]:
     return total, value
 
 
-def moving_point(row: Row) -> Row:
-    """The ten numbers of a row as a tuple, the form that :func:`shift` returns."""
-    return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7], row[8], row[9]
+def moving_point(row: Row, place: int = 0) -> Row:
+    """The moving point, or translation, in row[place … place + 9], as the tuple that :func:`shift` returns."""
+    return (
+        row[place], row[place + 1], row[place + 2], row[place + 3], row[place + 4],
+        row[place + 5], row[place + 6], row[place + 7], row[place + 8], row[place + 9],
+    )  # fmt: skip
+
+
+def put(point: Row, row: Row, place: int) -> None:
+    """A moving point, or translation, into row[place … place + 9]."""
+    row[place], row[place + 1], row[place + 2], row[place + 3] = point[0], point[1], point[2], point[3]
+    row[place + 4], row[place + 5], row[place + 6] = point[4], point[5], point[6]
+    row[place + 7], row[place + 8], row[place + 9] = point[7], point[8], point[9]
 
 
 def opposite(step: Row) -> Row:

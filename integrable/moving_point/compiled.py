@@ -43,6 +43,7 @@ for _inner in (
     addition.conjugate_points,
     addition.near_identity,
     addition.moving_point,
+    addition.put,
     addition.opposite,
     addition.conditioning,
     translations.power_series,

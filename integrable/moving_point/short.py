@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from math import floor, frexp, ldexp, log
 
+from integrable.moving_point.addition import moving_point
 from integrable.moving_point.short_reading import drift, read_off
 from integrable.moving_point.short_rows import (
     BEGIN,
@@ -40,7 +41,6 @@ from integrable.moving_point.short_rows import (
     Rule,
     axes_of,
     curve_of,
-    ten,
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.short_start import scaled, set_up
@@ -87,6 +87,8 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     # of few digits: places of panels are exact in floats
     mantissa, exponent = frexp(LENGTH * numbers[REACH])
     h = ldexp(floor(mantissa * 2**20) / 2**20, exponent)
+    if too_far(room, request, h, request.most):
+        return FAR
     power_series(curve_of(numbers), -1, room.series)
     power_series(curve_of(numbers), 1, room.roots)
     node_steps(
@@ -96,10 +98,23 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     room.made[0], room.made[1] = 1, 0
     status = both_ways(room, rule, request, h, False)
     if status == ROUNDING and room.made[3] * CAREFUL <= request.most:
-        status = both_ways(room, rule, request, h, True)
+        far = too_far(room, request, h, request.most // CAREFUL)
+        status = FAR if far else both_ways(room, rule, request, h, True)
     if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
     return status
+
+
+def too_far(room: Room, request: Request, h: float, most: int) -> bool:
+    """Whether so many panels certainly do not lead to the first and the last time."""
+    count = len(request.order)
+    if count == 0:
+        return False
+    rate = abs(room.numbers[FIRST_RATE]) if request.physical else 1.0
+    # twice as slow on the way, at the most, or it will be seen there
+    reach = 4 * h * rate * most
+    first, last = abs(request.high[request.order[0]]), abs(request.high[request.order[count - 1]])
+    return not (first <= reach and last <= reach)
 
 
 def both_ways(room: Room, rule: Rule, request: Request, h: float, careful: bool) -> int:
@@ -119,11 +134,6 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         room.last[e] = room.point[BEGIN + e]
     room.sums[0], room.sums[1], room.sums[2] = 0.0, 0.0, 0.0
     most = request.most // CAREFUL if careful else request.most
-    farthest = request.order[len(request.order) - 1] if sign > 0 else request.order[0]
-    rate = abs(room.numbers[FIRST_RATE]) if request.physical else 1.0
-    # twice as slow on the way, at the most, or it will be seen there
-    if not abs(request.high[farthest]) <= 4 * h * rate * most:
-        return FAR
     level, n = 0, 0
     while 0 <= i < len(request.order):
         # a panel that is halved costs more than one
@@ -206,7 +216,7 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     begin = 10 * level * count
     room.made[3] += 1
     if not careful:
-        point = ten(room.point, 0)
+        point = moving_point(room.point)
         node_values(curve_of(numbers), axes_of(numbers), point, room.nodes, begin, sign < 0, room.values, room.rates)
         tail, before = tails(room, rule, request)
         if tail <= TAIL and stepless(room, rule) <= STEP:

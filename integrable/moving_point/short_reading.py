@@ -151,7 +151,7 @@ def state(
 
 
 def drift(room: Room, out: Row, count: int) -> float:
-    """The largest relative change of H1 or H2 from the start, whose values :func:`begun` has left."""
+    """The largest relative change of H1 or H2 from the start, whose values are in ``numbers``."""
     worst = 0.0
     for i in range(count):
         h1, h2 = invariants(room.numbers, out, 6 * i)

@@ -121,17 +121,3 @@ def unit_axes(row: Row) -> Any:
     """Those of translations."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one
-
-
-def ten(row: Row, k: int) -> Any:
-    """Ten numbers from place k on."""
-    return (
-        row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4], row[k + 5], row[k + 6], row[k + 7], row[k + 8],
-        row[k + 9],
-    )  # fmt: skip
-
-
-def store(values: Any, row: Row, k: int) -> None:
-    """Ten numbers from place k on."""
-    row[k], row[k + 1], row[k + 2], row[k + 3], row[k + 4] = values[0], values[1], values[2], values[3], values[4]
-    row[k + 5], row[k + 6], row[k + 7], row[k + 8], row[k + 9] = values[5], values[6], values[7], values[8], values[9]

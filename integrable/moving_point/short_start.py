@@ -7,7 +7,7 @@ from __future__ import annotations
 from math import log, sqrt
 from typing import Any
 
-from integrable.moving_point.addition import rate_at
+from integrable.moving_point.addition import moving_point, rate_at
 from integrable.moving_point.short_rows import (
     BEGIN,
     CLOCK,
@@ -26,7 +26,6 @@ from integrable.moving_point.short_rows import (
     TAU_UNIT,
     TIME_UNIT,
     axes_of,
-    ten,
 )  # fmt: skip
 from integrable.moving_point.short_steps import gamma_and_w
 from jacobian.numbers.roots import root
@@ -55,8 +54,8 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     wide[TIME_UNIT] = wide[TAU_UNIT] / s
     for i in range(10):
         points[10 * START + i] = wide[14 + i]
-    gamma_and_w(ten(wide, 14), point, BEGIN, 1)
-    numbers[FIRST_RATE] = float(rate_at(axes_of(wide), ten(wide, 14)))
+    gamma_and_w(moving_point(wide, 14), point, BEGIN, 1)
+    numbers[FIRST_RATE] = float(rate_at(axes_of(wide), moving_point(wide, 14)))
     for i in range(14):
         numbers[i] = float(wide[i])
     numbers[CLOCK], numbers[PHYSICAL] = float(wide[TAU_UNIT]), float(wide[TIME_UNIT])

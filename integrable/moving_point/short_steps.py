@@ -6,8 +6,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.moving_point.addition import carried, near_identity, opposite, rate_at, shift
-from integrable.moving_point.short_rows import LEVELS, PANEL, RATE, Row, axes_of, curve_of, store, ten, unit_axes
+from integrable.moving_point.addition import carried, moving_point, near_identity, opposite, put, rate_at, shift
+from integrable.moving_point.short_rows import LEVELS, PANEL, RATE, Row, axes_of, curve_of, unit_axes
 from integrable.moving_point.translations import power_series
 from jacobian.numbers.roots import root
 
@@ -23,26 +23,26 @@ def panel_steps(wide: Row, h: float, series: Row, roots: Row, passes: int, steps
     step = near_identity(series, roots, f[0], axes, (0 * f[0] + h) / 2.0**WIDE_HALVINGS, passes)
     for level in range(WIDE_HALVINGS, -1, -1):
         if level <= LEVELS:
-            store(step, steps, 10 * level)
+            put(step, steps, 10 * level)
         step = shift(f, axes, step, step)
-    store(step, steps, 10 * PANEL)
+    put(step, steps, 10 * PANEL)
 
 
 def doubled(wide: Row, steps: Row, place: int) -> None:
     """Twice the translation before it into row ``place`` of ``steps``."""
-    step = ten(steps, 10 * (place - 1))
-    store(shift(curve_of(wide), unit_axes(wide), step, step), steps, 10 * place)
+    step = moving_point(steps, 10 * (place - 1))
+    put(shift(curve_of(wide), unit_axes(wide), step, step), steps, 10 * place)
 
 
 def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
     """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and in floats, followed by 1/g,
     into ``point``.
     """
-    step = ten(steps, 10 * place)
+    step = moving_point(steps, 10 * place)
     if sign < 0:
         step = opposite(step)
-    there = carried(curve_of(wide), axes_of(wide), ten(points, 10 * origin), step)
-    store(there, points, 10 * target)
+    there = carried(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), step)
+    put(there, points, 10 * target)
     for i in range(10):
         point[i] = float(points[10 * target + i])
     point[RATE] = float(rate_at(axes_of(wide), there))
@@ -57,7 +57,7 @@ def wide_values(
     wide: Row, points: Row, origin: int, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
 ) -> None:
     """:func:`node_values` in wide numbers, rounded."""
-    node_values(curve_of(wide), axes_of(wide), ten(points, 10 * origin), steps, place, mirrored, values, rates)
+    node_values(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), steps, place, mirrored, values, rates)
 
 
 def node_steps(
@@ -71,8 +71,8 @@ def node_steps(
         for level in range(halvings, -1, -1):
             if level <= LEVELS:
                 place = 10 * (level * count + j)
-                store(step, out, place)
-                store(opposite(step), out, 10 * (level * count + count - 1 - j))
+                put(step, out, place)
+                put(opposite(step), out, 10 * (level * count + count - 1 - j))
             if level > 0:
                 step = shift(f, axes, step, step)
 
@@ -84,7 +84,7 @@ def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored:
     count = len(rates)
     for j in range(count):
         k = place + 10 * (count - 1 - j if mirrored else j)
-        there = carried(f, axes, point, ten(steps, k))
+        there = carried(f, axes, point, moving_point(steps, k))
         rates[j] = float(rate_at(axes, there))
         gamma_and_w(there, values, j, count)
 

@@ -39,8 +39,6 @@ for _inner in (
     tables.to_powers,
     tables.recentred,
     tables.alike,
-    tables.point_in,
-    tables.put,
     tables.small_translation,
     walks.turn,
     walks.step_over,

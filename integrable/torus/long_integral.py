@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.addition import shift
+from integrable.moving_point.addition import moving_point, shift
 from integrable.torus.corners import Corners
 from integrable.torus.long_clock import MOST_SAMPLES, SAMPLES_A_DIGIT, phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, long_spectrum
 from integrable.torus.states import turned
-from integrable.torus.tables import point_in
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -87,12 +86,12 @@ class _Values(Corners):
         # ν in the units of the set-up
         lift, f, axes = self.units.lift, self.curve.f, self.curve.axes
         for i, j in np.ndindex(rows, columns):
-            corner = point_in(self.states, (i * columns + j) * 10)
+            corner = moving_point(self.states, (i * columns + j) * 10)
             for n, (a, b) in enumerate(np.ndindex(*fine.finer)):
                 point = corner
                 with self.loops.reals:
                     for k in range(fine.counts[n]):
-                        point = shift(f, axes, point, point_in(fine.steps, 20 * n + 10 * k))
+                        point = shift(f, axes, point, moving_point(fine.steps, 20 * n + 10 * k))
                     point = (*point[:7], *(lift * x for x in point[7:]))
                     row, column = i * fine.finer[0] + a - above, j * fine.finer[1] + b - left
                     point = self._turned(point, row < 0, column < 0)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from math import floor
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import carried
+from integrable.moving_point.addition import carried, moving_point
 from integrable.phase.coordinates import directions_of
-from integrable.torus.tables import SmallSteps, point_in, small_translation
+from integrable.torus.tables import SmallSteps, small_translation
 from integrable.torus.walks import IDENTITY, Curve
 
 Real = Any
@@ -50,7 +50,7 @@ def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, ou
         i, turn1 = 0, turn1 + 1
     if j == columns:
         j, turn2 = 0, turn2 + 1
-    point = point_in(torus.states, (i * columns + j) * 10)
+    point = moving_point(torus.states, (i * columns + j) * 10)
     x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
     # the translation has a pole at 0, where it is the identity
     if abs(x) > IDENTITY:

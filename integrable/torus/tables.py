@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, log2
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import near_identity
+from integrable.moving_point.addition import near_identity, put
 from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
 from jacobian.numbers.roots import root
@@ -174,25 +174,3 @@ def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
         (t0 + t1 * a2) / r2,
         (t0 + t1 * a3) / r3,
     )
-
-
-def point_in(row: Row, place: int) -> Row:
-    """The moving point at row[place … place + 9]."""
-    return (
-        row[place],
-        row[place + 1],
-        row[place + 2],
-        row[place + 3],
-        row[place + 4],
-        row[place + 5],
-        row[place + 6],
-        row[place + 7],
-        row[place + 8],
-        row[place + 9],
-    )
-
-
-def put(point: Row, out: Row, place: int) -> None:
-    """A moving point into out[place … place + 9]."""
-    for c in range(10):
-        out[place + c] = point[c]

@@ -10,8 +10,17 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import carried, conditioning, moving_point, opposite, rate_after, rate_at, shift
-from integrable.torus.tables import SmallSteps, point_in, put, small_translation
+from integrable.moving_point.addition import (
+    carried,
+    conditioning,
+    moving_point,
+    opposite,
+    put,
+    rate_after,
+    rate_at,
+    shift,
+)
+from integrable.torus.tables import SmallSteps, small_translation
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -104,7 +113,7 @@ def place_of(walk: Walk, stride: Stride, i: int, j: int) -> int:
 def moved(curve: Curve, point: Row, steps: Row, first: int, count: int, back: bool) -> Row:
     """The point after ``count`` translations, those in ``steps`` from ``first`` on or their inverses."""
     for k in range(count):
-        step = point_in(steps, first + 10 * k)
+        step = moving_point(steps, first + 10 * k)
         point = shift(curve.f, curve.axes, point, opposite(step) if back else step)
     return point
 
@@ -122,7 +131,7 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
         place = 10 * (i + 1)
         if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
             turn(ends, place, walk.turns, 0)
-        put(point_in(states, place_of(walk, stride, i, walk.forward)), known, place)
+        put(moving_point(states, place_of(walk, stride, i, walk.forward)), known, place)
         turn(known, place, walk.turns, 3)
     for i in range(rows):
         for j in range(first, walk.forward):
@@ -146,8 +155,8 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
     through no more than a point, that of a body with two equal moments, has both points of its translations there.
     """
     f, axes, out = curve.f, curve.unit_axes, walk.steps
-    first, second = point_in(walk.halves, 20 * direction), point_in(walk.halves, 20 * direction + 10)
-    down1, down2 = point_in(walk.halves, 0), point_in(walk.halves, 10)
+    first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
+    down1, down2 = moving_point(walk.halves), moving_point(walk.halves, 10)
     down1, down2 = carried(f, axes, down1, down1), carried(f, axes, down2, down2)
     # multiples of either part, and one sum of both: sums lie anywhere, and at d = 0 those by one of the periods, the
     # residue of x dx/y, at infinity
@@ -195,7 +204,9 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
                 put(small_translation(small, 1, y), fine.steps, place + 10 * counts[n])
                 counts[n] += 1
             if counts[n] == 2:
-                both = carried(curve.f, curve.unit_axes, point_in(fine.steps, place), point_in(fine.steps, place + 10))
+                both = carried(
+                    curve.f, curve.unit_axes, moving_point(fine.steps, place), moving_point(fine.steps, place + 10)
+                )
                 if conditioning(both) > LEAST_CONDITION:
                     put(both, fine.steps, place)
                     counts[n] = 1
@@ -211,7 +222,7 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
     height, width = rows * finer[0], columns * finer[1]
     for i in range(rows):
         for j in range(columns):
-            corner = point_in(states, (i * columns + j) * 10)
+            corner = moving_point(states, (i * columns + j) * 10)
             n = 0
             for a in range(-above, finer[0] - above):
                 row, over = i * finer[0] + a, False
@@ -234,11 +245,11 @@ def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) 
     """1/g after ``count`` translations, those in ``steps`` from ``place`` on; and with an odd number of γ_i turned."""
     f, axes, point, last = curve.f, curve.axes, corner, count - 1
     for k in range(last):
-        point = carried(f, axes, point, point_in(steps, place + 10 * k))
+        point = carried(f, axes, point, moving_point(steps, place + 10 * k))
     if last >= 0 and axes[7] == 0:
-        rate = rate_after(f, axes, point, point_in(steps, place + 10 * last))
+        rate = rate_after(f, axes, point, moving_point(steps, place + 10 * last))
         return rate, rate
     if last >= 0:
-        point = carried(f, axes, point, point_in(steps, place + 10 * last))
+        point = carried(f, axes, point, moving_point(steps, place + 10 * last))
     rate = rate_at(axes, point)
     return rate, 2 * axes[6] / root(point[4] * point[4] + point[5] * point[5] + point[6] * point[6]) - rate
