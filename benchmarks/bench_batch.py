@@ -24,6 +24,7 @@ import numpy as np
 
 from benchmarks.curves import genuine_curve, microseconds, sum_of_points
 from jacobian import GF
+from jacobian.addition.cantor_flint import FlintCantor
 from jacobian.batch import DivisorArray, set_threads, threads
 from jacobian.batch.genus2_kernels import add_rows, double_rows
 from jacobian.numbers.words import Double
@@ -158,8 +159,6 @@ def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smok
 
 def _flint(A: DivisorArray, B: DivisorArray) -> float:
     """Nanoseconds of python-flint's Cantor for one addition."""
-    from jacobian.addition.cantor_flint import FlintCantor
-
     D, E = ((F.u, F.v, F.n) for F in (A[0], B[0]))
     add = FlintCantor(A.jacobian.curve).sum_of
     return 1e3 * microseconds(lambda: add(D, E), 3)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import subprocess
 import sys
-from importlib.util import find_spec
 from time import process_time
 from typing import Any
 
@@ -136,10 +135,7 @@ def _peers(digits: int, T: int, patience: float) -> list[dict[str, object]]:
     truth, K = _truth(digits, T)
     text = " ".join(K.context.nstr(x, digits + MORE) for x in truth)
     rows = []
-    peers = [("mpmath.odefun", ODEFUN)]
-    if find_spec("flint"):
-        peers.append(("Taylor series in python-flint", TAYLOR))
-    for name, source in peers:
+    for name, source in (("mpmath.odefun", ODEFUN), ("Taylor series in python-flint", TAYLOR)):
         try:
             answer = subprocess.run(
                 [sys.executable, "-c", source, str(digits), str(T)],
@@ -157,8 +153,6 @@ def _peers(digits: int, T: int, patience: float) -> list[dict[str, object]]:
 
 
 def _enclosures(smoke: bool) -> list[dict[str, object]]:
-    if not find_spec("flint"):
-        return []
     rows: list[dict[str, object]] = []
     for digits, place, at in (
         ((20, 2, True), (50, 10, False))

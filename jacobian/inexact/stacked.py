@@ -46,6 +46,7 @@ Pair = tuple[Coefficients, Coefficients]
 # the part of u by which p may be smaller, where the remainder of a division may be one unit in the last place
 FEWER = 16
 
+_UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
 _AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
 
 
@@ -102,7 +103,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
     order, triangle = pivoted_qr(columns, field.largest)
     free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
     if free == m:
-        raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
+        raise PrecisionLoss(_UNDETERMINED)
     if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
         order, triangle = pivoted_qr(columns[: m - free], field.largest)
         solution = null_vector(order, triangle) + [field.zero] * (free + 1)
@@ -126,7 +127,7 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
         while p and field.is_zero(p[-1], scale):
             p.pop()
         if not p:
-            raise PrecisionLoss("the digits of the summands do not determine their sum; use more digits")
+            raise PrecisionLoss(_UNDETERMINED)
     return p, q
 
 

@@ -53,7 +53,7 @@ def random_curve(K, model, with_h, rng):
 
 
 def kernels(C):
-    """Every implementation for C; GMP's, where it is not installed, is left to a session where it is."""
+    """Every implementation for C."""
     found = [ExplicitFormulas(C)]
     if isinstance(C.field, PrimeField):
         found += [PrimeFormulas(C), GmpFormulas(C)]

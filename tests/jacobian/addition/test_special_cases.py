@@ -142,8 +142,6 @@ def test_semi_reduced_pairs_are_reduced(rng):
     C = HyperellipticCurve(GF(101), [3, 1, 4, 1, 5, 9, 4])
     J = C.jacobian()
     points = [C.random_point(rng) for _ in range(6)]
-    from jacobian.law.from_points import _cancel_opposites, pair_of_points
-
     kept, cancelled = _cancel_opposites(C, points)
     u, v = pair_of_points(C, kept)
     assert cancelled == 0

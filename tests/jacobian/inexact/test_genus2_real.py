@@ -4,6 +4,7 @@ from collections import Counter
 from itertools import product
 from random import Random
 
+import numba
 import numpy as np
 import pytest
 
@@ -104,7 +105,6 @@ def test_transfer_polynomials_carry_the_sum():
 
 def test_compiled_kernel_equals_the_interpreted_one():
     """To the rounding that fused multiplications change; compiled here anew, not read from a cache."""
-    numba = pytest.importorskip("numba")
     from jacobian.inexact.compiled import JIT
 
     @numba.njit(fastmath=JIT["fastmath"], error_model=JIT["error_model"])
