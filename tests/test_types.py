@@ -62,6 +62,9 @@ KNOWN = {
     "tilde.flow(start).at([1])": "Trajectory",
     "tilde.flow(start).at_tau([1]).M": "ndarray[tuple[int, int], dtype[Any]]",
     "Gyroscopic((1, 2, 4), 0.3).motion_through(start).at([1])": "Trajectory",
+    "tilde.field": "Field[Any]",
+    "tilde.over(MP(30))": "Tilde",
+    "tilde.translation([1, None])(start)": "State",
     "load_scene('chaplygin')": "Scene",
     "integrable.run('chaplygin')": "Trajectory",
 }
@@ -80,6 +83,8 @@ WRONG = {
     "run.gama": "gama",
     "tilde.flow(start).at([1]).gama": "gama",
     "tilde.motion_through(start).att([1])": "att",
+    "tilde.over(MP(30)).integral": "integral",
+    "(2 * tilde.translation([1, None])).mulitple": "mulitple",
     "ball.flow(state).at([1], strikt=False)": "strikt",
     "load_scene('chaplygin').tittle": "tittle",
     "integrable.ChaplyginBal": "ChaplyginBal",

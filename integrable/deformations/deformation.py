@@ -12,7 +12,7 @@ from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
     from integrable.deformations.deformed_flow import DeformedFlow
-    from integrable.deformations.two_curves import TwoPoints
+    from integrable.deformations.two_curves import CurveTranslation, IsometricStep, TwoPoints
     from integrable.motion.trajectory import Motion
 
 
@@ -63,7 +63,9 @@ class Deformation(Hamiltonian):
         self._check_curves()
         return two_curves.from_divisors(self, D, None if like is None else self._checked(like))
 
-    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+    def translation(
+        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+    ) -> CurveTranslation | IsometricStep:
         """The map that adds a point of fixed abscissa on each curve
         (:class:`integrable.deformations.two_curves.CurveTranslation`): Poisson, it preserves H and K.
         """
@@ -118,7 +120,9 @@ class IsometricDeformation(Deformation):
         model = None if like is None else lifted(self, self._checked(like))
         return unlifted(self, self.curves_of().from_divisor(D, model))
 
-    def translation(self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1) -> Any:
+    def translation(
+        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+    ) -> IsometricStep:
         """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on
         its line."""
         from integrable.deformations.two_curves import IsometricStep

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Self
 
 from integrable.deformations.deformation import Deformation
 from integrable.deformations.hamiltonian import Potential, Scalars, combination, product
@@ -21,7 +21,7 @@ class Gyroscopic(Deformation):
         self._build(inertia, 0, None, field)
         self.c = field.coerce(c, "c")
 
-    def over(self, field: Any) -> Any:
+    def over(self, field: Any) -> Self:
         return replaced(super().over(field), c=field.coerce(self.c, "c"))
 
     def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:

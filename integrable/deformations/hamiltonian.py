@@ -11,9 +11,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from integrable.phase.body import Body
+from integrable.phase.body import Body, Vector
 from integrable.phase.jets import JetField
 from integrable.phase.space import check_state
 from integrable.phase.state import State
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from integrable.motion.trajectory import Motion
+    from jacobian import Field
 
 
 class DeformedIntegrals(NamedTuple):
@@ -162,12 +163,12 @@ class Hamiltonian(Immutable):
         return self.rigid.body
 
     @property
-    def field(self) -> Any:
+    def field(self) -> Field[Any]:
         """The field of the coordinates."""
         return self.rigid.field
 
     @property
-    def a(self) -> Any:
+    def a(self) -> Vector:
         """a_i = 1/(I_i + d)."""
         return self.rigid.a
 
@@ -180,7 +181,7 @@ class Hamiltonian(Immutable):
         """The State (γ, M), |γ| = 1 and (γ, M) = 0 checked as by :meth:`System.state`."""
         return self.rigid.state(gamma, M, g)
 
-    def over(self, field: Any) -> Any:
+    def over(self, field: Any) -> Self:
         """The same Hamiltonian over another field that takes its numbers."""
         rigid, potential = ChaplyginBall(self.body.inertia, self.d, field=field), self.potential
         if potential is not None:
