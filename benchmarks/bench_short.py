@@ -82,7 +82,7 @@ def _other_way(name: str, times: np.ndarray, way: str, smoke: bool) -> float | N
     """Milliseconds of the torus where a short run was taken, of a short run where the torus was."""
     if way == "short run":
         return 1e3 * _least(lambda: _fresh(name, "compiled").at(times), smoke)[0]
-    with patch.object(short.ShortRuns, "_most", lambda *_: 10**6):
+    with patch.object(short, "panels_within", lambda *_: 10**6):
         seconds, run = _least(lambda: _fresh(name, "auto").at(times), smoke)
     return 1e3 * seconds if run.way == "short run" else None
 

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from integrable.deformations.gyroscopic import Gyroscopic
     from integrable.deformations.hat import Hat
     from integrable.deformations.tilde import Tilde
+    from integrable.ensembles.ensemble import ensemble
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.file import load_scene
     from integrable.study.run import run
@@ -30,11 +31,23 @@ _HOME = {
     "Hat": "integrable.deformations.hat",
     "Tilde": "integrable.deformations.tilde",
     "Trajectory": "integrable.motion.trajectory",
+    "ensemble": "integrable.ensembles.ensemble",
     "load_scene": "integrable.scene.file",
     "run": "integrable.study.run",
 }
 
-__all__ = ["ChaplyginBall", "Check", "EulerTop", "Gyroscopic", "Hat", "Tilde", "Trajectory", "load_scene", "run"]
+__all__ = [
+    "ChaplyginBall",
+    "Check",
+    "EulerTop",
+    "Gyroscopic",
+    "Hat",
+    "Tilde",
+    "Trajectory",
+    "ensemble",
+    "load_scene",
+    "run",
+]
 
 
 if not TYPE_CHECKING:

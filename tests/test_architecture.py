@@ -22,7 +22,7 @@ MOST_LINES, MOST_PARAMETERS = 40, 8
 # compiled loops and what they call: to numba an argument is a register, and another function is another compilation
 LONG = {
     "integrable.moving_point.short.panel",
-    "integrable.moving_point.short_compiled.short_run",
+    "integrable.moving_point.short_compiled.short_runs",
     "integrable.moving_point.short_reading.state",
     "integrable.moving_point.short_steps.node_steps",
     "jacobian.inexact.stacked._second_polynomial",

@@ -67,6 +67,8 @@ KNOWN = {
     "tilde.translation([1, None])(start)": "State",
     "load_scene('chaplygin')": "Scene",
     "integrable.run('chaplygin')": "Trajectory",
+    "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0))": "Ensemble",
+    "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0)).at([1])": "Trajectories",
 }
 WRONG = {
     "J.from_pionts([(0, 1)])": "from_pionts",

@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from functools import cache
 from math import cos, pi
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -35,6 +35,8 @@ DENSE_FROM = 5000
 MOST_PANELS, MOST_TIMES = 400, 20_000
 # interpreted: panels of one run, those of a flow before it loads numba, and times from which on loading it pays
 INTERPRETED_PANELS, BEFORE_NUMBA, INTERPRETED_TIMES = 64, 500, 500
+# what the clock of one run, and of one of many, may be off by, in the units of the motion
+DRIFT, DRIFT_OF_MANY = 5e-15, 2e-13
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
 BITS, PASSES = 160, 2
 
@@ -50,7 +52,7 @@ class ShortRuns:
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
         d = system.d if system.body.rolls else 0.0
-        self._given = np.array([*system.inertia, d, *state.gamma, *state.M], dtype=np.float64)
+        self._given = np.array([[*system.inertia, d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, bool(system.body.rolls), kernel
         # panels of this flow: a torus, or loading numba, would have been paid for by as many
         self._compiled_panels = self._interpreted_panels = 0
@@ -73,26 +75,14 @@ class ShortRuns:
         """The states, and τ at ``physical`` times or, if the ``clock`` is asked for, physical times at τ."""
         if len(times) > MOST_TIMES:
             return None
-        order, status = np.argsort(times, kind="stable"), short.FAR
+        status = short.FAR
         if self._without_numba(len(times)):
-            status, unit, out, other = self._interpreted(times, order, physical, clock)
+            status, rows, other = self._interpreted(times, physical, clock)
         if status == short.FAR and self._kernel != "python" and not interpreted():
-            most = self._most(len(times), torus)
+            most = panels_within(len(times), torus, self._compiled_panels)
             if most > 0:
-                status, unit, out, other = self._compiled(times, order, physical, clock, most)
-        if status:
-            return None
-        rows = out.reshape(-1, 6)
-        if not times.all():
-            rows[times == 0] = self._start()
-        # without a clock there is nothing in ``other``
-        return rows, other / unit if physical or clock else times
-
-    def _start(self) -> np.ndarray:
-        """The state itself, on its constraints: no interpolant's error is there."""
-        gamma, M = self._given[4:7].astype(np.longdouble), self._given[7:].astype(np.longdouble)
-        gamma /= np.sqrt(gamma @ gamma)
-        return np.concatenate([gamma, M if self._tilted else M - (gamma @ M) * gamma]).astype(float)
+                status, rows, other = self._compiled(times, physical, clock, most)
+        return None if status else (rows, other if physical or clock else times)
 
     def _without_numba(self, count: int) -> bool:
         if count >= INTERPRETED_TIMES:
@@ -101,42 +91,89 @@ class ShortRuns:
             return True
         return "numba" not in sys.modules and self._interpreted_panels < BEFORE_NUMBA
 
-    def _most(self, count: int, torus: bool) -> int:
-        """So many panels cost less than another way to the states."""
-        cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
-        if not torus:
-            cost += max(0.0, TORUS_SET_UP - PANEL_COST * self._compiled_panels)
-        return min(MOST_PANELS, int((cost - START_COST) / PANEL_COST))
-
     def _compiled(
-        self, times: np.ndarray, order: np.ndarray, physical: bool, clock: bool, most: int
-    ) -> tuple[int, float, np.ndarray, np.ndarray]:
-        from integrable.moving_point.short_compiled import short_run
-
-        out, other = np.empty(6 * len(times)), np.empty(len(times))
-        status, unit, panels = short_run(
-            self._given, self._tilted, rule(), physical, clock, most, times, order, out, other
+        self, times: np.ndarray, physical: bool, clock: bool, most: int
+    ) -> tuple[int, np.ndarray, np.ndarray]:
+        rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
+        status, panels = compiled_runs(
+            Asked(self._given, self._tilted, physical, clock, most, DRIFT), times[None], rows, other
         )
-        self._compiled_panels += panels
-        return status, unit, out, other
+        self._compiled_panels += int(panels[0])
+        return int(status[0]), rows[0], other[0]
 
-    def _interpreted(
-        self, times: np.ndarray, order: np.ndarray, physical: bool, clock: bool
-    ) -> tuple[int, float, np.ndarray, np.ndarray]:
+    def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
         reals, count = BareReals(BITS), len(times)
         request = Request(
-            physical, clock, INTERPRETED_PANELS, times.tolist(), order.tolist(), [0.0] * count, [0.0] * count,
-            [0.0] * (6 * count), [0.0] * count,
+            physical, clock, INTERPRETED_PANELS, DRIFT, times.tolist(), np.argsort(times, kind="stable").tolist(),
+            [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
         )  # fmt: skip
         with reals:
             room = new_room(lambda n: [reals.number(0)] * n, lambda n: [0.0] * n, [1, 0, PASSES, 0])
             try:
-                status = short.short_run(room, _listed(), request, reals.row(self._given.tolist()), self._tilted)
+                status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):
                 # compiled these are infinities, not-a-numbers, and roots of negative numbers
                 status = short.LOST
         self._interpreted_panels += room.made[3]
-        return status, room.numbers[CLOCK if physical else PHYSICAL], np.array(request.out), np.array(request.other)
+        rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
+        if status == 0:
+            other /= room.numbers[CLOCK if physical else PHYSICAL]
+            _put_starts(self._given, self._tilted, times[None], rows[None])
+        return status, rows, other
+
+
+class Asked(NamedTuple):
+    """What :func:`compiled_runs` are of: moments, d, γ and M of each, shape (K, 10), and as
+    :class:`integrable.moving_point.short_rows.Request` has it.
+    """
+
+    given: np.ndarray
+    tilted: bool
+    physical: bool
+    clock: bool
+    most: int
+    drift: float
+
+
+def compiled_runs(
+    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
+    (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
+    it has cost in panels), both of shape (K,). Python's lock is free meanwhile.
+    """
+    from integrable.moving_point.short_compiled import short_runs
+
+    count = len(asked.given)
+    status, panels = np.zeros(count, dtype=np.intp), np.zeros(count, dtype=np.intp)
+    order = np.argsort(times, axis=1, kind="stable")
+    out = rows.reshape(count, 6 * rows.shape[1])
+    short_runs(
+        asked.given, asked.tilted, rule(), asked.physical, asked.clock, asked.most, asked.drift, times, order, out,
+        other, status, panels,
+    )  # fmt: skip
+    _put_starts(asked.given, asked.tilted, times, rows)
+    return status, panels
+
+
+def _put_starts(given: np.ndarray, tilted: bool, times: np.ndarray, rows: np.ndarray) -> None:
+    """The states themselves at t = 0, on their constraints: no interpolant's error is there."""
+    if times.all():
+        return
+    gamma, M = given[:, 4:7].astype(np.longdouble), given[:, 7:].astype(np.longdouble)
+    gamma = gamma / np.sqrt((gamma * gamma).sum(axis=1, keepdims=True))
+    if not tilted:
+        M = M - (gamma * M).sum(axis=1, keepdims=True) * gamma
+    member, place = np.nonzero(np.broadcast_to(times == 0, rows.shape[:2]))
+    rows[member, place] = np.hstack([gamma, M]).astype(float)[member]
+
+
+def panels_within(count: int, torus: bool, spent: int) -> int:
+    """So many panels, after those that were ``spent`` on a motion, cost less than another way to so many states."""
+    cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
+    if not torus:
+        cost += max(0.0, TORUS_SET_UP - PANEL_COST * spent)
+    return min(MOST_PANELS, int((cost - START_COST) / PANEL_COST))
 
 
 class ShortFirst:

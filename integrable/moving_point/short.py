@@ -62,8 +62,6 @@ LENGTH, PASSES = 5.0, 4
 # floats, or wide beside a panel whose nodes were not
 TAIL = 1e-14
 STEP, WIDE_STEP = 2e-14, 6e-14
-# what the clock may be off by after all panels
-DRIFT = 5e-15
 # a panel with wide nodes costs as much as so many
 CAREFUL = 10
 # integrals of states that are returned
@@ -151,7 +149,7 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
             return status
         n += 1
     # a rate that floats have off on the whole way
-    return 0 if abs(room.sums[2]) <= DRIFT * abs(room.point[RATE]) else ROUNDING
+    return 0 if abs(room.sums[2]) <= request.drift * abs(room.point[RATE]) else ROUNDING
 
 
 def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:

@@ -127,13 +127,26 @@ def _floats(count):  # type: ignore[no-untyped-def]
 
 
 @njit(**JIT)
-def short_run(given, tilted, rule, physical, clock, most, times, order, out, other):  # type: ignore[no-untyped-def]
-    """:func:`integrable.moving_point.short.short_run`, the unit of ``other``, and what it has cost in panels."""
-    count = len(times)
-    wide = _wide(len(given))
-    for i in range(len(given)):
-        wide[i, 0] = given[i]
-    room = _new_room(_wide, _floats, np.array([1, 0, 1, 0]))
-    request = _Request(physical, clock, most, times, order, _floats(count), _floats(count), out, other)
-    status = _short_run(room, rule, request, wide, tilted)
-    return status, room.numbers[_CLOCK if physical else _PHYSICAL], room.made[3]
+def short_runs(given, tilted, rule, physical, clock, most, drift, times, order, out, other, status, panels):  # type: ignore[no-untyped-def]
+    """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10): into ``out`` and
+    ``other``, (K, 6N) and (K, N), ``status`` and what the runs have cost in panels, (K,). ``times`` and ``order`` have
+    a row for each, or one for all.
+    """
+    count = times.shape[1]
+    for member in range(len(given)):
+        at = member % len(times)
+        wide = _wide(given.shape[1])
+        for i in range(given.shape[1]):
+            wide[i, 0] = given[member, i]
+        room = _new_room(_wide, _floats, np.array([1, 0, 1, 0]))
+        request = _Request(
+            physical, clock, most, drift, times[at], order[at], _floats(count), _floats(count), out[member],
+            other[member],
+        )  # fmt: skip
+        status[member] = _short_run(room, rule, request, wide, tilted)
+        panels[member] = room.made[3]
+        # without a clock there is nothing in ``other``
+        if physical or clock:
+            unit = room.numbers[_CLOCK if physical else _PHYSICAL]
+            for i in range(count):
+                other[member, i] /= unit

@@ -87,6 +87,8 @@ class Request(NamedTuple):
     """Whether the other time is asked for too."""
     most: int
     """Panels in either direction."""
+    drift: float
+    """What the clock may be off by at the end."""
     times: Row
     order: Row
     high: Row

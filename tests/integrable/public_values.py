@@ -1,6 +1,6 @@
 """One value of every public class of `integrable`, in floats and multiprecision, for the tests of values."""
 
-from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde, load_scene
+from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde, ensemble, load_scene
 from integrable.motion.conditioning import conditioning
 from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
@@ -80,4 +80,6 @@ def values_over(K):
 def other_values():
     """What belongs to no field of FIELDS."""
     exact = ChaplyginBall((1, 2, 4), 1, field=GF(10007))
-    return {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}
+    many = ensemble(ChaplyginBall((1, 2, 4), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), d=(0.7, -1, 0.5))
+    values = {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}
+    return values | {"ensemble": many, "trajectories": many.at([0, 1, 1e30])}

@@ -1,0 +1,143 @@
+"""Ensembles of random balls beside heyoka's ensembles of batches, K = 10 … 10⁵, on one thread and on two.
+
+Moments in 1 … 3, d in 0 … 1, |M| = 2, all different, 101 times from 0 to T. ``ms`` is wall time a member, set-up of
+the members included, compilation apart; ``error`` the largest of γ and M/|M| against the torus of 20 members,
+``memory`` what the process has grown by, in MB: chunks of 64 MB are asked for. heyoka runs batches as wide as the
+processor takes, at tolerance 1e-15, on as many threads (``pip install 'jacobian-integrable[peers]'``).
+"""
+
+from __future__ import annotations
+
+import os
+from collections import Counter
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from integrable import ChaplyginBall, ensemble
+from integrable.ensembles.ensemble import Ensemble
+from integrable.extras import installed
+from integrable.oracles.reference import body_equations
+from jacobian.batch.threads import set_threads
+
+OUTPUTS = 101
+CASES = (
+    (10, 10.0),
+    (10, 100.0),
+    (10, 1e3),
+    (10, 1e5),
+    (1000, 10.0),
+    (1000, 100.0),
+    (1000, 1e3),
+    (10**5, 10.0),
+    (10**5, 100.0),
+)
+LONGEST_PEER, MOST_PEER = 1e3, 1000
+COMPARED = 20
+TOLERANCE = 1e-15
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """Rows (K, T, method, threads, ms, error, memory, ways)."""
+    rows: list[dict[str, object]] = []
+    warm(smoke)
+    for count, until in CASES[:1] if smoke else CASES:
+        many, times = members(count), np.linspace(0, until, 3 if smoke else OUTPUTS)
+        wanted = truth(many, times)
+        for threads in (1,) if smoke else (1, 2):
+            rows.append(ours(many, times, threads, wanted))
+            if installed("heyoka") and until <= LONGEST_PEER and count <= MOST_PEER and not smoke:
+                rows.append(heyoka(many, times, threads, wanted))
+    set_threads(None)
+    return rows
+
+
+def warm(smoke: bool) -> None:
+    """Load what is compiled."""
+    members(2).at([1.0])
+    if not smoke:
+        members(1).flow(0).system.flow(members(1).flow(0).state, "compiled").at([1.0])
+
+
+def members(count: int) -> Ensemble:
+    """Random balls."""
+    rng = np.random.default_rng(1)
+    gamma, M = rng.normal(size=(2, count, 3))
+    gamma /= np.linalg.norm(gamma, axis=1)[:, None]
+    M -= (M * gamma).sum(axis=1)[:, None] * gamma
+    M *= 2 / np.linalg.norm(M, axis=1)[:, None]
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    return ensemble(ball, gamma, M, inertia=rng.uniform(1, 3, (count, 3)), d=rng.uniform(0, 1, count))
+
+
+def truth(many: Ensemble, times: np.ndarray) -> np.ndarray:
+    """γ and M/|M| of the first members, shape (K, N, 6)."""
+    found = []
+    for k in range(min(len(many), COMPARED)):
+        flow = many.flow(k)
+        one = flow.system.flow(flow.state, "compiled").at(times)  # type: ignore[attr-defined]
+        found.append(np.hstack([one.gamma, one.M / 2]))
+    return np.array(found)
+
+
+def error(gamma: np.ndarray, M: np.ndarray, wanted: np.ndarray) -> float:
+    """The largest difference."""
+    count = len(wanted)
+    return float(abs(np.concatenate([gamma[:count], M[:count] / 2], axis=2) - wanted).max())
+
+
+def ours(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) -> dict[str, object]:
+    """One row. Where the result is large, chunks of it."""
+    set_threads(threads)
+    before, begun, ways, off = resident(), perf_counter(), Counter[str](), 0.0
+    peak = before
+    for i, part in enumerate(many.chunks(times)):
+        ways.update(part.ways)
+        peak = max(peak, resident())
+        off = error(part.gamma, part.M, wanted) if i == 0 else off
+    spent = perf_counter() - begun
+    said = ", ".join(f"{way} {n}" for way, n in ways.most_common())
+    return {
+        "K": len(many), "T": times[-1], "method": "ensemble", "threads": threads, "ms": 1e3 * spent / len(many),
+        "error": off, "memory": (peak - before) / 1e6, "ways": said,
+    }  # fmt: skip
+
+
+def heyoka(many: Ensemble, times: np.ndarray, threads: int, wanted: np.ndarray) -> dict[str, object]:
+    """One row of heyoka's."""
+    import heyoka as hy
+
+    width = hy.recommended_simd_size()
+    variables = hy.make_vars("x1", "x2", "x3", "m1", "m2", "m3")
+    rates = body_equations([hy.par[0], hy.par[1], hy.par[2]], hy.par[3])(variables)
+    equations = list(zip(variables, rates, strict=True))
+    start = np.zeros((6, width)) + np.array([[1.0], [0], [0], [0], [1], [0]])
+    batch = hy.taylor_adaptive_batch(equations, start, tol=TOLERANCE, pars=np.ones((4, width)))
+    # whole batches: the last is filled up with the first members
+    order = np.resize(np.arange(len(many)), -(-len(many) // width) * width)
+
+    def begun_with(integrator: Any, i: int) -> Any:
+        which = many.members[order[i * width : (i + 1) * width]]
+        integrator.set_time(0.0)
+        integrator.state[:], integrator.pars[:] = which[:, 4:].T, which[:, :4].T
+        return integrator
+
+    before, begun = resident(), perf_counter()
+    found = hy.ensemble_propagate_grid_batch(batch, times, len(order) // width, begun_with, max_workers=threads)
+    rows = np.concatenate([np.moveaxis(one[-1], 2, 0) for one in found])[: len(many)]
+    spent = perf_counter() - begun
+    return {
+        "K": len(many), "T": times[-1], "method": f"heyoka, batches of {width}", "threads": threads,
+        "ms": 1e3 * spent / len(many), "error": error(rows[:, :, :3], rows[:, :, 3:], wanted),
+        "memory": (resident() - before) / 1e6, "ways": None,
+    }  # fmt: skip
+
+
+def resident() -> int:
+    """Bytes of memory that this process has now; 0 where the system does not say."""
+    try:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except OSError:
+        return 0

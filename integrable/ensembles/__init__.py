@@ -1,0 +1,1 @@
+"""Many motions at once: one system, many bodies and states, each as its own flow has it."""

@@ -1,0 +1,123 @@
+"""The states of many motions: short runs of compiled code, range by range on all threads, and flows for the rest."""
+
+from __future__ import annotations
+
+import os
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.ensembles.members import motion_of, plain
+from integrable.motion.short import DRIFT_OF_MANY, MOST_TIMES, Asked, compiled_runs, panels_within
+from integrable.motion.trajectory import WAYS
+from integrable.systems.system import System
+from jacobian.batch.threads import in_ranges
+from jacobian.errors import JacobianError
+from jacobian.numbers.compiler import interpreted
+
+COLUMNS = 7
+"""γ, M and τ."""
+# states and members of a range: what one thread does at a time
+STATES, MEMBERS = 1 << 16, 64
+WORDS = tuple(WAYS)
+SHORT = WORDS.index("short run")
+REFUSED = -1
+
+
+class Outcome(NamedTuple):
+    """What became of the members: 0 or the number of a reason, shape (K,), the places of their ways in ``WORDS``,
+    the reasons, and the numbers of the reasons of all rows of members that some rows of were refused.
+    """
+
+    status: np.ndarray
+    ways: np.ndarray
+    reasons: tuple[str, ...]
+    partial: dict[int, np.ndarray]
+
+
+class _Said(NamedTuple):
+    """What one member came to: its way, why each row was refused, "" where it was had, or why all were."""
+
+    member: int
+    way: int
+    why: str | list[str]
+
+
+def computed(system: Any, members: np.ndarray, tilted: bool, times: np.ndarray, out: np.ndarray) -> Outcome:
+    """γ, M and τ of all members into ``out``, shape (K, N, 7); ``times`` of shape (1, N) or (K, N)."""
+    count, length = out.shape[:2]
+    quick = np.zeros(count, dtype=bool)
+    if isinstance(system, System) and length <= MOST_TIMES and not interpreted():
+        quick = plain(members, tilted)
+    work = _Work(system, members, tilted, times, out)
+
+    def part(begin: int, end: int) -> list[_Said]:
+        left = np.ones(end - begin, dtype=bool)
+        for rolls in (True, False):
+            which = begin + np.flatnonzero(quick[begin:end] & ((members[begin:end, 3] != 0) == rolls))
+            if len(which):
+                left[work.short_runs(which, rolls) - begin] = False
+        return [work.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
+
+    size = max(1, min(MEMBERS, STATES // max(1, length)))
+    return _outcome(count, [said for found in in_ranges(count, size, part) for said in found])
+
+
+class _Work(NamedTuple):
+    system: Any
+    members: np.ndarray
+    tilted: bool
+    times: np.ndarray
+    out: np.ndarray
+
+    def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
+        """The states of these members by short runs; which of them had one."""
+        times = self.times if len(self.times) == 1 else self.times[which]
+        count, length = len(which), times.shape[1]
+        rows, tau = np.empty((count, length, 6)), np.empty((count, length))
+        most = panels_within(length, False, 0)
+        asked = Asked(self.members[which], self.tilted, rolls, False, most, DRIFT_OF_MANY)
+        status, _ = compiled_runs(asked, times, rows, tau)
+        had = status == 0
+        self.out[which[had], :, :6] = rows[had]
+        self.out[which[had], :, 6] = tau[had] if rolls else times[had] if len(times) > 1 else times
+        found: np.ndarray = which[had]
+        return found
+
+    def one(self, member: int) -> _Said:
+        """The states of one member by its flow."""
+        times = self.times[member if len(self.times) > 1 else 0]
+        # a short run has been tried
+        kernel = "compiled" if isinstance(self.system, System) and not interpreted() else "auto"
+        try:
+            run = motion_of(self.system, self.members[member], self.tilted, kernel).at(times, strict=False)
+        except JacobianError as error:
+            self.out[member] = np.nan
+            return _Said(member, REFUSED, str(error))
+        self.out[member, :, :6] = np.concatenate([run.gamma, run.M], axis=1)
+        self.out[member, :, 6] = run.tau
+        return _Said(member, WORDS.index(run.way), [run.reasons[n] for n in run.status.tolist()])
+
+
+def _outcome(count: int, said: list[_Said]) -> Outcome:
+    status, ways = np.zeros(count, dtype=np.intp), np.full(count, SHORT, dtype=np.int8)
+    reasons: dict[str, int] = {"": 0}
+    partial = {}
+    for member, way, why in said:
+        ways[member] = way
+        if isinstance(why, str):
+            status[member] = reasons.setdefault(why, len(reasons))
+            continue
+        numbers = np.array([reasons.setdefault(reason, len(reasons)) for reason in why], dtype=np.intp)
+        if numbers.any():
+            status[member] = numbers[numbers > 0][0]
+            partial[member] = numbers
+    return Outcome(status, ways, tuple(reasons), partial)
+
+
+def memory() -> float:
+    """Bytes of this machine's memory; infinity where it does not say."""
+    try:
+        return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    except (AttributeError, OSError, ValueError):
+        return float("inf")

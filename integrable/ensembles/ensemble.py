@@ -1,0 +1,76 @@
+"""Many motions of one kind: arrays of bodies and states in, arrays of states out, on all threads."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from integrable.ensembles.computing import COLUMNS, computed, memory
+from integrable.ensembles.members import Members, broadcast
+from integrable.ensembles.trajectories import Trajectories
+from jacobian.errors import ArgumentError, flag, shown, whole
+
+__all__ = ["Ensemble", "ensemble"]
+
+CHUNK_BYTES = 1 << 26
+
+
+def ensemble(system: Any, gamma: Any, M: Any, *, inertia: Any = None, d: Any = None, tilted: bool = False) -> Ensemble:
+    """Many motions of ``system``, over RR: γ and M of shape (K, 3), and the moments ``inertia``, shape (K, 3), and
+    ``d``, shape (K,), where the members differ in them; each may also be one for all.
+
+    A member that a body or a flow refuses stops nobody: :meth:`Ensemble.at` says why. ArgumentError for shapes that do
+    not broadcast, another field, and bodies of their own for a deformation.
+    """
+    return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
+
+
+class Ensemble(Members):
+    """What :func:`ensemble` gives."""
+
+    def at(self, times: Any, *, out: np.ndarray | None = None) -> Trajectories:
+        """The states of all members at physical times, in any order, of any sign and size: shape (N,), the same for
+        all, or (K, N).
+
+        Few turns are short runs, whose clock is right to 2·10⁻¹³, the rest is what :meth:`flow` gives. A member or a
+        time that is refused stops no other: :attr:`Trajectories.status`. ``out``, shape (K, N, 7), is written to and
+        returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take :meth:`chunks`.
+        """
+        given = self._times(times)
+        shape = (len(self), given.shape[1], COLUMNS)
+        if out is None:
+            if 8 * np.prod(shape, dtype=float) > memory():
+                raise ArgumentError(
+                    f"times: {shape[0]} members at {shape[1]} times are {8e-9 * np.prod(shape, dtype=float):.0f} GB; "
+                    "take .chunks(times), or out=numpy.memmap(...)"
+                )
+            out = np.empty(shape)
+        elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float64:
+            raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")
+        return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
+
+    def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:
+        """:meth:`at` for so many members at a time, in order: memory for those alone, 64 MB by default."""
+        given = self._times(times)
+        if members is None:
+            members = max(1, CHUNK_BYTES // (8 * COLUMNS * max(1, given.shape[1])))
+        members = whole(members, "members", "an int ≥ 1 is needed", 1)
+        for begin in range(0, len(self), members):
+            part = slice(begin, begin + members)
+            yield self[part].at(given[part] if len(given) > 1 else given[0])
+
+    def _times(self, times: Any) -> np.ndarray:
+        """Shape (1, N) or (K, N)."""
+        try:
+            found = np.array(times, dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"times = {shown(times)}: numbers of shape (N,) or (K, N) are needed") from None
+        if found.ndim < 2:
+            found = found.reshape(1, -1)
+        if found.ndim != 2 or found.shape[0] not in (1, len(self)):
+            raise ArgumentError(f"times have shape {np.shape(times)}: (N,) or ({len(self)}, N) is needed")
+        if not np.isfinite(found).all():
+            raise ArgumentError(f"times = {shown(times)}: finite numbers are needed")
+        return found

@@ -1,0 +1,163 @@
+"""The members of an ensemble: their numbers, broadcast to one another, and which of them are plain.
+
+What a body, a state or a flow refuses is said by those, one member at a time; here are only bounds, for all members
+together, within which none of them refuses anything and short runs of compiled code may be tried.
+"""
+
+from __future__ import annotations
+
+from typing import Any, TypeVar
+
+import numpy as np
+
+from integrable.motion.domain import HEAVIEST, LARGEST, WIDEST
+from integrable.motion.trajectory import Motion
+from integrable.phase.body import Body
+from integrable.systems.euler_top import EulerTop
+from integrable.systems.system import System
+from jacobian import RR
+from jacobian.errors import ArgumentError, shown, whole
+from jacobian.immutable import Record, replaced
+
+Kind = TypeVar("Kind", bound="Members")
+# of what is refused: members nearer to a bound are looked at by themselves
+HALF, FAR_INSIDE = 0.5, 1e-3
+# the largest and the least moment differ by this part of the largest plus d; beside M ∥ γ and beside a principal axis
+DISTINCT, ASIDE = 1e-12, 1e-10
+
+
+class Members(Record):
+    """Bodies and states of many motions. ``members`` has the moments, d, γ and M of each, shape (K, 10)."""
+
+    def __init__(self, system: Any, members: np.ndarray, tilted: bool) -> None:
+        self.system, self.members, self.tilted = system, members, tilted
+
+    def __len__(self) -> int:
+        return len(self.members)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} of {len(self)} motions of {type(self.system).__name__}>"
+
+    def __getitem__(self: Kind, which: Any) -> Kind:
+        """Those of the members that a slice, an array of numbers or of truth values chooses."""
+        return replaced(self, members=self.members[chosen(which, len(self))])
+
+    @property
+    def inertia(self) -> np.ndarray:
+        """Shape (K, 3)."""
+        return self.members[:, :3]
+
+    @property
+    def d(self) -> np.ndarray:
+        """Shape (K,)."""
+        return self.members[:, 3]
+
+    @property
+    def gamma(self) -> np.ndarray:
+        """γ at time 0, shape (K, 3)."""
+        return self.members[:, 4:7]
+
+    @property
+    def M(self) -> np.ndarray:
+        """M at time 0, shape (K, 3)."""
+        return self.members[:, 7:]
+
+    def flow(self, member: int) -> Motion:
+        """The motion of one member; raises what refuses it."""
+        member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
+        return motion_of(self.system, self.members[member], self.tilted)
+
+
+def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:
+    """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for what is no number, or does not broadcast."""
+    if not hasattr(system, "motion_through"):
+        raise ArgumentError(f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7)")
+    if system.field != RR:
+        raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")
+    own = {"inertia": inertia is not None, "d": d is not None}
+    for name, given in own.items():
+        if given and not isinstance(system, System):
+            raise ArgumentError(f"{name}: {type(system).__name__} has one body for all members; leave {name} out")
+    if own["d"] and isinstance(system, EulerTop):
+        raise ArgumentError(f"d = {shown(d)}: an EulerTop has d = 0; use a ChaplyginBall")
+    parts = {
+        "gamma": _numbers(gamma, "gamma", 3),
+        "M": _numbers(M, "M", 3),
+        "inertia": _numbers(system.body.inertia if inertia is None else inertia, "inertia", 3),
+        "d": _numbers(system.body.d if d is None else d, "d", 0),
+    }
+    counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
+    if len(set(counts.values())) > 1:
+        said = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
+    count = next(iter(counts.values()), 1)
+    rows = [np.broadcast_to(parts[name], (count, parts[name].shape[1])) for name in ("inertia", "d", "gamma", "M")]
+    return np.ascontiguousarray(np.hstack(rows))
+
+
+def _numbers(values: Any, argument: str, width: int) -> np.ndarray:
+    """Shape (members, width), (members, 1) for width 0."""
+    wanted = f"shape (K, {width}) or ({width},)" if width else "a number or shape (K,)"
+    try:
+        found = np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument} = {shown(values)}: numbers of {wanted} are needed") from None
+    found = found[..., None] if width == 0 else found
+    if found.ndim not in (1, 2) or found.shape[-1] != max(width, 1):
+        raise ArgumentError(f"{argument} has shape {np.shape(values)}: {wanted} is needed")
+    return found[None] if found.ndim == 1 else found
+
+
+def system_of(system: Any, row: np.ndarray) -> Any:
+    """The system of one member, ``system`` itself where it has that body."""
+    if not isinstance(system, System):
+        return system
+    inertia, d = tuple(row[:3].tolist()), float(row[3])
+    if system.body.inertia == inertia and system.body.d == d:
+        return system
+    return replaced(system, body=Body.make(inertia, d, RR))
+
+
+def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") -> Motion:
+    """The motion of one member; raises what refuses it. ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
+    own = system_of(system, row)
+    state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
+    motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)
+    return motion
+
+
+def chosen(which: Any, count: int) -> Any:
+    """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
+    if isinstance(which, slice):
+        return which
+    found = np.asarray(which)
+    if not found.size:
+        return slice(0, 0)
+    if found.ndim != 1 or not (found.dtype == bool or np.issubdtype(found.dtype, np.integer)):
+        raise ArgumentError(f"[{shown(which)}]: an int, a slice, or an array of ints or truth values is needed")
+    fits = len(found) == count if found.dtype == bool else -count <= found.min() and found.max() < count
+    if not fits:
+        raise ArgumentError(f"[{shown(which)}]: there are {count}")
+    return found
+
+
+def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
+    """Which members nobody refuses, whose moments all differ and whose M is beside every axis: shape (K,)."""
+    inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
+    with np.errstate(all="ignore"):
+        least, most = inertia.min(axis=1), inertia.max(axis=1)
+        size, ordered = np.sqrt((M * M).sum(axis=1)), np.sort(inertia, axis=1)
+        tolerance = HALF * RR.eps**0.6
+        good = np.isfinite(members).all(axis=1)
+        good &= (least > 1e3 / LARGEST) & (most < LARGEST / 1e3) & (most < FAR_INSIDE * WIDEST * least)
+        good &= (d == 0) | ((d > 1e-40 * most) & (d < FAR_INSIDE * HEAVIEST * least))
+        good &= (np.diff(ordered, axis=1) > DISTINCT * (most + d)[:, None]).all(axis=1)
+        good &= abs((gamma * gamma).sum(axis=1) - 1) < tolerance
+        good &= (size > 1e3 / LARGEST) & (size < LARGEST / 1e3)
+        good &= (np.sort(abs(M), axis=1)[:, 1] > ASIDE * size) & (np.abs(M).max(axis=1) > 1e3 / LARGEST)
+        if tilted:
+            across = np.cross(gamma, M)
+            good &= np.sqrt((across * across).sum(axis=1)) > ASIDE * size
+        else:
+            good &= abs((gamma * M).sum(axis=1)) < tolerance * size
+    return good

@@ -1,0 +1,149 @@
+"""The states of many motions at given times, and what became of each."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from integrable.ensembles.computing import WORDS, Outcome
+from integrable.ensembles.members import Members, chosen, motion_of
+from integrable.motion.trajectory import Trajectory
+from jacobian.errors import ArgumentError, whole
+from jacobian.immutable import Record, read_only, replaced
+
+__all__ = ["Trajectories"]
+
+
+class Trajectories(Record):
+    """States of K motions at N times each. ``times`` has shape (N,), or (K, N) where every member has its own.
+
+    ``status`` is 0 for a member all of whose states were had, shape (K,), n > 0 where one was not, for the reason
+    ``reasons[n]``; γ, M and τ of what was refused are NaN, and :meth:`row_status` says which rows these are. A member
+    is ``[k]``, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of some,
+    :attr:`kept` those of status 0.
+    """
+
+    def __init__(self, ensemble: Members, times: np.ndarray, rows: np.ndarray, outcome: Outcome) -> None:
+        self.ensemble = ensemble
+        self._times, self._rows = times, rows
+        self.status, self._ways = outcome.status, outcome.ways
+        self.reasons, self._partial = outcome.reasons, outcome.partial
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __repr__(self) -> str:
+        refused = np.count_nonzero(self.status)
+        said = f", {refused} of them refused" if refused else ""
+        kind = type(self.ensemble.system).__name__
+        return f"<Trajectories of {len(self)} motions of {kind} at {self._rows.shape[1]} times{said}>"
+
+    @property
+    def times(self) -> np.ndarray:
+        """Physical times, shape (N,), or (K, N)."""
+        return self._times if len(self._times) > 1 else read_only(self._times[0])
+
+    @property
+    def gamma(self) -> np.ndarray:
+        """The vertical γ in the body frame, shape (K, N, 3)."""
+        return self._rows[:, :, :3]
+
+    @property
+    def M(self) -> np.ndarray:
+        """The angular momentum M in the body frame, shape (K, N, 3)."""
+        return self._rows[:, :, 3:6]
+
+    @property
+    def tau(self) -> np.ndarray:
+        """Values of the flow's own time τ, shape (K, N)."""
+        return self._rows[:, :, 6]
+
+    @property
+    def ways(self) -> list[str]:
+        """What has computed each member, a word of :data:`integrable.motion.trajectory.WAYS`; "" for one that was
+        refused as a whole.
+        """
+        return [WORDS[way] if way >= 0 else "" for way in self._ways.tolist()]
+
+    @property
+    def kept(self) -> Trajectories:
+        """The members with status 0."""
+        return self._some(np.flatnonzero(self.status == 0))
+
+    def row_status(self, member: int) -> np.ndarray:
+        """0, or the number of the reason, for every row of a member: shape (N,)."""
+        member = self._member(member)
+        if member in self._partial:
+            return read_only(self._partial[member])
+        return read_only(np.full(self._rows.shape[1], self.status[member]))
+
+    def __getitem__(self, which: Any) -> Any:
+        """A member as a Trajectory (raises what refused it as a whole), or the Trajectories of some members."""
+        if isinstance(which, slice) or np.ndim(which):
+            places = np.arange(len(self))[chosen(which, len(self))]
+            return self._some(places)
+        member = self._member(which)
+        many = self.ensemble
+        flow = motion_of(many.system, many.members[member], many.tilted)
+        way = self._ways[member]
+        if way < 0:
+            raise ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
+        status = self.row_status(member) if self.status[member] else None
+        times = self._times[member if len(self._times) > 1 else 0]
+        rows, tau = np.array(self._rows[member, :, :6]), np.array(self._rows[member, :, 6])
+        return Trajectory(flow, times, tau, rows, WORDS[way], status, self.reasons)
+
+    def concatenated(self, *others: Trajectories) -> Trajectories:
+        """These members and those of the ``others``: of the same system, at the same times, or as many of their own."""
+        every = (self, *others)
+        for other in others:
+            if not isinstance(other, Trajectories) or other.ensemble.tilted != self.ensemble.tilted:
+                raise ArgumentError(f"others: {other!r} given; Trajectories of such motions are needed")
+            if other.ensemble.system != self.ensemble.system or other._rows.shape[1] != self._rows.shape[1]:
+                raise ArgumentError(f"others: {other!r} given; the same system and number of times are needed")
+        times = self._times
+        if (
+            any(other._times.shape != times.shape or (other._times != times).any() for other in others)
+            or len(times) > 1
+        ):
+            times = np.concatenate([np.broadcast_to(x._times, x._rows.shape[:2]) for x in every])
+        return joined(every, times)
+
+    def _member(self, member: Any) -> int:
+        count = len(self)
+        member = whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1)
+        return member % count
+
+    def _some(self, places: np.ndarray) -> Trajectories:
+        partial = {i: self._partial[k] for i, k in enumerate(places.tolist()) if k in self._partial}
+        return replaced(
+            self,
+            ensemble=self.ensemble[places],
+            _times=self._times[places] if len(self._times) > 1 else self._times,
+            _rows=self._rows[places],
+            status=self.status[places],
+            _ways=self._ways[places],
+            _partial=partial,
+        )
+
+    def _value(self) -> tuple[Any, ...]:
+        # without the NaN of what was refused, which equal nothing
+        rows = tuple(np.nan_to_num(self._rows).ravel().tolist())
+        return self.ensemble, self._times.shape, tuple(self._times.ravel().tolist()), rows, tuple(self.status.tolist())
+
+
+def joined(every: tuple[Trajectories, ...], times: np.ndarray) -> Trajectories:
+    """All members of ``every``, one after the other, at ``times``."""
+    reasons: dict[str, int] = {"": 0}
+    status, partial, begin = [], {}, 0
+    for part in every:
+        numbers = np.array([reasons.setdefault(reason, len(reasons)) for reason in part.reasons])
+        status.append(numbers[part.status])
+        partial.update({begin + k: numbers[rows] for k, rows in part._partial.items()})
+        begin += len(part)
+    first = every[0]
+    ensemble = replaced(first.ensemble, members=np.concatenate([part.ensemble.members for part in every]))
+    ways = np.concatenate([part._ways for part in every])
+    outcome = Outcome(np.concatenate(status), ways, tuple(reasons), partial)
+    return type(first)(ensemble, times, np.concatenate([part._rows for part in every]), outcome)
