@@ -21,6 +21,7 @@ examples:
   integrable scenes                           what there is
   integrable run chaplygin                    a report on the terminal, files in runs/chaplygin
   integrable run my_ball.toml --digits 50     a scene of your own (docs/scenes.md), at 50 digits
+  integrable view chaplygin                   a page in which the ball rolls: runs/chaplygin/view.html
   integrable report --quick                   error against run time of a few scenes, in two minutes
   integrable report                           of all scenes and methods; may be killed and started again
 """
@@ -59,8 +60,24 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
     )
+    _add_view(commands)
     _add_report(commands)
     return parser
+
+
+def _add_view(commands: Any) -> None:
+    view = commands.add_parser(
+        "view",
+        help="make a page in which a scene moves",
+        description="Write one HTML file in which the body moves: the ball on its plane, γ on the sphere, the two "
+        "points on the curve, the straight line on the torus. It opens in any browser and loads nothing from elsewhere.",
+    )
+    view.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    view.add_argument("--out", metavar="FILE", help="the file (default: runs/<scene>/view.html)")
+    view.add_argument(
+        "--until", type=float, metavar="T", help="last time, in the scene's unit (default: its own, or some ten turns)"
+    )
+    view.add_argument("--frames", type=int, metavar="N", default=600, help="how many times are drawn (default: 600)")
 
 
 def _add_report(commands: Any) -> None:
@@ -128,6 +145,15 @@ def _run(arguments: argparse.Namespace) -> None:
     print(f"\nfiles written to {out}")
 
 
+def _view(arguments: argparse.Namespace) -> None:
+    from integrable.scene.output import portable
+    from integrable.view.page import view
+
+    scene = load_scene(arguments.scene)
+    out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name) / "view.html"
+    print(f"open {view(scene, out, until=arguments.until, frames=arguments.frames)} in a browser")
+
+
 def _formats(arguments: argparse.Namespace) -> tuple[str, ...]:
     return ("png", "svg") if arguments.format == "both" else (arguments.format,)
 
@@ -171,6 +197,8 @@ def _obey(arguments: argparse.Namespace) -> int:
             _list_scenes()
         elif arguments.command == "report":
             _report(arguments)
+        elif arguments.command == "view":
+            _view(arguments)
         else:
             _run(arguments)
         sys.stdout.flush()

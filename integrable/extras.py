@@ -28,10 +28,10 @@ def command(extra: str = "app") -> str:
     return f"pip install 'jacobian-integrable[{extra}]'"
 
 
-def needed(module: str, what: str) -> None:
-    """ArgumentError where a library of the extra ``app`` is not installed that ``what`` cannot do without."""
+def needed(module: str, what: str, extra: str = "app") -> None:
+    """ArgumentError where a library of an extra is not installed that ``what`` cannot do without."""
     if not installed(module):
-        raise ArgumentError(f"{what} needs {module}, which is not installed: {command()}")
+        raise ArgumentError(f"{what} needs {module}, which is not installed: {command(extra)}")
 
 
 def without(uses: Mapping[str, str]) -> set[str]:

@@ -1,0 +1,55 @@
+"""The page that moves, one HTML file that loads nothing from elsewhere."""
+
+from __future__ import annotations
+
+import json
+import re
+from html import escape
+from importlib.resources import files
+from pathlib import Path
+from typing import Any
+
+from integrable.extras import needed
+from integrable.scene.data import Scene
+from integrable.scene.output import OutputFolder
+from integrable.view.shown import FRAMES, shown
+
+__all__ = ["page", "plotly_script", "view"]
+
+
+def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = None, frames: int = FRAMES) -> Path:
+    """Write the page of a scene (or of the scene of that name or file) to ``out``, an .html file, and return its path.
+
+    ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or not there, and opens
+    without a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over a finite field.
+    """
+    script = plotly_script()
+    out = Path(out)
+    with OutputFolder(out.parent) as folder:
+        return folder.write_text(out.name, page(shown(scene, until, frames), f"<script>{script}</script>"))
+
+
+def plotly_script() -> str:
+    """The text of plotly.js, which the Python package carries."""
+    needed("plotly", "the page that moves", "view")
+    from plotly.offline import get_plotlyjs
+
+    script: str = get_plotlyjs()
+    return script
+
+
+def page(content: dict[str, Any], plotly: str) -> str:
+    """The page of what :func:`integrable.view.shown.shown` gives; ``plotly`` is the element that brings plotly.js."""
+    here = files("integrable.view")
+    # "</" would end the element that holds the numbers
+    data = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
+    parts = {
+        "title": escape(content["title"]),
+        "description": escape(content["description"]),
+        "missing": "".join(f"<p>Not shown: {escape(text)}.</p>" for text in content["missing"]),
+        "plotly": plotly,
+        "data": data,
+        "player": here.joinpath("player.js").read_text(encoding="utf-8"),
+    }
+    text = here.joinpath("page.html").read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda found: parts[found[1]], text)

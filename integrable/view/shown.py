@@ -1,0 +1,107 @@
+"""What the page that moves shows of a scene: plain numbers, ready for JSON."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.phase.state import State
+from integrable.scene.data import Scene
+from integrable.scene.file import load_scene
+from integrable.scene.orbit import orbit
+from integrable.view.ovals import ovals
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, whole
+
+__all__ = ["FRAMES", "shown"]
+
+FRAMES = 600
+TURNS = 12
+"""So many turns of the body are shown of a longer motion, counted at its mean angular velocity."""
+STRAIGHT = 1e-3
+"""In τ the angles are a straight line; what bends by more than this part of a turn would be seen, and is not shown."""
+
+
+def shown(given: Scene | str | Path, until: float | None = None, frames: int = FRAMES) -> dict[str, Any]:
+    """The numbers of the page: ``times``, ``gamma`` and, where there is such a thing, ``turning`` (the body's axes in
+    space, nine numbers a frame), ``contact``, ``points`` and ``angles`` with the ``ovals``; ``missing`` says why not.
+
+    ``until``: the last time shown, by default that of the scene or some ten turns, whichever is less; ``frames``
+    equally spaced times, of an orbit its first states. ArgumentError over a finite field, where nothing can be drawn.
+    """
+    scene = given if isinstance(given, Scene) else load_scene(given)
+    frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
+    if scene.finite_field:
+        raise ArgumentError(
+            f"{scene.place}: over {scene.finite_field} there is no picture; a scene over the reals is needed"
+        )
+    system, state = scene.start(FLOAT_DIGITS)
+    if scene.steps is not None:
+        run: Any = orbit(scene.step(system, FLOAT_DIGITS), state, min(scene.steps.count, frames - 1))
+    else:
+        times = np.linspace(0.0, _last(scene, system, state, until), frames)
+        run = system.motion_through(state).at(times)
+    content: dict[str, Any] = {
+        "name": scene.name,
+        "title": scene.title,
+        "description": " ".join(scene.description.split()),
+        "steps": scene.steps is not None,
+        "times": _rounded(run.times),
+        "gamma": _rounded(run.gamma),
+        "missing": [],
+    }
+    for add in (_add_body, _add_points):
+        try:
+            add(content, scene, system, run)
+        except (NotRepresentable, PrecisionLoss) as error:
+            content["missing"].append(str(error))
+    return content
+
+
+def _last(scene: Scene, system: Any, state: State, until: float | None) -> float:
+    if until is not None:
+        if not (np.isfinite(until) and until > 0):
+            raise ArgumentError(f"until = {until}: give a time > 0")
+        return float(until)
+    rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
+    return min(max(scene.times.floats()), 2 * np.pi * TURNS / rate)
+
+
+def _add_body(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
+    if scene.steps is not None:
+        raise NotRepresentable("a step leads from one state to another; nothing rolls in between")
+    # space ← body, so that a point of the body is turned by one product
+    content["turning"] = _rounded(run.attitude.reshape(-1, 9))
+    content["contact"] = _rounded(run.contact / _radius(scene)) if scene.system == "chaplygin_ball" else None
+
+
+def _bend(angles: np.ndarray, tau: np.ndarray) -> float:
+    """How far, in turns, the angles are from the straight line through their ends."""
+    unbroken = np.unwrap(angles, axis=0, period=1)
+    part = ((tau - tau[0]) / (tau[-1] - tau[0]))[:, None]
+    return float(np.abs(unbroken - unbroken[0] - part * (unbroken[-1] - unbroken[0])).max())
+
+
+def _radius(scene: Scene) -> float:
+    return 1.0 if scene.radius is None else float(scene.radius)
+
+
+def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
+    if not scene.rolls_or_spins:
+        raise NotRepresentable("this motion is on two elliptic curves; the page shows γ alone")
+    rows = np.concatenate([run.gamma, run.M], axis=1).tolist()
+    states = [State((a, b, c), (x, y, z), tilted=scene.tilted) for a, b, c, x, y, z in rows]
+    found = ovals(system, states)
+    if scene.steps is None and _bend(found.angles, run.tau) > STRAIGHT:
+        raise PrecisionLoss("the points on the curve are lost in rounding: the torus cannot be drawn")
+    content["points"] = _rounded(np.concatenate([found.u, found.y], axis=1), 7)
+    content["angles"] = _rounded(found.angles % 1.0)
+    content["ovals"] = [[_rounded(x, 7), _rounded(y, 7)] for x, y in found.outlines]
+
+
+def _rounded(values: Any, digits: int = 5) -> Any:
+    """Lists of floats with so many significant digits: what a picture shows."""
+    flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, dtype=float).ravel()]
+    return np.array(flat).reshape(np.shape(values)).tolist()

@@ -1,0 +1,127 @@
+"""The page that moves: its numbers are those of the motion, and it moves in a browser."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import numpy as np
+import pytest
+
+from integrable.__main__ import main
+from integrable.phase.state import State
+from integrable.scene.file import load_scene, scene_names
+from integrable.view.ovals import ovals
+from integrable.view.shown import shown
+from jacobian.errors import ArgumentError, NotRepresentable
+from tests.browser import opened
+
+
+def states(scene, run):
+    rows = zip(run.gamma.tolist(), run.M.tolist(), strict=True)
+    return [State(tuple(gamma), tuple(M), tilted=scene.tilted) for gamma, M in rows]
+
+
+@pytest.mark.parametrize("name", ["chaplygin", "euler_top", "tilted_ball", "different_moments"])
+def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
+    """The angles are integrals along the ovals, made without the flow: that they grow with τ is Abel's theorem."""
+    scene = load_scene(name)
+    system, state = scene.start(15)
+    rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
+    run = system.motion_through(state).at(np.linspace(0, 30 / rate, 1500))
+    found = ovals(system, states(scene, run))
+    upright = system if not scene.tilted else system.upright(state)[0]
+    start = state if not scene.tilted else system.upright(state)[1]
+    f = np.polynomial.Polynomial(upright.body.polynomial(*upright.integrals(start)[2:]))
+    height = abs(found.y).max(axis=0)
+    assert (abs(found.y**2 - f(found.u)) < 1e-11 * height**2).all()
+    for k in (0, 1):
+        angle = found.angles[:, k]
+        rate, start = np.polyfit(run.tau, angle, 1)
+        assert abs(angle - rate * run.tau - start).max() < 2e-7
+        assert np.ptp(angle) > 0
+
+
+def test_a_curve_without_two_ovals_is_refused_by_name():
+    scene = load_scene("equal_moments")
+    system, state = scene.start(15)
+    with pytest.raises(NotRepresentable, match="shrunk or met"):
+        ovals(system, [state, state])
+
+
+def test_the_ball_rolls_without_slipping():
+    """The centre of the ball moves with ω × (the radius upwards), as the numbers of the page have it."""
+    content = shown("chaplygin", until=0.5, frames=200)
+    turning = np.array(content["turning"]).reshape(-1, 3, 3)
+    contact = np.array(content["contact"])
+    run = load_scene("chaplygin")
+    system, state = run.start(15)
+    omega = np.einsum("nij,nj->ni", turning, system.flow(state).at(np.linspace(0, 0.5, 200)).omega)
+    way = np.gradient(contact, 0.5 / 199, axis=0)[5:-5]
+    assert abs(way - np.stack([omega[:, 1], -omega[:, 0]], axis=1)[5:-5]).max() < 2e-2 * abs(way).max()
+    assert (abs(turning[:, 2] - np.array(content["gamma"])) < 1e-4).all()  # up, seen from the body, is γ
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_every_scene_has_a_page_or_is_refused_by_name(name):
+    scene = load_scene(name)
+    if scene.finite_field:
+        with pytest.raises(ArgumentError, match="no picture"):
+            shown(scene)
+        return
+    content = shown(scene, frames=20)
+    assert np.allclose(np.linalg.norm(content["gamma"], axis=1), 1, atol=1e-4)
+    assert ("turning" in content) + ("points" in content) + len(content["missing"]) == 2
+    json.dumps(content, allow_nan=False)
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--until", "-1"], "until = -1.0"),
+        (["--until", "nan"], "until = nan"),
+        (["--frames", "1"], "frames"),
+        (["--out", "ball.toml/page.html"], "out: "),
+    ],
+)
+def test_wrong_arguments_get_one_line(tmp_path, monkeypatch, capsys, options, said):
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "ball.toml").write_text("", encoding="utf-8")
+    assert main(["view", "chaplygin", *options]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert said in captured.err
+    assert captured.err.count("\n") == 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "width"), [("chaplygin", 1280), ("chaplygin", 390), ("hat", 1280), ("keyless", 1280)])
+def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width):
+    """No error on the console, nothing loaded from elsewhere, the slider moves what is drawn, and so does Play."""
+    pytest.importorskip("plotly")
+    monkeypatch.chdir(tmp_path)
+    assert main(["view", name, "--frames", "100"]) == 0
+    assert "runs/" in capsys.readouterr().out.replace("\\", "/")
+    text = (tmp_path / "runs" / name / "view.html").read_text(encoding="utf-8")
+    assert not re.search(r"""<(script|img|link)[^>]*(src|href)=["'](?!data:)""", text)
+    drawn = """() => JSON.stringify(["ball", "sphere"].map(id =>
+        (document.getElementById(id).data || []).map(trace => [trace.x[0], trace.z && trace.z[0]])))"""
+    with opened(width) as (page, complaints):
+        page.goto((tmp_path / "runs" / name / "view.html").as_uri())
+        page.wait_for_function("() => window.drawFrame")
+        before = page.evaluate(drawn)
+        page.evaluate(
+            "() => { const s = document.getElementById('slider'); s.value = 40; s.dispatchEvent(new Event('input')); }"
+        )
+        after = page.evaluate(drawn)
+        assert before != after
+        page.click("#play")
+        page.wait_for_function("() => Number(document.getElementById('slider').value) > 40")
+        page.click("#play")
+        assert page.text_content("#play") == "Play"
+        assert page.text_content("#time") != ""
+        assert page.evaluate("document.documentElement.scrollWidth") <= width
+        unnamed = "() => [...document.querySelectorAll('.plot')].filter(p => !p.getAttribute('aria-label')).length"
+        assert page.evaluate(unnamed) == 0
+        assert complaints == []
