@@ -70,7 +70,7 @@ def _add_view(commands: Any) -> None:
         "view",
         help="make a page in which a scene moves",
         description="Write one HTML file in which the body moves: the ball on its plane, γ on the sphere, the two "
-        "points on the curve, the straight line on the torus. It opens in any browser and loads nothing from elsewhere.",
+        "points on the curve, the straight line on the torus. It opens in any browser and loads nothing else.",
     )
     view.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
     view.add_argument("--out", metavar="FILE", help="the file (default: runs/<scene>/view.html)")

@@ -21,7 +21,7 @@ def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = No
     """Write the page of a scene (or of the scene of that name or file) to ``out``, an .html file, and return its path.
 
     ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or not there, and opens
-    without a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over a finite field.
+    without a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over finite fields.
     """
     script = plotly_script()
     out = Path(out)

@@ -62,7 +62,10 @@ def test_the_ball_rolls_without_slipping():
     assert (abs(turning[:, 2] - np.array(content["gamma"])) < 1e-4).all()  # up, seen from the body, is γ
 
 
-@pytest.mark.parametrize("name", scene_names())
+SLOW = {"separatrix"}  # its states take more digits than floats have
+
+
+@pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in scene_names()])
 def test_every_scene_has_a_page_or_is_refused_by_name(name):
     scene = load_scene(name)
     if scene.finite_field:
