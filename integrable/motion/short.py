@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
-# between ascending ones, and before that the torus itself (python -m benchmarks short)
+# between ascending ones, and before that the torus itself (python -m benchmarks peers)
 PANEL_COST, START_COST = 5.0, 100.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
 DENSE_FROM = 5000
