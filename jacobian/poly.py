@@ -217,6 +217,13 @@ def from_roots(K: Any, roots: Iterable[Any]) -> Poly:
     return product
 
 
+def through(K: Any, points: Sequence[tuple[Any, Any]]) -> tuple[Poly, Poly]:
+    """(Π (x − x_k), the line through both) for two points (x_k, y_k) with x_1 ≠ x_2; the line has length 2."""
+    (x1, y1), (x2, y2) = points
+    slope = K.div(K.sub(y1, y2), K.sub(x1, x2))
+    return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), (K.sub(y1, K.mul(slope, x1)), slope)
+
+
 def random(K: Any, degree: int, rng: Any, *, monic: bool = False) -> Poly:
     """A random polynomial: uniform of degree below ``degree``, or, with ``monic``, uniform monic of that degree."""
     a = tuple([K.random(rng) for _ in range(degree)])

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import ast
 import importlib
+import re
 from functools import cache
 from pathlib import Path
 
@@ -35,6 +36,7 @@ OUTSIDE = {
     "jacobian": {"__init__", "__main__", "compilation", "errors", "group", "immutable", "poly", "terminal"},
     "integrable": {"__init__", "__main__", "extras", "reference"},
 }
+CALLED_BY_NUMBA = {"unify"}
 FACADES = {("jacobian.curve.curve", "jacobian.group")}
 
 
@@ -155,6 +157,37 @@ def defined(name: str) -> set[str]:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             found |= {target.id for target in targets if isinstance(target, ast.Name)}
     return found
+
+
+def words_of(name: str) -> set[str]:
+    """The words of a module's code, in its texts too, without its docstrings and the names that it defines."""
+    documented = {
+        id(node.body[0].value)
+        for node in ast.walk(tree(name))
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and isinstance(node.body[0], ast.Expr)
+    }
+    found = set()
+    for node in ast.walk(tree(name)):
+        match node:
+            case ast.Name(id=word) | ast.Attribute(attr=word) | ast.alias(name=word) | ast.keyword(arg=str(word)):
+                found.add(word)
+            case ast.Constant(value=str(text)) if id(node) not in documented:
+                found |= set(re.findall(r"\w+", text))
+    return found
+
+
+def test_nothing_is_there_for_tests_alone():
+    """A function, class or method that no code uses is one for users, and a page says so."""
+    pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
+    used = {word for page in pages for word in re.findall(r"\w+", page.read_text(encoding="utf-8"))}
+    used = used.union(*map(words_of, modules()))
+    plain = {"property", "cached_property", "staticmethod", "classmethod"}
+    for module in modules():
+        for node in ast.walk(tree(module)):
+            if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name not in used | CALLED_BY_NUMBA:
+                # what is decorated is registered somewhere
+                registered = {ast.unparse(decorator) for decorator in node.decorator_list} - plain
+                assert registered or node.name.startswith("__"), f"{module}.{node.name}"
 
 
 def test_what_a_study_leaves_out_of_its_stamp_is_there():

@@ -84,9 +84,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     if h2 == K.zero:
         raise NotRepresentable("λ1 = λ2: the two curves are one, and M is not determined")
     h1 = K.add(lambdas[0], K.mul(u[0], h2))
-    slope = K.div(K.sub(y[1], y[0]), gap)
-    v = (K.sub(y[0], K.mul(slope, u[0])), slope)
-    quadratic = (K.mul(u[0], u[1]), K.neg(K.add(u[0], u[1])), K.one)
+    quadratic, v = poly.through(K, list(zip(u, y, strict=True)))
     square = poly.mul(K, poly.trim(K, v), poly.trim(K, v)) if K.exact else poly.mul(K, v, v)
     cofactor = poly.quotient(K, poly.sub(K, body.polynomial(h1, h2), square), quadratic)
     pairs = []
@@ -100,10 +98,8 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
 def curve(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
     """Y² = 4Π(Z − μ/I_i)."""
     K = system.field
-    f: poly.Poly = (poly.integer(K, 4),)
-    for moment in system.body.inertia:
-        f = poly.mul(K, f, (K.neg(K.div(mu, moment)), K.one))
-    return HyperellipticCurve(K, f)
+    f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])
+    return HyperellipticCurve(K, poly.scale(K, poly.integer(K, 4), f))
 
 
 def _contact(system: Hamiltonian) -> Any:

@@ -83,10 +83,8 @@ def to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there; use the divisor")
-    y1, y2 = (K.mul(phi(body, x), p) for x, p in zip(*point, strict=True))
-    slope = K.div(K.sub(y1, y2), K.sub(u1, u2))
-    v = (K.sub(y1, K.mul(slope, u1)), slope)
-    return (K.mul(u1, u2), K.neg(K.add(u1, u2)), K.one), poly.trim(K, v) if K.exact else v
+    u, v = poly.through(K, [(x, K.mul(phi(body, x), p)) for x, p in zip(*point, strict=True)])
+    return u, poly.trim(K, v) if K.exact else v
 
 
 def integrals(body: Body, point: Separated) -> Two:

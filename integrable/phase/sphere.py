@@ -31,9 +31,7 @@ def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
     (u1, u2), _ = point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there")
-    y1, y2 = (K.mul(poly.evaluate(K, phi(K, a), x), p) for x, p in zip(*point, strict=True))
-    slope = K.div(K.sub(y1, y2), K.sub(u1, u2))
-    return K.sub(y1, K.mul(slope, u1)), slope
+    return poly.through(K, [(x, K.mul(poly.evaluate(K, phi(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
 def integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
@@ -56,11 +54,9 @@ def conic_sum(K: Any, f: poly.Poly, divisor: Divisor, x0: Any, y0: Any) -> Divis
 
 def conic(K: Any, a: Sequence[Any], point: Separated, x0: Any, y0: Any) -> Separated:
     """The image of (u, p) under :func:`conic_sum`; NotASquare where ũ1, ũ2 are not in the field."""
-    (u1, u2), _ = point
     h1, h2 = integrals(K, a, point)
-    f = poly.mul(K, phi(K, a), (h2, h1))
-    u = (K.mul(u1, u2), K.neg(K.add(u1, u2)), K.one)
-    image, v = conic_sum(K, f, (u, momentum_line(K, a, point)), x0, y0)
+    divisor = poly.from_roots(K, point[0]), momentum_line(K, a, point)
+    image, v = conic_sum(K, poly.mul(K, phi(K, a), (h2, h1)), divisor, x0, y0)
     return of_roots(K, image, v, lambda x: poly.evaluate(K, phi(K, a), x))
 
 

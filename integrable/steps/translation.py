@@ -241,10 +241,10 @@ class Translation(Step):
             if y[0] != y[1] or y[0] == K.zero:
                 raise ArgumentError(f"points = ({x1}, {x2}): a point and its opposite add up to zero")
             slope = K.div(poly.evaluate(K, poly.derivative(K, f), x1), K.add(y[0], y[0]))
+            u, v = poly.from_roots(K, x), (K.sub(y[0], K.mul(slope, x1)), slope)
         else:
-            slope = K.div(K.sub(y[0], y[1]), K.sub(x1, x2))
-        v = (K.sub(y[0], K.mul(slope, x1)), slope)
-        return (K.mul(x1, x2), K.neg(K.add(x1, x2)), K.one), poly.trim(K, v) if K.exact else v
+            u, v = poly.through(K, list(zip(x, y, strict=True)))
+        return u, poly.trim(K, v) if K.exact else v
 
     def _sheeted(self, x: Sequence[Any]) -> Any:
         return zip(x, self.sheets, strict=True)

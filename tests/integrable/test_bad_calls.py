@@ -8,7 +8,7 @@ from integrable.phase.brackets import image_brackets
 from integrable.scene.orbit import orbit
 from jacobian import CC, GF, ArgumentError, FieldError
 from jacobian.errors import Infeasible, NotASquare
-from tests.messages import assert_says
+from tests.messages import Raising, assert_says
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
 START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
@@ -18,20 +18,6 @@ TILDE = Tilde((1, 2, 4))
 TOP = EulerTop((1, 2, 3))
 NAN = float("nan")
 PAIR = np.arange(2)
-
-
-class Raising:
-    """What raises an error of its own wherever it is asked."""
-
-    def __iter__(self):
-        raise RuntimeError("no iteration")
-
-    def __index__(self):
-        raise RuntimeError("no index")
-
-    def __repr__(self):
-        return "<raising>"
-
 
 NONE = Raising()
 CASES = {

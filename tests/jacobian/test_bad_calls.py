@@ -23,7 +23,7 @@ from jacobian.periods.matrix import periods
 from jacobian.relatives.conic import representative
 from jacobian.relatives.glued import GeneralizedJacobian
 from jacobian.relatives.ray_class import RayClassGroup
-from tests.messages import assert_says
+from tests.messages import Raising, assert_says
 
 J = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1]).jacobian()
 D = J.from_points([(0, 1)])
@@ -32,20 +32,6 @@ INEXACT = HyperellipticCurve(RR, [1, 0.5, 0, 0, 0, 1]).jacobian()
 PLANE = HyperellipticCurve(GF(101), [1, 2, 0, 3, 1])
 FIBRE = RayClassGroup(J.curve, 2).fibre
 SQUARE = np.ones((2, 2))
-
-
-class Raising:
-    """What raises an error of its own wherever it is asked."""
-
-    def __iter__(self):
-        raise RuntimeError("no iteration")
-
-    def __index__(self):
-        raise RuntimeError("no index")
-
-    def __repr__(self):
-        return "<raising>"
-
 
 NONE = Raising()
 ELSEWHERE = HyperellipticCurve(GF(7), [1, 1, 0, 0, 0, 0, 1]).jacobian().zero()

@@ -38,6 +38,18 @@ def attributes(value):
     return sorted(name for name in names if not name.startswith("_") or name == "_sum_of")
 
 
+def assert_sealed(value):
+    """Nothing of a value can be set or deleted, and the error names what."""
+    for name in (*attributes(value), "something_new"):
+        for change in (lambda name=name: setattr(value, name, None), lambda name=name: delattr(value, name)):
+            with pytest.raises((AttributeError, TypeError)) as error:
+                change()
+            # tuples with names have Python's own messages
+            assert name in str(error.value) or isinstance(value, tuple)
+            if isinstance(value, Immutable) and not hasattr(type(value), "__dataclass_fields__"):
+                assert "make a new one" in str(error.value)
+
+
 def test_the_table_holds_every_public_class():
     kinds = {type(value) for value in VALUES.values()}
     bases = {cls for kind in kinds for cls in kind.__mro__}
@@ -71,15 +83,7 @@ def test_values_of_one_type_that_differ_compare_as_different():
 
 @pytest.mark.parametrize("what", VALUES)
 def test_nothing_can_be_set_or_deleted(what):
-    value = VALUES[what]
-    for name in (*attributes(value), "something_new"):
-        for change in (lambda name=name: setattr(value, name, None), lambda name=name: delattr(value, name)):
-            with pytest.raises((AttributeError, TypeError)) as error:
-                change()
-            # tuples with names have Python's own messages
-            assert name in str(error.value) or isinstance(value, tuple)
-            if isinstance(value, Immutable) and not hasattr(type(value), "__dataclass_fields__"):
-                assert "make a new one" in str(error.value)
+    assert_sealed(VALUES[what])
 
 
 def test_what_is_computed_later_is_kept():

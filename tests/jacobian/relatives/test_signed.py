@@ -36,9 +36,8 @@ def random_pair(group, rng):
     while True:
         P, Q = curve.random_point(rng), curve.random_point(rng)
         if P.x != Q.x:
-            slope = group.field.div(group.field.sub(P.y, Q.y), group.field.sub(P.x, Q.x))
-            v = (group.field.sub(P.y, group.field.mul(slope, P.x)), slope)
-            return poly.from_roots(group.field, (P.x, Q.x)), poly.trim(group.field, v)
+            u, v = poly.through(group.field, (P, Q))
+            return u, poly.trim(group.field, v)
 
 
 def elements(group, rng, count):
@@ -68,6 +67,20 @@ def single_point(group, rng):
             continue
 
 
+class Tried:
+    """Counts the blocks that ran through: ``with tried:``. Over GF(101) a sum may have less than full weight."""
+
+    def __init__(self, p):
+        self.p, self.count = p, 0
+
+    def __enter__(self):
+        pass
+
+    def __exit__(self, kind, error, trace):
+        self.count += kind is None
+        return self.p == 101 and kind is NotRepresentable
+
+
 def assert_pairs(group, D):
     """κσ² = U(e), κσν = V(e), κν² = −W(e)."""
     K = group.field
@@ -88,31 +101,27 @@ def plain_sum(group, D, E):
 def test_a_commutative_group_law(p, degree):
     rng = Random(f"lift {p} {degree}")
     group = group_over(p, degree, rng)
-    checked = 0
+    tried = Tried(p)
     for A, B, C in zip(*[iter(elements(group, rng, 60))] * 3, strict=True):
-        try:
+        with tried:
             total = group.add(A, B)
             assert group.add(B, A) == total
             assert_pairs(group, total)
             assert (total.u, total.v) == plain_sum(group, A, B)
             assert total.kappas == tuple(group.field.mul(a, b) for a, b in zip(A.kappas, B.kappas, strict=True))
             assert group.add(total, C) == group.add(A, group.add(B, C)) == group.add(group.add(C, A), B)
-        except NotRepresentable:
-            assert p == 101
-            continue
-        checked += 1
-    assert checked >= 14
+    assert tried.count >= 14
 
 
 @pytest.mark.parametrize("p", PRIMES)
 def test_points_of_an_elliptic_curve(p):
     """deg f = 3, weight one, κ = −1: the axioms, doubling and multiples, signs included."""
     rng = Random(f"elliptic {p}")
-    checked = 0
-    while checked < 14:
+    tried = Tried(p)
+    while tried.count < 14:
         group = group_over(p, 3, rng)
         A, B, C = (single_point(group, rng) for _ in range(3))
-        try:
+        with tried:
             total, double = group.add(A, B), group.double(A)
             assert_pairs(group, total)
             assert_pairs(group, double)
@@ -123,10 +132,6 @@ def test_points_of_an_elliptic_curve(p):
             assert group.add(total, group.negate(B)) == A
             assert group.add(double, B) == group.add(A, total)
             assert group.multiple(5, A) == group.add(group.double(double), A)
-        except NotRepresentable:
-            assert p == 101
-            continue
-        checked += 1
     with pytest.raises(NotRepresentable, match="below one"):
         group.add(A, A._replace(v=poly.neg(group.field, A.v)))
 
@@ -135,18 +140,14 @@ def test_points_of_an_elliptic_curve(p):
 def test_inverses_undo_additions(p, degree):
     rng = Random(f"inverse {p} {degree}")
     group = group_over(p, degree, rng)
-    checked = 0
+    tried = Tried(p)
     for A, B in zip(*[iter(elements(group, rng, 40))] * 2, strict=True):
         assert_pairs(group, group.negate(B))
         if set(B.kappas) != {group.field.one}:
             continue
-        try:
+        with tried:
             assert group.add(group.add(A, B), group.negate(B)) == A
-        except NotRepresentable:
-            assert p == 101
-            continue
-        checked += 1
-    assert checked >= 8
+    assert tried.count >= 8
 
 
 @pytest.mark.parametrize("p", PRIMES)
@@ -154,12 +155,12 @@ def test_single_points(p):
     """One point and infinity: a commutative action, undone by the inverse, signs included."""
     rng = Random(f"single {p}")
     group = group_over(p, 5, rng)
-    checked = 0
+    tried = Tried(p)
     for A, B in zip(*[iter(elements(group, rng, 40))] * 2, strict=True):
         P, Q = single_point(group, rng), single_point(group, rng)
         assert_pairs(group, P)
         assert_pairs(group, group.negate(P))
-        try:
+        with tried:
             total = group.add(A, P)
             assert_pairs(group, total)
             assert (total.u, total.v) == plain_sum(group, A, P)
@@ -168,11 +169,7 @@ def test_single_points(p):
             assert group.add(total, group.negate(P)) == A
             assert group.add(total, Q) == group.add(group.add(A, Q), P)
             assert group.add(total, B) == group.add(group.add(A, B), P)
-        except NotRepresentable:
-            assert p == 101
-            continue
-        checked += 1
-    assert checked >= 14
+    assert tried.count >= 14
 
 
 @pytest.mark.parametrize("p", PRIMES)
@@ -258,10 +255,10 @@ def _branch_points_of(group):
 def test_multiples(p, degree):
     rng = Random(f"multiples {p} {degree}")
     group = group_over(p, degree, rng)
-    done = 0
-    while not done:
+    tried = Tried(p)
+    while not tried.count:
         D = elements(group, rng, 1)[0]
-        try:
+        with tried:
             multiples = [None, D]
             for _ in range(11):
                 multiples.append(group.add(multiples[-1], D))
@@ -270,10 +267,6 @@ def test_multiples(p, degree):
                 assert group.multiple(-m, D) == group.negate(multiples[m])
                 if m < 6:
                     assert group.double(multiples[m]) == multiples[2 * m]
-        except NotRepresentable:
-            assert p == 101
-            continue
-        done += 1
     u, v = random_pair(group, rng)
     twist = group.twist(u, v)
     assert group.double(twist).kappas == (group.field.one,) * 3
