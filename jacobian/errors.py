@@ -106,6 +106,23 @@ def flag(value: Any, argument: str) -> bool:
     raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
 
 
+def chosen(which: Any, count: int) -> Any:
+    """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
+    if isinstance(which, slice):
+        return which
+    import numpy as np
+
+    found = np.asarray(which)
+    if not found.size:
+        return slice(0, 0)
+    if found.ndim != 1 or not (found.dtype == bool or np.issubdtype(found.dtype, np.integer)):
+        raise ArgumentError(f"[{shown(which)}]: an int, a slice, or an array of ints or truth values is needed")
+    fits = len(found) == count if found.dtype == bool else -count <= found.min() and found.max() < count
+    if not fits:
+        raise ArgumentError(f"[{shown(which)}]: there are {count}")
+    return found
+
+
 def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) -> Choice:
     """The number or string among ``choices`` that ``value`` equals, or an ArgumentError that names ``argument`` and
     says what is ``wanted``.

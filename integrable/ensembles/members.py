@@ -16,7 +16,7 @@ from integrable.phase.body import Body
 from integrable.systems.euler_top import EulerTop
 from integrable.systems.system import System
 from jacobian import RR
-from jacobian.errors import ArgumentError, shown, whole
+from jacobian.errors import ArgumentError, chosen, shown, whole
 from jacobian.immutable import Record, replaced
 
 Kind = TypeVar("Kind", bound="Members")
@@ -124,21 +124,6 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
     state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
     motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)
     return motion
-
-
-def chosen(which: Any, count: int) -> Any:
-    """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
-    if isinstance(which, slice):
-        return which
-    found = np.asarray(which)
-    if not found.size:
-        return slice(0, 0)
-    if found.ndim != 1 or not (found.dtype == bool or np.issubdtype(found.dtype, np.integer)):
-        raise ArgumentError(f"[{shown(which)}]: an int, a slice, or an array of ints or truth values is needed")
-    fits = len(found) == count if found.dtype == bool else -count <= found.min() and found.max() < count
-    if not fits:
-        raise ArgumentError(f"[{shown(which)}]: there are {count}")
-    return found
 
 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:

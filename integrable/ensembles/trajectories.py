@@ -2,20 +2,25 @@
 
 from __future__ import annotations
 
+import json
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from integrable.ensembles.computing import WORDS, Outcome
-from integrable.ensembles.members import Members, chosen, motion_of
+from integrable.ensembles.members import Members, motion_of
+from integrable.files.exported import Exported
+from integrable.files.frame import Column, Frame
+from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, status_column
 from integrable.motion.trajectory import Trajectory
-from jacobian.errors import ArgumentError, whole
-from jacobian.immutable import Record, read_only, replaced
+from jacobian.errors import ArgumentError, chosen, whole
+from jacobian.immutable import read_only, replaced
 
 __all__ = ["Trajectories"]
 
 
-class Trajectories(Record):
+class Trajectories(Exported):
     """States of K motions at N times each. ``times`` has shape (N,), or (K, N) where every member has its own.
 
     ``status`` is 0 for a member all of whose states were had, shape (K,), n > 0 where one was not, for the reason
@@ -58,6 +63,21 @@ class Trajectories(Record):
     def tau(self) -> np.ndarray:
         """Values of the flow's own time τ, shape (K, N)."""
         return self._rows[:, :, 6]
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """The angular velocity ω in the body frame, shape (K, N, 3)."""
+        return read_only(self._along("omega"))
+
+    @cached_property
+    def quaternion(self) -> np.ndarray:
+        """The rotations from the body frame to space as unit quaternions (w, x, y, z), shape (K, N, 4)."""
+        return read_only(self._along("quaternion"))
+
+    @cached_property
+    def contact(self) -> np.ndarray:
+        """(x, y) of the points where the balls touch the plane, shape (K, N, 2)."""
+        return read_only(self._along("contact"))
 
     @property
     def ways(self) -> list[str]:
@@ -109,6 +129,34 @@ class Trajectories(Record):
         ):
             times = np.concatenate([np.broadcast_to(x._times, x._rows.shape[:2]) for x in every])
         return joined(every, times)
+
+    def _along(self, name: str) -> np.ndarray:
+        """What the Trajectories of the members have of that name, not-a-number where there is no state."""
+        parts = len(QUANTITIES[name].parts)
+        found = np.full((*self._rows.shape[:2], parts), np.nan)
+        for k in np.flatnonzero(self._ways >= 0).tolist():
+            found[k, self.row_status(k) == 0] = getattr(self[k].kept, name)
+        return found
+
+    def _frame(self, quantities: Any) -> Frame:
+        own = len(self._times) > 1
+        dims = ("member", "row" if own else "time")
+        time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
+        member = Column(dims[:1], np.arange(len(self)), "1", "number of the member")
+        rows = np.array([self.row_status(k) for k in range(len(self))]).reshape(self._rows.shape[:2])
+        words = ("refused", *WORDS)
+        many = self.ensemble
+        variables = {
+            **columns(dims, {name: getattr(self, name) for name in checked(quantities)}),
+            "tau": Column(dims, self.tau, "s", "time of the flow, dτ = g dt"),
+            "status": status_column(dims, rows, self.reasons),
+            "way": Column(dims[:1], (self._ways + 1).astype(np.int32), "1", "what has computed the member", (), words),
+            "inertia": Column((dims[0], "axis"), many.inertia, "kg m2", "principal moments of inertia", AXES),
+            "d": Column(dims[:1], many.d, "kg m2", "mass times square of the radius"),
+        }
+        reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
+        about_all = about(many.system, tilted=int(many.tilted), reasons=reasons)
+        return Frame(dims, {"member": member, "time": time}, variables, about_all)
 
     def _member(self, member: Any) -> int:
         count = len(self)

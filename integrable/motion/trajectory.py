@@ -2,17 +2,22 @@
 
 from __future__ import annotations
 
+import dataclasses
 from functools import cached_property
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
 
+from integrable.files.exported import Exported
 from integrable.motion.refusals import Rows, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
 from jacobian import RR
-from jacobian.errors import NotRepresentable, PrecisionLoss, flag, one_or_more
-from jacobian.immutable import Immutable, Record, read_only, replaced
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, chosen, flag, one_or_more, shown, whole
+from jacobian.immutable import Immutable, read_only, replaced
+
+if TYPE_CHECKING:
+    from integrable.files.frame import Frame
 
 Times = np.ndarray[tuple[int], np.dtype[Any]]
 """Shape (N,)."""
@@ -163,7 +168,7 @@ class BodyMotion(Motion):
         raise NotImplementedError
 
 
-class Trajectory(Record):
+class Trajectory(Exported):
     """States of a motion at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
@@ -199,6 +204,33 @@ class Trajectory(Record):
     def __len__(self) -> int:
         return len(self._rows)
 
+    def __getitem__(self, which: Any) -> Any:
+        """The State of one row (NotRepresentable for one that was refused), or the Trajectory of those that a slice, or
+        an array of numbers or truth values chooses.
+        """
+        if isinstance(which, slice) or np.ndim(which):
+            return self._some(np.arange(len(self))[chosen(which, len(self))])
+        row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
+        if self.status[row]:
+            raise NotRepresentable(f"row {row} was refused: {self.reasons[self.status[row]]}")
+        values = self._rows[row].tolist()
+        return dataclasses.replace(self.flow.state, gamma=tuple(values[:3]), M=tuple(values[3:]))
+
+    def concatenated(self, *others: Trajectory) -> Trajectory:
+        """These rows and those of the ``others``, which are of the same motion; ``way`` names all ways."""
+        return joined(self, *others)
+
+    def _frame(self, quantities: Any) -> Frame:
+        from integrable.files.quantities import trajectory_frame
+
+        return trajectory_frame(self, quantities)
+
+    def _some(self, places: np.ndarray) -> Trajectory:
+        """Some of the rows."""
+        names = ("_times", "_tau", "_rows", "_status", "error", "digits")
+        parts = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
+        return replaced(self, report=None, **parts)
+
     def _value(self) -> tuple[Any, ...]:
         if self._status is None:
             return super()._value()
@@ -228,9 +260,7 @@ class Trajectory(Record):
         """The rows with status 0 alone."""
         if self._status is None:
             return self
-        had = self._status == 0
-        times = None if self._times is None else self._times[had]
-        return replaced(self, _times=times, _tau=self._tau[had], _rows=self._rows[had], _status=None, reasons=("",))
+        return replaced(self._some(np.flatnonzero(self._status == 0)), _status=None, reasons=("",))
 
     @cached_property
     def times(self) -> Times:
@@ -314,3 +344,22 @@ class Trajectory(Record):
                 f"{name}: {len(refused)} of {len(self)} rows were refused, the first of them row {refused[0]}: "
                 f"{self.reasons[self._status[refused[0]]]}; take .kept.{name}, of the other rows"
             )
+
+
+def joined(first: Trajectory, *others: Trajectory) -> Trajectory:
+    """What :meth:`Trajectory.concatenated` gives."""
+    every = (first, *others)
+    for other in others:
+        if not isinstance(other, Trajectory) or type(other.flow) is not type(first.flow):
+            raise ArgumentError(f"others: {shown(other)} given; Trajectories of the same motion are needed")
+        if other.system != first.system or other.flow.state != first.flow.state:
+            raise ArgumentError(f"others: {other!r} given; the same system and the same start are needed")
+    reasons: dict[str, int] = {"": 0}
+    status = []
+    for run in every:
+        numbers = np.array([reasons.setdefault(reason, len(reasons)) for reason in run.reasons])
+        status.append(numbers[run.status])
+    times = None if all(run.given_in_tau for run in every) else np.concatenate([run.times for run in every])
+    tau, rows = (np.concatenate([getattr(run, name) for run in every]) for name in ("tau", "_rows"))
+    way = ", ".join(dict.fromkeys(word for run in every for word in run.way.split(", ")))
+    return Trajectory(first.flow, times, tau, rows, way, np.concatenate(status), tuple(reasons))

@@ -14,7 +14,7 @@ from integrable.steps.guard_digits import MOST_CONDITION, in_wider_numbers
 from integrable.steps.step import Step
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable, shown, whole
-from jacobian.immutable import read_only
+from jacobian.immutable import read_only, replaced
 
 __all__ = ["Orbit", "orbit"]
 
@@ -31,6 +31,17 @@ class Orbit(Trajectory):
         steps = np.arange(len(states))
         super().__init__(step, steps, steps, np.array(rows, dtype=_kind(step.system)), "steps")
         self.states = states
+
+    def __getitem__(self, which: Any) -> Any:
+        """The state after some number of steps, or the Orbit of some of the states."""
+        return self.states[which] if isinstance(which, int) else super().__getitem__(which)
+
+    def concatenated(self, *others: Trajectory) -> Trajectory:
+        """NotRepresentable: the steps of an orbit follow one another."""
+        raise NotRepresentable(f"concatenated: {self!r} is an orbit, whose steps follow one another")
+
+    def _some(self, places: np.ndarray) -> Trajectory:
+        return replaced(super()._some(places), states=tuple(self.states[i] for i in places.tolist()))
 
     @property
     def steps(self) -> Times:

@@ -10,6 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+from integrable.files.whole import replacing
 from integrable.scene.data import Scene
 from jacobian.errors import ArgumentError
 
@@ -62,15 +63,8 @@ class OutputFolder:
     def write_bytes(self, name: str, content: bytes) -> Path:
         """Write a file under a temporary name in the same folder, then rename it to ``name``."""
         try:
-            handle, temporary = tempfile.mkstemp(dir=self.path, prefix=f".{name}.")
-            try:
-                with os.fdopen(handle, "wb") as file:
-                    file.write(content)
-                os.chmod(temporary, 0o666 & ~_umask())
-                os.replace(temporary, self.path / name)
-            except BaseException:
-                os.unlink(temporary)
-                raise
+            with replacing(self.path / name) as temporary:
+                temporary.write_bytes(content)
         except OSError as error:
             raise _unwritable(self.path / name, error) from error
         return self.path / name
@@ -88,12 +82,6 @@ _RESERVED = {"", "con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", 
 def _unwritable(path: Path, error: OSError) -> ArgumentError:
     why = error.strerror or str(error)
     return ArgumentError(f'out: "{path}" cannot be written: {why}; a folder to write in is needed')
-
-
-def _umask() -> int:
-    mask = os.umask(0)
-    os.umask(mask)
-    return mask
 
 
 def result(scene: Scene, digits: int, trajectory: Any, curve: Any) -> dict[str, Any]:

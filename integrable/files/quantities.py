@@ -1,0 +1,106 @@
+"""What files hold of states: quantities with their parts and units, and what is said of the motion they belong to."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.files.frame import Column, Frame, version
+from jacobian.errors import ArgumentError, entries, shown
+
+__all__ = ["AXES", "QUANTITIES", "about", "checked", "columns", "status_column", "trajectory_frame"]
+
+
+class Quantity(NamedTuple):
+    """The last dimension, the names along it, unit and name."""
+
+    dim: str
+    parts: tuple[str, ...]
+    units: str
+    long_name: str
+
+
+AXES = ("1", "2", "3")
+QUANTITIES = {
+    "gamma": Quantity("axis", AXES, "1", "vertical unit vector in the body frame"),
+    "M": Quantity("axis", AXES, "kg m2 s-1", "angular momentum about the contact or fixed point in the body frame"),
+    "omega": Quantity("axis", AXES, "rad s-1", "angular velocity in the body frame"),
+    "quaternion": Quantity("component", ("w", "x", "y", "z"), "1", "rotation from the body frame to space"),
+    "contact": Quantity("direction", ("x", "y"), "m", "point of contact, in metres or radii"),
+}
+"""What a result can be asked for: each is the name of an attribute of its own."""
+UNITS = "those of SI, or of the consistent set that the body and M were given in"
+
+
+def checked(quantities: Any) -> tuple[str, ...]:
+    """Names among QUANTITIES, or an ArgumentError."""
+    known = ", ".join(QUANTITIES)
+    asked = [quantities] if isinstance(quantities, str) else entries(quantities, "quantities", f"a list of {known}")
+    for name in asked:
+        if not isinstance(name, str) or name not in QUANTITIES:
+            raise ArgumentError(f"quantities: {shown(name)} given; choose among {known}")
+    return tuple(dict.fromkeys(asked))
+
+
+def about(system: Any, **more: Any) -> dict[str, Any]:
+    """What is said of a motion: numbers, strings and lists of numbers."""
+    return {
+        "title": f"motion of {system!r}",
+        "system": type(system).__name__,
+        "field": system.field.name,
+        "inertia": [_number(x) for x in system.body.inertia],
+        "d": _number(system.body.d),
+        "units_note": UNITS,
+        "source": f"jacobian-integrable {version()}",
+        "version": version(),
+        **more,
+    }
+
+
+def columns(dims: tuple[str, ...], arrays: Mapping[str, np.ndarray]) -> dict[str, Column]:
+    """Quantities along ``dims``."""
+    found = {}
+    for name, values in arrays.items():
+        dim, parts, units, long_name = QUANTITIES[name]
+        found[name] = Column((*dims, dim), values, units, long_name, parts)
+    return found
+
+
+def status_column(dims: tuple[str, ...], status: np.ndarray, reasons: Sequence[str]) -> Column:
+    """0 where a state was had."""
+    flags = ("had", *reasons[1:])
+    return Column(dims, status.astype(np.int32), "1", "0: state was had, else the number of a reason", (), flags)
+
+
+def trajectory_frame(run: Any, quantities: Any) -> Frame:
+    """The rows of a run, along "time", of an orbit along "step"."""
+    names, dims = checked(quantities), ("time",)
+    orbit = run.way == "steps"
+    if run.system.field.exact:
+        raise ArgumentError(f"field = {run.system.field.name}: files are of runs over RR or MP(digits)")
+    variables = columns(dims, {name: _values(run, name) for name in names})
+    coordinate = Column(dims, run.times, "1" if orbit else "s", "number of the step" if orbit else "physical time t")
+    if not orbit:
+        variables["tau"] = Column(dims, run.tau, "s", "time of the flow, dτ = g dt")
+    variables["status"] = status_column(dims, run.status, run.reasons)
+    state = {} if orbit else {"tilted": int(run.flow.state.tilted)}
+    attributes = about(run.system, way=run.way, reasons=json.dumps(run.reasons[1:], ensure_ascii=False), **state)
+    return Frame(dims, {"time": coordinate}, variables, attributes)
+
+
+def _values(run: Any, name: str) -> np.ndarray:
+    """A quantity of all rows, not-a-number in those that were refused."""
+    if name in ("gamma", "M") or not run.status.any():
+        values: np.ndarray = getattr(run, name)
+        return values
+    had = getattr(run.kept, name)
+    filled = np.full((len(run), had.shape[1]), run.gamma[run.status > 0][0, 0], had.dtype)
+    filled[run.status == 0] = had
+    return filled
+
+
+def _number(x: Any) -> Any:
+    return float(x) if isinstance(x, float) or not hasattr(x, "context") else str(x)

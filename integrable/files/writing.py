@@ -1,0 +1,116 @@
+"""A frame as a file, in the format that its name's suffix says, written by the library that people read it with.
+
+HDF5 files are made in memory: its library ends the process where the disk is full.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from integrable.extras import needed
+from integrable.files.frame import Frame, dataframe, dataset
+from integrable.files.whole import replacing, said, target_of
+from jacobian.errors import ArgumentError, shown
+
+__all__ = ["FORMATS", "save"]
+
+
+def save(frame: Callable[[], Frame], path: Any) -> None:
+    """Write a frame, made when all else is right: .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat.
+
+    The file, for .zarr the folder, appears when it is complete, in the place of what was there. ArgumentError for
+    another suffix, a library that is not installed, a disk that is full, and numbers of MP(digits) in other formats
+    than .csv.
+    """
+    known = ", ".join(FORMATS)
+    target = target_of(path, f"the path of a file that ends with one of {known}")
+    chosen = FORMATS.get(target.suffix)
+    if chosen is None:
+        raise ArgumentError(f"path = {shown(str(path))}: a name that ends with one of {known} is needed")
+    for module in chosen.modules:
+        needed(module, f"a {target.suffix} file", "io")
+    if target.is_dir() and not (chosen.folder and _is_a_store(target)):
+        raise ArgumentError(f"path = {shown(str(path))}: a folder is there that is no {target.suffix} store")
+    made = frame()
+    if made.exact and target.suffix != ".csv":
+        raise ArgumentError(
+            f"path = {shown(str(path))}: numbers of {made.attributes['field']} are written to .csv only"
+        )
+    with said(target), replacing(target) as temporary:
+        chosen.write(made, temporary)
+
+
+def _is_a_store(folder: Path) -> bool:
+    return any((folder / name).exists() for name in ("zarr.json", ".zgroup"))
+
+
+def _netcdf(frame: Frame, path: Path) -> None:
+    content = io.BytesIO()
+    dataset(frame).to_netcdf(content, engine="h5netcdf")
+    path.write_bytes(content.getbuffer())
+
+
+def _zarr(frame: Frame, path: Path) -> None:
+    dataset(frame).to_zarr(path, mode="w", consolidated=False)
+
+
+def _hdf5(frame: Frame, path: Path) -> None:
+    import h5py
+
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        file.attrs.update(frame.attributes)
+        for name, column in frame.columns.items():
+            made = file.create_dataset(name, data=column.values)
+            made.attrs.update(column.attributes())
+            made.attrs["dimensions"] = " ".join(column.dims)
+        for name, column in frame.coordinates.items():
+            if column.dims == (name,):
+                file[name].make_scale(name)
+        for name, column in frame.columns.items():
+            for i, dim in enumerate(column.dims):
+                if dim in file and dim != name and frame.columns[dim].dims == (dim,):
+                    file[name].dims[i].attach_scale(file[dim])
+    path.write_bytes(content.getbuffer())
+
+
+def _parquet(frame: Frame, path: Path) -> None:
+    dataframe(frame).to_parquet(path, engine="pyarrow")
+
+
+def _csv(frame: Frame, path: Path) -> None:
+    table = dataframe(frame)
+    with path.open("w", encoding="utf-8", newline="") as file:
+        for name, value in table.attrs.items():
+            file.write(f"# {name}: {json.dumps(value, ensure_ascii=False)}\n")
+        table.to_csv(file, lineterminator="\n")
+
+
+def _mat(frame: Frame, path: Path) -> None:
+    from scipy.io import savemat
+
+    arrays = {name: column.values for name, column in frame.columns.items()}
+    units = {name: column.units for name, column in frame.columns.items()}
+    content = {**arrays, "units": units, "attributes": frame.attributes}
+    savemat(path, content, oned_as="column", appendmat=False, long_field_names=True)
+
+
+class _Format(NamedTuple):
+    write: Callable[[Frame, Path], None]
+    modules: tuple[str, ...]
+    folder: bool = False
+
+
+FORMATS = {
+    ".nc": _Format(_netcdf, ("xarray", "h5netcdf")),
+    ".h5": _Format(_hdf5, ("h5py",)),
+    ".zarr": _Format(_zarr, ("xarray", "zarr"), folder=True),
+    ".parquet": _Format(_parquet, ("pandas", "pyarrow")),
+    ".csv": _Format(_csv, ("pandas",)),
+    ".mat": _Format(_mat, ("scipy",)),
+}
+"""What a file's suffix says: who writes it, and the libraries that are needed, of the extra ``io``."""
