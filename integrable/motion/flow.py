@@ -48,6 +48,8 @@ CHUNK = 8192
 # torus in interpreted loops, values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
+# digits of t that floats of a state ask for, as many steps away as those values reach
+CLOCK_DIGITS = 24
 
 
 class Flow(BodyMotion):
@@ -179,10 +181,13 @@ class Flow(BodyMotion):
     def _precise(self) -> RoundedRows:
         """The flow to as many digits as it takes."""
         from integrable.motion.precise import PreciseFlow, RoundedRows
+        from integrable.motion.precise_clock import Limits
 
         field, body = self.system.field, self.system.body
         if field == RR:
-            many = PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, most=MOST_RATES)
+            compiled = self.kernel != "python" and not interpreted()
+            limits = Limits(MOST_RATES, CLOCK_DIGITS, compiled)
+            many = PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
         else:
             many = PreciseFlow(body, self.state, field.dps, self.setup)
         return RoundedRows(field, many, "multiprecision")

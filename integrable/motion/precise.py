@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.precise_clock import PanelClock
+from integrable.motion.precise_clock import NONE, Limits, PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
+from integrable.torus.panel_rates import Scouts
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
@@ -229,16 +230,24 @@ def rounded(K: Any, values: Any) -> np.ndarray:
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    ``problem`` is what :class:`~integrable.moving_point.setup.Setup` makes one of more digits from, ``most`` how many
-    values of 1/g a time may cost: where that is bounded the torus has been tried.
+    ``problem`` is what :class:`~integrable.moving_point.setup.Setup` makes one of more digits from, ``limits`` what the
+    clock may cost: where that is bounded the torus has been tried. ``scouts`` are those of the clocks of the motion at
+    any precision.
     """
 
-    def __init__(self, setup: Setup, problem: tuple[Body, Vector, Vector, bool], most: float = inf) -> None:
+    def __init__(
+        self,
+        setup: Setup,
+        problem: tuple[Body, Vector, Vector, bool],
+        limits: Limits = NONE,
+        scouts: Scouts | None = None,
+    ) -> None:
         self.setup = setup
         self.digits = setup.digits - GUARD_DIGITS
         self.rolls = setup.problem.d != 0
         self._problem = problem
-        self._most = most
+        self._limits = limits
+        self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
 
@@ -316,13 +325,13 @@ class BodyCarrier(Carrier):
 
     def _clock(self, sign: int) -> PanelClock:
         if sign not in self._clocks:
-            self._clocks[sign] = PanelClock(self.setup, sign, self._most)
+            self._clocks[sign] = PanelClock(self.setup, sign, self._limits, self._scouts)
         return self._clocks[sign]
 
     def _far(self, tau: list[Any]) -> Any:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
-        if self._most < inf or max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
+        if self._limits.most < inf or max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
             return None
         if self._torus is None:
             from integrable.torus.long_clock import MultiprecisionTorusClock
@@ -339,14 +348,18 @@ class BodyCarrier(Carrier):
 class PreciseFlow(ManyDigits):
     """The motion of a body through a state to ``digits`` digits.
 
-    ``most`` is how many values of 1/g a time may cost (:class:`~integrable.motion.precise_clock.PanelClock`).
+    ``limits`` are those of its clock.
     """
 
-    def __init__(self, body: Body, state: State, digits: int, setup: Setup | None = None, most: float = inf) -> None:
+    def __init__(
+        self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: Limits = NONE
+    ) -> None:
         self._problem = body, state.gamma, state.M, state.tilted
-        self._most = most
-        setup = setup or Setup(*self._problem, digits=digits)
-        super().__init__(digits, BodyCarrier(setup, self._problem, most))
+        self._limits = limits
+        # what leaves the torus in floats loses digits: a set-up of some more costs less than a second one
+        setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
+        self._scouts = Scouts(setup, limits.compiled)
+        super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
 
     def carrier_of(self, digits: int) -> Carrier:
-        return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._most)
+        return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._limits, self._scouts)

@@ -8,15 +8,13 @@ panel grow with its length more slowly than the nodes for its cells.
 from __future__ import annotations
 
 from bisect import bisect_right
-from math import inf, log10
-from typing import TYPE_CHECKING, Any
+from math import inf
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.moving_point import addition
-from integrable.moving_point.addition import opposite
 from integrable.moving_point.legendre import doubling_precisions, gauss_legendre, legendre_transform
-from integrable.moving_point.translations import Translations
+from integrable.torus.panel_rates import PanelRates, Scouts
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -26,15 +24,28 @@ LONG = 9
 NEAR_CELLS = 27
 # the first cells may be so many times as fast or slow as those after them
 UNEVEN = 4
-# a rule of floats that shows how fast Legendre coefficients fall, for a cell and for a long panel
-SCOUTS = (24, 80)
-SCOUT_BITS = 240
-# a part of 1/g that varies less than this is measured in as many bits
-FLAT = 1e-6
-SAMPLES = range(0, 512, 61)
 # decimal digits a coefficient, below which long panels are not used
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
+
+
+class Limits(NamedTuple):
+    """What a clock may cost and how good it is: so many values of 1/g on the way to a time, so many digits, and whether
+    double-double numbers may give them where they have those."""
+
+    most: float = inf
+    digits: float = inf
+    compiled: bool = False
+
+
+NONE = Limits()
+
+
+class Nodes(NamedTuple):
+    """Translations from the centre of a panel to its nodes, and the same for :class:`PanelRates`."""
+
+    steps: list[Any]
+    packed: Any
 
 
 class Unresolved(ArithmeticError):
@@ -44,19 +55,21 @@ class Unresolved(ArithmeticError):
 class PanelClock:
     """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
 
-    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is too
-    uneven for Legendre series of at most 6 nodes a digit, and where a way takes more than ``most`` values of 1/g.
+    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. ``scouts`` are those of another
+    clock of the motion. PrecisionLoss where 1/g is too uneven for Legendre series of at most 6 nodes
+    a digit, and where a way takes more values of 1/g than ``limits`` says.
     """
 
-    def __init__(self, setup: Setup, sign: int, most: float = inf) -> None:
+    def __init__(self, setup: Setup, sign: int, limits: Limits = NONE, scouts: Scouts | None = None) -> None:
         self._setup = setup
         self._sign = sign
-        self._most = most
-        self._tolerance = -(setup.digits + 3)
+        self._most = limits.most
+        self._digits = min(setup.digits, limits.digits)
+        self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half = setup.bare.half_step
-        self._scouts: dict[int, float] = {}
+        self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
         self._use(self._node_count(self._digits_a_node(1)))
-        self._long: tuple[list[Any], list[Any]] | None = None
+        self._long: tuple[Nodes, list[Any]] | None = None
         self._far: list[Any] = []
 
     def place(self, t: Any) -> tuple[int, Any]:
@@ -74,30 +87,28 @@ class PanelClock:
                 with self._setup.reals:
                     return compute()
             except Unresolved:
-                self._use(2 * (len(self._nodes) * 5 // 8) + 8)
+                self._use(2 * (len(self._nodes.steps) * 5 // 8) + 8)
 
     def _use(self, count: int) -> None:
         """Start again with ``count`` nodes a cell."""
         setup = self._setup
-        if count > max(64, 6 * setup.digits):
+        if count > max(64, 6 * self._digits):
             raise PrecisionLoss(
-                f"1/g is not resolved by {6 * setup.digits} nodes a step: the moments or d differ too much for this "
+                f"1/g is not resolved by {6 * self._digits} nodes a step: the moments or d differ too much for this "
                 "clock"
             )
         x, self._rows = legendre_transform(setup.reals, count)
-        self._nodes = self._translations(setup.translations, x, 1)
+        self._nodes = self._at_nodes(x, 1)
         self._series: dict[int, list[Any]] = {}
         self._means: dict[int, Any] = {}
         # t at the upper end of cell −1, 0, 1, …
         self._ends: list[Any] = []
         self._far = []
 
-    def _translations(self, translations: Translations, nodes: list[Any], length: int) -> list[Any]:
+    def _at_nodes(self, nodes: list[Any], length: int) -> Nodes:
         """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
-        with translations.reals:
-            half = translations.half_step * (length * self._sign)
-            outer = [translations.near(half * x) for x in nodes[: len(nodes) // 2]]
-            return outer + [opposite(step) for step in outer[::-1]]
+        steps = self._setup.translations.at_nodes(nodes, self._sign * length)
+        return Nodes(steps, self._compiled and self._compiled.steps(steps))
 
     # --- the integral
 
@@ -180,10 +191,10 @@ class PanelClock:
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
         """PrecisionLoss where the clock of so many cells is beyond what it may take, ``uneven`` times as much."""
-        work = cells * (len(self._long_rule()[0]) / LONG if self._long_panels() else len(self._nodes))
+        work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
-                f"floats and double-double numbers do not carry this motion, and to {self._setup.digits} digits the "
+                f"floats and double-double numbers do not carry this motion, and to {self._digits} digits the "
                 f"way there takes {work:.3g} values of 1/g, where floats take {self._most:.3g}: MP(digits) goes there "
                 "in its time, and nearer times are within reach; other units change nothing"
             )
@@ -191,18 +202,23 @@ class PanelClock:
     def _long_panels(self) -> bool:
         return self._digits_a_node(LONG) > SLOWEST_LONG
 
-    def _long_rule(self) -> tuple[list[Any], list[Any]]:
+    def _long_rule(self) -> tuple[Nodes, list[Any]]:
         """Nodes as translations, and weights, of a long panel."""
         if self._long is None:
             x, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(LONG)))
-            self._long = self._translations(self._setup.translations, x, LONG), weights
+            self._long = self._at_nodes(x, LONG), weights
         return self._long
 
     # --- one cell
 
-    def _rates_at(self, point: Any, nodes: list[Any]) -> list[Any]:
+    def _rates_at(self, point: Any, nodes: Nodes) -> list[Any]:
         bare = self._setup.bare
-        return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes]
+        if self._compiled:
+            found = self._compiled.around(point, *nodes)
+            if found is not None:
+                zero = 0 * self._half
+                return [zero + high + low for high, low in found.tolist()]
+        return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
 
     def _mean(self, cell: int) -> Any:
         """The mean of 1/g over a cell."""
@@ -217,7 +233,7 @@ class PanelClock:
             plain = self._setup.reals.plain
             values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
             series = [plain(sum(c * x for c, x in zip(row, values, strict=True))) for row in self._rows]
-            if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** self._tolerance:
+            if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** -(self._digits + 3):
                 raise Unresolved
             if len(self._series) >= KEPT_SERIES:
                 self._series.clear()
@@ -228,36 +244,8 @@ class PanelClock:
 
     def _node_count(self, rate: float) -> int:
         """An even number of nodes that bring the digits of the setup when each brings ``rate`` of them."""
-        return 2 * int(0.525 * (self._setup.digits + 6) / rate) + 8
+        return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst: from floats."""
-        if length not in self._scouts:
-            self._scouts[length] = self._scouted(length, SCOUTS[length > 1])
-        return self._scouts[length]
-
-    def _scouted(self, length: int, count: int) -> float:
-        sizes = self._coefficient_sizes(length, count, float)
-        if max(sizes[1:]) < FLAT:
-            # what floats would not tell from rounding
-            sizes = self._coefficient_sizes(length, count, self._setup.reals.plain)
-            sizes = [size / max(sizes[1:]) for size in sizes] if any(sizes[1:]) else sizes
-        last = max((k for k in range(1, count) if sizes[k] > 1e-12), default=1)
-        return -log10(max(sizes[last], 1e-12)) / last
-
-    def _coefficient_sizes(self, length: int, count: int, number: Any) -> list[float]:
-        """The largest Legendre coefficients of 1/g over some panels, relative to the first, computed in ``number``."""
-        setup, reals = self._setup, BareReals(SCOUT_BITS)
-        translations = Translations(reals, setup.problem.f, setup.problem.axes, setup.problem.half_step)
-        x, rows = legendre_transform(reals, count)
-        nodes = [tuple(map(number, step)) for step in self._translations(translations, x, length)]
-        matrix = [[number(c) for c in row] for row in rows]
-        f, axes = (tuple(map(number, row)) for row in (setup.bare.f, setup.bare.axes))
-        sizes = [0.0] * count
-        for cell in SAMPLES:
-            with setup.reals.at(SCOUT_BITS):
-                point = tuple(map(number, setup.bare.reached(self._sign, cell)))
-                values = [addition.rate_after(f, axes, point, step) for step in nodes]
-                series = [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
-            sizes = [max(a, b / series[0]) for a, b in zip(sizes, series, strict=True)]
-        return sizes
+        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst."""
+        return self._scouts.digits_a_node(self._sign, length)

@@ -20,6 +20,8 @@ from jacobian.numbers.long_reals import BareReals
 GUARD_DIGITS = 10
 WIDER = 20
 GUARD_BITS = 10
+# moving points on the way to others that are kept
+MOST_PASSED = 4096
 
 
 class Setup:
@@ -104,6 +106,7 @@ class View:
         self.f, self.axes, self.start = (tuple(map(number, row)) for row in (problem.f, problem.axes, problem.start))
         self.half_step, self.momentum = number(problem.half_step), number(problem.momentum)
         self._rows: dict[int, list[tuple[Any, ...]]] = {1: [], -1: []}
+        self._passed: dict[int, tuple[Any, ...]] = {}
 
     def table(self, sign: int, steps: int) -> tuple[list[int], list[tuple[Any, ...]]]:
         """(counts, translations): sign·counts[k] basic steps each, ascending from 1 to beyond ``steps``."""
@@ -115,13 +118,21 @@ class View:
         return counts, rows
 
     def reached(self, sign: int, steps: int) -> tuple[Any, ...]:
-        """The moving point after sign·``steps`` basic steps, by few additions."""
-        plain_row, point = self._setup.reals.plain_row, self.start
+        """The moving point after sign·``steps`` basic steps, by few additions.
+
+        Those on the way are kept: neighbours share all additions but the last.
+        """
+        reals, point, done = self._setup.reals, self.start, 0
         counts, table = self.table(sign, steps)
-        for count, step in zip(counts[::-1], table[::-1], strict=True):
-            while steps >= count:
-                point = plain_row(shift(self.f, self.axes, point, step))
-                steps -= count
+        if len(self._passed) > MOST_PASSED:
+            self._passed.clear()
+        with reals:
+            for count, step in zip(counts[::-1], table[::-1], strict=True):
+                while steps - done >= count:
+                    done += count
+                    known = self._passed.get(sign * done)
+                    point = known or reals.plain_row(shift(self.f, self.axes, point, step))
+                    self._passed[sign * done] = point
         return point
 
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import frexp, isqrt, log2
 from typing import Any
 
-from integrable.moving_point.addition import Row, centre, conjugate_points, shift
+from integrable.moving_point.addition import Row, centre, conjugate_points, opposite, shift
 from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
 
@@ -56,6 +56,12 @@ class Translations:
         """The sum of two translations."""
         with self.reals:
             return self.reals.plain_row(shift(self.f, self.axes, first, second))
+
+    def at_nodes(self, nodes: list[Any], length: int) -> list[tuple[Any, ...]]:
+        """T at nodes of [−1, 1], symmetric about 0 and without it, of a panel of ``length`` basic steps."""
+        with self.reals:
+            outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
+            return outer + [opposite(step) for step in outer[::-1]]
 
     def plan(self, eps: Any) -> tuple[int, float]:
         """How often to halve eps, and the bits that a term of the series brings then."""

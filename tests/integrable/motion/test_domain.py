@@ -11,6 +11,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.__main__ import main
 from integrable.motion.precise import PreciseFlow
+from integrable.motion.precise_clock import Limits
 from integrable.oracles import reference
 from integrable.phase.state import State
 from integrable.torus.access import TorusFlow
@@ -214,7 +215,7 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
     assert process_time() - began < 10
     # the same to as many digits as are asked for has no such bound
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
-        PreciseFlow(system.body, flow.state, 17, most=100).at([1000.0])
+        PreciseFlow(system.body, flow.state, 17, limits=Limits(100)).at([1000.0])
     tau, _ = PreciseFlow(system.body, flow.state, 17).at([10.0])
     assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
 

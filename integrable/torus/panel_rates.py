@@ -1,0 +1,160 @@
+"""1/g around moving points of many digits: what a clock of panels reads, compiled, and how many nodes it takes.
+
+A moving point is good to all its digits however it was reached, so that a value of 1/g beside it loses no more than one
+addition does: double-double numbers leave 28 digits and more, at a fortieth of the time. One value in some twenty is
+made again with all digits; where it differs by more than the clock may be off, double-doubles are left alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import log10
+from typing import Any
+
+import numpy as np
+
+from integrable.moving_point.addition import opposite, rate_after
+from integrable.moving_point.legendre import legendre_transform
+from integrable.moving_point.setup import Setup
+from integrable.moving_point.translations import Translations
+from jacobian.numbers.long_reals import BareReals
+
+# values made again with all digits: one in so many, and two at least
+ONE_IN = 25
+# a rule that shows how fast Legendre coefficients fall, for a cell and for a long panel, down to that size
+SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
+SCOUT_BITS = 240
+# a part of 1/g that varies less than this is measured in as many bits, or in double-double numbers down to that
+FLAT, FLATTEST = 1e-6, 1e-16
+SAMPLES = range(0, 512, 61)
+
+
+class PanelRates:
+    """1/g around the moving points of a setup; values are right to 10^−``digits``."""
+
+    def __init__(self, setup: Setup, digits: int) -> None:
+        from integrable.torus import compiled
+
+        self._setup, self._sampled, self._bound = setup, compiled.sampled, 10.0**-digits
+        axes = self._packed([setup.bare.axes])[0]
+        self._curve = self._packed([setup.bare.f])[0], axes, axes
+        self._checked = 0
+
+    def steps(self, steps: Sequence[Any]) -> Any:
+        """Translations as :meth:`around` takes them."""
+        rows = np.zeros((len(steps), 20, 2))
+        rows[:, :10] = self._packed(steps)
+        return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), np.ones(len(steps), dtype=np.int64)
+
+    def values(self, point: Any, packed: Any) -> np.ndarray:
+        """1/g after each of the translations ``packed`` by :meth:`steps`, as double-doubles, shape (N, 2)."""
+        count = packed[1][1]
+        rates, other = np.empty((count, 2)), np.empty((count, 2))
+        self._sampled(self._curve, self._packed([point])[0], packed, rates, other)
+        # a grid around a corner begins at the corner itself
+        return np.roll(rates, (count - 1) // 2, axis=0)
+
+    def around(self, point: Any, steps: Sequence[Any], packed: Any) -> np.ndarray | None:
+        """The same, of ``steps`` and what they were packed to; None where double-doubles have too few digits."""
+        rates = self.values(point, packed)
+        return rates if self._right(point, steps, rates) else None
+
+    def _right(self, point: Any, steps: Sequence[Any], rates: np.ndarray) -> bool:
+        """Whether some of the values are those of all digits: others from panel to panel, the ends among them."""
+        bare, count = self._setup.bare, len(steps)
+        self._checked += 1
+        places = {0, -1 % count, *(7 * self._checked + ONE_IN * k for k in range(1 + count // ONE_IN))}
+        with self._setup.reals:
+            for i in sorted({place % count for place in places}):
+                truth = rate_after(bare.f, bare.axes, point, steps[i])
+                if not abs(truth - float(rates[i, 0]) - float(rates[i, 1])) <= self._bound * abs(truth):
+                    return False
+        return True
+
+    def _packed(self, rows: Sequence[Any]) -> np.ndarray:
+        """Rows of bare reals as double-doubles, shape (rows, numbers, 2)."""
+        with self._setup.reals:
+            high = [[float(x) for x in row] for row in rows]
+            low = [
+                [float(x - h) for x, h in zip(row, floats, strict=True)] for row, floats in zip(rows, high, strict=True)
+            ]
+        return np.stack([high, low], axis=-1)
+
+
+class Scouts:
+    """How fast Legendre coefficients of 1/g fall along a motion: looked at once, for clocks of any precision.
+
+    ``compiled``: in double-double numbers; else in floats, or in many bits where 1/g is nearly constant.
+    """
+
+    def __init__(self, setup: Setup, compiled: bool) -> None:
+        self._setup = setup
+        self._rates = PanelRates(setup, 0) if compiled else None
+        self._found: dict[tuple[int, int], float] = {}
+        self._rules: dict[int, tuple[list[Any], list[list[Any]]]] = {}
+
+    def digits_a_node(self, sign: int, length: int) -> float:
+        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells in a direction, at worst."""
+        if (sign, length) not in self._found:
+            self._found[sign, length] = self._fall(sign, length)
+        return self._found[sign, length]
+
+    def _fall(self, sign: int, length: int) -> float:
+        sizes = self._sizes(sign, length, float)
+        if max(sizes[1:]) < (FLATTEST if self._rates else FLAT):
+            # what floats, or double-double numbers, would not tell from rounding
+            sizes = self._sizes(sign, length, self._setup.reals.plain)
+        most = max(sizes[1:])
+        if 0 < most < FLAT:
+            sizes = [size / most for size in sizes]
+        last = max((k for k in range(1, len(sizes)) if sizes[k] > LEAST_SEEN), default=1)
+        return -log10(max(sizes[last], LEAST_SEEN)) / last
+
+    def _sizes(self, sign: int, length: int, number: Any) -> list[float]:
+        """The largest Legendre coefficients over some panels, relative to the first, computed in ``number``."""
+        setup = self._setup
+        steps, rows = self._rule(length)
+        if sign < 0:
+            with setup.reals:
+                steps = [opposite(step) for step in steps]
+        sizes_at = self._transform(steps, rows, number)
+        sizes = [0.0] * len(steps)
+        for cell in SAMPLES:
+            point = setup.bare.reached(sign, cell)
+            with setup.reals.at(SCOUT_BITS):
+                found = sizes_at(point)
+            sizes = [max(a, b / found[0]) for a, b in zip(sizes, found, strict=True)]
+        return sizes
+
+    def _rule(self, length: int) -> tuple[list[Any], list[list[Any]]]:
+        """Translations to the nodes of a panel, and the matrix from values there to a Legendre series."""
+        if length not in self._rules:
+            problem, reals = self._setup.problem, BareReals(SCOUT_BITS)
+            translations = Translations(reals, problem.f, problem.axes, problem.half_step)
+            x, rows = legendre_transform(reals, SCOUT_NODES[length > 1])
+            self._rules[length] = translations.at_nodes(x, length), rows
+        return self._rules[length]
+
+    def _transform(self, steps: list[Any], rows: list[list[Any]], number: Any) -> Callable[[Any], list[float]]:
+        """What gives the sizes of the coefficients around a moving point."""
+        setup, rates = self._setup, self._rates
+        if rates and number is float:
+            packed, transform = rates.steps(steps), np.array(rows, dtype=float)
+
+            def wide_sizes(point: Any) -> list[float]:
+                high, low = rates.values(point, packed).T
+                # so that the coefficients of what is nearly constant keep their digits
+                series = transform @ (high - high[0] + (low - low[0]))
+                series[0] += high[0]
+                return [abs(c) for c in series.tolist()]
+
+            return wide_sizes
+        nodes = [tuple(map(number, step)) for step in steps]
+        matrix = [[number(c) for c in row] for row in rows]
+        f, axes = (tuple(map(number, row)) for row in (setup.bare.f, setup.bare.axes))
+
+        def sizes(point: Any) -> list[float]:
+            values = [rate_after(f, axes, tuple(map(number, point)), step) for step in nodes]
+            return [abs(float(sum(c * v for c, v in zip(row, values, strict=True)))) for row in matrix]
+
+        return sizes
