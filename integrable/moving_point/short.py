@@ -29,6 +29,7 @@ from integrable.moving_point.short_rows import (
     LEVELS,
     LIFT,
     MOST_GROWN,
+    OFF,
     PANEL,
     RATE,
     REACH,
@@ -64,8 +65,9 @@ TAIL = 1e-14
 STEP, WIDE_STEP = 2e-14, 6e-14
 # a panel with wide nodes costs as much as so many
 CAREFUL = 10
-# integrals of states that are returned
-INTEGRALS = 1e-9
+# integrals of states that are returned, and H2 of centres: where both points of a divisor pass a cluster of branch
+# points wide numbers lose most of their digits, and no step is seen between panels that share a centre
+INTEGRALS, CENTRE = 1e-9, 1e-19
 # digits that wide numbers have to spare, as a natural logarithm; a body whose moments differ by less of I + d, and an
 # upright motion whose errors are larger by more in γ or M, are left to the torus
 SPARE, CLOSEST, STEEPEST = 33.0, 4e4, 25.0
@@ -191,8 +193,8 @@ def panel(
             status = piece(room, rule, request, h, careful, level, sign)
             if status == UNRESOLVED and level == LEVELS:
                 return UNRESOLVED, least, i
-            if status == ROUNDING:
-                return ROUNDING, least, i
+            if status in (ROUNDING, LOST):
+                return status, least, i
         if level < hint or status == UNRESOLVED:
             level, place, status = level + 1, 2 * place, 0
             continue
@@ -212,6 +214,8 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     """The values at the nodes of one panel: 0 where they are good."""
     numbers, count = room.numbers, len(rule.nodes)
     begin = 10 * level * count
+    if not room.point[OFF] <= CENTRE:
+        return LOST
     room.made[3] += 1
     if not careful:
         point = moving_point(room.point)

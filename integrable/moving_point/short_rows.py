@@ -24,8 +24,8 @@ NUMBERS = 36
 # in ``wide``: f, the axes, the start, then the units of τ and of physical time
 TAU_UNIT, TIME_UNIT = 24, 25
 WIDE = 26
-# in ``point``: ten numbers of a moving point, 1/g there; γ and w of the start
-RATE, BEGIN = 10, 11
+# in ``point``: ten numbers of a moving point, 1/g there; γ and w of the start; how far off H2 is at the point
+RATE, BEGIN, OFF = 10, 11, 17
 # rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
 POINTS = START + 1
@@ -104,7 +104,7 @@ def new_room(wide: Callable[[int], Row], floats: Callable[[int], Row], made: Row
     nodes = 10 * NODES * (LEVELS + 1)
     return Room(
         wide(WIDE), floats(NUMBERS), wide(10 * POINTS), wide(10 * (PANEL + 1 + DOUBLINGS)), wide(nodes), floats(nodes),
-        floats(TERMS), floats(TERMS), wide(WIDE_TERMS), wide(WIDE_TERMS), made, floats(BEGIN + 6), floats(6 * NODES),
+        floats(TERMS), floats(TERMS), wide(WIDE_TERMS), wide(WIDE_TERMS), made, floats(OFF + 1), floats(6 * NODES),
         floats(NODES), floats(NODES), floats(NODES + 1), floats(12), floats(6), floats(3),
     )  # fmt: skip
 

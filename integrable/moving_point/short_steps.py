@@ -7,7 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.moving_point.addition import carried, moving_point, near_identity, opposite, put, rate_at, shift
-from integrable.moving_point.short_rows import LEVELS, PANEL, RATE, Row, axes_of, curve_of, unit_axes
+from integrable.moving_point.short_rows import LEVELS, OFF, PANEL, RATE, Row, axes_of, curve_of, unit_axes
 from integrable.moving_point.translations import power_series
 from jacobian.numbers.roots import root
 
@@ -35,8 +35,8 @@ def doubled(wide: Row, steps: Row, place: int) -> None:
 
 
 def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
-    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and in floats, followed by 1/g,
-    into ``point``.
+    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and in floats, with 1/g and how
+    far off H2 is there, into ``point``.
     """
     step = moving_point(steps, 10 * place)
     if sign < 0:
@@ -46,6 +46,12 @@ def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int
     for i in range(10):
         point[i] = float(points[10 * target + i])
     point[RATE] = float(rate_at(axes_of(wide), there))
+    x, y, z, n0, n1, n2 = there[4], there[5], there[6], there[7], there[8], there[9]
+    square = x * x + y * y + z * z
+    lean = (x * n0 + y * n1 + z * n2) / square
+    x, y, z = n0 - lean * x, n1 - lean * y, n2 - lean * z
+    # |w| = 1
+    point[OFF] = abs(float(x * x + y * y + z * z - 1))
 
 
 def wide_node_steps(wide: Row, h: float, nodes: Row, series: Row, roots: Row, passes: int, out: Row) -> None:

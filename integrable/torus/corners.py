@@ -15,7 +15,7 @@ from integrable.torus.series import needed_sizes
 from integrable.torus.states import Torus
 from integrable.torus.survey import about_centre
 from integrable.torus.tables import SmallSteps
-from integrable.torus.walks import Curve, Fine, Walk
+from integrable.torus.walks import KNOWN, Curve, Fine, Walk
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -52,7 +52,8 @@ class Corners:
         odd = [bool(np.prod(signs) < 0) for signs in self.turns]
         self.odd = odd[0], odd[1]
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
-        self.doubled = (1, 1) if setup.tilt is None else (1 + odd[0], 1 + odd[1])
+        leans = setup.problem.axes[7] != 0
+        self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
         self.curve = self._curve(motion)
         tables, self._halves = self._translations(row)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
@@ -91,39 +92,53 @@ class Corners:
 
     def resolved(self, spectrum: Callable[[Any], np.ndarray], noise: tuple[float, float]) -> np.ndarray:
         """The ``spectrum`` of 1/g, on a grid of its periods whose last modes are below ``noise`` both ways."""
-        sizes = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1]))
+        sizes, known = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1])), None
         while sizes[0] * sizes[1] <= self._most:
-            grid = spectrum(self.samples(sizes))
+            known = self.samples(sizes, known)
+            grid = spectrum(known)
             wanted = needed_sizes(grid, noise)
             if wanted == grid.shape:
                 return grid
             sizes = (sizes[0] * wanted[0] // grid.shape[0], sizes[1] * wanted[1] // grid.shape[1])
         raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
-    def samples(self, sizes: tuple[int, int]) -> Any:
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
         """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of long doubles, or
-        of the loops' own numbers where they are for more digits.
+        of the loops' own numbers where they are for more digits. ``known`` are the samples of a coarser grid.
         """
-        loops, fine = self.loops, self.fine(sizes)
+        loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
         loops.sampled(loops.packed(self.curve), self.states, fine, first, other)
         table = loops.samples(first).reshape(sizes)
-        if self.setup.tilt is None:
-            return table
+        if self.doubled == (1, 1):
+            return self.completed(table, known)
         beside = loops.samples(other).reshape(sizes)
         blocks = [
             [beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table for j in range(self.doubled[1])]
             for i in range(self.doubled[0])
         ]
-        return np.block(blocks)
+        return self.completed(np.block(blocks), known)
 
-    def fine(self, sizes: tuple[int, int]) -> Any:
-        """The :class:`~integrable.torus.walks.Fine` of a grid, packed for the loops."""
+    def completed(self, samples: np.ndarray, known: np.ndarray | None) -> np.ndarray:
+        """The samples with those in their places that a coarser grid knew."""
+        if known is not None:
+            samples[tuple(slice(None, None, n // m) for n, m in zip(samples.shape, known.shape, strict=True))] = known
+        return samples
+
+    def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
+        """The :class:`~integrable.torus.walks.Fine` of a grid, packed for the loops; without the points of a coarser
+        one, of which ``known`` are the samples.
+        """
         loops, cells = self.loops, self.sizes
         finer = sizes[0] // cells[0], sizes[1] // cells[1]
         steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
         fine = loops.packed(Fine(cells, finer, self.odd, steps, counts))
         loops.offsets(loops.packed(self.curve), loops.packed(self.small), fine)
+        if known is not None:
+            coarser = [n * m // k for n, m, k in zip(sizes, self.doubled, known.shape, strict=True)]
+            on_both = [(np.arange(n) - (n - 1) // 2) % m == 0 for n, m in zip(finer, coarser, strict=True)]
+            for place in np.flatnonzero(np.outer(*on_both)).tolist():
+                fine[-1][place] = KNOWN
         return fine
 
     # --- set-up

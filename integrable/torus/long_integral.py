@@ -14,6 +14,7 @@ from integrable.torus.long_clock import MOST_SAMPLES, SAMPLES_A_DIGIT, phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, long_spectrum
 from integrable.torus.states import turned
+from integrable.torus.walks import KNOWN
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -64,8 +65,8 @@ class _Values(Corners):
         self._function = function
         self.doubled = (1 + self.odd[0], 1 + self.odd[1])
 
-    def samples(self, sizes: tuple[int, int]) -> Any:
-        places, points = zip(*self._points(sizes), strict=True)
+    def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
+        places, points = zip(*self._points(sizes, known), strict=True)
         blocks = []
         with self.loops.reals as reals:
             for i in range(self.doubled[0]):
@@ -77,17 +78,22 @@ class _Values(Corners):
                         table[place] = value
                     blocks.append(table)
         width = self.doubled[1]
-        return np.block([blocks[width * i : width * (i + 1)] for i in range(self.doubled[0])])
+        whole = np.block([blocks[width * i : width * (i + 1)] for i in range(self.doubled[0])])
+        return self.completed(whole, known)
 
-    def _points(self, sizes: tuple[int, int]) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
-        """(row, column) and the moving point of every place of the grid."""
-        (rows, columns), fine = self.sizes, self.fine(sizes)
+    def _points(
+        self, sizes: tuple[int, int], known: np.ndarray | None
+    ) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
+        """(row, column) and the moving point of every place of the grid that is not known."""
+        (rows, columns), fine = self.sizes, self.fine(sizes, known)
         above, left = (fine.finer[0] - 1) // 2, (fine.finer[1] - 1) // 2
         # ν in the units of the set-up
         lift, f, axes = self.units.lift, self.curve.f, self.curve.axes
         for i, j in np.ndindex(rows, columns):
             corner = moving_point(self.states, (i * columns + j) * 10)
             for n, (a, b) in enumerate(np.ndindex(*fine.finer)):
+                if fine.counts[n] == KNOWN:
+                    continue
                 point = corner
                 with self.loops.reals:
                     for k in range(fine.counts[n]):

@@ -30,6 +30,8 @@ Row = Any
 IDENTITY = 1e-30
 # translations that are conditioned worse than this are made in two parts
 LEAST_CONDITION = 0.02
+# the count of a point of a grid that is on a coarser one already
+KNOWN = -1
 
 
 class Curve(NamedTuple):
@@ -214,8 +216,8 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
 
 
 def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
-    """1/g on the grid, from the corners in ``states`` by the translations of :func:`offsets`, into ``rates``; for a
-    tilted body, with an odd number of γ_i turned, into ``others``.
+    """1/g on the grid, from the corners in ``states`` by the translations of :func:`offsets`, into ``rates``; with an
+    odd number of γ_i turned, which a tilted body notices, into ``others``. Where the count is KNOWN nothing is done.
     """
     (rows, columns), finer = fine.cells, fine.finer
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
@@ -223,22 +225,23 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
     for i in range(rows):
         for j in range(columns):
             corner = moving_point(states, (i * columns + j) * 10)
-            n = 0
+            n = -1
             for a in range(-above, finer[0] - above):
                 row, over = i * finer[0] + a, False
                 if row < 0:
                     row, over = row + height, fine.odd[0]
                 for b in range(-left, finer[1] - left):
+                    n += 1
+                    if fine.counts[n] == KNOWN:
+                        continue
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != fine.odd[1]
                     rate, other = rates_beside(curve, corner, fine.steps, 20 * n, fine.counts[n])
-                    n += 1
-                    if curve.axes[7] != 0:
-                        if flipped:
-                            rate, other = other, rate
-                        others[row * width + column] = other
+                    if flipped:
+                        rate, other = other, rate
                     rates[row * width + column] = rate
+                    others[row * width + column] = other
 
 
 def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) -> tuple[Real, Real]:

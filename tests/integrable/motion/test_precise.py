@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from time import process_time
+
 import numpy as np
 import pytest
 
@@ -9,11 +11,13 @@ from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import BodyCarrier, PreciseFlow
-from integrable.motion.precise_clock import LONG, NEAR_CELLS, PanelClock
+from integrable.motion.precise_clock import LONG, NEAR_CELLS, Limits, PanelClock
 from integrable.moving_point import setup as setups
+from integrable.moving_point.addition import rate_after
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
 from integrable.moving_point.losses import digits_of, lost_digits
 from integrable.moving_point.setup import Setup
+from integrable.torus.panel_rates import PanelRates
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.immutable import replaced
@@ -113,6 +117,71 @@ def test_long_panels_agree_with_cells() -> None:
         assert abs(float(clock.time(cell, x) - slow.time(cell, x))) < 1e-50
     assert clock._far
     assert not slow._far
+
+
+HEAVY = ((1292470.6091623725, 0.0001674366553965903, 0.0002769791442540581), 1202231.4846889994)
+HEAVY_START = (
+    (0.922922072665066, 0.3379941265626881, 0.18432259274637028),
+    (5.288028882373172, -13.87989158333257, -1.0260095689924893),
+)
+
+
+def heavy_setup(digits: int) -> Setup:
+    """Of a ball that double-double numbers do not carry: its clock takes 15,000 values of 1/g to a few turns."""
+    system = ChaplyginBall(*HEAVY)
+    state = system.state(*HEAVY_START)
+    return Setup(system.body, state.gamma, state.M, digits=digits)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_clock_in_double_double_numbers_shows_what_one_of_many_digits_does(sign) -> None:
+    setup = heavy_setup(41)
+    quick, slow = PanelClock(setup, sign, Limits(digits=24, compiled=True)), PanelClock(setup, sign)
+    for cell in (0, 5, NEAR_CELLS + 2, NEAR_CELLS + 3 * LONG + 4):
+        x = setup.reals.number(-0.375)
+        assert abs(float(quick.time(cell, x) / slow.time(cell, x) - 1)) < 1e-23
+    assert len(quick._nodes.steps) < len(slow._nodes.steps)
+
+
+def test_values_that_double_double_numbers_have_too_few_digits_for_are_made_with_all(monkeypatch) -> None:
+    setup = heavy_setup(41)
+    rates = PanelRates(setup, 28)
+    steps = setup.translations.at_nodes(gauss_legendre(setup.reals, 20)[0], 1)
+    point = setup.bare.reached(1, 7)
+    found = rates.around(point, steps, rates.steps(steps))
+    assert found is not None
+    with setup.reals:
+        truth = [rate_after(setup.bare.f, setup.bare.axes, point, step) for step in steps]
+        assert max(abs(x - high - low) / x for x, (high, low) in zip(truth, found.tolist(), strict=True)) < 1e-28
+    # no double-double number has 40 digits
+    assert PanelRates(setup, 40).around(point, steps, rates.steps(steps)) is None
+    clock = PanelClock(setup, 1, Limits(digits=24, compiled=True))
+    monkeypatch.setattr(PanelRates, "around", lambda *_: None)
+    x = setup.reals.number(0.25)
+    assert clock.time(3, x) == PanelClock(setup, 1, Limits(digits=24), clock._scouts).time(3, x)
+
+
+def test_what_floats_leave_to_more_digits_takes_no_second() -> None:
+    """Three quarters of a second or more each, with values of 1/g in multiprecision."""
+    system = ChaplyginBall(*HEAVY)
+    flow = system.flow(system.state(*HEAVY_START))
+    times = [380.1479591886898, -5045549.602646869, -2516822.66596671, -93769.63370811127]
+    began = process_time()
+    run = flow.at(times)
+    assert process_time() - began < 10
+    slow = PreciseFlow(system.body, flow.state, 20)
+    tau, points = slow.at(times[2:])
+    truth = np.array([[float(x) for x in gamma] for gamma, _ in slow.vectors(points)])
+    assert run.way == "multiprecision"
+    assert np.abs(run.gamma[2:] - truth).max() < 1e-15
+    assert max(abs(x / float(y) - 1) for x, y in zip(run.tau[2:], tau, strict=True)) < 1e-15
+
+
+def test_points_on_the_way_are_those_of_a_way_of_its_own() -> None:
+    setup, fresh = heavy_setup(27), heavy_setup(27)
+    for steps in (1, 700, 691, 40, 700):
+        assert setup.bare.reached(-1, steps) == heavy_setup(27).bare.reached(-1, steps)
+    assert fresh.bare.reached(-1, 691) != fresh.bare.reached(1, 691)
 
 
 def test_times_and_places_are_inverse_to_each_other() -> None:

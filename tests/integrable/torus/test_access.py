@@ -10,6 +10,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.oracles.reference import taylor
 from integrable.torus.access import TorusFlow
 from integrable.torus.clock_loops import swing_and_rate
+from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
 from integrable.torus.tables import small_translation
@@ -217,6 +218,33 @@ def test_a_grid_that_is_too_coarse_is_noticed() -> None:
     assert columns == 32
     # the coefficients fall like 0.47^k: to 1e-15 at 46
     assert needed_sizes(spectrum(samples(128)), (1e-15, 1e-15)) == (128, 128)
+
+
+@pytest.mark.parametrize(("d", "tilted"), [(0.7, False), (0.7, True), (1e-9, True)])
+def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
+    ball = ChaplyginBall((1, 2, 3), d)
+    state = ball.state((0.48, 0.6, 0.64), (1.104, 2.18, -0.528) if tilted else (0.384, 1.28, -1.488), tilted=tilted)
+    setup = ball.flow(state).setup
+    for loops in (CompiledLoops(), ReadableLoops(setup)):
+        corners = Corners(setup, loops, 1 << 16)
+        sizes = corners.sizes[0], 2 * corners.sizes[1]
+        coarse = corners.samples(sizes)
+        finer = 2 * sizes[0], sizes[1]
+        known = corners.samples(finer, coarse + 1)
+        anew = corners.samples(finer)
+        assert (known[::2] == coarse + 1).all()
+        assert (known[1::2] == anew[1::2]).all()
+        assert np.abs(anew[::2] - coarse).max() < 1e-17
+
+
+def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None:
+    """(γ, M) = 0 in a state made as a tilted one: half of the grid was empty, and digits were sent for."""
+    ball = ChaplyginBall((0.013839669882170155, 0.002377476045841977, 0.016785435607574308), 1.0475366205208094e-09)
+    gamma, momentum = (-1.0, 0.0, 0.0), (0.0, -1.3580771168322964e-06, -4.319558273040246e-06)
+    times = [402449.2727409653, -2e6]
+    runs = [ball.flow(ball.state(gamma, momentum, tilted=tilted)).at(times) for tilted in (True, False)]
+    assert [run.way for run in runs] == ["torus", "torus"]
+    assert np.abs(runs[0].gamma - runs[1].gamma).max() < 1e-15
 
 
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
