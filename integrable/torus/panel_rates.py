@@ -32,7 +32,7 @@ SAMPLES = range(0, 512, 61)
 class PanelRates:
     """1/g around the moving points of a setup; values are right to 10^−``digits``."""
 
-    def __init__(self, setup: Setup, digits: int) -> None:
+    def __init__(self, setup: Setup, digits: float) -> None:
         from integrable.torus import compiled
 
         self._setup, self._sampled, self._bound = setup, compiled.sampled, 10.0**-digits
