@@ -20,9 +20,10 @@ ROOT = Path(__file__).parents[1]
 PACKAGES = ("jacobian", "integrable")
 MOST_FILES = 20
 MOST_LINES, MOST_PARAMETERS = 40, 8
-# compiled loops and what they call: to numba an argument is a register, and another function is another compilation
+# compiled loops and what they call: an argument is a register
 LONG = {
     "integrable.moving_point.short.panel",
+    "integrable.moving_point.short_compiled.entry",
     "integrable.moving_point.short_compiled.short_runs",
     "integrable.moving_point.short_reading.state",
     "integrable.moving_point.short_steps.node_steps",

@@ -2,12 +2,11 @@
 
 A run does its own set-up, so that a fresh flow has nothing to wait for (:mod:`integrable.moving_point.short` says how).
 Compiled it costs some tens of microseconds and a few for every panel; the same source is interpreted, some hundred
-times slower, where loading compiled code would take longer. What it is not sure of is left to the next way.
+times slower, where nothing is to be compiled. What it is not sure of is left to the next way.
 """
 
 from __future__ import annotations
 
-import sys
 from functools import cache
 from math import cos, pi
 from typing import TYPE_CHECKING, NamedTuple
@@ -15,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import CLOCK, NODES, PHYSICAL, Request, Rule, new_room
+from integrable.moving_point.short_rows import CLOCK, FLOATS, NODES, PHYSICAL, WIDES, Request, Rule, new_room
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -25,6 +24,7 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
+    from jacobian.native.library import Packed
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
 # between ascending ones, and before that the torus itself (python -m benchmarks peers)
@@ -33,8 +33,8 @@ TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
 MOST_PANELS, MOST_TIMES = 400, 20_000
-# interpreted: panels of one run, those of a flow before it loads numba, and times from which on loading it pays
-INTERPRETED_PANELS, BEFORE_NUMBA, INTERPRETED_TIMES = 64, 500, 500
+# interpreted: panels of one run, and times
+INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # what the clock of one run, and of one of many, may be off by, in the units of the motion
 DRIFT, DRIFT_OF_MANY = 5e-15, 2e-13
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
@@ -46,16 +46,15 @@ Found = tuple[np.ndarray, np.ndarray]
 class ShortRuns:
     """γ and M at a few turns' times from one state, in the user's units; None where another way has to be taken.
 
-    ``kernel`` as for :class:`integrable.motion.flow.Flow`: "auto" interprets few near times as long as nothing has
-    loaded numba, which takes longer. ``torus``: whether there is one already.
+    ``kernel`` as for :class:`integrable.motion.flow.Flow`. ``torus``: whether there is one already.
     """
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
         d = system.d if system.body.rolls else 0.0
         self._given = np.array([[*system.inertia, d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, bool(system.body.rolls), kernel
-        # panels of this flow: a torus, or loading numba, would have been paid for by as many
-        self._compiled_panels = self._interpreted_panels = 0
+        # panels of this flow: a torus would have been paid for by as many
+        self._panels = 0
 
     def at(self, times: np.ndarray, torus: bool = False) -> Found | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -76,20 +75,12 @@ class ShortRuns:
         if len(times) > MOST_TIMES:
             return None
         status = short.FAR
-        if self._without_numba(len(times)):
-            status, rows, other = self._interpreted(times, physical, clock)
-        if status == short.FAR and self._kernel != "python" and not interpreted():
-            most = panels_within(len(times), torus, self._compiled_panels)
-            if most > 0:
-                status, rows, other = self._compiled(times, physical, clock, most)
+        if self._kernel == "python" or interpreted():
+            if len(times) < INTERPRETED_TIMES:
+                status, rows, other = self._interpreted(times, physical, clock)
+        elif (most := panels_within(len(times), torus, self._panels)) > 0:
+            status, rows, other = self._compiled(times, physical, clock, most)
         return None if status else (rows, other if physical or clock else times)
-
-    def _without_numba(self, count: int) -> bool:
-        if count >= INTERPRETED_TIMES:
-            return False
-        if self._kernel == "python" or ("numba" in sys.modules and interpreted()):
-            return True
-        return "numba" not in sys.modules and self._interpreted_panels < BEFORE_NUMBA
 
     def _compiled(
         self, times: np.ndarray, physical: bool, clock: bool, most: int
@@ -98,7 +89,7 @@ class ShortRuns:
         status, panels = compiled_runs(
             Asked(self._given, self._tilted, physical, clock, most, DRIFT), times[None], rows, other
         )
-        self._compiled_panels += int(panels[0])
+        self._panels += int(panels[0])
         return int(status[0]), rows[0], other[0]
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
@@ -108,13 +99,12 @@ class ShortRuns:
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
         )  # fmt: skip
         with reals:
-            room = new_room(lambda n: [reals.number(0)] * n, lambda n: [0.0] * n, [1, 0, PASSES, 0])
+            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [1, 0, PASSES, 0])
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):
                 # compiled these are infinities, not-a-numbers, and roots of negative numbers
                 status = short.LOST
-        self._interpreted_panels += room.made[3]
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:
             other /= room.numbers[CLOCK if physical else PHYSICAL]
@@ -149,7 +139,7 @@ def compiled_runs(
     order = np.argsort(times, axis=1, kind="stable")
     out = rows.reshape(count, 6 * rows.shape[1])
     short_runs(
-        asked.given, asked.tilted, rule(), asked.physical, asked.clock, asked.most, asked.drift, times, order, out,
+        asked.given, asked.tilted, _packed(), asked.physical, asked.clock, asked.most, asked.drift, times, order, out,
         other, status, panels,
     )  # fmt: skip
     _put_starts(asked.given, asked.tilted, times, rows)
@@ -223,3 +213,12 @@ def rule() -> Rule:
 def _listed() -> Rule:
     """The same as lists, which interpreted loops read faster."""
     return Rule(*(part.tolist() for part in rule()))
+
+
+@cache
+def _packed() -> Packed:
+    """The same for compiled ones."""
+    from integrable.moving_point.short_compiled import RULE
+    from jacobian.native.library import Packed
+
+    return Packed(rule(), RULE)

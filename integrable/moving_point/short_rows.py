@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any, NamedTuple
 
 Real = Any
@@ -99,13 +98,30 @@ class Request(NamedTuple):
     """τ where times are physical, physical time where they are not; in the units of the motion."""
 
 
-def new_room(wide: Callable[[int], Row], floats: Callable[[int], Row], made: Row) -> Room:
-    """Rows of zeros; ``made`` is (1, 0, steps of Newton from a float to a wide number, 0)."""
-    nodes = 10 * NODES * (LEVELS + 1)
+# numbers in a room, wide and floats
+NODE_STEPS = 10 * NODES * (LEVELS + 1)
+WIDES = WIDE + 10 * (POINTS + PANEL + 1 + DOUBLINGS) + NODE_STEPS + 2 * WIDE_TERMS
+FLOATS = NUMBERS + NODE_STEPS + 2 * TERMS + OFF + 1 + 9 * NODES + 1 + 21
+
+
+def new_room(wide: Row, floats: Row, made: Row) -> Room:
+    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is (1, 0, steps of Newton from a float to a wide
+    number, 0).
+    """
+    points, steps = WIDE, WIDE + 10 * POINTS
+    nodes = steps + 10 * (PANEL + 1 + DOUBLINGS)
+    series = nodes + NODE_STEPS
+    series2 = NUMBERS + NODE_STEPS
+    point = series2 + 2 * TERMS
+    values = point + OFF + 1
+    ends = values + 9 * NODES + 1
     return Room(
-        wide(WIDE), floats(NUMBERS), wide(10 * POINTS), wide(10 * (PANEL + 1 + DOUBLINGS)), wide(nodes), floats(nodes),
-        floats(TERMS), floats(TERMS), wide(WIDE_TERMS), wide(WIDE_TERMS), made, floats(OFF + 1), floats(6 * NODES),
-        floats(NODES), floats(NODES), floats(NODES + 1), floats(12), floats(6), floats(3),
+        wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
+        floats[NUMBERS:series2], floats[series2 : series2 + TERMS], floats[series2 + TERMS : point],
+        wide[series : series + WIDE_TERMS], wide[series + WIDE_TERMS :], made, floats[point:values],
+        floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
+        floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : ends], floats[ends : ends + 12],
+        floats[ends + 12 : ends + 18], floats[ends + 18 :],
     )  # fmt: skip
 
 

@@ -1,196 +1,143 @@
-"""The loops of random access on the torus compiled by numba from :mod:`integrable.torus.walks` and its neighbours:
-moving points in double-double numbers, Fourier series in floats.
+"""The loops of random access on the torus compiled from :mod:`integrable.torus.walks` and its neighbours: moving points
+in double-double numbers, Fourier series in floats.
 
-Arrays of numbers are float arrays with a last axis (hi, lo). Importing this module imports numba; compiled code is kept
-on disk beside the source.
+Arrays of numbers are float arrays with a last axis (hi, lo).
 """
 
 from __future__ import annotations
 
-from numba.extending import overload, register_jitable
+from typing import Any
 
-from integrable.moving_point import compiled
-from integrable.phase import coordinates
-from integrable.torus import clock_loops, lattice, states, survey, tables, walks
-from jacobian.numbers.compiler import njit
-from jacobian.numbers.double_double_compiled import JIT, numbers
+from integrable.moving_point.native import SPECIAL
+from integrable.torus import clock_loops, states, survey, tables, walks
+from integrable.torus.clock_loops import Clock, Series
+from integrable.torus.lattice import Chart
+from integrable.torus.states import Torus
+from integrable.torus.tables import Room, SmallSteps
+from integrable.torus.walks import Curve, Fine, Walk
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
+from jacobian.native.library import Library
 
-# the additions in double-doubles that :mod:`integrable.moving_point.compiled` registers are what these loops call
-assert compiled
+Row = Any
 
-for _inner in (
-    survey.apart,
-    survey.richelot,
-    survey.bracket,
-    survey.between,
-    survey.oval_periods,
-    survey.complete,
-    survey.slowed,
-    survey.mean_slowness,
-    survey.reach_of,
-    survey.centre_of,
-    survey.split_by,
-    survey.reduced,
-    survey.cells,
-    survey.best_chart,
-    survey.about_centre,
-    tables.near_centre,
-    tables.direction,
-    tables.to_powers,
-    tables.recentred,
-    tables.alike,
-    tables.small_translation,
-    walks.turn,
-    walks.step_over,
-    walks.place_of,
-    walks.moved,
-    walks.with_signs,
-    walks.rates_beside,
-    coordinates.directions_of,
-    states.whole_turns,
-    states.state_at,
-    states.turned,
-    clock_loops.delay,
-    clock_loops.loud_swing,
-    clock_loops.on_circle,
-):
-    register_jitable(_inner)
-
-_FLOATS = {"nogil": True, "error_model": "numpy", "fastmath": True}
-_swing_and_rate = njit(**_FLOATS)(clock_loops.swing_and_rate)
-panel_values = njit(**{**_FLOATS, "fastmath": {"contract"}})(clock_loops.panel_values)
+_FLAGS, _INTS, _FLOATS = TupleKind((BOOL, BOOL)), TupleKind((INT, INT)), TupleKind((FLOAT, FLOAT))
+_SIGNS = TupleKind((FLOAT,) * 6)
+_CURVE = record(Curve, WIDES, WIDES, WIDES)
+_SMALL = record(SmallSteps, WIDES, _FLOATS, WIDES, INT, WIDES)
+_SERIES = record(Series, INTS, FLOATS, FLOATS, FLOATS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
+KINDS: dict[Any, TupleKind] = {
+    kind.named: kind
+    for kind in (
+        _CURVE,
+        _SMALL,
+        record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
+        record(Room, WIDES, WIDES, WIDES),
+        record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
+        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS),
+        record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
+        record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
+    )
+}
+"""What NamedTuples of arrays are in compiled loops."""
 
 
-@overload(clock_loops.swing_and_rate)
-def _overloaded(series, a, b, room):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
-    return lambda series, a, b, room: _swing_and_rate(series, a, b, room)
+# --- entries: rows of numbers as the tuples that the loops take
 
 
-_survey = register_jitable(survey.survey)
-_directions = register_jitable(tables.directions)
-_corners = register_jitable(walks.corners)
-_offsets = register_jitable(walks.offsets)
-_sampled = register_jitable(walks.sampled)
-_states_at_phases = register_jitable(states.states_at_phases)
-_states_at_tau = register_jitable(states.states_at_tau)
-_states_at_times = register_jitable(clock_loops.states_at_times)
-_times_at_tau = register_jitable(clock_loops.times_at_tau)
-
-
-@njit(**JIT)
-def surveyed(motion, near, points, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.survey.survey`."""
-    return _survey(numbers(motion), near, points, numbers(out))
-
-
-@njit(**JIT)
-def directions(motion, chart, parts, nodes, passes, room, tables, halves):  # type: ignore[no-untyped-def]
-    """:func:`integrable.torus.tables.directions`."""
-    centres, reaches, basis, cells = chart
-    series, roots, rest = room
-    numbered = Room(numbers(series), numbers(roots), numbers(rest))
-    about = Chart(centres, reaches, basis, cells)
-    _directions(numbers(motion), about, numbers(parts), nodes, passes, numbered, numbers(tables), numbers(halves))
-
-
-@njit(**JIT)
-def corners(curve, start, walk, states, ends, known):  # type: ignore[no-untyped-def]
+def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
     """:func:`integrable.torus.walks.corners`."""
-    cells, forward, most, turns, halves, steps = walk
-    numbered = Walk(cells, forward, most, turns, numbers(halves), numbers(steps))
-    _corners(_curve(curve), numbers(start), numbered, numbers(states), numbers(ends), numbers(known))
+    walks_corners(numbered(curve), start, walk, states, ends, known)
 
 
-@njit(**JIT)
-def offsets(curve, small, fine):  # type: ignore[no-untyped-def]
+def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     """:func:`integrable.torus.walks.offsets`."""
-    _offsets(_curve(curve), _small(small), _fine(fine))
+    walks_offsets(numbered(curve), small_numbered(small), fine)
 
 
-@njit(**JIT)
-def sampled(curve, states, fine, rates, others):  # type: ignore[no-untyped-def]
+def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """:func:`integrable.torus.walks.sampled`."""
-    _sampled(_curve(curve), numbers(states), _fine(fine), numbers(rates), numbers(others))
+    walks_sampled(numbered(curve), states, fine, rates, others)
 
 
-@njit(**JIT)
-def states_at_phases(torus, phases, out):  # type: ignore[no-untyped-def]
+def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
     """:func:`integrable.torus.states.states_at_phases`."""
-    _states_at_phases(_torus(torus), phases, out)
+    at_phases(torus_numbered(torus), phases, out)
 
 
-@njit(**JIT)
-def states_at_tau(torus, frequencies, tau, out):  # type: ignore[no-untyped-def]
+def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     """:func:`integrable.torus.states.states_at_tau`."""
-    _states_at_tau(_torus(torus), numbers(frequencies), tau, out)
+    at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
-@njit(**JIT)
-def states_at_times(torus, clock, times, tau, delays, out, room):  # type: ignore[no-untyped-def]
+def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.states_at_times`."""
-    _states_at_times(_torus(torus), _clock(clock), times, tau, delays, out, room)
+    at_times(torus_numbered(torus), clock_numbered(clock), times, tau, delays, out, room)
 
 
-@njit(**JIT)
-def times_at_tau(clock, tau, times, room):  # type: ignore[no-untyped-def]
+def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.times_at_tau`."""
-    _times_at_tau(_clock(clock), tau, times, room)
+    times_at(clock_numbered(clock), tau, times, room)
 
 
-# --- arrays of floats as numbers, and tuples as NamedTuples: a call is 30 µs faster where it is given plain tuples
-
-Room, SmallSteps = tables.Room, tables.SmallSteps
-Curve, Walk, Fine = walks.Curve, walks.Walk, walks.Fine
-Torus, Clock, Series, Chart = states.Torus, clock_loops.Clock, clock_loops.Series, lattice.Chart
+def numbered(curve: Curve) -> Curve:
+    """With tuples for rows."""
+    return Curve(six(curve.f), eight(curve.axes), eight(curve.unit_axes))
 
 
-@register_jitable
-def _four(row):  # type: ignore[no-untyped-def]
+def small_numbered(small: SmallSteps) -> SmallSteps:
+    """With tuples for rows."""
+    return SmallSteps(eight(small.axes), small.centres, small.tables, small.terms, four(small.parts))
+
+
+def torus_numbered(torus: Torus) -> Torus:
+    """With tuples for rows."""
+    small = small_numbered(torus.small)
+    return Torus(numbered(torus.curve), four(torus.matrix), torus.states, small, torus.turns, torus.cells)
+
+
+def clock_numbered(clock: Clock) -> Clock:
+    """With tuples for rows."""
+    return Clock(clock.doubled, clock.rough, clock.series, clock.quiet, clock.modes, clock.loud, six(clock.pace))
+
+
+def four(row: Row) -> Any:
+    """The first numbers of a row."""
     return row[0], row[1], row[2], row[3]
 
 
-@register_jitable
-def _six(row):  # type: ignore[no-untyped-def]
+def six(row: Row) -> Any:
+    """The first numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5]
 
 
-@register_jitable
-def _eight(row):  # type: ignore[no-untyped-def]
+def eight(row: Row) -> Any:
+    """The first numbers of a row."""
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 
-@register_jitable
-def _curve(curve):  # type: ignore[no-untyped-def]
-    f, axes, unit_axes = curve
-    return Curve(_six(numbers(f)), _eight(numbers(axes)), _eight(numbers(unit_axes)))
+walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
+at_phases, at_tau = states.states_at_phases, states.states_at_tau
+at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
 
-
-@register_jitable
-def _small(small):  # type: ignore[no-untyped-def]
-    axes, centres, tables, terms, parts = small
-    return SmallSteps(_eight(numbers(axes)), centres, numbers(tables), terms, _four(numbers(parts)))
-
-
-@register_jitable
-def _fine(fine):  # type: ignore[no-untyped-def]
-    cells, finer, odd, steps, counts = fine
-    return Fine(cells, finer, odd, numbers(steps), counts)
-
-
-@register_jitable
-def _torus(torus):  # type: ignore[no-untyped-def]
-    curve, matrix, states, small, turns, cells = torus
-    return Torus(_curve(curve), _four(numbers(matrix)), numbers(states), _small(small), turns, cells)
-
-
-@register_jitable
-def _series(series):  # type: ignore[no-untyped-def]
-    lines, real, imaginary, slope_real, slope_imaginary, least, width, frequencies, bound, origin, mean = series
-    return Series(lines, real, imaginary, slope_real, slope_imaginary, least, width, frequencies, bound, origin, mean)
-
-
-@register_jitable
-def _clock(clock):  # type: ignore[no-untyped-def]
-    doubled, rough, series, quiet, modes, loud, pace = clock
-    parts = _series(rough), _series(series), _series(quiet)
-    return Clock(doubled, parts[0], parts[1], parts[2], modes, numbers(loud), _six(numbers(pace)))
+_TORUS, _CLOCK, _WALK, _FINE = KINDS[Torus], KINDS[Clock], KINDS[Walk], KINDS[Fine]
+_PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
+LIBRARY = Library(
+    "torus",
+    {
+        "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
+        "directions": (
+            tables.directions,
+            (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[Room], WIDES, WIDES),
+        ),
+        "corners": (corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
+        "offsets": (offsets, (_CURVE, _SMALL, _FINE)),
+        "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
+        "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
+        "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
+        "states_at_times": (states_at_times, (_TORUS, _CLOCK, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS)),
+        "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+        "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
+    },
+    SPECIAL,
+    fast=(clock_loops.swing_and_rate,),
+)

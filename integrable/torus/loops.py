@@ -148,20 +148,22 @@ class CompiledLoops:
 
     def __init__(self) -> None:
         from integrable.torus import compiled
+        from jacobian.native.library import Packed
 
-        self.survey_rows: Any = compiled.surveyed
-        self.direction_rows: Any = compiled.directions
-        self.corners: Any = compiled.corners
-        self.offsets: Any = compiled.offsets
-        self.sampled: Any = compiled.sampled
-        self.states_at_phases: Any = compiled.states_at_phases
-        self.states_at_tau: Any = compiled.states_at_tau
-        self.states_at_times: Any = compiled.states_at_times
-        self.times_at_tau: Any = compiled.times_at_tau
-        self.panel_values: Any = compiled.panel_values
+        self._kinds, self._packed, entries = compiled.KINDS, Packed, compiled.LIBRARY
+        self.survey_rows: Any = entries.survey
+        self.direction_rows: Any = entries.directions
+        self.corners: Any = entries.corners
+        self.offsets: Any = entries.offsets
+        self.sampled: Any = entries.sampled
+        self.states_at_phases: Any = entries.states_at_phases
+        self.states_at_tau: Any = entries.states_at_tau
+        self.states_at_times: Any = entries.states_at_times
+        self.times_at_tau: Any = entries.times_at_tau
+        self.panel_values: Any = entries.panel_values
 
     def packed(self, value: Any) -> Any:
-        return tuple(map(self.packed, value)) if hasattr(value, "_fields") else value
+        return self._packed(value, self._kinds[type(value)])
 
     def row(self, values: Any) -> Any:
         return pack(np.array(list(values), dtype=object))
@@ -189,5 +191,5 @@ class CompiledLoops:
         return self.survey_rows(motion, short, np.array(points), out)
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
-        room = tuple(map(self.room, (SERIES, SERIES, 9 + len(nodes))))
-        self.direction_rows(motion, self.packed(chart), parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)
+        room = Room(*map(self.room, (SERIES, SERIES, 9 + len(nodes))))
+        self.direction_rows(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)

@@ -35,7 +35,7 @@ class PanelRates:
     def __init__(self, setup: Setup, digits: float) -> None:
         from integrable.torus import compiled
 
-        self._setup, self._sampled, self._bound = setup, compiled.sampled, 10.0**-digits
+        self._setup, self._sampled, self._bound = setup, compiled.LIBRARY.sampled, 10.0**-digits
         axes = self._packed([setup.bare.axes])[0]
         self._curve = self._packed([setup.bare.f])[0], axes, axes
         self._checked = 0

@@ -7,6 +7,8 @@ so once. Importing this module does not import numba.
 
 from __future__ import annotations
 
+import os
+import sys
 import warnings
 from collections.abc import Callable
 from functools import cache
@@ -28,7 +30,7 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
     def decorate(function: Callable[..., Any]) -> Any:
         if (kept := _kept(function, options)) is not None:
             return kept
-        _say_once()
+        say_once()
         return numba.njit(**options)(function)
 
     return decorate
@@ -51,7 +53,7 @@ REMEDY = "set NUMBA_CACHE_DIR to a folder that can be written to"
 
 
 @cache
-def _say_once() -> None:
+def say_once() -> None:
     text = f"{NO_PLACE}: every process compiles anew, which takes a minute; {REMEDY}"
     warnings.warn(text, NoCacheWarning, stacklevel=4)
 
@@ -61,11 +63,11 @@ def look_for_a_place(*, needed: bool = False) -> None:
     if _kept(look_for_a_place, {}) is None:
         if needed:
             raise ArgumentError(f"{NO_PLACE}; {REMEDY}")
-        _say_once()
+        say_once()
 
 
 def interpreted() -> bool:
     """Whether numba is told not to compile (NUMBA_DISABLE_JIT=1): the readable loops are used then."""
-    from numba import config
-
-    return bool(config.DISABLE_JIT)
+    if "numba" in sys.modules:
+        return bool(sys.modules["numba"].config.DISABLE_JIT)
+    return os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0")

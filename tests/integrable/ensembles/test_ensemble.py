@@ -67,7 +67,6 @@ def single(many, k, times):
     """A single flow whose clock is as free as those of an ensemble."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
-        patch.setattr(short.ShortRuns, "_without_numba", lambda *_: False)
         return many.flow(k).at(times)
 
 

@@ -13,6 +13,8 @@ from numba.core import caching
 def refused(self):
     raise PermissionError(13, "Permission denied")
 caching._CacheLocator.ensure_cache_path = refused
+from jacobian.native import kept
+kept.place = lambda: None
 """
 SMALL = """
 import warnings

@@ -1,0 +1,41 @@
+"""What compiled loops on moving points share: the first estimate of a small translation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.moving_point import addition
+from jacobian.native.expressions import Expressions
+from jacobian.native.kinds import FLOAT, HIGHS, WIDE, Value
+from jacobian.native.special import SPECIAL as SPECIAL_NUMBERS
+
+Real = Any
+Row = Any
+
+
+def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
+    """:func:`integrable.moving_point.addition.estimate` of floats."""
+    return -series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4
+
+
+def estimate_in_floats(series: Row, f0: float, eps: float) -> tuple[float, float]:
+    """The same of double-doubles, from their high parts."""
+    r = f0 * eps * eps / 4
+    m = -series[1] * r / 3
+    if abs(eps) >= 1e-100:
+        m, r = addition_centre(series[:addition_terms], f0, eps, m, r, 6)
+    return m, r
+
+
+addition_centre, addition_terms = addition.centre, addition.FLOAT_TERMS
+
+
+def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
+    """:func:`integrable.moving_point.addition.estimate` for the kinds of these values."""
+    if eps.kind is not WIDE:
+        return b.call(estimate, [series, f0, eps])
+    high = [Value(FLOAT, x.parts[:1]) for x in (f0, eps)]
+    return b.call(estimate_in_floats, [Value(HIGHS, series.parts), *high])
+
+
+SPECIAL = {**SPECIAL_NUMBERS, addition.estimate: estimated}

@@ -1,0 +1,317 @@
+"""Expressions of compiled loops."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from collections.abc import Callable
+from typing import Any
+
+from jacobian.native.kinds import (
+    BOOL,
+    INT,
+    NONE,
+    OBJECT,
+    ArrayKind,
+    CompileError,
+    TupleKind,
+    Value,
+    meeting,
+    together,
+)  # fmt: skip
+from jacobian.native.operators import BUILTINS, Operators, integer, real
+
+
+class Expressions(Operators):
+    """Values of expressions of one function. ``variables`` are the kinds of its names and where their scalars are."""
+
+    def __init__(self, program: Any, function: Any, contract: str) -> None:
+        super().__init__(contract)
+        self.program, self.source = program, function
+        self.variables: dict[str, tuple[Any, list[str]]] = {}
+        self.label = "entry"
+
+    # --- blocks
+
+    def begin(self, label: str) -> None:
+        """The next instructions are those of a block."""
+        self.lines.append(f"{label}:")
+        self.label = label
+
+    def labels(self, *names: str) -> list[str]:
+        """New names of blocks."""
+        return [f"{name}{self.fresh()[2:]}" for name in names]
+
+    def go(self, label: str) -> None:
+        """To a block."""
+        self.lines.append(f"  br label %{label}")
+
+    def split(self, condition: str, true: str, false: str) -> None:
+        """To either block."""
+        self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
+
+    # --- memory
+
+    def loaded(self, kind: Any, slots: list[str]) -> Value:
+        """A value from where its scalars are."""
+        loads = (self.write(f"load {leaf}, ptr {slot}") for leaf, slot in zip(kind.leaves, slots, strict=True))
+        return Value(kind, tuple(loads))
+
+    def keep(self, value: Value, slots: list[str]) -> None:
+        """A value to where its scalars are."""
+        for leaf, part, slot in zip(value.kind.leaves, value.parts, slots, strict=True):
+            self.lines.append(f"  store {leaf} {part}, ptr {slot}")
+
+    def joined(self, condition: str, true: ast.expr, false: ast.expr) -> Value:
+        """The value of one of two expressions: only that one is computed."""
+        yes, no, end = self.labels("yes", "no", "end")
+        self.split(condition, yes, no)
+        values, ends = [], []
+        for label, expression in ((yes, true), (no, false)):
+            self.begin(label)
+            values.append(self.value(expression))
+            ends.append((len(self.lines), self.label))
+        kind = meeting(values[0].kind, values[1].kind)
+        casts = self.lines
+        second = self.cast(values[1], kind)
+        self.go(end)
+        # the other one's cast, and its way on, belong before the second block
+        tail, self.lines = casts[ends[0][0] :], casts[: ends[0][0]]
+        first = self.cast(values[0], kind)
+        self.go(end)
+        self.lines += tail
+        self.begin(end)
+        parts = tuple(
+            self.write(f"phi {leaf} [{p}, %{ends[0][1]}], [{q}, %{ends[1][1]}]")
+            for leaf, p, q in zip(kind.leaves, first.parts, second.parts, strict=True)
+        )
+        return Value(kind, parts)
+
+    # --- expressions
+
+    def value(self, node: ast.expr) -> Value:
+        """The value of an expression."""
+        place = self.place(node)
+        if place is not None:
+            return self.loaded(*place)
+        found = EXPRESSIONS.get(type(node))
+        if found is None:
+            raise CompileError(f"{type(node).__name__} is not compiled")
+        return found(self, node)
+
+    def place(self, node: ast.expr) -> tuple[Any, list[str]] | None:
+        """The kind and the slots of a variable or a part of one known while compiling, else None."""
+        if isinstance(node, ast.Name):
+            return self.variables.get(node.id)
+        if isinstance(node, ast.Attribute) and (place := self.place(node.value)) is not None:
+            kind, slots = place
+            if isinstance(kind, TupleKind):
+                kind, begin, end = kind.place(kind.field(node.attr))
+                return kind, slots[begin:end]
+        if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+            place = self.place(node.value)
+            if place is not None and isinstance(place[0], TupleKind):
+                kind, begin, end = place[0].place(node.slice.value)  # type: ignore[arg-type]
+                return kind, place[1][begin:end]
+        return None
+
+    def of_name(self, node: ast.Name) -> Value:
+        return self.outside(self.program.looked_up(sys.modules[self.source.__module__], node.id))
+
+    def outside(self, thing: Any) -> Value:
+        """Something known while compiling."""
+        if isinstance(thing, bool):
+            return Value(BOOL, ("1" if thing else "0",))
+        if isinstance(thing, int):
+            return integer(thing)
+        if isinstance(thing, float):
+            return real(thing)
+        return Value(OBJECT, (thing,))
+
+    def of_constant(self, node: ast.Constant) -> Value:
+        return Value(NONE, ()) if node.value is None else self.outside(node.value)
+
+    def of_tuple(self, node: ast.Tuple) -> Value:
+        return together(self.items(node.elts))
+
+    def items(self, nodes: list[ast.expr]) -> list[Value]:
+        """The values of expressions, of those with a star all that are in them."""
+        values = []
+        for node in nodes:
+            if isinstance(node, ast.Starred):
+                row = self.value(node.value)
+                values += [row.item(i) for i in range(len(row.kind.items))]
+            else:
+                values.append(self.value(node))
+        return values
+
+    def of_binop(self, node: ast.BinOp) -> Value:
+        return self.binary(type(node.op).__name__, self.value(node.left), self.value(node.right))
+
+    def of_unaryop(self, node: ast.UnaryOp) -> Value:
+        x = self.value(node.operand)
+        if isinstance(node.op, ast.USub):
+            return self.negative(x)
+        if isinstance(node.op, ast.Not):
+            return Value(BOOL, (self.write(f"xor i1 {self.truth(x)}, 1"),))
+        raise CompileError(f"{type(node.op).__name__} is not compiled")
+
+    def of_compare(self, node: ast.Compare) -> Value:
+        left, holds = self.value(node.left), ""
+        for op, right in zip(node.ops, map(self.value, node.comparators), strict=True):
+            found = self.related(op, left, right)
+            holds = self.write(f"and i1 {holds}, {found}") if holds else found
+            left = right
+        return Value(BOOL, (holds,))
+
+    def related(self, op: ast.cmpop, left: Value, right: Value) -> str:
+        """Whether the relation holds, as an i1."""
+        if not isinstance(op, ast.In):
+            return str(self.compare(type(op).__name__, left, right).parts[0])
+        if not isinstance(right.kind, TupleKind):
+            raise CompileError(f"in of {right.kind}")
+        same = "0"
+        for i in range(len(right.kind.items)):
+            same = self.write(f"or i1 {same}, {self.compare('Eq', left, right.item(i)).parts[0]}")
+        return same
+
+    def of_boolop(self, node: ast.BoolOp) -> Value:
+        *others, last = node.values
+        both, end = isinstance(node.op, ast.And), self.labels("end")[0]
+        ways: list[tuple[str, str]] = []
+        for other in others:
+            on = self.labels("on")[0]
+            condition = self.truth(self.value(other))
+            ways.append(("0" if both else "1", self.label))
+            self.split(condition, *((on, end) if both else (end, on)))
+            self.begin(on)
+        ways.append((self.truth(self.value(last)), self.label))
+        self.go(end)
+        self.begin(end)
+        return Value(BOOL, (self.write("phi i1 " + ", ".join(f"[{x}, %{label}]" for x, label in ways)),))
+
+    def of_ifexp(self, node: ast.IfExp) -> Value:
+        return self.joined(self.truth(self.value(node.test)), node.body, node.orelse)
+
+    def of_attribute(self, node: ast.Attribute) -> Value:
+        x = self.value(node.value)
+        if x.kind is OBJECT:
+            return self.outside(self.program.looked_up(x.parts[0], node.attr))
+        if isinstance(x.kind, ArrayKind) and node.attr == "shape":
+            return Value(TupleKind((INT,) * x.kind.ndim), x.parts[1:])
+        if not isinstance(x.kind, TupleKind):
+            raise CompileError(f"attribute {node.attr} of {x.kind}")
+        return x.item(x.kind.field(node.attr))
+
+    def of_subscript(self, node: ast.Subscript) -> Value:
+        row = self.value(node.value)
+        if isinstance(node.slice, ast.Slice):
+            return self.slice_of(row, node.slice)
+        if isinstance(row.kind, ArrayKind):
+            if row.kind.ndim == 2 and not isinstance(node.slice, ast.Tuple):
+                place = self.binary("Mult", self.value(node.slice), Value(INT, (row.parts[2],)))
+                return Value(ArrayKind(row.kind.item, 1, row.kind.parts), (self.offset(row, place), row.parts[2]))
+            return self.element(row, self.address(row, node.slice))
+        index = self.value(node.slice)
+        if not isinstance(row.kind, TupleKind):
+            raise CompileError(f"an item of {row.kind}")
+        if index.is_known:
+            return row.item(index.known())
+        # of a tuple whose items are alike
+        found = row.item(0)
+        for k in range(1, len(row.kind.items)):
+            same = self.compare("Eq", index, integer(k)).parts[0]
+            found = self.chosen(same, self.cast(row.item(k), found.kind), found)
+        return found
+
+    def address(self, row: Value, index: ast.expr) -> str:
+        """Where the item of an array is."""
+        indices = [self.value(x) for x in (index.elts if isinstance(index, ast.Tuple) else [index])]
+        if len(indices) != row.kind.ndim or any(x.kind is not INT for x in indices):
+            raise CompileError(f"{len(indices)} indices of an array of {row.kind.ndim} axes, integers are needed")
+        place = indices[0]
+        for x, size in zip(indices[1:], row.parts[2:], strict=True):
+            place = self.binary("Add", self.binary("Mult", place, Value(INT, (size,))), x)
+        return self.offset(row, place)
+
+    def offset(self, row: Value, place: Value) -> str:
+        """The pointer to an item of a flat array."""
+        if place.is_known and place.known() < 0:
+            raise CompileError("negative indices of arrays are not compiled")
+        place = self.binary("Mult", place, integer(row.kind.parts))
+        return self.write(f"getelementptr {row.kind.memory}, ptr {row.parts[0]}, i64 {place.parts[0]}")
+
+    def element(self, row: Value, address: str) -> Value:
+        """What is there."""
+        item = row.kind.item
+        leaf = item.leaves[0]
+        parts = [self.write(f"load {leaf}, ptr {address}")]
+        if len(item.leaves) == 2:
+            beside = self.write(f"getelementptr {leaf}, ptr {address}, i64 1")
+            parts.append(self.write(f"load {leaf}, ptr {beside}"))
+        return Value(item, tuple(parts))
+
+    def put(self, row: Value, address: str, value: Value) -> None:
+        """A value to there."""
+        item = row.kind.item
+        if meeting(item, value.kind) != item:
+            raise CompileError(f"{value.kind} into an array of {item}")
+        for k, part in enumerate(self.cast(value, item).parts):
+            leaf = item.leaves[k]
+            there = self.write(f"getelementptr {leaf}, ptr {address}, i64 1") if k else address
+            self.lines.append(f"  store {leaf} {part}, ptr {there}")
+
+    def slice_of(self, row: Value, part: ast.Slice) -> Value:
+        """A part of a flat array: the same memory."""
+        if not isinstance(row.kind, ArrayKind) or row.kind.ndim != 1 or part.step is not None:
+            raise CompileError("slices are those of flat arrays, without a step")
+        size = Value(INT, (row.parts[1],))
+        end = size if part.upper is None else self.extremum("Lt", [self.value(part.upper), size])
+        begin = integer(0) if part.lower is None else self.value(part.lower)
+        return Value(row.kind, (self.offset(row, begin), self.binary("Sub", end, begin).parts[0]))
+
+    def of_call(self, node: ast.Call) -> Value:
+        called = self.value(node.func)
+        if called.kind is not OBJECT or node.keywords:
+            raise CompileError(f"{ast.unparse(node)} is not compiled")
+        return self.call(called.parts[0], self.items(node.args))
+
+    def call(self, thing: Any, arguments: list[Value]) -> Value:
+        """What a builtin, a NamedTuple or a function to be compiled gives."""
+        if (special := self.program.special.get(thing)) is not None:
+            found: Value = special(self, *arguments)
+            return found
+        if thing in BUILTINS:
+            return BUILTINS[thing](self, *arguments)
+        if isinstance(thing, type) and hasattr(thing, "_fields"):
+            return together(arguments, thing)
+        missing = getattr(thing, "__code__", None) and thing.__code__.co_argcount - len(arguments)
+        if missing and 0 < missing <= len(thing.__defaults__ or ()):
+            arguments = [*arguments, *map(self.outside, thing.__defaults__[-missing:])]
+        instance = self.program.instance(thing, tuple(x.kind for x in arguments))
+        parts = (f"{leaf} {part}" for x in arguments for leaf, part in zip(x.kind.leaves, x.parts, strict=True))
+        text = f"call {instance.returned} @{instance.name}({', '.join(parts)})"
+        leaves = instance.result.leaves
+        if not leaves:
+            self.lines.append(f"  {text}")
+            return Value(instance.result, ())
+        found_there = self.write(text)
+        if len(leaves) == 1:
+            return Value(instance.result, (found_there,))
+        parts_there = (self.write(f"extractvalue {instance.returned} {found_there}, {k}") for k in range(len(leaves)))
+        return Value(instance.result, tuple(parts_there))
+
+
+EXPRESSIONS: dict[type[ast.expr], Callable[..., Value]] = {
+    ast.Name: Expressions.of_name,
+    ast.Constant: Expressions.of_constant,
+    ast.Tuple: Expressions.of_tuple,
+    ast.BinOp: Expressions.of_binop,
+    ast.UnaryOp: Expressions.of_unaryop,
+    ast.Compare: Expressions.of_compare,
+    ast.BoolOp: Expressions.of_boolop,
+    ast.IfExp: Expressions.of_ifexp,
+    ast.Attribute: Expressions.of_attribute,
+    ast.Subscript: Expressions.of_subscript,
+    ast.Call: Expressions.of_call,
+}

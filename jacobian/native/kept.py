@@ -1,0 +1,84 @@
+"""Objects kept on disk: an object is good as long as the sources that were read for it are the same, to the letter."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+from typing import NamedTuple
+
+HERE = Path(__file__).parent
+
+
+def place() -> Path | None:
+    """The folder for them, None where none can be written to: NUMBA_CACHE_DIR, what lies beside the source, the user's.
+
+    The same as where numba keeps its own.
+    """
+    named = os.environ.get("NUMBA_CACHE_DIR")
+    base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
+    for folder in [Path(named)] if named else [HERE / "__pycache__", Path(base) / "jacobian"]:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError:
+            continue
+        if os.access(folder, os.W_OK):
+            return folder
+    return None
+
+
+class Object(NamedTuple):
+    """Machine code, the letters of ``struct`` for the results of its entries, in brackets if they are tuples, and the
+    modules that it was made from.
+    """
+
+    results: dict[str, str]
+    modules: list[str]
+    code: bytes
+
+
+def find(folder: Path, name: str, made_for: str) -> Object | None:
+    """The object of that name, if it is good for this machine."""
+    try:
+        head, _, code = _file(folder, name).read_bytes().partition(b"\n")
+        known = json.loads(head)
+    except (OSError, ValueError):
+        return None
+    good = known["made for"] == made_for and known["size"] == len(code) and known["sources"] == stamps(known["sources"])
+    return Object(known["results"], list(known["sources"]), code) if good else None
+
+
+def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
+    """An object for a machine, by this compiler."""
+    compiler = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
+    sources = stamps(sorted({*made.modules, *compiler}))
+    known = {"made for": made_for, "size": len(made.code), "sources": sources, "results": made.results}
+    path = _file(folder, name)
+    beside = path.with_suffix(f".{os.getpid()}")
+    try:
+        beside.write_bytes(json.dumps(known).encode() + b"\n" + made.code)
+        os.replace(beside, path)
+    except OSError:
+        beside.unlink(missing_ok=True)
+
+
+def _file(folder: Path, name: str) -> Path:
+    # several installations may share a folder
+    mark = sha256(f"{HERE} {sys.implementation.cache_tag}".encode()).hexdigest()[:8]
+    return folder / f"{name}-{mark}.native"
+
+
+def stamps(modules: object) -> dict[str, str]:
+    """What is in the sources of modules, by their names."""
+    found = {}
+    for module in modules:  # type: ignore[attr-defined]
+        there = sys.modules.get(module)
+        origin = getattr(there, "__file__", None) if there else getattr(find_spec(module), "origin", None)
+        try:
+            found[module] = sha256(Path(str(origin)).read_bytes()).hexdigest()
+        except OSError:
+            found[module] = ""
+    return found

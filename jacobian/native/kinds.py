@@ -1,0 +1,141 @@
+"""What values are in compiled loops, and how LLVM holds them: every value is a row of scalars.
+
+Kinds are compared by identity of what they say. A value of compiled code is a :class:`Value`: its kind and the LLVM
+operands of its scalars; an integer known while compiling is written in digits.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, NamedTuple
+
+
+class CompileError(TypeError):
+    """A loop has what cannot be compiled, or is called with kinds of values that it does not take."""
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A scalar, or two of them for a double-double: ``leaves`` are LLVM's types."""
+
+    name: str
+    leaves: tuple[str, ...]
+    rank: int = -1
+    """Kinds of numbers meet in the one of higher rank."""
+
+
+BOOL = Kind("bool", ("i1",), 0)
+INT = Kind("int", ("i64",), 1)
+FLOAT = Kind("float", ("double",), 2)
+WIDE = Kind("double-double", ("double", "double"), 3)
+NONE = Kind("None", ())
+
+
+@dataclass(frozen=True)
+class ArrayKind:
+    """A C-contiguous array of ``item``, floats, integers or double-doubles; ``parts`` floats to an item in memory."""
+
+    item: Kind
+    ndim: int = 1
+    parts: int = 1
+
+    @property
+    def leaves(self) -> tuple[str, ...]:
+        return ("ptr",) + ("i64",) * self.ndim
+
+    @property
+    def memory(self) -> str:
+        """LLVM's type of what the pointer points to."""
+        return "i64" if self.item is INT else "double"
+
+
+INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
+HIGHS = ArrayKind(FLOAT, parts=2)
+"""The high parts of double-doubles."""
+
+
+@dataclass(frozen=True)
+class TupleKind:
+    """A tuple, or a NamedTuple of the class ``named``."""
+
+    items: tuple[Any, ...]
+    named: Any = None
+
+    @cached_property
+    def leaves(self) -> tuple[str, ...]:
+        return tuple(leaf for item in self.items for leaf in item.leaves)
+
+    def place(self, index: int) -> tuple[Any, int, int]:
+        """(kind, first scalar, the one after the last) of an item."""
+        if not -len(self.items) <= index < len(self.items):
+            raise CompileError(f"index {index} of a tuple of {len(self.items)}")
+        index %= len(self.items)
+        begin = sum(len(item.leaves) for item in self.items[:index])
+        return self.items[index], begin, begin + len(self.items[index].leaves)
+
+    def field(self, name: str) -> int:
+        """The index of a field of a NamedTuple."""
+        if self.named is None or name not in self.named._fields:
+            raise CompileError(f"{self.named or 'a tuple'} has no field {name}")
+        return int(self.named._fields.index(name))
+
+
+@dataclass(frozen=True)
+class ObjectKind:
+    """Something known while compiling: a function, a class."""
+
+    leaves: tuple[str, ...] = ()
+
+
+OBJECT = ObjectKind()
+
+
+def record(named: Any, *items: Any) -> TupleKind:
+    """The kind of a NamedTuple."""
+    return TupleKind(items, named)
+
+
+class Value(NamedTuple):
+    """A kind, and the LLVM operands of its scalars; of :data:`OBJECT` the thing itself."""
+
+    kind: Any
+    parts: tuple[Any, ...]
+
+    def item(self, index: int) -> Value:
+        """An item of a tuple."""
+        kind, begin, end = self.kind.place(index)
+        return Value(kind, self.parts[begin:end])
+
+    def known(self) -> int:
+        """The integer, which must be known while compiling."""
+        if self.kind is not INT or not self.parts[0].lstrip("-").isdigit():
+            raise CompileError("an integer known while compiling is needed")
+        return int(self.parts[0])
+
+    @property
+    def is_known(self) -> bool:
+        """Whether it is an integer known while compiling."""
+        return self.kind is INT and self.parts[0].lstrip("-").isdigit()
+
+
+def together(values: list[Value], named: Any = None) -> Value:
+    """A tuple, or a NamedTuple, of values."""
+    return Value(TupleKind(tuple(x.kind for x in values), named), tuple(part for x in values for part in x.parts))
+
+
+def is_number(kind: Any) -> bool:
+    """Whether it is that of a number."""
+    return isinstance(kind, Kind) and kind.rank >= 0
+
+
+def meeting(first: Any, second: Any) -> Any:
+    """The kind in which values of both are held; CompileError where there is none."""
+    if first == second:
+        return first
+    if is_number(first) and is_number(second):
+        return first if first.rank > second.rank else second
+    if isinstance(first, TupleKind) and isinstance(second, TupleKind) and len(first.items) == len(second.items):
+        named = first.named if first.named is second.named else None
+        return TupleKind(tuple(map(meeting, first.items, second.items)), named)
+    raise CompileError(f"{first} and {second} in one variable")

@@ -1,0 +1,132 @@
+"""Compiled functions as Python calls them."""
+
+from __future__ import annotations
+
+import struct
+import threading
+from collections.abc import Callable
+from ctypes import addressof, c_char
+from typing import Any
+
+import numpy as np
+
+from jacobian.native import kept, machine
+from jacobian.native.kinds import BOOL, FLOAT, INT, ArrayKind, TupleKind, Value
+from jacobian.native.program import Program
+from jacobian.numbers.compiler import say_once
+
+ITEMS = {"i64": np.dtype(np.int64), "double": np.dtype(np.float64)}
+
+
+class Library:
+    """Functions that are compiled together, the first time that one of them is called.
+
+    ``functions`` are the entries by name: the function and the kinds of its arguments. ``library.name(…)`` calls one:
+    arrays are given as NumPy's (of double-doubles with a last axis (hi, lo)), tuples as tuples or :class:`Packed`.
+    Calls let other threads run. ``said`` is told the name when it has to be compiled and is not found on disk.
+    """
+
+    said: Callable[[str], None] = staticmethod(lambda name: None)
+
+    def __init__(
+        self,
+        name: str,
+        functions: dict[str, tuple[Any, tuple[Any, ...]]],
+        special: dict[Any, Callable[..., Value]],
+        fast: tuple[Any, ...] = (),
+    ) -> None:
+        self.name, self._functions, self._special, self._fast = name, functions, special, fast
+        self._lock = threading.Lock()
+        self._entries: dict[str, Any] = {}
+
+    def __getattr__(self, name: str) -> Any:
+        if name.startswith("_") or name not in self._functions:
+            raise AttributeError(f"{self.name} has no {name}; it has {', '.join(self._functions)}")
+        with self._lock:
+            if not self._entries:
+                self._load()
+        for each, entry in self._entries.items():
+            setattr(self, each, entry)
+        return self._entries[name]
+
+    def _load(self) -> None:
+        folder, made_for = kept.place(), machine.name()
+        found = None if folder is None else kept.find(folder, self.name, made_for)
+        if found is None:
+            Library.said(self.name)
+            found = self._compiled()
+            if folder is None:
+                say_once()
+            else:
+                kept.keep(folder, self.name, made_for, found)
+        self._engine, entries = machine.loaded(found.code, tuple(self._functions))
+        for name, (_, kinds) in self._functions.items():
+            self._entries[name] = Call(entries[name], kinds, found.results[name])
+
+    def _compiled(self) -> kept.Object:
+        program = Program(self._special, self._fast)
+        results = {}
+        for name, (function, kinds) in self._functions.items():
+            result = program.entry(name, function, kinds)
+            letters = "".join(LETTERS[leaf] for leaf in result.leaves)
+            results[name] = f"({letters})" if isinstance(result, TupleKind) else letters
+        return kept.Object(results, sorted(program.modules), machine.object_of(program.text()))
+
+
+class Packed:
+    """An argument as the words of a call, made once for many calls; ``value`` is what it was made of."""
+
+    __slots__ = ("value", "words")
+
+    def __init__(self, value: Any, kind: Any) -> None:
+        self.value = value
+        self.words: list[Any] = []
+        flatten(value, kind, self.words)
+
+    def __getitem__(self, index: int) -> Any:
+        return self.value[index]
+
+
+class Call:
+    """An entry of a library."""
+
+    def __init__(self, entry: machine.Entry, kinds: tuple[Any, ...], result: str) -> None:
+        self._entry, self._kinds, back = entry, kinds, result.strip("()")
+        letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
+        self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
+        self._size, self._tuple = self._in.size + self._out.size, result != back
+
+    def __call__(self, *arguments: Any) -> Any:
+        words: list[Any] = []
+        for value, kind in zip(arguments, self._kinds, strict=True):
+            flatten(value, kind, words)
+        memory = bytearray(self._size)
+        self._in.pack_into(memory, 0, *words)
+        self._entry(addressof(c_char.from_buffer(memory)))
+        found = self._out.unpack_from(memory, self._in.size)
+        return found if self._tuple else found[0] if found else None
+
+
+LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q"}
+
+
+def flatten(value: Any, kind: Any, words: list[Any]) -> None:
+    """The words of a value at the end of ``words``."""
+    if type(value) is Packed:
+        words += value.words
+    elif isinstance(kind, ArrayKind):
+        flat = kind.ndim + (kind.parts == 2)
+        if value.dtype != ITEMS[kind.memory] or value.ndim != flat or not value.flags.c_contiguous:
+            raise TypeError(f"{value.dtype} array {value.shape}: {kind} is needed, C-contiguous")
+        words.append(value.ctypes.data)
+        words += value.shape[: kind.ndim]
+    elif isinstance(kind, TupleKind):
+        for item, part in zip(value, kind.items, strict=True):
+            flatten(item, part, words)
+    elif kind in (INT, BOOL, FLOAT):
+        words.append(value)
+    else:
+        words += value
+
+
+__all__ = ["Library", "Packed"]

@@ -1,0 +1,132 @@
+"""Functions compiled together: one module of LLVM, and what each of its entries takes and gives."""
+
+from __future__ import annotations
+
+import ast
+import builtins
+import inspect
+import sys
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from jacobian.native.code import wide_functions
+from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value
+from jacobian.native.operators import DECLARED
+from jacobian.native.statements import Statements, returned_type
+
+
+class Instance(NamedTuple):
+    """A function for arguments of some kinds."""
+
+    name: str
+    result: Any
+
+    @property
+    def returned(self) -> str:
+        """LLVM's type of what it returns."""
+        return returned_type(self.result)
+
+
+class Program:
+    """A module: ``special`` are functions with instructions of their own, ``fast`` those whose sums may be reordered.
+
+    Float operations may be contracted, but not in functions that take double-doubles.
+    """
+
+    def __init__(self, special: dict[Any, Callable[..., Value]], fast: tuple[Any, ...] = ()) -> None:
+        self.special, self._fast = special, fast
+        self._instances: dict[Any, Instance | None] = {}
+        self._texts: list[str] = []
+        self.modules: set[str] = set()
+        """The names of the modules that have been read."""
+
+    def instance(self, function: Any, kinds: tuple[Any, ...]) -> Instance:
+        """The function for arguments of some kinds, compiled now if it is not yet."""
+        key = function, kinds
+        if key not in self._instances:
+            if not inspect.isfunction(function):
+                raise CompileError(f"{function!r} is not compiled")
+            self._instances[key] = None
+            name = f"{function.__name__}.{len(self._instances)}"
+            flag = "" if any(map(_has_wide, kinds)) else "contract"
+            body = Statements(self, function, "fast" if function in self._fast else flag)
+            self._texts.append(body.compiled(name, self._tree(function), kinds, "internal"))
+            self._instances[key] = Instance(name, body.result)
+        found = self._instances[key]
+        if found is None:
+            raise CompileError(f"{function.__name__} calls itself")
+        return found
+
+    def entry(self, name: str, function: Any, kinds: tuple[Any, ...]) -> Any:
+        """An entry that C can call: its only argument are words of 64 bits, those of the arguments in a row and then
+        room for those of the result, whose kind is returned.
+        """
+        instance = self.instance(function, kinds)
+        body = Statements(self, function, "")
+        values = []
+        leaves = [leaf for kind in kinds for leaf in kind.leaves]
+        for k, leaf in enumerate(leaves):
+            there = body.write(f"getelementptr i64, ptr %words, i64 {k}")
+            word = body.write(f"load {'i64' if leaf == 'i1' else leaf}, ptr {there}")
+            values.append(f"{leaf} {body.write(f'icmp ne i64 {word}, 0') if leaf == 'i1' else word}")
+        call = f"call {instance.returned} @{instance.name}({', '.join(values)})"
+        result = instance.result
+        found = ""
+        if result is NONE:
+            body.lines.append(f"  {call}")
+        else:
+            found = body.write(call)
+        for k, leaf in enumerate(result.leaves):
+            part = body.write(f"extractvalue {instance.returned} {found}, {k}") if len(result.leaves) > 1 else found
+            if leaf == "i1":
+                leaf, part = "i64", body.write(f"zext i1 {part} to i64")
+            there = body.write(f"getelementptr i64, ptr %words, i64 {len(leaves) + k}")
+            body.lines.append(f"  store {leaf} {part}, ptr {there}")
+        lines = [f"define void @{name}(ptr %words) nounwind {{", *body.lines, "  ret void", "}"]
+        self._texts.append("\n".join(lines))
+        return result
+
+    def text(self) -> str:
+        """The module."""
+        return "\n".join([DECLARED, wide_functions(), *self._texts])
+
+    def looked_up(self, module: Any, name: str) -> Any:
+        """What a name of a module, or a builtin, is."""
+        found = getattr(module, name, getattr(builtins, name, self))
+        if found is self:
+            raise CompileError(f"{name} is not known, or not on every way")
+        if isinstance(found, int | float):
+            # the module it comes from
+            self.modules.add(_origins(module.__name__).get(name, module.__name__))
+        return found
+
+    def _tree(self, function: Any) -> ast.FunctionDef:
+        self.modules.add(function.__module__)
+        return _functions(function.__module__)[function.__name__]
+
+
+@cache
+def _parsed(module: str) -> ast.Module:
+    return ast.parse(Path(str(sys.modules[module].__file__)).read_text(encoding="utf-8"))
+
+
+@cache
+def _functions(module: str) -> dict[str, ast.FunctionDef]:
+    return {node.name: node for node in _parsed(module).body if isinstance(node, ast.FunctionDef)}
+
+
+@cache
+def _origins(module: str) -> dict[str, str]:
+    """The modules that the names of a module are imported from."""
+    if not str(getattr(sys.modules[module], "__file__", "")).endswith(".py"):
+        return {}
+    imports = (node for node in _parsed(module).body if isinstance(node, ast.ImportFrom) and node.module)
+    return {x.asname or x.name: str(node.module) for node in imports for x in node.names}
+
+
+def _has_wide(kind: Any) -> bool:
+    if isinstance(kind, TupleKind):
+        return any(map(_has_wide, kind.items))
+    return kind is WIDE or (isinstance(kind, ArrayKind) and kind.item is WIDE)

@@ -1,0 +1,267 @@
+"""Statements of compiled loops, and functions as wholes."""
+
+from __future__ import annotations
+
+import ast
+from collections.abc import Callable
+from typing import Any
+
+from jacobian.native.expressions import Expressions
+from jacobian.native.kinds import INT, NONE, OBJECT, ArrayKind, CompileError, TupleKind, Value, meeting
+from jacobian.native.operators import integer
+
+
+class _Wider(Exception):
+    """A name has to hold more than the kind of its first value."""
+
+
+class Statements(Expressions):
+    """One function for arguments of some kinds: ``result`` is the kind that it returns, ``text`` the function in LLVM.
+
+    A name has one kind, in which all its values meet. Where a later value shows that it is wider than the first, all
+    is begun again.
+    """
+
+    def __init__(self, program: Any, function: Any, contract: str) -> None:
+        super().__init__(program, function, contract)
+        self.kinds: dict[str, Any] = {}
+        self.result: Any = None
+        self.loops: list[list[str]] = []
+        """Where continue and break lead, and a third entry where a break has been seen."""
+        self.open = True
+
+    def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
+        """The function in LLVM."""
+        names = [x.arg for x in tree.args.args]
+        if len(names) != len(kinds):
+            raise CompileError(f"{len(kinds)} arguments, {len(names)} are needed")
+        while True:
+            self.lines, self.slots, self.variables, self.loops, self.open = [], [], {}, [], True
+            self.label, self._count = "entry", 0
+            parameters = []
+            try:
+                for argument, kind in zip(names, kinds, strict=True):
+                    parts = tuple(f"%{argument}.{k}" for k in range(len(kind.leaves)))
+                    parameters += [f"{leaf} {part}" for leaf, part in zip(kind.leaves, parts, strict=True)]
+                    self.assign_name(argument, Value(kind, parts))
+                self.block(tree.body)
+                if self.open:
+                    self.give_back(Value(NONE, ()))
+                break
+            except _Wider:
+                continue
+        returned = returned_type(self.result)
+        lines = [f"define {attributes} {returned} @{name}({', '.join(parameters)}) nounwind {{", "entry:"]
+        return "\n".join([*lines, *self.slots, *self.lines, "}"])
+
+    def block(self, body: list[ast.stmt]) -> None:
+        """Statements, as far as they are reached."""
+        for node in body:
+            if not self.open:
+                return
+            found = STATEMENTS.get(type(node))
+            try:
+                if found is None:
+                    raise CompileError(f"{type(node).__name__} is not compiled")
+                found(self, node)
+            except CompileError as error:
+                if error.args and not str(error).startswith("line "):
+                    where = f"line {node.lineno} of {self.source.__module__}.{self.source.__name__}"
+                    raise CompileError(f"{where}: {error}") from error
+                raise
+
+    # --- assignments
+
+    def assign_name(self, name: str, value: Value) -> None:
+        """A value into a variable."""
+        if value.kind is OBJECT:
+            raise CompileError(f"{name}: functions are no values of variables")
+        kind = self.kinds.setdefault(name, value.kind)
+        wider = meeting(kind, value.kind)
+        if wider != kind:
+            self.kinds[name] = wider
+            raise _Wider
+        if name not in self.variables:
+            self.variables[name] = kind, [self.slot(leaf) for leaf in kind.leaves]
+        self.keep(self.cast(value, kind), self.variables[name][1])
+
+    def assign(self, target: ast.expr, value: Value) -> None:
+        """A value to what is on the left of =."""
+        if isinstance(target, ast.Name):
+            self.assign_name(target.id, value)
+        elif isinstance(target, ast.Tuple):
+            if not isinstance(value.kind, TupleKind) or len(value.kind.items) != len(target.elts):
+                raise CompileError(f"{len(target.elts)} names for {value.kind}")
+            for i, part in enumerate(target.elts):
+                self.assign(part, value.item(i))
+        elif isinstance(target, ast.Subscript):
+            row = self.value(target.value)
+            if not isinstance(row.kind, ArrayKind):
+                raise CompileError("items of arrays only are assigned to")
+            self.put(row, self.address(row, target.slice), value)
+        else:
+            raise CompileError(f"{type(target).__name__} on the left of =")
+
+    def do_assign(self, node: ast.Assign) -> None:
+        value = self.value(node.value)
+        for target in node.targets:
+            self.assign(target, value)
+
+    def do_annassign(self, node: ast.AnnAssign) -> None:
+        if node.value is not None:
+            self.assign(node.target, self.value(node.value))
+
+    def do_augassign(self, node: ast.AugAssign) -> None:
+        operator = type(node.op).__name__
+        if isinstance(node.target, ast.Subscript):
+            row = self.value(node.target.value)
+            address = self.address(row, node.target.slice)
+            self.put(row, address, self.binary(operator, self.element(row, address), self.value(node.value)))
+        else:
+            self.assign(node.target, self.binary(operator, self.value(node.target), self.value(node.value)))
+
+    # --- the way through
+
+    def do_expr(self, node: ast.Expr) -> None:
+        if not isinstance(node.value, ast.Constant):
+            self.value(node.value)
+
+    def do_return(self, node: ast.Return) -> None:
+        self.give_back(Value(NONE, ()) if node.value is None else self.value(node.value))
+
+    def give_back(self, value: Value) -> None:
+        """The result of the function."""
+        result = value.kind if self.result is None else meeting(self.result, value.kind)
+        if result != self.result:
+            first, self.result = self.result is None, result
+            if not first:
+                raise _Wider
+        value, returned = self.cast(value, result), returned_type(result)
+        if len(value.parts) < 2:
+            self.lines.append(f"  ret {returned} {value.parts[0]}" if value.parts else "  ret void")
+        else:
+            row = "undef"
+            for k, (leaf, part) in enumerate(zip(result.leaves, value.parts, strict=True)):
+                row = self.write(f"insertvalue {returned} {row}, {leaf} {part}, {k}")
+            self.lines.append(f"  ret {returned} {row}")
+        self.open = False
+
+    def do_if(self, node: ast.If) -> None:
+        yes, no, end = self.labels("then", "else", "end")
+        self.split(self.truth(self.value(node.test)), yes, no)
+        ended = []
+        for label, body in ((yes, node.body), (no, node.orelse)):
+            self.begin(label)
+            self.open = True
+            self.block(body)
+            if self.open:
+                self.go(end)
+            ended.append(not self.open)
+        self.open = not all(ended)
+        if self.open:
+            self.begin(end)
+
+    def do_pass(self, node: ast.Pass) -> None:
+        pass
+
+    def do_break(self, node: ast.Break) -> None:
+        self.go(self.loops[-1][1])
+        self.loops[-1].append("broken")
+        self.open = False
+
+    def do_continue(self, node: ast.Continue) -> None:
+        self.go(self.loops[-1][0])
+        self.open = False
+
+    def do_while(self, node: ast.While) -> None:
+        again, body, end = self.labels("while", "do", "end")
+        self.go(again)
+        self.begin(again)
+        forever = isinstance(node.test, ast.Constant) and bool(node.test.value)
+        if forever:
+            self.go(body)
+        else:
+            self.split(self.truth(self.value(node.test)), body, end)
+        self.open = self.around(node.body, body, again, end) or not forever
+        if self.open:
+            self.begin(end)
+
+    def around(self, statements: list[ast.stmt], label: str, again: str, end: str) -> bool:
+        """The body of a loop; whether it has a break."""
+        self.begin(label)
+        self.loops.append([again, end])
+        self.block(statements)
+        if self.open:
+            self.go(again)
+        self.open = True
+        return len(self.loops.pop()) > 2
+
+    def do_for(self, node: ast.For) -> None:
+        if isinstance(node.iter, ast.Call) and isinstance(node.iter.func, ast.Name) and node.iter.func.id == "range":
+            given = [self.value(x) for x in node.iter.args]
+            start, stop = (integer(0), given[0]) if len(given) == 1 else (given[0], given[1])
+            self.counted(node, start, stop, given[2] if len(given) == 3 else integer(1), lambda i: i)
+            return
+        row = self.value(node.iter)
+        if isinstance(row.kind, ArrayKind) and row.kind.ndim == 1:
+            stop = Value(INT, (row.parts[1],))
+            self.counted(node, integer(0), stop, integer(1), lambda i: self.element(row, self.offset(row, i)))
+            return
+        if not isinstance(row.kind, TupleKind):
+            raise CompileError(f"a loop over {row.kind}")
+        (end,) = self.labels("end")
+        for i in range(len(row.kind.items)):
+            body, again = self.labels("do", "next")
+            self.go(body)
+            self.begin(body)
+            self.assign(node.target, row.item(i))
+            into = self.labels("into")[0]
+            self.go(into)
+            self.around(node.body, into, again, end)
+            self.begin(again)
+        self.go(end)
+        self.begin(end)
+
+    def counted(self, node: ast.For, start: Value, stop: Value, step: Value, item: Any) -> None:
+        """A loop over integers."""
+        if any(x.kind is not INT for x in (start, stop, step)):
+            raise CompileError("range takes integers")
+        counter = [self.slot("i64")]
+        self.keep(start, counter)
+        check, body, again, end = self.labels("check", "do", "next", "end")
+        self.go(check)
+        self.begin(check)
+        i = self.loaded(INT, counter)
+        self.split(self.compare("Lt" if step.known() > 0 else "Gt", i, stop).parts[0], body, end)
+        self.begin(body)
+        self.assign(node.target, item(i))
+        (into,) = self.labels("into")
+        self.go(into)
+        self.around(node.body, into, again, end)
+        self.begin(again)
+        self.keep(self.binary("Add", self.loaded(INT, counter), step), counter)
+        self.go(check)
+        self.begin(end)
+
+
+def returned_type(kind: Any) -> str:
+    """LLVM's type of what a function returns."""
+    leaves = kind.leaves
+    if len(leaves) < 2:
+        return str(leaves[0]) if leaves else "void"
+    return "{" + ", ".join(leaves) + "}"
+
+
+STATEMENTS: dict[type[ast.stmt], Callable[..., None]] = {
+    ast.Assign: Statements.do_assign,
+    ast.AnnAssign: Statements.do_annassign,
+    ast.AugAssign: Statements.do_augassign,
+    ast.Expr: Statements.do_expr,
+    ast.Return: Statements.do_return,
+    ast.If: Statements.do_if,
+    ast.Pass: Statements.do_pass,
+    ast.Break: Statements.do_break,
+    ast.Continue: Statements.do_continue,
+    ast.While: Statements.do_while,
+    ast.For: Statements.do_for,
+}

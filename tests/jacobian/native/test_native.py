@@ -1,0 +1,355 @@
+"""Compiled loops beside the same loops interpreted: every statement and operator, and what is refused."""
+
+import json
+import math
+import subprocess
+import sys
+from random import Random
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+
+from jacobian.native import kept
+from jacobian.native.kinds import (
+    FLOAT,
+    FLOATS,
+    INT,
+    INTS,
+    WIDES,
+    ArrayKind,
+    CompileError,
+    TupleKind,
+    record,
+)  # fmt: skip
+from jacobian.native.library import Library, Packed
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.double_double import pack, unpack
+from jacobian.numbers.roots import negligible, root
+
+FACTOR = 3
+
+
+class Pair(NamedTuple):
+    first: float
+    second: int
+
+
+def whole_numbers(a, b):
+    """Quotients that are rounded down, rests, bits, powers."""
+    return a // b, a % b, a << 3, a >> 1, a & b, a | b, -a, abs(a), max(a, b, 7), min(a, b), 2**5 + a * FACTOR, a != b
+
+
+def real_numbers(x, y, n):
+    low, high = min(x, y), max(1, x, y)
+    mantissa, exponent = math.frexp(x)
+    whole = math.floor(x) + math.ceil(y) + int(y)
+    powers = 2.0**n * abs(x) ** 0.5
+    functions = math.sin(x) + math.cos(y) * math.log(abs(x)) + math.exp(-abs(y)) + math.log2(high) + math.sqrt(high)
+    between = low < x - y <= high or x != y
+    return low, high, mantissa, exponent, whole, powers, functions, between, x / n, n / 3, math.ldexp(x, n), root(high)
+
+
+def ways(n, row):
+    """Loops with every way out of them, conditions that must not be computed, both kinds of while."""
+    total, seen, k = 0, 0.0, 0
+    for i in range(n - 1, -1, -2):
+        if i % 5 == 3:
+            continue
+        if total > 200:
+            break
+        total += i
+    while k < len(row) and row[k] >= 0:
+        seen += row[k]
+        k += 1
+    for x in row:
+        seen += x if x > 0 else -x
+    for size in (1, 2.5, n):
+        if size > 40:
+            break
+        for _ in range(3):
+            if seen > 1e9:
+                continue
+            seen += size
+    while True:
+        total += 7 if n in (13, k) else 9
+        if total > 215:
+            return total, seen, k
+        if total % 11 == 0:
+            break
+    return -total, seen, k
+
+
+def widened(n):
+    """A variable that is an integer at first, and an early end."""
+    x, name = 0, (1, 2.0)
+    for k in range(n):
+        x += k / 2
+        name = name[1], x
+    if n > 3:
+        return x, name
+    return 0, name
+
+
+def tuples(pair, numbers, k):
+    (a, b), c = (pair.first, pair.second), numbers[k]
+    other = Pair(a + c, b + 1)
+    chosen = other if b > 2 else Pair(numbers[0], 0)
+    return (*chosen, chosen.first, len(numbers), numbers[2])
+
+
+def arrays(table, counts, out):
+    rows, columns = table.shape
+    for i in range(rows):
+        row, part = table[i], out[i * columns : (i + 1) * columns]
+        for j in range(columns):
+            part[j] = row[j] + table[i, columns - 1 - j]
+            part[j] *= counts[i]
+        counts[i] += len(out[i : i + 100])
+    out[0] = out[1] = ended(out)
+
+
+def ended(row, last=2):
+    return row[last] + row[len(row) - 1]
+
+
+def wide_numbers(xs, y, n, out):
+    total = 0
+    for i in range(len(xs)):
+        total = total * y + xs[i] / (n + 1) - i
+    total -= xs[0] * 2 if total > y else y
+    out[0], out[1], out[2] = total, root(abs(total)), max(total, xs[1], 3)
+    out[3] = float(total) + negligible(xs[0], xs[1])
+    out[4] = float(negligible(xs[0] * 1e-40, xs[1])) - n / xs[2]
+
+
+ROWS = ArrayKind(FLOAT, 2)
+LOOPS = Library(
+    "test_loops",
+    {
+        "whole_numbers": (whole_numbers, (INT, INT)),
+        "real_numbers": (real_numbers, (FLOAT, FLOAT, INT)),
+        "ways": (ways, (INT, FLOATS)),
+        "widened": (widened, (INT,)),
+        "tuples": (tuples, (record(Pair, FLOAT, INT), TupleKind((FLOAT,) * 3), INT)),
+        "arrays": (arrays, (ROWS, INTS, FLOATS)),
+        "wide_numbers": (wide_numbers, (WIDES, FLOAT, INT, WIDES)),
+    },
+    SPECIAL,
+)
+
+
+def same(found, true):
+    assert len(found) == len(true)
+    for x, y in zip(found, true, strict=True):
+        if isinstance(y, tuple):
+            y = y[0]
+        assert x == y or abs(x - y) <= 1e-14 * abs(y), (found, true)
+
+
+def test_whole_numbers():
+    rng = Random(1)
+    for _ in range(300):
+        a, b = rng.randint(-50, 50), rng.choice((-7, -3, -1, 1, 2, 5, 64))
+        assert LOOPS.whole_numbers(a, b) == tuple(map(int, whole_numbers(a, b)))
+
+
+def test_real_numbers():
+    rng = Random(2)
+    for _ in range(300):
+        x, y, n = rng.uniform(-9, 9), rng.choice((rng.uniform(-9, 9), 2.0, -3.0)), rng.randint(1, 9)
+        same(LOOPS.real_numbers(x, y, n), real_numbers(x, y, n))
+
+
+def test_ways_through():
+    rng = Random(3)
+    seen = set()
+    for _ in range(300):
+        row = [rng.choice((1.0, 2.5, 0.0, 3.0, -1.0)) for _ in range(rng.randint(0, 5))]
+        n = rng.randint(0, 60)
+        true = ways(n, row)
+        same(LOOPS.ways(n, np.array(row)), true)
+        seen.add(true[0] > 0)
+    assert seen == {True, False}
+
+
+@pytest.mark.parametrize("n", [0, 1, 3, 4, 9])
+def test_a_variable_becomes_wider(n):
+    x, *pair = LOOPS.widened(n)
+    true, other = widened(n)
+    assert (x, tuple(pair)) == (true, other)
+    assert isinstance(x, float)
+
+
+def test_tuples_and_fields():
+    for b in (1, 5):
+        for k in range(3):
+            given = Pair(0.5, b), (1.0, 2.0, 4.0), k
+            same(LOOPS.tuples(*given), tuples(*given))
+
+
+def test_arrays():
+    table, counts, out = np.arange(6.0).reshape(2, 3), np.array([2, 5]), np.zeros(6)
+    found = counts.copy(), out.copy()
+    arrays(table, counts, out)
+    LOOPS.arrays(table, *found)
+    assert (found[0].tolist(), found[1].tolist()) == (counts.tolist(), out.tolist())
+
+
+def test_wide_numbers():
+    from fractions import Fraction
+
+    xs = [Fraction(1, 3), Fraction(2, 7), Fraction(5, 11)]
+    given, y, out = pack(xs), 0.75, np.empty((5, 2))
+    LOOPS.wide_numbers(given, y, 4, out)
+    total = Fraction(0)
+    for i, x in enumerate(xs):
+        total = total * Fraction(y) + x / 5 - i
+    total -= xs[0] * 2 if total > y else Fraction(y)
+    found = unpack(out)
+    assert abs(found[0] - total) < Fraction(1, 10**30)
+    assert abs(found[1] ** 2 - abs(total)) < Fraction(1, 10**30)
+    assert found[2] == 3
+    assert found[3] == Fraction(float(total))
+    assert abs(found[4] - (1 - 4 / xs[2])) < Fraction(1, 10**30)
+
+
+def test_not_a_number_holds_no_relation():
+    nan = float("nan")
+    found = LOOPS.real_numbers(nan, 2.0, 3)
+    assert (found[1], found[7]) == (2.0, 1)
+
+
+@pytest.mark.parametrize(
+    "array", [np.zeros(3, dtype=np.float32), np.zeros(8)[::2], np.zeros((2, 2)), np.zeros(3, dtype=int)]
+)
+def test_arrays_of_another_kind_are_refused(array):
+    with pytest.raises(TypeError, match="is needed, C-contiguous"):
+        LOOPS.ways(1, array)
+
+
+def test_words_made_beforehand():
+    row = np.array([1.0, 2.0])
+    assert LOOPS.ways(3, Packed(row, FLOATS)) == LOOPS.ways(3, row)
+
+
+# --- what is not compiled
+
+
+def with_a_list(n):
+    return [n]
+
+
+def unknown(n):
+    return n + earlier  # noqa: F821
+
+
+def two_kinds(n):
+    x = n
+    if n > 3:
+        x = (n, n)
+    return x
+
+
+def recursive(n):
+    return recursive(n - 1)
+
+
+def negative_index(row):
+    return row[-1]
+
+
+def into_integers(counts):
+    counts[0] = 0.5
+
+
+@pytest.mark.parametrize(
+    ("function", "kind", "words"),
+    [
+        (with_a_list, INT, "List is not compiled"),
+        (unknown, INT, "earlier is not known"),
+        (two_kinds, INT, "in one variable"),
+        (recursive, INT, "calls itself"),
+        (negative_index, FLOATS, "negative indices"),
+        (into_integers, INTS, "into an array of"),
+    ],
+)
+def test_what_is_refused_says_where(function, kind, words):
+    library = Library("test_refused", {"loop": (function, (kind,))}, SPECIAL)
+    with pytest.raises(CompileError, match=f"line [0-9]+ of .*{function.__name__}: .*{words}"):
+        library.loop(1)
+
+
+def test_names_that_a_library_does_not_have():
+    with pytest.raises(AttributeError, match="test_loops has no sine"):
+        _ = LOOPS.sine
+
+
+# --- on disk
+
+SOURCE = """
+from jacobian.native.kinds import INT
+from jacobian.native.library import Library
+from numbers_there import FACTOR
+def times(n):
+    return n * FACTOR
+LIBRARY = Library("test_kept", {"times": (times, (INT,))}, {})
+"""
+RUN = """
+import json, sys
+sys.path.insert(0, sys.argv[1])
+from jacobian.native.library import Library
+said = []
+Library.said = staticmethod(said.append)
+from loops_there import LIBRARY
+print(json.dumps([LIBRARY.times(7), said]))
+"""
+
+
+def run(folder, **environment):
+    import os
+
+    done = subprocess.run(
+        [sys.executable, "-W", "error", "-c", RUN, str(folder)],
+        capture_output=True, text=True, timeout=100, check=False,
+        env={**os.environ, "NUMBA_CACHE_DIR": str(folder / "kept"), "PYTHONDONTWRITEBYTECODE": "1", **environment},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_objects_are_kept_until_a_source_changes(tmp_path):
+    (tmp_path / "loops_there.py").write_text(SOURCE)
+    (tmp_path / "numbers_there.py").write_text("FACTOR = 3\n")
+    assert run(tmp_path) == [21, ["test_kept"]]
+    assert run(tmp_path) == [21, []]
+    (tmp_path / "loops_there.py").write_text(SOURCE.replace("n * FACTOR", "n * FACTOR + 1"))
+    assert run(tmp_path) == [22, ["test_kept"]]
+    # a file that is no object, or half of one
+    (kept_file,) = (tmp_path / "kept").iterdir()
+    kept_file.write_bytes(kept_file.read_bytes()[:-10])
+    assert run(tmp_path) == [22, ["test_kept"]]
+    kept_file.write_bytes(b"nothing")
+    assert run(tmp_path) == [22, ["test_kept"]]
+
+
+def test_numbers_from_other_files_are_sources():
+    """Of constants too: REACH lies in a file that has no function of the loops."""
+    from integrable.torus.compiled import LIBRARY
+
+    assert LIBRARY.survey
+    made_for = __import__("jacobian.native.machine", fromlist=["name"]).name()
+    found = kept.find(kept.place(), "torus", made_for)
+    assert {"integrable.torus.survey", "jacobian.inexact.genus2_real", "jacobian.native.code"} <= set(found.modules)
+
+
+def test_where_nothing_can_be_written(monkeypatch, tmp_path):
+    from jacobian.numbers import compiler
+
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "file"))
+    assert kept.place() is None
+    compiler.say_once.cache_clear()
+    library = Library("test_nowhere", {"widened": (widened, (INT,))}, SPECIAL)
+    with pytest.warns(compiler.NoCacheWarning):
+        assert library.widened(0)[0] == 0
