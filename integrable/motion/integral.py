@@ -33,11 +33,9 @@ class TorusIntegral:
     def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], least: np.ndarray) -> None:
         self._flow = flow
         self._doubled = [2 if np.prod(row) < 0 else 1 for row in flow.turns]
-        sizes = FIRST_SIZE, FIRST_SIZE
+        sizes, samples = (FIRST_SIZE, FIRST_SIZE), None
         while sizes[0] * sizes[1] <= (MOST_SAMPLES if flow.compiled else MOST_INTERPRETED):
-            phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
-            grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
-            samples = function(flow.at_phases(grid)).reshape(*sizes, -1)
+            samples = self._sampled(function, sizes, samples)
             grids = [spectrum(part) for part in np.moveaxis(samples, -1, 0)]
             noises = [
                 max(NOISE, x / max(np.abs(grid).max(), x, TINY)) for x, grid in zip(least.tolist(), grids, strict=True)
@@ -58,6 +56,23 @@ class TorusIntegral:
             TorusSeries(grid, (first, second), noise=max(x, flow.closure))
             for x, grid in zip(noises, grids, strict=True)
         ]
+
+    def _sampled(
+        self, function: Callable[[np.ndarray], np.ndarray], sizes: tuple[int, int], known: np.ndarray | None
+    ) -> np.ndarray:
+        """F on a grid of its periods, shape (*sizes, m); those on a coarser one are known."""
+        phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
+        grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1)
+        new = np.ones(sizes, dtype=bool)
+        if known is not None:
+            places = tuple(slice(None, None, n // m) for n, m in zip(sizes, known.shape, strict=False))
+            new[places] = False
+        values = function(self._flow.at_phases(grid[new]))
+        samples = np.empty((*sizes, values.shape[1]))
+        samples[new] = values
+        if known is not None:
+            samples[places] = known
+        return samples
 
     def at(self, run: Trajectory) -> np.ndarray:
         """The integrals at the times of a run, shape (N, m); the phases do not lose what a rounded τ has lost."""

@@ -19,6 +19,8 @@ NOISE = 1e-13
 # panels of a stretch whose ends show how long they may be, and halvings of one of them
 PROBES = 8
 MOST_HALVINGS = 12
+# what is level below this part of a column is rounding, which no halving makes smaller: so many show it
+ROUGH, MOST_IN_VAIN = 1e-8, 4
 
 States = Callable[[np.ndarray], np.ndarray]
 
@@ -43,15 +45,21 @@ class Panels:
         left = np.linspace(start, end, count + 1)[:-1]
         half = np.full(count, (end - start) / (2 * count))
         middle = left + half
-        middles, halves, series = [], [], []
+        middles, halves, series, in_vain = [], [], [], 0
         for _ in range(MOST_HALVINGS):
             found = _coefficients(states, middle, half)
             good = _converged(found, tolerance, least)
+            in_vain = in_vain + 1 if _rounded(found)[~good].all() else 0
             middles.append(middle[good])
             halves.append(half[good])
             series.append(found[good])
             if good.all():
                 break
+            if in_vain == MOST_IN_VAIN:
+                raise PrecisionLoss(
+                    f"the states between {start} and {end} are too rough for Chebyshev series: rounding is more than "
+                    f"{NOISE:.0e} of them; use more digits"
+                )
             middle, half = middle[~good], half[~good] / 2
             middle, half = np.concatenate([middle - half, middle + half]), np.concatenate([half, half])
         else:
@@ -103,6 +111,15 @@ def _converged(coefficients: np.ndarray, tolerance: float = TOLERANCE, least: An
     level = (tails > before / 8) & (tails <= NOISE * sizes)
     good: np.ndarray = ((tails <= np.maximum(tolerance * sizes, least)) | level).all(axis=1)
     return good
+
+
+def _rounded(coefficients: np.ndarray) -> np.ndarray:
+    """Whether the last terms of every panel that are not tiny are level and small."""
+    sizes = np.abs(coefficients).max(axis=(0, 1))
+    tails = np.abs(coefficients[:, -3:]).max(axis=1)
+    before = np.abs(coefficients[:, -10:-3]).max(axis=1)
+    quiet: np.ndarray = ((tails > before / 8) & (tails <= ROUGH * sizes) | (tails <= NOISE * sizes)).all(axis=1)
+    return quiet
 
 
 @lru_cache(maxsize=1)

@@ -35,6 +35,20 @@ def test_a_jump_is_refused():
         Panels(lambda t: np.sign(t[:, None] - 0.3), 0.0, 1.0, 1.0)
 
 
+def test_rounding_is_refused_before_it_is_halved_away():
+    """Twelve halvings of panels that only rounding keeps from converging took 4095 panels."""
+    rng, asked = np.random.default_rng(3), 0
+
+    def noisy(t):
+        nonlocal asked
+        asked += len(t)
+        return (np.cos(t) + 1e-11 * rng.standard_normal(len(t)))[:, None]
+
+    with pytest.raises(PrecisionLoss, match="rounding is more than"):
+        Panels(noisy, 0.0, 2.0, 2.0)
+    assert asked <= 28 * (2**6 - 1)
+
+
 @pytest.mark.parametrize("system", [BALL, TOP], ids=["ball", "top"])
 @pytest.mark.parametrize("axis", [0, 1, 2])
 def test_the_vertical_in_a_coordinate_plane(system, axis):
