@@ -125,6 +125,10 @@ class Jacobian(FiniteGroup):
 
         return support(self._own(D, "D"), extension)
 
+    def change_ring(self, K: Any) -> Jacobian:
+        """The Jacobian of :meth:`jacobian.curve.questions.CurveQuestions.change_ring`."""
+        return self.curve.change_ring(K).jacobian()
+
     def __call__(self, P: Any, Q: Any = None) -> Divisor:
         """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
         if Q is None:

@@ -174,6 +174,23 @@ def xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly, Poly]:
     return d, quotient(K, sub(K, d, mul(K, s, b)), a), s
 
 
+def resultant(K: Any, a: Poly, b: Poly) -> Any:
+    """The resultant of two non-zero polynomials over an exact field, by Euclid's algorithm."""
+    result = K.one
+    while len(b) > 1:
+        rest = mod(K, a, b)
+        if not rest:
+            return K.zero
+        for _ in range(len(a) - len(rest)):
+            result = K.mul(result, b[-1])
+        if (len(a) - 1) * (len(b) - 1) % 2:
+            result = K.neg(result)
+        a, b = b, rest
+    for _ in range(len(a) - 1):
+        result = K.mul(result, b[0])
+    return result
+
+
 def integer(K: Any, m: int) -> Any:
     """The element m·1; ``K.coerce(m)`` is another thing over GF(p^k), where an int stands for an element."""
     return K.coerce(m % K.characteristic if K.characteristic else m)

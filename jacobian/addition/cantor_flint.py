@@ -1,7 +1,7 @@
 """Cantor's composition and reduction on python-flint's polynomials, where it pays.
 
-Triples come and go as raw elements (ints, Fractions); in between the polynomials are flint's: ``nmod_poly`` and
-``fmpz_mod_poly`` over GF(p), ``fq_default_poly`` over GF(p^k), ``fmpq_poly`` over QQ. With the conversions an addition
+Triples come and go as raw elements (ints, Fractions); in between the polynomials are those of
+:mod:`jacobian.fields.flint_polynomials`. With the conversions an addition
 takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks single
 heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast; and the elements of a large
 field of characteristic 2 cost as much to convert as to multiply: there it is not used.
@@ -11,19 +11,15 @@ The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests 
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from fractions import Fraction
 from typing import Any
 
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.extension import ExtensionField
+from jacobian.fields.flint_polynomials import conversions
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.rational import RationalField
-from jacobian.fields.table import TableField
-
-Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
 
 
 def pays(C: HyperellipticCurve) -> bool:
@@ -99,43 +95,3 @@ class FlintCantor:
             else:
                 n += size - other.degree()
         return other, -(v + self.h) % other, n
-
-
-def conversions(K: Any) -> Conversions:
-    """(from ascending coefficients to a flint polynomial, and back) for polynomials over K."""
-    import flint
-
-    if isinstance(K, RationalField):
-        return (
-            lambda a: flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in a]),
-            lambda a: tuple([Fraction(int(c.p), int(c.q)) for c in a.coeffs()]),
-        )
-    if isinstance(K, PrimeField):
-        p = K.p
-        into = flint.fmpz_mod_poly_ctx(p)
-        word = p < 1 << 63
-        return (
-            (lambda a: flint.nmod_poly(list(a), p)) if word else (lambda a: into(list(a) or [0])),
-            lambda a: tuple(map(int, a.coeffs())),
-        )
-    return _extension_conversions(K, flint)
-
-
-def _extension_conversions(K: Any, flint: Any) -> Conversions:
-    field = flint.fq_default_ctx(modulus=flint.fmpz_mod_poly_ctx(K.p)(list(K.modulus)), var="a")
-    ring = flint.fq_default_poly_ctx(field)
-    known: dict[int, Any] = {}
-    small = isinstance(K, TableField)
-
-    def element(x: int) -> Any:
-        found = known.get(x)
-        if found is None:
-            found = field(K.coefficients(x))
-            if small:
-                known[x] = found
-        return found
-
-    def back(a: Any) -> tuple[int, ...]:
-        return tuple([K._pack(list(map(int, c.to_list()))) for c in a.coeffs()])
-
-    return lambda a: ring([element(c) for c in a] or [0]), back

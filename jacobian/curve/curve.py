@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jacobian import poly
 from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+from jacobian.curve.questions import CurveQuestions
 from jacobian.errors import (
     ArgumentError,
     FieldError,
@@ -28,7 +29,6 @@ from jacobian.errors import (
 from jacobian.fields.protocol import Field, check_field
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.randomness import random_below
-from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 MOST_BOUND = 1000
 
 
-class HyperellipticCurve(Immutable):
+class HyperellipticCurve(CurveQuestions):
     """The smooth projective curve y² + h(x)y = f(x) of genus g ≥ 1 over the field K.
 
     ``f``, ``h``: ascending coefficients or a galois.Poly, h also a number; max(deg f, 2 deg h) is 2g+1 or 2g+2 and f
@@ -257,7 +257,7 @@ class HyperellipticCurve(Immutable):
         if all:
             return points
         if not points:
-            raise NotASquare(f"x = {x}: no point of {self!r} over {K.name} has this x")
+            raise NotASquare(f"x = {x}: no point of {self!r} has this x")
         return points[0]
 
     def points(self, bound: int | None = None) -> Iterator[Point]:

@@ -58,6 +58,31 @@ class FiniteGroup(GroupLaw):
 
         return frobenius_polynomial(self.curve)
 
+    def cartier_manin(self) -> list[list[Any]]:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
+        from jacobian.finite.slopes import cartier_manin_matrix
+
+        return cartier_manin_matrix(self.curve)
+
+    def p_rank(self) -> int:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.p_rank`."""
+        from jacobian.finite.slopes import p_rank
+
+        return p_rank(self.curve, self.frobenius_polynomial)
+
+    def is_supersingular(self) -> bool:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.is_supersingular`."""
+        from jacobian.finite.slopes import is_supersingular
+
+        field: Any = self.field
+        return is_supersingular(self.frobenius_polynomial(), field.characteristic, field.degree)
+
+    def bad_primes(self) -> list[int]:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`."""
+        from jacobian.finite.reduction import bad_primes
+
+        return bad_primes(self.curve)
+
     def order(self) -> int:
         """#J over a finite field, the value of :meth:`frobenius_polynomial` at 1."""
         return sum(self.frobenius_polynomial())

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from itertools import count
 from math import inf
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from jacobian import poly
-from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, FieldError, JacobianError
 from jacobian.fields import GF
 from jacobian.fields.primality import is_prime
@@ -65,18 +64,7 @@ def _rational_order(D: Divisor) -> int | float:
 
 
 def _reductions(D: Divisor) -> Iterator[Divisor]:
-    """D modulo the odd primes p ≥ 5 where the curve stays smooth and of its model, and the numbers integral."""
-    C = D.jacobian.curve
+    """D modulo the primes p ≥ 5 of good reduction at which none of its points goes to infinity."""
     for p in filter(is_prime, count(5)):
-        K = GF(p)
-        try:
-            f, h, u, v = (poly.coerce(K, a, "coefficient") for a in (C.f, C.h, D.u, D.v))
-            plus = K.coerce(C.infinity_plus) if C.model == "split" else None
-            reduced = HyperellipticCurve(K, f, h, infinity_plus=plus)
-        except JacobianError:
-            # a denominator, a singular point, or two points at infinity that meet
-            continue
-        if reduced.genus == C.genus:
-            J: Any = reduced.jacobian()
-            # an inert model may become split or ramified: its classes share the points at infinity evenly
-            yield J.from_mumford(u, v, D.n)
+        with suppress(JacobianError):
+            yield D.change_ring(GF(p))

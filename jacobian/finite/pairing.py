@@ -20,7 +20,7 @@ from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible
 from jacobian.fields import GF
-from jacobian.fields.embedding import embedding
+from jacobian.fields.change import change_of_field
 from jacobian.finite.counting import irreducible
 from jacobian.law.divisor import check_scalar
 
@@ -217,18 +217,12 @@ class _Extension:
             return
         size = K.degree * self.degree
         L = GF(K.characteristic, size, irreducible(GF(K.characteristic), size))
-        self._embedding = embedding(K, L)
-        f, h = map(self._embedding.polynomial, (C.f, C.h))
-        plus = self._embedding(C.infinity_plus) if C.model == "split" else None
-        self.curve = HyperellipticCurve(L, f, h, infinity_plus=plus)
+        self.curve = C.change_ring(L)
+        self._back = change_of_field(L, K)
 
     def __call__(self, D: Divisor) -> Divisor:
-        if self.degree == 1:
-            return D
-        J: Any = self.curve.jacobian()
-        result: Divisor = J.from_mumford(*map(self._embedding.polynomial, (D.u, D.v)), D.n)
-        return result
+        return D.change_ring(self.curve.field)
 
     def back(self, value: Any) -> Any:
         """The element of the field below that ``value`` is."""
-        return value if self.degree == 1 else self._embedding.back(value)
+        return value if self.degree == 1 else self._back(value)

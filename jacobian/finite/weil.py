@@ -8,16 +8,13 @@ from __future__ import annotations
 
 from math import comb
 
+from jacobian.curve.zeta import power_sums
+
 
 def extend(chi: list[int], q: int, degree: int) -> list[int]:
     """χ over GF(q^degree) from χ over GF(q): the roots are raised to that power (Newton's identities)."""
-    size = len(chi) - 1
-    g = size // 2
-    descending = chi[::-1]
-    sums = [0]
-    for k in range(1, g * degree + 1):
-        known = sum(descending[i] * sums[k - i] for i in range(1, min(k, size + 1)) if i <= size)
-        sums.append(-known - (k * descending[k] if k <= size else 0))
+    g = len(chi) // 2
+    sums = power_sums(chi[::-1], g * degree)
     a = [1]
     for i in range(1, g + 1):
         a.append(-sum(sums[degree * j] * a[i - j] for j in range(1, i + 1)) // i)

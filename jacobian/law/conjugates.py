@@ -8,11 +8,10 @@ from math import lcm
 from typing import Any
 
 from jacobian import poly
-from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.fields.embedding import Embedding, embedding
-from jacobian.fields.factor import factor, roots_in, without_root
+from jacobian.fields.factor import factor, roots, without_root
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
 
@@ -24,7 +23,7 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Any], extension: Any) ->
     under Frobenius, as often as they are repeated.
     """
     C, inclusion = J.curve, embedding(J.field, extension)
-    above = curve_over(C, inclusion)
+    above = C.change_ring(extension)
     checked = [
         C.check_point(point) if isinstance(point, PointAtInfinity) else above.check_point(point) for point in points
     ]
@@ -54,11 +53,6 @@ def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[Affine
     return found
 
 
-def curve_over(C: HyperellipticCurve, inclusion: Embedding) -> HyperellipticCurve:
-    """The same equation over the larger field."""
-    return HyperellipticCurve(inclusion.large, inclusion.polynomial(C.f), inclusion.polynomial(C.h))
-
-
 def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
     """The points of D with their multiplicities, as :meth:`jacobian.law.divisor.Divisor.support` says."""
     C = D.jacobian.curve
@@ -70,7 +64,7 @@ def support(D: Divisor, extension: Any = None) -> list[tuple[Point, int]]:
         raise FieldError(f"field = {K.name}: multiplicities of points are not decided over an inexact field")
     points: list[tuple[Point, int]] = []
     rest = u
-    for x in roots_in(K, u):
+    for x in roots(K, u):
         multiplicity, rest = without_root(K, rest, x)
         points.append((AffinePoint(x, poly.evaluate(K, v, x)), multiplicity))
     if len(rest) > 1:

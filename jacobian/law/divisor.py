@@ -13,7 +13,8 @@ from typing import Any, Literal, SupportsIndex
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import Point
-from jacobian.errors import ArgumentError, CurveMismatch, shown, whole
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, shown, whole
+from jacobian.fields.change import change_of_field
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
 
@@ -72,6 +73,10 @@ class GroupLaw(Immutable):
         """The points of D with multiplicities: see :meth:`Divisor.support`."""
         raise NotImplementedError
 
+    def change_ring(self, K: Any) -> GroupLaw:
+        """The same group of the curve over another field."""
+        raise NotImplementedError
+
     def order(self) -> int:
         """The number of classes, over a finite field."""
         raise NotImplementedError
@@ -120,6 +125,21 @@ class Divisor(Immutable):
         has them; FieldError over an inexact field.
         """
         return self.jacobian.support(self, extension)
+
+    def change_ring(self, K: Any) -> Divisor:
+        """The image of D over the field K (:meth:`jacobian.curve.questions.CurveQuestions.change_ring`).
+
+        FieldError where u and v have no such image, as modulo a prime at which a point of D goes to infinity.
+        """
+        J, move = self.jacobian.change_ring(K), change_of_field(self.jacobian.field, K)
+        try:
+            u, v = ([move(c) for c in a] for a in (self.u, self.v))
+        except FieldError:
+            if J.field.order is None or self.jacobian.field.order is not None:
+                raise
+            raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
+        # what shared the places at infinity evenly goes on doing so on a split model
+        return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:
         """(u, v) as galois.Poly over the galois class of the field; FieldError where there is none (QQ, RR, CC, MP)."""

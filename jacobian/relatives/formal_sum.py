@@ -28,7 +28,7 @@ from jacobian.errors import (
     shown,
     whole,
 )
-from jacobian.fields.factor import roots_in, without_root
+from jacobian.fields.factor import roots, without_root
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor, check_scalar, is_zero_int
 from jacobian.law.from_points import counted
@@ -119,7 +119,7 @@ class FormalSum(Immutable):
         """
         C, K = self.curve, self.curve.field
         whole_part = poly.mul(K, self.u, poly.mul(K, self.numerator, self.denominator))
-        points: list[Point] = [P for x in roots_in(K, whole_part) for P in C.lift_x(x, all=True)]
+        points: list[Point] = [P for x in roots(K, whole_part) for P in C.lift_x(x, all=True)]
         points += C.points_at_infinity()
         found = [(P, m) for P in points if (m := self.multiplicity(P))]
         if sum(m for _, m in found) != self.degree or FormalSum.from_points(C, *_columns(found)) != self:

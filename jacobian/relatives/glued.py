@@ -72,6 +72,10 @@ class GeneralizedJacobian(Jacobian):
         u, v = pair_of_points(self.curve, affine)
         return Divisor(self, u, v if self.field.exact else (*v, self.field.zero)[:2], None)
 
+    def change_ring(self, K: Any) -> GeneralizedJacobian:
+        """The same group of the curve over the field K."""
+        return GeneralizedJacobian(self.curve.change_ring(K))
+
     def random(self, rng: Any) -> Divisor:
         """The class of two random points: not uniform in the group."""
         return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])

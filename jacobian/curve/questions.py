@@ -1,0 +1,134 @@
+"""What a curve is asked: its equation over other fields, its twist, its points over finite fields.
+
+The base of :class:`jacobian.curve.curve.HyperellipticCurve`. What needs the arithmetic of the Jacobian the Jacobian
+answers (:class:`jacobian.finite.group.FiniteGroup`).
+"""
+
+from __future__ import annotations
+
+from typing import Any, Self
+
+from jacobian import poly
+from jacobian.curve.zeta import ZetaFunction
+from jacobian.errors import ArgumentError, JacobianError, SingularCurve, shown
+from jacobian.fields.change import change_of_field
+from jacobian.fields.protocol import Field, check_field
+from jacobian.fields.quadratic import quadratic_roots
+from jacobian.immutable import Immutable
+
+
+class CurveQuestions(Immutable):
+    """Base of :class:`jacobian.curve.curve.HyperellipticCurve`."""
+
+    field: Field[Any]
+    f: poly.Poly
+    h: poly.Poly
+    genus: int
+    model: str
+    infinity_plus: Any
+
+    def _with(self, K: Any, f: poly.Poly, h: poly.Poly, infinity_plus: Any = None) -> Self:
+        return type(self)(K, f, h, infinity_plus)  # type: ignore[call-arg]
+
+    def jacobian(self) -> Any:
+        """The Jacobian of this curve, always the same object (:class:`jacobian.group.Jacobian`)."""
+        raise NotImplementedError
+
+    # --- over other fields
+
+    def change_ring(self, K: Any) -> Self:
+        """The curve with the same equation over the field K: a reduction of QQ modulo p, a larger finite field or one
+        that holds all coefficients, RR, CC or MP(dps).
+
+        ∞₊ goes to ∞₊ where it can. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
+        reduction of this equation (another equation may be good there: :meth:`bad_primes`).
+        """
+        K = check_field(K, "K")
+        move = change_of_field(self.field, K)
+        f, h = (tuple(move(c) for c in a) for a in (self.f, self.h))
+        try:
+            reduced = self._with(K, f, h)
+        except JacobianError as error:
+            raise SingularCurve(f"K = {K.name}: {self!r} has bad reduction there: {error}") from None
+        if reduced.genus != self.genus:
+            raise SingularCurve(
+                f"K = {K.name}: {self!r} has bad reduction there: all of f_{2 * self.genus + 2}, "
+                f"f_{2 * self.genus + 1} and h_{self.genus + 1} vanish"
+            )
+        if self.model == reduced.model == "split":
+            return self._with(K, f, h, move(self.infinity_plus))
+        return reduced
+
+    def bad_primes(self) -> list[int]:
+        """The primes at which :meth:`change_ring` refuses this equation over QQ, ascending: those in denominators, and
+        those that make it singular.
+        """
+        return self.jacobian().bad_primes()
+
+    def quadratic_twist(self, d: Any = None) -> Self:
+        """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
+
+        For F = h² + 4f and odd or no characteristic y² = d·F, in characteristic 2 y² + hy = f + d·h². By default the
+        first element d of a finite field for which K(√d) is larger; over QQ there is no such choice. ArgumentError for
+        a d that twists nothing.
+        """
+        K: Any = self.field
+        even = K.characteristic == 2
+        if d is None:
+            if K.order is None:
+                raise ArgumentError(f"d = None: over {K.name} there are many twists, say which")
+            d = next(x for x in map(K.element, range(K.order)) if x != K.zero and not self._twists_nothing(x))
+        d = K.coerce(d, "d")
+        if (K.is_zero(d) and not even) or (K.exact and self._twists_nothing(d)):
+            raise ArgumentError(f"d = {shown(d)}: the twist by it is the curve itself, or none; give a non-square")
+        if even:
+            return self._with(K, poly.add(K, self.f, poly.scale(K, d, poly.mul(K, self.h, self.h))), self.h)
+        four = poly.integer(K, 4)
+        F = poly.add(K, poly.mul(K, self.h, self.h), poly.scale(K, four, self.f))
+        return self._with(K, poly.trim(K, poly.scale(K, d, F)), ())
+
+    def _twists_nothing(self, d: Any) -> bool:
+        K: Any = self.field
+        b, c = (K.one, d) if K.characteristic == 2 else (K.zero, d)
+        return bool(K.is_zero(d)) or len(quadratic_roots(K, b, c)) > 0
+
+    # --- over finite fields
+
+    def count_points(self, n: int = 1) -> list[int]:
+        """The numbers of points over GF(q), GF(q²), … GF(qⁿ), those at infinity included.
+
+        From :meth:`jacobian.finite.group.FiniteGroup.frobenius_polynomial`, whose limits hold (Infeasible beyond).
+        """
+        return self.zeta_function().count_points(n)
+
+    def zeta_function(self) -> ZetaFunction:
+        """Z(T) = exp Σ #C(GF(qⁿ)) Tⁿ/n = L(T)/((1 − T)(1 − qT)) (:class:`jacobian.curve.zeta.ZetaFunction`)."""
+        chi = self.jacobian().frobenius_polynomial()
+        q: Any = self.field.order
+        return ZetaFunction(tuple(chi[::-1]), (1, -1 - q, q))
+
+    def l_polynomial(self) -> list[int]:
+        """L(T), ascending, of degree 2g, with L(0) = 1 and L(1) = #J: the numerator of the zeta function."""
+        return list(self.zeta_function().numerator)
+
+    def cartier_manin(self) -> list[list[Any]]:
+        """The Cartier–Manin matrix A_ji, the coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f (Yui 1978).
+
+        Finite fields of odd characteristic; the time grows like p (FieldError elsewhere). Other authors transpose it,
+        and call A^(1/p) the Hasse–Witt matrix.
+        """
+        return self.jacobian().cartier_manin()
+
+    def p_rank(self) -> int:
+        """The rank over GF(p) of the p-torsion of the Jacobian over the algebraic closure, 0 … g (finite fields)."""
+        return self.jacobian().p_rank()
+
+    def is_ordinary(self) -> bool:
+        """Whether the p-rank is g."""
+        return self.p_rank() == self.genus
+
+    def is_supersingular(self) -> bool:
+        """Whether all slopes of Frobenius are 1/2, so that the Jacobian is over the algebraic closure isogenous to a
+        power of a supersingular elliptic curve (Oort 1974).
+        """
+        return self.jacobian().is_supersingular()

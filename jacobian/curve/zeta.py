@@ -1,0 +1,35 @@
+"""The zeta function of a curve over a finite field."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from jacobian.errors import whole
+
+MOST_COUNTS = 10_000
+
+
+class ZetaFunction(NamedTuple):
+    """Z(T) = numerator/denominator, ascending integers: L(T) and (1 − T)(1 − qT) (Weil 1948)."""
+
+    numerator: tuple[int, ...]
+    denominator: tuple[int, ...]
+
+    def count_points(self, n: int = 1) -> list[int]:
+        """The numbers of points over GF(q), … GF(qⁿ): q^i + 1 less the power sums of the roots of Frobenius."""
+        n = whole(n, "n", f"the largest degree of the fields is an int, 1 … {MOST_COUNTS}", 1, MOST_COUNTS)
+        q, sums = self.denominator[2], power_sums(self.numerator, n)
+        return [q**i + 1 - sums[i] for i in range(1, n + 1)]
+
+
+def power_sums(descending: Sequence[int], count: int) -> list[int]:
+    """0 and the sums of the first, second, … count-th powers of the roots of a monic polynomial (Newton's identities).
+
+    ``descending``: its coefficients from 1 down.
+    """
+    size, sums = len(descending) - 1, [0]
+    for k in range(1, count + 1):
+        known = sum(descending[i] * sums[k - i] for i in range(1, min(k - 1, size) + 1))
+        sums.append(-known - (k * descending[k] if k <= size else 0))
+    return sums

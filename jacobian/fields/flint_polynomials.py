@@ -1,0 +1,58 @@
+"""Polynomials over exact fields as python-flint's: ``nmod_poly`` and ``fmpz_mod_poly`` over GF(p), ``fq_default_poly``
+over GF(p^k), ``fmpq_poly`` over QQ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any
+
+from jacobian.fields.prime import PrimeField
+from jacobian.fields.rational import RationalField
+from jacobian.fields.table import TableField
+
+Conversions = tuple[Callable[[Any], Any], Callable[[Any], Any]]
+
+
+@lru_cache(maxsize=64)
+def conversions(K: Any) -> Conversions:
+    """(from ascending coefficients to a flint polynomial, and back) for polynomials over K."""
+    # not imported with the package: a single divisor over a small field needs none
+    import flint
+
+    if isinstance(K, RationalField):
+        return (
+            lambda a: flint.fmpq_poly([flint.fmpq(c.numerator, c.denominator) for c in a]),
+            lambda a: tuple([Fraction(int(c.p), int(c.q)) for c in a.coeffs()]),
+        )
+    if isinstance(K, PrimeField):
+        p = K.p
+        into = flint.fmpz_mod_poly_ctx(p)
+        word = p < 1 << 63
+        return (
+            (lambda a: flint.nmod_poly(list(a), p)) if word else (lambda a: into(list(a) or [0])),
+            lambda a: tuple(map(int, a.coeffs())),
+        )
+    return _extension_conversions(K, flint)
+
+
+def _extension_conversions(K: Any, flint: Any) -> Conversions:
+    field = flint.fq_default_ctx(modulus=flint.fmpz_mod_poly_ctx(K.p)(list(K.modulus)), var="a")
+    ring = flint.fq_default_poly_ctx(field)
+    known: dict[int, Any] = {}
+    small = isinstance(K, TableField)
+
+    def element(x: int) -> Any:
+        found = known.get(x)
+        if found is None:
+            found = field(K.coefficients(x))
+            if small:
+                known[x] = found
+        return found
+
+    def back(a: Any) -> tuple[int, ...]:
+        return tuple([K._pack(list(map(int, c.to_list()))) for c in a.coeffs()])
+
+    return lambda a: ring([element(c) for c in a] or [0]), back

@@ -1,0 +1,34 @@
+"""Reduction of curves over QQ modulo primes."""
+
+from __future__ import annotations
+
+from math import lcm
+from typing import TYPE_CHECKING
+
+from jacobian import poly
+from jacobian.errors import FieldError, JacobianError
+from jacobian.fields import GF, QQ
+from jacobian.finite.integers import factorization
+
+if TYPE_CHECKING:
+    from jacobian.curve.curve import HyperellipticCurve
+
+
+def bad_primes(C: HyperellipticCurve) -> list[int]:
+    """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`; Infeasible for what cannot be factored."""
+    if C.field != QQ:
+        raise FieldError(f"field = {C.field.name}: a curve over QQ has reductions modulo primes")
+    denominator = lcm(*(c.denominator for c in (*C.f, *C.h)))
+    F = C.discriminant
+    # the resultant of F as a form of degree 2g + 2, whose root at infinity counts like the others, and of its slope
+    size = poly.resultant(QQ, F, poly.derivative(QQ, F)) * F[-1] * denominator
+    suspects = factorization(abs(size.numerator * size.denominator) * 2)
+    return [p for p in suspects if not _good(C, p)]
+
+
+def _good(C: HyperellipticCurve, p: int) -> bool:
+    try:
+        C.change_ring(GF(p))
+    except JacobianError:
+        return False
+    return True

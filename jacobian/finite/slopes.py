@@ -1,0 +1,45 @@
+"""What a curve over a finite field is modulo p: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from jacobian import poly
+from jacobian.errors import FieldError
+from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
+
+if TYPE_CHECKING:
+    from jacobian.curve.curve import HyperellipticCurve
+
+
+def cartier_manin_matrix(C: HyperellipticCurve) -> list[list[Any]]:
+    """See :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`."""
+    K: Any = C.field
+    if K.order is None or K.characteristic == 2:
+        raise FieldError(f"field = {K.name}: the Cartier–Manin matrix is that of a finite field of odd characteristic")
+    return cartier_manin(C) or _by_definition(C)
+
+
+def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
+    """For fields so small that fewer than g of its elements are no branch points."""
+    K: Any = C.field
+    p, power = K.characteristic, (K.one,)
+    for _ in range((p - 1) // 2):
+        power = poly.mul(K, power, C.discriminant)
+    entry = dict(enumerate(power))
+    return [[entry.get(i * p - j, K.zero) for i in range(1, C.genus + 1)] for j in range(1, C.genus + 1)]
+
+
+def p_rank(C: HyperellipticCurve, chi: Any) -> int:
+    """The number of roots of Frobenius that are units modulo p; ``chi``: what computes its polynomial elsewhere."""
+    a = frobenius_modulo_p(C)
+    if a is None:
+        p: Any = C.field.characteristic
+        a = [c % p for c in chi()[::-1][1 : C.genus + 1]]
+    return max((i for i, c in enumerate(a, 1) if c), default=0)
+
+
+def is_supersingular(chi: list[int], p: int, degree: int) -> bool:
+    """Whether the Newton polygon of χ over GF(p^degree) is the line of slope degree/2: p^⌈i·degree/2⌉ | a_i."""
+    g = len(chi) // 2
+    return all(c % p ** ((i * degree + 1) // 2) == 0 for i, c in enumerate(chi[::-1][: g + 1]))

@@ -1,0 +1,299 @@
+"""All isomorphisms between two curves of genus ≥ 2 over a finite field of odd characteristic or over QQ.
+
+An isomorphism takes the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
+known from the images of three. So one takes factors of F that have three roots or more together and tries all factors
+of the same degrees and all conjugates for their images; each try is a linear system over the field for (a : b : c : d).
+
+Over QQ the same is done modulo a prime p of good reduction and lifted, digit by digit, to F'(ax + b, cx + d) = λF
+modulo powers of p, until rational numbers can be read off. With integral F and F' the height of (a : b : c : d) is at
+most 6(‖F‖‖F'‖)³, since its entries are minors of rows (α, 1, −αβ, −β), α and β have heights of at most the Mahler
+measures of F and F', and these are at most the norms (Landau 1905): beyond that there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from itertools import count, product
+from math import gcd, isqrt, lcm
+from typing import Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotASquare
+from jacobian.fields import GF, QQ
+from jacobian.fields.embedding import embedding
+from jacobian.fields.factor import factor, roots
+from jacobian.fields.primality import is_prime
+from jacobian.models.isomorphism import Isomorphism, substituted
+
+Matrix = tuple[Any, Any, Any, Any]
+# a point of the projective line over GF(q^k): (X, Y), and the map that takes elements of GF(q) there
+Place = tuple[int, poly.Poly]
+# where the search for a prime of good reduction begins
+FIRST = 1009
+
+
+def is_isomorphic(C: HyperellipticCurve, E: HyperellipticCurve) -> bool:
+    """Whether the curves are isomorphic over their field (see :func:`isomorphisms`)."""
+    return next(_isomorphisms(C, E), None) is not None
+
+
+def automorphisms(C: HyperellipticCurve) -> list[Isomorphism]:
+    """The automorphisms of C over its field: the identity and (x, y) → (x, −y − h) first."""
+    own = isomorphisms(C, C)
+    K = C.field
+    return sorted(own, key=lambda iso: (iso.matrix != (K.one, K.zero, K.zero, K.one), iso.scale != K.one))
+
+
+def isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> list[Isomorphism]:
+    """All isomorphisms from C to E over their field, a finite one of odd characteristic or QQ, for genus ≥ 2.
+
+    They come in pairs that differ by y → −y − h. ArgumentError in genus 1, where there are infinitely many maps to ask
+    for; FieldError in characteristic 2 and over inexact fields; CurveMismatch for two fields.
+    """
+    return list(_isomorphisms(C, E))
+
+
+def _isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Isomorphism]:
+    K = check_curve(C).field
+    if check_curve(E).field != K:
+        raise CurveMismatch(f"{C!r} and {E!r} are over two fields: C.change_ring(K) makes them one")
+    if not K.exact or K.characteristic == 2:
+        raise FieldError(f"field = {K.name}: isomorphisms are found over QQ and finite fields of odd characteristic")
+    if C.genus == 1 or E.genus == 1:
+        raise ArgumentError("genus = 1: curves of genus 1 have infinitely many isomorphisms; this is for genus ≥ 2")
+    if C.genus != E.genus:
+        return
+    for matrix in _rational_matrices(C, E) if K == QQ else _matrices(K, C.discriminant, E.discriminant, C.genus):
+        yield from _with_matrix(C, E, matrix)
+
+
+def _with_matrix(C: HyperellipticCurve, E: HyperellipticCurve, matrix: Matrix) -> Iterator[Isomorphism]:
+    """e with F_E(ax + b, cx + d) = e²F_C, and t from both completed squares."""
+    K, n = C.field, C.genus + 1
+    moved = substituted(K, E.discriminant, 2 * n, matrix)
+    ratio = K.div(moved[-1], C.discriminant[-1])
+    if moved != poly.scale(K, ratio, C.discriminant):
+        return
+    try:
+        root = K.sqrt(ratio)
+    except NotASquare:
+        return
+    half, moved_h = K.inv(poly.integer(K, 2)), substituted(K, E.h, n, matrix)
+    plus = E.infinity_plus if E.model == "split" else None
+    for e in (root, K.neg(root)):
+        t = poly.scale(K, half, poly.sub(K, poly.scale(K, e, C.h), moved_h))
+        yield Isomorphism(C, matrix, e, t, plus)
+
+
+# --- matrices over a finite field
+
+
+def _matrices(K: Any, F: poly.Poly, G: poly.Poly, genus: int) -> list[Matrix]:
+    """Candidates (a : b : c : d), first number one, that take roots of the form F to roots of G."""
+    from_places, to_places = (_places(K, form, genus) for form in (F, G))
+    if sorted(k for k, _ in from_places) != sorted(k for k, _ in to_places):
+        return []
+    chosen = _three(from_places)
+    images = [[place for place in to_places if place[0] == k] for k, _ in chosen]
+    found = set()
+    for choice in product(*images):
+        if len(set(choice)) < len(choice):
+            continue
+        for equations in product(*(_equations(K, P, Q) for P, Q in zip(chosen, choice, strict=True))):
+            matrix = _null_vector(K, [row for rows in equations for row in rows])
+            if matrix is not None:
+                found.add(matrix)
+    return sorted(found)
+
+
+def _places(K: Any, form: poly.Poly, genus: int) -> list[Place]:
+    """(degree, irreducible factor) of a form of degree 2g + 2 without double roots; () for infinity."""
+    found = [(len(P) - 1, P) for P, _ in factor(K, poly.monic(K, form))]
+    return [*found, (1, ())] if len(form) == 2 * genus + 2 else found
+
+
+def _three(places: list[Place]) -> list[Place]:
+    """Few places with three points or more together: one, where there is one of degree three."""
+    for place in sorted(places):
+        if place[0] >= 3:
+            return [place]
+    taken: list[Place] = []
+    for place in sorted(places, reverse=True):
+        taken.append(place)
+        if sum(k for k, _ in taken) >= 3:
+            break
+    return taken
+
+
+def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
+    """For each conjugate β of Q's root: what aα + b = β(cα + d) says over K, by the traces of its products with α^i."""
+    k = P[0]
+    if k == 1:
+        (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
+        return [[[K.mul(x, w), K.mul(y, w), K.neg(K.mul(x, z)), K.neg(K.mul(y, z))]]]
+    # over GF(p) the factor itself is a modulus, and no table of moduli need be loaded
+    L = GF(K.characteristic, k, P[1]) if K.degree == 1 else GF(K.characteristic, K.degree * k)
+    inclusion = embedding(K, L)
+    alpha = roots(L, inclusion.polynomial(P[1]))[0]
+    systems = []
+    for beta in roots(L, inclusion.polynomial(Q[1])):
+        row = [alpha, L.one, L.neg(L.mul(alpha, beta)), L.neg(beta)]
+        rows = []
+        for _ in range(k):
+            rows.append([_trace(inclusion, x, k) for x in row])
+            row = [L.mul(alpha, x) for x in row]
+        systems.append(rows)
+    return systems
+
+
+def _rational_point(K: Any, place: Place) -> tuple[Any, Any]:
+    return (K.neg(place[1][0]), K.one) if place[1] else (K.one, K.zero)
+
+
+def _trace(inclusion: Any, x: Any, k: int) -> Any:
+    L, total = inclusion.large, inclusion.large.zero
+    for _ in range(k):
+        total, x = L.add(total, x), inclusion.frobenius(x)
+    return inclusion.back(total)
+
+
+def _null_vector(K: Any, rows: list[list[Any]]) -> Matrix | None:
+    """The only solution of a system for (a : b : c : d), with its first number one; None for none or ad = bc."""
+    pivots: list[tuple[int, list[Any]]] = []
+    for row in rows:
+        for column, pivot in pivots:
+            row = [K.sub(x, K.mul(row[column], y)) for x, y in zip(row, pivot, strict=True)]
+        column = next((i for i, x in enumerate(row) if not K.is_zero(x)), -1)
+        if column >= 0:
+            inverse = K.inv(row[column])
+            pivots.append((column, [K.mul(inverse, x) for x in row]))
+    if len(pivots) != 3:
+        return None
+    free = next(i for i in range(4) if i not in {column for column, _ in pivots})
+    solution = [K.zero] * 4
+    solution[free] = K.one
+    for column, pivot in reversed(pivots):
+        solution[column] = K.neg(K.dot(pivot, solution))
+    if K.is_zero(K.sub(K.mul(solution[0], solution[3]), K.mul(solution[1], solution[2]))):
+        return None
+    unit = K.inv(next(x for x in solution if not K.is_zero(x)))
+    a, b, c, d = (K.mul(unit, x) for x in solution)
+    return a, b, c, d
+
+
+# --- over QQ
+
+
+def _rational_matrices(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Matrix]:
+    F, G = (_integral(X.discriminant) for X in (C, E))
+    p = next(p for p in count(FIRST, 2) if is_prime(p) and all(_separable(p, form) for form in (F, G)))
+    K = GF(p)
+    f, g = (tuple(c % p for c in form) for form in (F, G))
+    for matrix in _matrices(K, f, g, C.genus):
+        found = _lifted(p, (F, G), matrix, 6 * (_norm(F) * _norm(G)) ** 3)
+        if found is not None:
+            yield found
+
+
+def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: int) -> Matrix | None:
+    """The rational matrix of at most this height that reduces to this one, if there is one."""
+    F, G = forms
+    size, modulus = len(F) - len(F) % 2, p
+    unit = next(i for i, x in enumerate(matrix) if x)
+    free = [i for i in range(4) if i != unit]
+    moved = _moved(G, size, matrix)
+    top = next(i for i, c in enumerate(F) if c % p)
+    numbers = [*matrix, moved[top] * pow(F[top], -1, p) % p]
+    slopes = _slopes(G, size, matrix)
+    # for the three numbers beside the one that is 1, and λ
+    system = [[*(slopes[i][j] % p for i in free), -_entry(F, j) % p] for j in range(size + 1)]
+    while modulus <= 2 * height**2 * p:
+        found = _fractions(numbers[:4], modulus)
+        if found is not None and _proportional(F, _moved(G, size, found)):
+            return found
+        wrong = [(x - numbers[4] * _entry(F, j)) // modulus for j, x in enumerate(_moved(G, size, numbers[:4]))]
+        change = _solved(p, system, [-x % p for x in wrong])
+        if change is None:
+            return None
+        for i, x in zip([*free, 4], change, strict=True):
+            numbers[i] += modulus * x
+        modulus *= p
+    return None
+
+
+def _moved(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[Any]:
+    """The form at (ax + b, cx + d), degree + 1 rational coefficients, ints where they are whole."""
+    moved = substituted(QQ, tuple(form), degree, matrix)
+    return [int(x) if x.denominator == 1 else x for x in (_entry(moved, j) for j in range(degree + 1))]
+
+
+def _slopes(form: Sequence[int], degree: int, matrix: Sequence[Any]) -> list[list[Any]]:
+    """The derivatives of :func:`_moved` by a, b, c and d."""
+    above = [i * c for i, c in enumerate(form)][1:]
+    below = [(degree - i) * c for i, c in enumerate(form)][:degree]
+    rows = []
+    for part in (above, below):
+        plain = _moved(part, degree - 1, matrix)
+        rows += [[0, *plain], [*plain, 0]]
+    return rows
+
+
+def _entry(form: Sequence[Any], j: int) -> Any:
+    return form[j] if j < len(form) else 0
+
+
+def _proportional(F: Sequence[int], moved: list[Any]) -> bool:
+    top = next(i for i, c in enumerate(F) if c)
+    return all(x * F[top] == moved[top] * _entry(F, j) for j, x in enumerate(moved))
+
+
+def _solved(p: int, system: list[list[int]], right: list[int]) -> list[int] | None:
+    """The solution of a system of more equations than unknowns over GF(p), or None."""
+    rows = [[*row, x] for row, x in zip(system, right, strict=True)]
+    unknowns = len(system[0])
+    for i in range(unknowns):
+        pivot = next((k for k in range(i, len(rows)) if rows[k][i]), None)
+        if pivot is None:
+            return None
+        rows[i], rows[pivot] = rows[pivot], rows[i]
+        inverse = pow(rows[i][i], -1, p)
+        rows[i] = [x * inverse % p for x in rows[i]]
+        for k, row in enumerate(rows):
+            if k != i and row[i]:
+                rows[k] = [(x - row[i] * y) % p for x, y in zip(row, rows[i], strict=True)]
+    return None if any(row[-1] for row in rows[unknowns:]) else [row[-1] for row in rows[:unknowns]]
+
+
+def _integral(form: poly.Poly) -> list[int]:
+    """The primitive integral multiple of a form over QQ."""
+    size = lcm(*(c.denominator for c in form))
+    numbers = [int(c * size) for c in form]
+    return [c // gcd(*numbers) for c in numbers]
+
+
+def _norm(form: Sequence[int]) -> int:
+    return isqrt(sum(c * c for c in form)) + 1
+
+
+def _separable(p: int, form: Sequence[int]) -> bool:
+    K, reduced = GF(p), tuple(c % p for c in form)
+    return reduced[-1] != 0 and len(poly.gcd(K, reduced, poly.derivative(K, reduced))) == 1
+
+
+def _fractions(residues: Sequence[int], modulus: int) -> Matrix | None:
+    """The rational numbers with numerators and denominators below √(modulus/2) that have these residues, by Euclid's
+    algorithm (Wang 1981); None where one of them has none.
+    """
+    most, found = isqrt(modulus // 2), []
+    for residue in residues:
+        r0, r1, t0, t1 = modulus, residue % modulus, 0, 1
+        while r1 > most:
+            q = r0 // r1
+            r0, r1, t0, t1 = r1, r0 - q * r1, t1, t0 - q * t1
+        if t1 == 0 or abs(t1) > most:
+            return None
+        found.append(Fraction(r1, t1))
+    a, b, c, d = found
+    return a, b, c, d

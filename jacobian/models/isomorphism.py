@@ -1,0 +1,217 @@
+"""Isomorphisms of hyperelliptic curves: x' = (ax + b)/(cx + d), y' = (ey + t(x))/(cx + d)^(g+1).
+
+From genus 2 on every isomorphism over the field has this form. (ey + t)/… substituted into y² + hy = f gives, with the
+forms of degree g + 1 and 2g + 2 in (x, 1) that h₁ = eh − 2t and f₁ = e²f + eht − t² are, and δ = ad − bc,
+
+    y'² + h₁(dx' − b, a − cx')/δ^(g+1) y' = f₁(dx' − b, a − cx')/δ^(2g+2).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, overload
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
+from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, shown
+from jacobian.fields.factor import without_root
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor
+from jacobian.relatives.formal_sum import FormalSum
+
+
+class Isomorphism(Immutable):
+    """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most
+    g + 1 (ascending); exact fields.
+
+    ``target``: the curve that it leads to. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other *
+    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the
+    target.
+    """
+
+    def __init__(
+        self,
+        source: HyperellipticCurve,
+        matrix: Sequence[Any],
+        scale: Any = 1,
+        move: Any = (),
+        infinity_plus: Any = None,
+    ) -> None:
+        K = check_curve(source).field
+        if not K.exact:
+            raise FieldError(f"field = {K.name}: isomorphisms are written over exact fields")
+        self.source = source
+        entries = tuple(matrix)
+        if len(entries) != 4:
+            raise ArgumentError(f"matrix = {shown(matrix)}: the four numbers a, b, c, d are needed")
+        self.matrix: tuple[Any, Any, Any, Any] = tuple(K.coerce(x, "matrix") for x in entries)
+        self.scale, self.move = K.coerce(scale, "scale"), poly.trim(K, poly.coerce(K, move, "move", constant=True))
+        if K.is_zero(self.determinant) or K.is_zero(self.scale):
+            raise ArgumentError(f"matrix = {shown(matrix)}, scale = {shown(scale)}: ad − bc and e must not vanish")
+        if len(self.move) > source.genus + 2:
+            raise ArgumentError(f"move = {poly.text(K, self.move)}: its degree is at most g + 1 = {source.genus + 1}")
+        self.target = self._target(infinity_plus)
+
+    @property
+    def determinant(self) -> Any:
+        """ad − bc."""
+        K, (a, b, c, d) = self.source.field, self.matrix
+        return K.sub(K.mul(a, d), K.mul(b, c))
+
+    def _target(self, infinity_plus: Any) -> HyperellipticCurve:
+        C, e, t = self.source, self.scale, self.move
+        K, n = C.field, C.genus + 1
+        twice = poly.add(K, t, t)
+        h = poly.sub(K, poly.scale(K, e, C.h), twice)
+        eh = poly.scale(K, e, C.h)
+        f = poly.add(K, poly.scale(K, K.mul(e, e), C.f), poly.mul(K, t, poly.sub(K, eh, t)))
+        size = K.inv(_power(K, self.determinant, n))
+        h, f = self._back(h, n), self._back(f, 2 * n)
+        return HyperellipticCurve(K, poly.scale(K, K.mul(size, size), f), poly.scale(K, size, h), infinity_plus)
+
+    def _back(self, form: poly.Poly, degree: int) -> poly.Poly:
+        """A form of this degree at (dx' − b, a − cx')."""
+        K, (a, b, c, d) = self.source.field, self.matrix
+        return substituted(K, form, degree, (d, K.neg(b), K.neg(c), a))
+
+    @overload
+    def __call__(self, what: Divisor) -> Divisor: ...
+
+    @overload
+    def __call__(self, what: Any) -> Point: ...
+
+    def __call__(self, what: Any) -> Any:
+        """The image of a point or of a divisor class of ``source``; NotOnCurve, CurveMismatch for others."""
+        if isinstance(what, Divisor):
+            return self._divisor(what)
+        P = self.source.check_point(what)
+        return self._infinite(P) if isinstance(P, PointAtInfinity) else self._affine(P)
+
+    def _affine(self, P: AffinePoint) -> Point:
+        K, (a, b, c, d) = self.source.field, self.matrix
+        below = K.add(K.mul(c, P.x), d)
+        y = K.add(K.mul(self.scale, P.y), poly.evaluate(K, self.move, P.x))
+        above, n = K.add(K.mul(a, P.x), b), self.source.genus + 1
+        if K.is_zero(below):
+            return self._named(K.div(y, _power(K, above, n)))
+        return AffinePoint(K.div(above, below), K.div(y, _power(K, below, n)))
+
+    def _infinite(self, P: PointAtInfinity) -> Point:
+        C = self.source
+        K, (a, _, c, _), n = C.field, self.matrix, C.genus + 1
+        z = C.infinity_minus if P == INFINITY_MINUS else C.infinity_plus
+        z = K.add(K.mul(self.scale, z), coefficient(K, self.move, n))
+        if K.is_zero(c):
+            return self._named(K.div(z, _power(K, a, n)))
+        return AffinePoint(K.div(a, c), K.div(z, _power(K, c, n)))
+
+    def _named(self, z: Any) -> PointAtInfinity:
+        """The point at infinity of the target where y/x^(g+1) is z."""
+        if self.target.model == "ramified":
+            return INFINITY
+        return INFINITY_PLUS if z == self.target.infinity_plus else INFINITY_MINUS
+
+    def _divisor(self, D: Divisor) -> Divisor:
+        C, E = self.source, self.target
+        K, (_, _, c, d) = C.field, self.matrix
+        if D.jacobian.curve != C:
+            raise CurveMismatch(f"D = {D!r} lies on {D.jacobian.curve!r}, the isomorphism begins at {C!r}")
+        written, zero = FormalSum.from_divisor(D), FormalSum.zero(E)
+        m, u = (0, D.u) if K.is_zero(c) else without_root(K, D.u, K.neg(K.div(d, c)))
+        total = FormalSum(E, self._pair(u, D.v), (zero.numerator, zero.denominator), zero.weights)
+        points: list[tuple[Any, int]] = []
+        if m:
+            x = K.neg(K.div(d, c))
+            points.append((AffinePoint(x, poly.evaluate(K, D.v, x)), m))
+        if C.model == "inert":
+            total = total + self._fibre(written.weights[0])
+        else:
+            points += zip(C.points_at_infinity(), written.weights, strict=True)
+        for P, count in points:
+            total = total + count * FormalSum.from_points(E, [self(P)])
+        return total.divisor()
+
+    def _pair(self, u: poly.Poly, v: poly.Poly) -> tuple[poly.Poly, poly.Poly]:
+        """The image of a pair none of whose points goes to infinity."""
+        K, (a, b, c, d) = self.source.field, self.matrix
+        u = poly.monic(K, self._back(u, len(u) - 1))
+        _, inverse = poly.half_xgcd(K, u, poly.trim(K, (a, K.neg(c)))) if len(u) > 1 else ((), ())
+        x = poly.mod(K, poly.mul(K, poly.trim(K, (K.neg(b), d)), inverse), u)
+        y: poly.Poly = ()
+        for k in reversed(poly.add(K, poly.scale(K, self.scale, v), self.move)):
+            y = poly.mod(K, poly.add(K, poly.mul(K, y, x), poly.trim(K, (k,))), u)
+        # cx + d = δ/(a − cx')
+        factor = poly.scale(K, K.inv(self.determinant), (a, K.neg(c)))
+        for _ in range(self.source.genus + 1):
+            y = poly.mod(K, poly.mul(K, y, poly.trim(K, factor)), u)
+        return u, y
+
+    def _fibre(self, weight: int) -> FormalSum:
+        """So many times the image of the place at infinity of an inert model."""
+        E, K, (a, _, c, _) = self.target, self.source.field, self.matrix
+        zero = FormalSum.zero(E)
+        if K.is_zero(c):
+            return FormalSum(E, (zero.u, zero.v), (zero.numerator, zero.denominator), (weight,))
+        line, one = (K.neg(K.div(a, c)), K.one), (K.one,)
+        product = one
+        for _ in range(abs(weight)):
+            product = poly.mul(K, product, line)
+        return FormalSum(E, (zero.u, zero.v), (product, one) if weight > 0 else (one, product), zero.weights)
+
+    def inverse(self) -> Isomorphism:
+        """From ``target`` to ``source``."""
+        C, K, (a, b, c, d) = self.source, self.source.field, self.matrix
+        n, e = C.genus + 1, K.inv(self.scale)
+        move = poly.scale(K, K.neg(e), self._back(self.move, n))
+        scale = K.mul(e, _power(K, self.determinant, n))
+        plus = C.infinity_plus if C.model == "split" else None
+        return Isomorphism(self.target, (d, K.neg(b), K.neg(c), a), scale, move, plus)
+
+    def __mul__(self, other: Any) -> Isomorphism:
+        if not isinstance(other, Isomorphism):
+            return NotImplemented
+        if other.target != self.source:
+            raise CurveMismatch(f"the second isomorphism begins at {self.source!r}, the first ends at {other.target!r}")
+        K, n = self.source.field, self.source.genus + 1
+        (a, b, c, d), (p, q, r, s) = self.matrix, other.matrix
+        rows = ((a, b), (c, d))
+        matrix = [K.dot(row, column) for row in rows for column in ((p, r), (q, s))]
+        move = poly.add(K, poly.scale(K, self.scale, other.move), substituted(K, self.move, n, other.matrix))
+        plus = self.target.infinity_plus if self.target.model == "split" else None
+        return Isomorphism(other.source, matrix, K.mul(self.scale, other.scale), move, plus)
+
+    def _value(self) -> tuple[Any, ...]:
+        """The matrix is one of many: the others have λM, λ^(g+1)e and λ^(g+1)t."""
+        K = self.source.field
+        unit = K.inv(next(x for x in self.matrix if not K.is_zero(x)))
+        power = _power(K, unit, self.source.genus + 1)
+        numbers = [K.mul(unit, x) for x in self.matrix] + [K.mul(power, x) for x in (self.scale, *self.move)]
+        return self.source, self.target, tuple(map(K.key, numbers))
+
+    def __repr__(self) -> str:
+        K, (a, b, c, d) = self.source.field, self.matrix
+        above, below = poly.text(K, poly.trim(K, (b, a))), poly.text(K, poly.trim(K, (d, c)))
+        n = self.source.genus + 1
+        return f"x' = ({above})/({below}), y' = ({self.scale}·y + {poly.text(K, self.move)})/({below})^{n}"
+
+
+def substituted(K: Any, form: poly.Poly, degree: int, matrix: Sequence[Any]) -> poly.Poly:
+    """Σ k_i (ax + b)^i (cx + d)^(degree − i), for a form k of this degree."""
+    a, b, c, d = matrix
+    above, below = poly.trim(K, (b, a)), poly.trim(K, (d, c))
+    result: poly.Poly = ()
+    power: poly.Poly = (K.one,)
+    # Horner in the numerator, with the powers of the denominator beside it
+    for i in range(degree, -1, -1):
+        result = poly.mul(K, result, above)
+        result = poly.add(K, result, poly.scale(K, coefficient(K, form, i), power))
+        power = poly.mul(K, power, below)
+    return poly.trim(K, result)
+
+
+def _power(K: Any, x: Any, n: int) -> Any:
+    result = K.one
+    for _ in range(n):
+        result = K.mul(result, x)
+    return result
