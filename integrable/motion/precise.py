@@ -34,7 +34,7 @@ SPARE = 2
 # what a motion may lose, beyond as many digits as are asked for: half a minute of computing on the separatrix
 MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
-TORUS_FROM = 100
+TORUS_FROM = 20
 
 
 class Carrier:
@@ -304,14 +304,14 @@ class BodyCarrier(Carrier):
         return result
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
-        return [self.time(t) for t in tau]
-
-    def time(self, tau: Any) -> Any:
-        """Physical time at τ, wide."""
-        setup = self.setup
-        torus = self._far([tau])
+        setup, torus = self.setup, self._far(tau)
         if torus:
-            return setup.wide.coerce(torus.time(torus.wide.coerce(tau)))
+            return [setup.wide.coerce(t) for t in torus.times([torus.wide.coerce(t) for t in tau])]
+        return [self._near_time(t) for t in tau]
+
+    def _near_time(self, tau: Any) -> Any:
+        """Physical time at τ, wide, by counting steps."""
+        setup = self.setup
         sign = -1 if tau < 0 else 1
         with setup.reals:
             place = self._place(abs(setup.reals.number(tau)))

@@ -10,14 +10,18 @@ import numpy as np
 
 from integrable.moving_point.addition import moving_point, shift
 from integrable.torus.corners import Corners
-from integrable.torus.long_clock import MOST_SAMPLES, SAMPLES_A_DIGIT, phases
+from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.series import LongSeries, long_spectrum
 from integrable.torus.states import turned
 from integrable.torus.walks import KNOWN
+from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
+
+# samples that take some seconds, and beyond them so many for the square of each digit
+MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
 """Two numbers, bare reals, for the pairs of each of some moving points."""
@@ -48,13 +52,26 @@ class LongIntegral:
         for grid in parts:
             size = np.abs(grid).max()
             least = float(min(1, loops.noise * most / size)) if size else 1.0
-            self._series.append(LongSeries(grid, self._frequencies, self._wide, loops.reals, least))
+            self._series.append(LongSeries(self._half_plane(grid), self._frequencies, self._wide, least))
 
     def at(self, tau: Any) -> tuple[Any, Any]:
         """Both integrals at τ, wide numbers."""
         angles = phases(tau, self._frequencies, self._wide)
-        first, second = (self._reals.element(self._wide, series.at(*angles)) for series in self._series)
+        first, second = (series.at([angles])[0] for series in self._series)
         return first, second
+
+    def _half_plane(self, grid: np.ndarray) -> list[list[Any]]:
+        """The modes of a grid as :class:`~integrable.torus.series.LongSeries` takes them."""
+        from flint import acb
+
+        rows, most = (grid.shape[0] + 1) // 2, grid.shape[1] // 2 - 1
+        element, wide, balls = self._reals.element, self._wide, BallReals(self._reals.bits)
+
+        def number(c: Any) -> Any:
+            return acb(*(balls.number(element(wide, x)) for x in (c.real, c.imag)))
+
+        with balls:
+            return [[number(grid[k, m]) for m in range(-most, most + 1)] for k in range(rows)]
 
 
 class _Values(Corners):

@@ -13,8 +13,12 @@ import numpy as np
 
 from integrable.torus.clock_loops import Series
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.long_reals import BallReals, BareReals
 
+# phases that a long series is summed at together
+TOGETHER = 256
+# floats hold no modes below
+TINY = 1e-290
 # 2π as the sum of two floats
 TWO_PI = np.longdouble(2 * pi) + 2.4492935982947064e-16
 
@@ -58,7 +62,8 @@ class TorusSeries:
         self._swing[~kept] = 0
         self._fine = half
         self._origin = float(self._swing[kept].real.sum())
-        self._bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
+        # |S| is below
+        self.bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
@@ -115,7 +120,7 @@ class TorusSeries:
         s, t, u, v = (np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag))
         nu1, nu2 = map(float, self.frequencies)
         least += self._first
-        return Series(np.array(lines), s, t, u, v, least, count, (nu1, nu2), self._bound, -origin, self.mean)
+        return Series(np.array(lines), s, t, u, v, least, count, (nu1, nu2), self.bound, -origin, self.mean)
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """S at arrays of phases, in turns."""
@@ -134,47 +139,70 @@ class TorusSeries:
 
 
 class LongSeries:
-    """S in bare reals at one point at a time, for a :func:`long_spectrum` of F; ``rough`` is the same for floats.
+    """S in many digits, at many points at once; ``rough`` is the same for floats.
 
-    Modes of F below ``noise`` times its mean are left out; ``field`` is the MP field of the frequencies.
+    ``rows[k]`` are the modes of F for k ≥ 0 and m = −most, …, most, in python-flint's complex balls. Modes below
+    ``noise`` times its mean are left out; ``field`` is the MP field of the frequencies.
     """
 
-    def __init__(
-        self, grid: np.ndarray, frequencies: tuple[Any, Any], field: Any, reals: BareReals, noise: float
-    ) -> None:
-        self.rough = TorusSeries(grid.astype(complex), frequencies, noise=noise, rounding=noise)
-        self._field, self._reals = field, reals
-        kept = self.rough._kept
-        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
-        least, columns, rows = (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (0, 1, 1)
-        self._first = least - grid.shape[1] // 2
-        part = slice(rows), slice(least, columns)
-        nu1, nu2, two_pi = reals.row((*frequencies, 2 * field.context.pi))
-        with reals:
-            turns = np.arange(rows).astype(object)[:, None] * nu1
-            turns = turns + (np.arange(columns - least) + self._first).astype(object)[None, :] * nu2
-            self._swing = half_plane(grid)[part] * 0
-            mask = kept[part]
-            self._swing[mask] = half_plane(grid)[part][mask] / (reals.i * two_pi * turns[mask])
-            self._origin = self._swing.sum().real
+    def __init__(self, rows: list[list[Any]], frequencies: tuple[Any, Any], field: Any, noise: float) -> None:
+        import flint
 
-    def at(self, first: Any, second: Any) -> Any:
-        """S at the phases, numbers of the field, in turns."""
-        rows, columns = self._swing.shape
-        left, right = self._circle(first), self._circle(second)
-        with self._reals:
-            swing = _powers(left, 0, rows) @ (self._swing @ _powers(right, self._first, columns))
-            return swing.real - self._origin
+        self._flint, self._field = flint, field
+        self._balls = BallReals(field.context.prec + 16)
+        most = len(rows[0]) // 2
+        grid = np.zeros((2 * len(rows) - 1, 2 * most + 1), dtype=complex)
+        grid[: len(rows)] = np.roll(np.array([[complex(c) for c in row] for row in rows]), -most, axis=1)
+        self.rough = TorusSeries(grid, frequencies, noise=noise, rounding=noise)
+        kept = self.rough._kept
+        if noise < TINY:
+            # what floats do not hold
+            kept = np.ones_like(kept)
+            kept[0, : most + 1] = False
+        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
+        least, end, height = (
+            (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (most, most + 1, 1)
+        )
+        self._first, self._size = least - most, (height, end - least)
+        with self._balls as balls:
+            nu1, nu2 = map(balls.number, frequencies)
+            # the conjugate half counted with this one, over 2πi
+            factor = flint.acb(0, -1 / flint.arb.pi())
+            swing = [
+                [
+                    rows[k][m] * factor / (k * nu1 + (m - most) * nu2) if kept[k, m] else flint.acb(0)
+                    for m in range(least, end)
+                ]
+                for k in range(height)
+            ]
+            self._swing = flint.acb_mat(swing)
+            self._origin = sum((c.real for row in swing for c in row), flint.arb(0))
+
+    def at(self, angles: list[tuple[Any, Any]]) -> list[Any]:
+        """S at pairs of phases in turns: numbers of the field, as are those returned."""
+        found: list[Any] = []
+        for begin in range(0, len(angles), TOGETHER):
+            with self._balls as balls:
+                left, right = zip(*(map(self._circle, pair) for pair in angles[begin : begin + TOGETHER]), strict=True)
+                rows, columns = self._size
+                down = self._flint.acb_mat([powers(z**0, z, rows) for z in left]) * self._swing
+                across = [powers(z**self._first, z, columns) for z in right]
+                for one, other in zip(down.table(), across, strict=True):
+                    total = sum((x * y for x, y in zip(one, other, strict=True)), self._flint.acb(0))
+                    found.append(balls.element(self._field, total.real - self._origin))
+        return found
 
     def _circle(self, angle: Any) -> Any:
-        point, number = self._field.context.expjpi(2 * angle), self._reals.number
-        with self._reals:
-            return number(point.real) + self._reals.i * number(point.imag)
+        x = 2 * self._balls.number(angle)
+        return self._flint.acb(x.cos_pi(), x.sin_pi())
 
 
-def _powers(base: Any, first: int, count: int) -> np.ndarray:
-    """base^first, base^(first + 1), …, for |base| = 1."""
-    return np.array([base**n for n in range(first, first + count)], dtype=object)
+def powers(first: Any, base: Any, count: int) -> list[Any]:
+    """first, first·base, first·base², …"""
+    out = [first]
+    while len(out) < count:
+        out.append(out[-1] * base)
+    return out
 
 
 def half_plane(grid: np.ndarray) -> np.ndarray:

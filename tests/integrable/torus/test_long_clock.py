@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
-from integrable.motion.precise import PreciseFlow
+from integrable.motion.precise import BodyCarrier, PreciseFlow
 from integrable.moving_point.setup import Setup
 from integrable.torus.access import TorusFlow
 from integrable.torus.corners import Corners
@@ -40,6 +40,31 @@ def test_the_clock_of_multiprecision_agrees_with_counting_steps(start) -> None:
         (tau,), _ = precise.at([t])
         scaled = MultiprecisionTorusClock(setup).tau([precise.carrier.scaled(t)])[0]
         assert abs(scaled / setup.time_scale - tau) < 1e-15
+
+
+@pytest.mark.parametrize(
+    ("ball", "start", "tilted"),
+    [
+        (THIN, START, False),
+        (BALL, ((0, 0, 1), (0.1, 1, 0)), False),
+        (BALL, (START[0], (1.104, 2.18, -0.528)), True),
+        (ChaplyginBall((3, 1, 2), 0.7), (START[0], (0.3, 0.2, 2.1)), True),
+        (ChaplyginBall((1, 2, 3), 5), ((0, 1, 0), (0.3, 0.7, 2.1)), True),
+    ],
+    ids=["thin", "beside the separatrix", "tilted", "tilted, about another axis", "tilted, along an axis"],
+)
+def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, start, tilted) -> None:
+    """The first oval below ζ or above it, with and without lean, and a start at which two σ vanish."""
+    state = ball.state(*start, tilted=tilted)
+    problem = (ball.body, state.gamma, state.M, tilted)
+    setup = Setup(*problem, digits=18)
+    counting = BodyCarrier(setup, problem)
+    counting._torus = False
+    clock = MultiprecisionTorusClock(setup)
+    times = [setup.wide.coerce(t) for t in ("-7.3", "0.25", "30")]
+    for t, tau, again in zip(times, clock.tau(times), clock.times(counting.tau(times)), strict=True):
+        assert abs(tau - counting.tau([t])[0]) < 1e-24
+        assert abs(again - t) < 1e-24
 
 
 @pytest.mark.parametrize("ball", [BALL, THIN], ids=["ball", "thin"])

@@ -1,0 +1,219 @@
+"""The Fourier coefficients of 1/g on a torus from integrals over either oval: no grid of states is made.
+
+The phases of a divisor are those of its two points added, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and 1/g is a
+constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant of
+integrals over one oval each,
+
+    constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
+
+P over the first oval and Q over the second. What leans in a tilted body's 1/g is alike: with A(u) = Π(α_i − u) and
+R = ±√|A|, analytic along the oval,
+
+    Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
+
+In an elliptic argument of u integrands are periodic and analytic, and the trapezoidal rule converges geometrically.
+Numbers are python-flint's balls: they show what closeness of the branch points costs.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from integrable.torus.lattice import oval_ends
+from integrable.torus.ovals import Oval, exponent
+from integrable.torus.series import powers
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+
+# multiplications of the tables: half a minute at 50 digits
+MOST_WORK = 1 << 26
+# the first tables have so many modes a digit in either direction
+MODES_A_DIGIT = 0.6
+# steps from the start among which one is taken where no σ is small
+STEPS = 4
+
+
+class Modes(NamedTuple):
+    """Σ c·e^(2πi(kθ₁ + mθ₂)), real: ``rows[k]`` has c for m = −most, …, most, only for k ≥ 0, in balls.
+
+    Phases count from the start, in turns of ``doubled`` periods; ``frequencies`` are turns of these in a unit of the
+    set-up's τ, wide, as is ``mean``.
+    """
+
+    rows: list[list[Any]]
+    doubled: tuple[int, int]
+    frequencies: tuple[Any, Any]
+    mean: Any
+
+
+def modes_of_rate(setup: Setup, digits: int) -> Modes:
+    """The modes of 1/g down to 10^(−digits) of its mean.
+
+    PrecisionLoss where the torus is not compact, or so nearly that the tables grow beyond bounds or digits are lost.
+    """
+    balls = BallReals(setup.reals.bits + 32)
+    with balls:
+        torus = OvalTorus(setup, balls, digits)
+        size = (ceil(MODES_A_DIGIT * digits), ceil(MODES_A_DIGIT * digits))
+        while True:
+            torus.use(size)
+            upright, leaning = torus.upright(), torus.leaning()
+            wanted = _wanted(upright, leaning, size, digits)
+            if wanted == size:
+                break
+            size = wanted
+        return torus.modes(upright, leaning, size)
+
+
+class OvalTorus:
+    """Both ovals of a motion, and tables of e^(2πiθ) at their nodes."""
+
+    def __init__(self, setup: Setup, balls: BallReals, digits: int) -> None:
+        import flint
+
+        self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
+        self.pi = flint.arb.pi()
+        problem, ends = setup.problem, oval_ends(setup)
+        self.d, self.axes = self.ball(problem.d), [self.ball(x) for x in problem.axes]
+        self.low = problem.ratio < sorted(problem.axes[:3])[1]
+        exact = [[self.ball(x) for x in oval] for oval in ends]
+        self.ovals = [Oval(self, exact[k], exact[1 - k], k == 0) for k in (0, 1)]
+        (a0, a1), (b0, b1) = (oval.period for oval in self.ovals)
+        self.area = a0 * b1 - a1 * b0
+        self.frequencies = b1 / self.area, -a1 / self.area
+        if not self.area.rel_accuracy_bits() > 3.33 * digits:
+            raise PrecisionLoss("branch points are too close together for these digits; use more digits")
+        self._place()
+
+    def ball(self, x: Any) -> Any:
+        """A number of the set-up's wide field, not known beyond its digits."""
+        middle = self._balls.number(x)
+        return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
+
+    def phases(self, first: Any, second: Any) -> tuple[Any, Any]:
+        """(θ₁, θ₂) of (∫dx/y, ∫x dx/y)."""
+        (a0, a1), (b0, b1) = (oval.period for oval in self.ovals)
+        return (first * b1 - second * b0) / self.area, (second * a0 - first * a1) / self.area
+
+    def _place(self) -> None:
+        """The phases of the start, the constant of 1/g, and the sign of σ₁σ₂σ₃ where the phases vanish."""
+        setup, axes = self._setup, self.axes
+        count = 1 if axes[7].mid() == 0 else STEPS
+        points = [[self.ball(x) for x in setup.problem.start]]
+        for n in range(1, count):
+            with setup.reals:
+                reached = setup.bare.reached(1, n)
+            points.append([self.ball(x) for x in setup.reals.elements(setup.wide, reached)])
+        n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
+        point = points[n]
+        middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
+        # what is rounding of a double root is none
+        spread = self.flint.arb(max(square.mid(), 0)).sqrt()
+        angles = [
+            oval.angle(u, point[2] + point[3] * u)
+            for oval, u in zip(self.ovals, (middle - spread, middle + spread), strict=True)
+        ]
+        sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]
+        found = self.phases(*(x + y for x, y in zip(*sums, strict=True)))
+        back = 2 * n * self.ball(setup.problem.half_step)
+        self.start = tuple(x - nu * back for x, nu in zip(found, self.frequencies, strict=True))
+        sigma = point[4:7]
+        square = sum(x * x for x in sigma)
+        self.constant = ((1 + self.d * (point[1] + self.d * point[0])) / square).sqrt() / self.area
+        signs = [oval.sign(angle) for oval, angle in zip(self.ovals, angles, strict=True)]
+        self._sign = signs[0] * signs[1] * (-1 if sigma[0] * sigma[1] * sigma[2] < 0 else 1)
+
+    # --- tables
+
+    def use(self, size: tuple[int, int]) -> None:
+        """Make tables for so many modes, at as many nodes as bear the highest of them."""
+        for oval in self.ovals:
+            half = oval.harmonics // 2 + sum(size)
+            while True:
+                if half * size[0] * (2 * size[1] + 1) > MOST_WORK:
+                    raise PrecisionLoss(
+                        f"1/g needs {size[0]} × {size[1]} modes on the torus of this motion, which is nearly not "
+                        "compact"
+                    )
+                oval.sample(half)
+                if oval.alias(self, size) < -self.digits:
+                    break
+                half = half * 5 // 4 + 2
+            oval.turn(self, size)
+
+    def upright(self) -> list[list[Any]]:
+        """c but for the factor of the start, of α/g̃."""
+        first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
+        factor = self.constant * self.axes[6]
+        return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
+
+    def leaning(self) -> list[list[Any]] | None:
+        """The same of what leans, at k + ½ or m + ½; None for an upright body."""
+        if self.axes[7].mid() == 0:
+            return None
+        half = (1, 0) if self.low else (0, 1)
+        first, second = ([oval.integrals(part, *half) for part in oval.roots()] for oval in self.ovals)
+        a1, a2, a3, k1, k2, k3 = self.axes[:6]
+        factor = self.axes[7] * self.constant * self._sign * (a2 - a1) * (a3 - a2) * (a3 - a1)
+        factor /= abs(k1 * k2 * k3).sqrt()
+        return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
+
+    def modes(self, upright: list[list[Any]], leaning: list[list[Any]] | None, size: tuple[int, int]) -> Modes:
+        """All of it, from the start on and in turns of the periods of 1/g."""
+        acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
+        doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
+        one, other = (acb((2 * x / n).cos_pi(), (2 * x / n).sin_pi()) for x, n in zip(self.start, doubled, strict=True))
+        most = doubled[1] * size[1] + (doubled[1] - 1)
+        rows = [[acb(0)] * (2 * most + 1) for _ in range(doubled[0] * size[0] + doubled[0])]
+        for k, row in enumerate(upright):
+            for m, c in enumerate(row):
+                rows[doubled[0] * k][most + doubled[1] * (m - size[1])] = c
+        for k, row in enumerate(leaning or ()):
+            for m, c in enumerate(row):
+                place = most + (m - size[1] if self.low else 2 * (m - size[1]) - 1)
+                rows[2 * k + 1 if self.low else k][place] = c
+        down, across = powers(acb(1), one, len(rows)), powers(other**-most, other, 2 * most + 1)
+        rows = [[c * x * y for c, y in zip(row, across, strict=True)] for row, x in zip(rows, down, strict=True)]
+        nu = balls.elements(wide, (x / n for x, n in zip(self.frequencies, doubled, strict=True)))
+        return Modes(rows, doubled, (nu[0], nu[1]), balls.element(wide, upright[0][size[1]].real))
+
+
+def _combined(factor: Any, first: Any, second: Any, sign: int) -> list[list[Any]]:
+    """factor·(first·first ± second·second), elements of pairs of matrices that may be times −i each."""
+    import flint
+
+    (a, b), (c, d) = first, second
+    units = [(1 if x[1] else -1j) * (1 if y[1] else -1j) for x, y in ((a, b), (c, d))]
+    one, other = flint.acb(units[0]) * factor, flint.acb(units[1]) * factor * sign
+    return [
+        [one * (w * x) + other * (y * z) for w, x, y, z in zip(*row, strict=True)]
+        for row in zip(a[0], b[0], c[0], d[0], strict=True)
+    ]
+
+
+def _wanted(upright: Any, leaning: Any, size: tuple[int, int], digits: int) -> tuple[int, int]:
+    """The modes in either direction by which a table falls below 10^(−digits) of its first: ``size`` where it has."""
+    tables = [upright] if leaning is None else [upright, leaning]
+    lead = exponent(upright[0][size[1]])
+
+    def row(k: int) -> float:
+        return max(exponent(c) for table in tables for c in table[k]) - lead
+
+    def column(m: int) -> float:
+        return max(exponent(row[j]) for table in tables for row in table for j in (m, -1 - m)) - lead
+
+    found = []
+    for most, level in ((size[0], row), (size[1], lambda m: column(size[1] - m))):
+        last, middle = level(most), level(most // 2)
+        if last < -digits:
+            found.append(most)
+        elif last >= middle - 0.5:
+            found.append(2 * most)
+        else:
+            rate = (middle - last) / (most - most // 2)
+            found.append(min(4 * most, most + ceil(1.1 * (last + digits) / rate) + 2))
+    return found[0], found[1]
