@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from integrable.deformations.hat import Hat
     from integrable.deformations.tilde import Tilde
     from integrable.ensembles.ensemble import ensemble
+    from integrable.laboratory.bodies import RigidBody, RollingBall
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.file import load_scene
     from integrable.study.run import run
@@ -29,6 +30,8 @@ _HOME = {
     "EulerTop": "integrable.systems.euler_top",
     "Gyroscopic": "integrable.deformations.gyroscopic",
     "Hat": "integrable.deformations.hat",
+    "RigidBody": "integrable.laboratory.bodies",
+    "RollingBall": "integrable.laboratory.bodies",
     "Tilde": "integrable.deformations.tilde",
     "Trajectory": "integrable.motion.trajectory",
     "ensemble": "integrable.ensembles.ensemble",
@@ -42,6 +45,8 @@ __all__ = [
     "EulerTop",
     "Gyroscopic",
     "Hat",
+    "RigidBody",
+    "RollingBall",
     "Tilde",
     "Trajectory",
     "ensemble",

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.trajectory import BodyMotion
-from integrable.moving_point.legendre import legendre_rule
+from integrable.moving_point.legendre import integral
 from integrable.moving_point.problem import vectors
 from integrable.phase.body import cross
 from integrable.phase.equal_moments import symmetry_axis
@@ -45,12 +45,12 @@ MOST_PANELS, MOST_PRECISE = 4000, 60
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # digits of the bounded part beyond those of the field
 GUARD = 2
-# what states near the start, made in floats, are good for
-TOLERANCE = 1e-13
 # γ × M loses digits where it is this much smaller than M
 PARALLEL = 30
-# nodes of an interval, for each digit, beyond which the velocity counts as not smooth
-MOST_NODES = 20
+# of that much rounding beside rotations about a principal axis, where nothing else is left of the bounded part
+LEAST = 1 / 16
+# what states near the start, made in floats, are good for
+TOLERANCE = 1e-13
 
 
 def positions(run: Trajectory) -> np.ndarray:
@@ -162,7 +162,8 @@ class Rolling:
     def noise(self) -> np.ndarray:
         """What rounding of states makes of :meth:`rates`, about: near M ∥ γ it is larger than what is left of them."""
         body, (h1, h2) = self.flow.system.body, self.flow.system.integrals(self.flow.state)[2:]
-        size, spread, x, y = h2**0.5, float(np.abs(self._different).max()), 0.0, 0.0
+        size, spread, y = h2**0.5, float(np.abs(self._different).max()), 0.0
+        x = LEAST * spread * size * size / self._length
         if size > PARALLEL * self._length:
             x = spread * size * (size + body.d * (h1 / min(body.inertia)) ** 0.5) / self._length
         if self._tilt is not None:
@@ -200,18 +201,8 @@ class Rolling:
         return np.array([sums[place[t]] - sums[place[K.zero]] for t in tau], dtype=object).reshape(-1, 2)
 
     def _gauss(self, first: Any, last: Any) -> np.ndarray:
-        """∫ over one interval, with as many nodes as make the Legendre series end."""
-        K = self.flow.system.field
-        half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
-        while True:
-            nodes, rows, _ = legendre_rule(K, count)
-            series = np.array(rows, dtype=object) @ self._at(1, np.array([middle + half * x for x in nodes]))
-            if np.abs(series[-2:]).max() * half <= K.eps * self.loss * max(1, np.abs(series).max() * half):
-                result: np.ndarray = 2 * half * series[0]
-                return result
-            count = 3 * count // 2
-            if count > MOST_NODES * K.dps:
-                raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
+        """∫ over one interval."""
+        return integral(self.flow.system.field, lambda tau: self._at(1, tau), first, last, self.loss)
 
 
 def on_torus(flow: BodyMotion) -> Any:

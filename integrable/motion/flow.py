@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseSymmetricFlow
     from integrable.phase.state import State
+    from integrable.portrait.portrait import Portrait
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
@@ -83,6 +84,13 @@ class Flow(BodyMotion):
     def setup(self) -> Setup:
         """What the motion is computed from."""
         return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
+
+    @cached_property
+    def portrait(self) -> Portrait:
+        """What the motion is as a whole: region, frequencies, mean rates, drift, actions and angles."""
+        from integrable.portrait.portrait import Portrait
+
+        return Portrait(self.system, self.state, self.setup)
 
     def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
         """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64

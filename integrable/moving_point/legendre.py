@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
+import numpy as np
+
+from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
+
+# nodes of an interval, for each digit, beyond which a function counts as not smooth
+MOST_NODES = 20
 
 Rule = tuple[list[Any], list[list[Any]], list[Any]]
 
@@ -26,6 +33,22 @@ def legendre_rule(K: Any, count: int) -> Rule:
         [list(reals.elements(K, row)) for row in rows],
         list(reals.elements(K, right)),
     )
+
+
+def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, last: Any, loss: float) -> np.ndarray:
+    """∫ of a ``function`` of arrays of times, shape (N, m), over one interval, with as many nodes as make its Legendre
+    series end at ``loss`` times the rounding of K; PrecisionLoss where too many do not.
+    """
+    half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
+    while True:
+        nodes, rows, _ = legendre_rule(K, count)
+        series = np.array(rows, dtype=object) @ function(np.array([middle + half * x for x in nodes]))
+        if np.abs(series[-2:]).max() * abs(half) <= K.eps * loss * max(1, np.abs(series).max() * abs(half)):
+            result: np.ndarray = 2 * half * series[0]
+            return result
+        count = 3 * count // 2
+        if count > MOST_NODES * K.dps:
+            raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
 
 
 def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[list[Any]]]:

@@ -18,7 +18,8 @@ class MotionProblem:
 
     ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.addition`. Units: x
     over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d``
-    d·X, ``half_step`` half of a basic step.
+    d·X, ``half_step`` half of a basic step,
+    ``upright_momentum`` M on the upright body.
     A tilted state is brought to (γ, M) = 0 by ``tilt``, Chaplygin's transformation, and back by its inverse ``matrix``;
     both are None for an upright one.
     """
@@ -35,6 +36,7 @@ class MotionProblem:
         self.matrix = None if self.tilt is None else self.tilt.inverse_matrix()
         tilt = K.dot(gamma, M)
         M = (M[0] - tilt * gamma[0], M[1] - tilt * gamma[1], M[2] - tilt * gamma[2])
+        self.upright_momentum = M
         h1, h2 = body.integrals(gamma, M)[2:]
         if h2 == 0:
             raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")

@@ -1,6 +1,19 @@
 """One value of every public class of `integrable`, in floats and multiprecision, for the tests of values."""
 
-from integrable import ChaplyginBall, Check, EulerTop, Gyroscopic, Hat, Tilde, ensemble, load_scene
+import numpy as np
+
+from integrable import (
+    ChaplyginBall,
+    Check,
+    EulerTop,
+    Gyroscopic,
+    Hat,
+    RigidBody,
+    RollingBall,
+    Tilde,
+    ensemble,
+    load_scene,
+)
 from integrable.motion.conditioning import conditioning
 from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
@@ -68,6 +81,17 @@ def values_over(K):
         "transformation": ball.upright(tilted)[2],
         "separated": ball.separated(state),
         "divisor": ball.divisor(state),
+    }
+    turned = RigidBody([[1, "0.1", 0], ["0.1", 2, 0], [0, 0, 2]], field=K)
+    rolling = RollingBall((1, 2, 2), 5, 1, field=K).motion(np.eye(3), (1, 2, 3))
+    values |= {
+        "rigid body": turned,
+        "rolling ball": rolling.body,
+        "motion in the laboratory": turned.motion(np.eye(3), (1, 2, 3)),
+        "rolling motion": rolling,
+        "flow in the laboratory": rolling.flow,
+        "run in the laboratory": rolling.at([0, 1]),
+        "portrait": flow.portrait,
     }
     if K is RR:
         values["conditioning"] = conditioning(ball, state, [1.0])

@@ -1,0 +1,223 @@
+"""A rolling ball and a free rigid body in SI units, from tensors in any axes.
+
+With J = Q diag(I) Qᵀ, R₀ the orientation at time 0 and z up: γ = QᵀR₀ᵀz and ω along the principal axes, M = (I + d)ω −
+d(γ, ω)γ, d = mr². R M is constant in space (about the point of contact where the body rolls, about the centre of mass
+where it is free), so that the states of the flow give the orientation without an integration
+(:mod:`integrable.phase.attitude`), and its path of contact the one in metres.
+"""
+
+from __future__ import annotations
+
+import warnings
+from math import ceil, log10
+from typing import Any
+
+import numpy as np
+
+from integrable.laboratory.motion import LaboratoryMotion
+from integrable.laboratory.tensor import cross, principal, rotation
+from integrable.laboratory.vertical import Vertical
+from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
+from integrable.phase.body import Body, triple
+from integrable.phase.precisions import ROUNDED_TO_FLOATS, SET_UP_DIGITS
+from integrable.phase.state import State
+from integrable.systems.chaplygin_ball import ChaplyginBall
+from integrable.systems.euler_top import EulerTop
+from jacobian import MP, RR
+from jacobian.errors import ArgumentError, entries, shown
+from jacobian.immutable import Immutable
+
+# digits of a set-up, and of a flow, beyond those of a field MP(digits)
+GUARD, INNER = 15, 5
+# M that is vertical to so many roundings counts as vertical; less than this of M across it costs floats digits
+VERTICAL, NEARLY = 64, 1e-2
+
+
+class RigidBody(Immutable):
+    """A free rigid body: no torque about its centre of mass, or a fixed point with no torque about it.
+
+    ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
+    RR or MP(digits). ``moments`` (3) and ``axes`` (3, 3) are the principal moments and, as columns, the axes, in the
+    axes of the tensor.
+    """
+
+    mass: Any = None
+    radius: Any = None
+
+    def __init__(self, inertia: Any, *, field: Any = RR) -> None:
+        self._wide = _wide_field(field)
+        self.field = field
+        eps = field.eps
+        self._principal = principal(self._wide, inertia, eps)
+        self.moments = tuple(field.coerce(x) for x in self._principal.moments)
+        self._d = self._wide.zero
+        # of the free body that a motion follows: its own, or that of a ball whose momentum is vertical
+        self._free_moments = self._principal.moments
+
+    @property
+    def axes(self) -> Any:
+        """The principal axes in the axes of the tensor, as columns, shape (3, 3)."""
+        return numbers(self.field, self._principal.axes)
+
+    def motion(self, orientation: Any, omega: Any) -> LaboratoryMotion:
+        """The motion from an orientation and an angular velocity.
+
+        ``orientation`` takes vectors in the axes of the tensor to the laboratory: a 3×3 matrix or SciPy's Rotation.
+        ``omega`` is in rad/s in the axes of the laboratory. ArgumentError names what is wrong.
+        """
+        return LaboratoryMotion(self, *self._start(orientation, omega), None)
+
+    def _way(self, start: Any, spin: Any) -> Any:
+        """What computes the motion from principal axes at ``start`` and ω along them."""
+        moments, K = self._principal.moments, self._wide
+        if _uniform(moments, spin, self.field.eps):
+            return Uniform(self.field, start, spin, None)
+        # any vector that rests in space will do for γ: one across M keeps all digits
+        M = np.array([x * w for x, w in zip(moments, spin, strict=True)], dtype=object)
+        gamma, along = _across(K, M), M / K.sqrt(M @ M)
+        frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
+        inner = _inner(self.field, 0)
+        system = EulerTop([inner.coerce(x) for x in moments], field=inner)
+        return Along(self._flow(system, gamma, M, False), frame)
+
+    def _start(self, orientation: Any, omega: Any) -> tuple[Any, Any]:
+        """The matrix from principal axes to the laboratory and ω along them, wide."""
+        K = self._wide
+        start = rotation(K, orientation) @ self._principal.axes
+        space = np.array(triple(K, omega, "omega"), dtype=object)
+        return start, start.T @ space
+
+    def _flow(self, system: Any, gamma: Any, M: Any, tilted: bool) -> WideFlow:
+        K, coerce = self._wide, system.field.coerce
+        body = Body(self._principal.moments, self._d, K) if system.d else Body(self._free_moments, K.zero, K)
+        (x1, x2, x3), (m1, m2, m3) = gamma, M
+        wide = State((x1, x2, x3), (m1, m2, m3), tilted=tilted)
+        near = State((coerce(x1), coerce(x2), coerce(x3)), (coerce(m1), coerce(m2), coerce(m3)), tilted=tilted)
+        return WideFlow(system, near, body, wide)
+
+    def _value(self) -> tuple[Any, ...]:
+        moments, axes = self._principal
+        return self.field, moments, tuple(axes.ravel().tolist()), self.mass, self.radius
+
+    def __repr__(self) -> str:
+        given = ", ".join(f"{name}={value}" for name, value in (("mass", self.mass), ("radius", self.radius)) if value)
+        numbers = ", ".join(str(x) for x in self.moments)
+        return f"{type(self).__name__}(moments ({numbers}){', ' if given else ''}{given})"
+
+
+class RollingBall(RigidBody):
+    """A ball that rolls on a horizontal plane without slipping, its centre of mass in its centre.
+
+    ``inertia`` is the tensor about the centre in any axes, or three moments in its principal axes, in kg·m²; ``mass``
+    in kg and ``radius`` in m; ``field`` RR or MP(digits). ``moments`` and ``axes`` as of a :class:`RigidBody`.
+    """
+
+    def __init__(self, inertia: Any, mass: Any, radius: Any, *, field: Any = RR) -> None:
+        super().__init__(inertia, field=field)
+        K = self._wide
+        wide = []
+        for name, value in (("mass", mass), ("radius", radius)):
+            wide.append(K.coerce(value, name))
+            if not wide[-1] > 0:
+                raise ArgumentError(f"{name} = {shown(value)} is not positive: a rolling ball has a mass and a radius")
+        self._radius, self._d = wide[1], wide[0] * wide[1] ** 2
+        self._free_moments = tuple(x + self._d for x in self._principal.moments)
+        self.mass, self.radius = field.coerce(mass), field.coerce(radius)
+        if sum(self._principal.moments) > 2 * self._d * (1 + 8 * field.eps):
+            warnings.warn(
+                f"inertia: its moments add up to {float(sum(self._principal.moments))}, more than 2·mass·radius² = "
+                f"{float(2 * self._d)}: some of the mass is outside the ball",
+                stacklevel=2,
+            )
+
+    def motion(self, orientation: Any, omega: Any, contact: Any = (0, 0)) -> LaboratoryMotion:
+        """The motion from an orientation, an angular velocity and a point of contact.
+
+        ``orientation`` takes vectors in the axes of the tensor to the laboratory, whose z is up: a 3×3 matrix or
+        SciPy's Rotation. ``omega`` is in rad/s in the axes of the laboratory, ``contact`` (x, y) in m. ArgumentError
+        names what is wrong.
+        """
+        start, spin = self._start(orientation, omega)
+        given = entries(contact, "contact", "two numbers")
+        if len(given) != 2:
+            raise ArgumentError(f"contact = {shown(contact)}: give two numbers, x and y")
+        K = self._wide
+        origin = tuple(K.coerce(x, f"contact[{i}]") for i, x in enumerate(given))
+        return LaboratoryMotion(self, start, spin, origin)
+
+    def _way(self, start: Any, spin: Any) -> Any:
+        K, d, moments = self._wide, self._d, self._principal.moments
+        if _uniform(moments, spin, self.field.eps):
+            return Uniform(self.field, start, spin, self._radius)
+        gamma = start[2]
+        M = (
+            np.array([(x + d) * w for x, w in zip(moments, spin, strict=True)], dtype=object)
+            - d * (gamma @ spin) * gamma
+        )
+        c = gamma @ M
+        flat = M - c * gamma
+        length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
+        if length <= VERTICAL * self.field.eps * size:
+            return self._vertical(start, gamma, c + d * (gamma @ spin))
+        # the axes of space are read off the horizontal part of M
+        lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
+        inner = _inner(self.field, lost)
+        system = ChaplyginBall(
+            [inner.coerce(x) for x in moments],
+            mass=inner.coerce(d / self._radius**2),
+            radius=inner.coerce(self._radius),
+            field=inner,
+        )
+        across = start @ flat / length
+        frame = np.stack([across, cross(start @ gamma, across), start @ gamma], axis=1)
+        return Along(self._flow(system, gamma, M, True), frame)
+
+    def _vertical(self, start: Any, gamma: Any, rate: Any) -> Vertical:
+        """M ∥ γ: the free body of moments I + d with the momentum λγ, λ = ``rate``."""
+        K = self._wide
+        M = rate * gamma
+        inner = _inner(self.field, 0)
+        system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
+        x = start[0]
+        sign = 1 if rate > 0 else -1
+        # attitude's axes of the free body: x along its momentum, z its γ, here the x of the laboratory
+        frame = np.array([[0, 0, 1], [0, -sign, 0], [sign, 0, 0]], dtype=object) * K.one
+        return Vertical(self._flow(system, x, M, False), frame, self._radius, sign)
+
+
+def _wide_field(field: Any) -> Any:
+    if field == RR:
+        return MP(SET_UP_DIGITS)
+    if type(field) is not type(MP(15)) or field.complex:
+        raise ArgumentError(f"field = {shown(field)}: a body in the laboratory is over RR or MP(digits)")
+    return MP(field.dps + GUARD)
+
+
+def _inner(field: Any, lost: int) -> Any:
+    """The field of a flow that loses so many digits on the way to orientations."""
+    if field == RR:
+        return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
+    return MP(field.dps + INNER + lost)
+
+
+def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
+    """Whether Jω ∥ ω: exactly, or to rounding where that does not grow, about the axes of the extreme moments."""
+    size = max(map(abs, spin))
+    if not size:
+        return True
+    for i in range(3):
+        j, k = (i + 1) % 3, (i + 2) % 3
+        rest = [abs(spin[n]) for n in (j, k) if moments[n] != moments[i]]
+        off = max(rest, default=0)
+        extreme = (moments[i] - moments[j]) * (moments[i] - moments[k]) >= 0
+        if off == 0 or (extreme and off <= eps * size):
+            return True
+    return False
+
+
+def _across(K: Any, M: Any) -> Any:
+    """A unit vector across M."""
+    axis = min(range(3), key=lambda i: abs(M[i]))
+    unit = np.array([K.one * (i == axis) for i in range(3)], dtype=object)
+    found = cross(M, unit)
+    return found / K.sqrt(found @ found)

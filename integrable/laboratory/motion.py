@@ -1,0 +1,138 @@
+"""A motion in the laboratory and what it is at given times."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.laboratory.ways import numbers
+from integrable.phase import attitude
+from jacobian import RR
+from jacobian.errors import NotRepresentable, one_or_more
+from jacobian.immutable import Immutable, Record, read_only
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+    from integrable.portrait.portrait import Portrait
+
+
+class LaboratoryMotion(Immutable):
+    """The motion of a ``body`` from its start. Get one from ``body.motion(...)``.
+
+    ``flow`` is the :class:`integrable.motion.flow.Flow` behind it, None where ω is constant; where M of a ball is
+    vertical that of the free body which turns as the ball does.
+    """
+
+    def __init__(self, body: Any, start: Any, spin: Any, contact: Any) -> None:
+        """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
+        self.body, self._start, self._spin, self._contact = body, start, spin, contact
+        # what a flow would refuse is refused at once
+        self.flow = self._way.flow
+
+    @cached_property
+    def _way(self) -> Any:
+        return self.body._way(self._start, self._spin)
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.body, tuple(self._start.ravel().tolist()), tuple(self._spin.tolist()), self._contact
+
+    def at(self, times: Any) -> LaboratoryRun:
+        """The motion at times in s, in any order, of any sign and size, shape (N,).
+
+        PrecisionLoss where floats do not carry it so far.
+        """
+        field = self.body.field
+        items = [field.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
+        return LaboratoryRun(self, np.array(items, dtype=float if field == RR else object))
+
+    @property
+    def portrait(self) -> Portrait:
+        """Frequencies and mean rates of :attr:`flow`; NotRepresentable where ω is constant."""
+        if self.flow is None:
+            raise NotRepresentable("portrait: ω is constant here, there is no flow")
+        portrait: Portrait = self.flow.portrait
+        return portrait
+
+    def __repr__(self) -> str:
+        return f"<motion of {self.body!r}>"
+
+
+class LaboratoryRun(Record):
+    """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
+
+    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to.
+    """
+
+    def __init__(self, motion: LaboratoryMotion, times: Any) -> None:
+        self.motion, self.times = motion, times
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __repr__(self) -> str:
+        return f"<{len(self)} times of {self.motion!r}>"
+
+    @cached_property
+    def _found(self) -> tuple[Any, Any]:
+        matrices, omega = self.motion._way.at(self.times)
+        body = self.motion.body
+        axes, field = body._principal.axes, body.field
+        # Q is numbers of many digits, and most often the identity
+        if (axes == np.eye(3)).all():
+            return numbers(field, matrices), numbers(field, omega)
+        axes = numbers(field, axes)
+        return numbers(field, matrices) @ axes.T, numbers(field, omega) @ axes.T
+
+    @cached_property
+    def matrices(self) -> Any:
+        """Rotations from the axes of the tensor to the laboratory, shape (N, 3, 3)."""
+        return read_only(self._found[0])
+
+    @property
+    def orientation(self) -> Rotation:
+        """The same as one Rotation of SciPy (the extra ``app``), in floats."""
+        from integrable.extras import needed
+
+        needed("scipy", "orientation, a Rotation,")
+        from scipy.spatial.transform import Rotation
+
+        return Rotation.from_matrix(self.matrices.astype(float))
+
+    @cached_property
+    def quaternion(self) -> Any:
+        """The same as unit quaternions (w, x, y, z), shape (N, 4): the first with w ≥ 0, the others nearest to the one
+        before them.
+        """
+        found = attitude.quaternions(self.matrices)
+        steps = np.sum(found[1:] * found[:-1], axis=1)
+        signs = np.cumprod([1, *(1 if x >= 0 else -1 for x in steps)])
+        return read_only(found * signs[:, None])
+
+    @cached_property
+    def omega(self) -> Any:
+        """The angular velocity in the axes of the laboratory, shape (N, 3), in rad/s."""
+        return read_only(np.einsum("nij,nj->ni", *self._found))
+
+    @property
+    def omega_body(self) -> Any:
+        """The angular velocity in the axes of the tensor, shape (N, 3), in rad/s."""
+        return read_only(self._found[1])
+
+    @cached_property
+    def contact(self) -> Any:
+        """(x, y) of the point of contact in the laboratory, shape (N, 2), in m; NotRepresentable for a free body."""
+        motion = self.motion
+        if motion._contact is None:
+            raise NotRepresentable(f"{motion.body!r} does not roll: it has no point of contact")
+        field = motion.body.field
+        path = numbers(field, motion._way.contact(self.times))
+        return read_only(path + numbers(field, np.array(motion._contact, dtype=object)))
+
+    @cached_property
+    def centre(self) -> Any:
+        """(x, y, z) of the centre of the ball, shape (N, 3), in m."""
+        height = np.full((len(self), 1), self.motion.body.radius)
+        return read_only(np.hstack([self.contact, height]))

@@ -1,0 +1,139 @@
+"""Inertia tensors: their checks, principal moments and axes; and rotation matrices. All in wide numbers."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jacobian.errors import ArgumentError, shown
+
+# a tensor is symmetric, and a body has I₁ + I₂ ≥ I₃, up to this part of the largest entry: drawings are rounded
+ROUNDED = 1e-9
+# R Rᵀ may differ from 1 by this
+ORTHOGONAL = 1e-8
+# principal moments that rounding cannot tell apart, in units of eps
+ALIKE = 4
+SWEEPS = 60
+
+Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
+"""Shape (3, 3), of mpf."""
+
+
+class Principal(NamedTuple):
+    """Principal moments and, as columns, the axes that they belong to in the axes of the tensor; right-handed."""
+
+    moments: tuple[Any, Any, Any]
+    axes: Matrix
+
+
+def principal(K: Any, inertia: Any, eps: Any) -> Principal:
+    """Those of three moments or of a 3×3 tensor, over K = MP(digits); moments within rounding (``eps``) are equal.
+
+    ArgumentError for another shape, a tensor that is not symmetric or not positive, and one that no body has.
+    """
+    table = matrix(K, inertia, "inertia", "three moments or a 3×3 tensor", moments=True)
+    off = abs(table - table.T)
+    size = abs(table).max()
+    if (off > ROUNDED * size).any():
+        i, j = (int(n) for n in np.argwhere(off > ROUNDED * size)[0])
+        raise ArgumentError(
+            f"inertia[{i}][{j}] = {float(table[i, j])} and inertia[{j}][{i}] = {float(table[j, i])}: an inertia tensor "
+            "is symmetric"
+        )
+    diagonal, axes = diagonalised(K, (table + table.T) / 2)
+    moments = [diagonal[i] for i in range(3)]
+    if (axes != np.eye(3)).any():
+        moments = _joined(moments, ALIKE * eps * size)
+    for i, moment in enumerate(moments):
+        if not moment > 0:
+            raise ArgumentError(
+                f"inertia has the principal moment {float(moment)}: a moment of inertia is positive (moment {i})"
+            )
+    least, middle, most = sorted(moments)
+    if most - (least + middle) > ROUNDED * most:
+        raise ArgumentError(
+            f"inertia has the principal moments {float(least)}, {float(middle)}, {float(most)}: no body has a moment "
+            "above the sum of the two others"
+        )
+    return Principal((moments[0], moments[1], moments[2]), axes)
+
+
+def _joined(moments: list[Any], near: Any) -> list[Any]:
+    """The moments, those within rounding of each other replaced by their mean."""
+    order = sorted(range(3), key=lambda i: moments[i])
+    low, mid, high = (moments[i] for i in order)
+    if mid - low <= near and high - mid <= near:
+        low = mid = high = (low + mid + high) / 3
+    elif mid - low <= near:
+        low = mid = (low + mid) / 2
+    elif high - mid <= near:
+        mid = high = (mid + high) / 2
+    found = dict(zip(order, (low, mid, high), strict=True))
+    return [found[i] for i in range(3)]
+
+
+def diagonalised(K: Any, table: Matrix) -> tuple[Any, Matrix]:
+    """(diagonal, columns of axes) of a symmetric matrix, by rotations (Jacobi 1846), to all digits of K."""
+    table, axes = table.copy(), np.array([[K.one * (i == j) for j in range(3)] for i in range(3)], dtype=object)
+    for _ in range(SWEEPS):
+        off = max(abs(table[0, 1]), abs(table[0, 2]), abs(table[1, 2]))
+        if off <= K.eps**2 * abs(table).max():
+            break
+        for i, j in ((0, 1), (0, 2), (1, 2)):
+            if table[i, j]:
+                # the smaller of the two angles
+                lean = (table[j, j] - table[i, i]) / (2 * table[i, j])
+                t = (1 if lean >= 0 else -1) / (abs(lean) + K.sqrt(1 + lean * lean))
+                c = 1 / K.sqrt(1 + t * t)
+                turn = np.array([[K.one * (m == n) for n in range(3)] for m in range(3)], dtype=object)
+                turn[i, i] = turn[j, j] = c
+                turn[i, j], turn[j, i] = t * c, -t * c
+                table, axes = turn.T @ table @ turn, axes @ turn
+    return np.diagonal(table), axes
+
+
+def rotation(K: Any, orientation: Any) -> Matrix:
+    """The rotation nearest to an orientation: a matrix that takes axes of the body to those of the laboratory, or one
+    of SciPy's. ArgumentError where it is more than rounding away, or a reflection.
+    """
+    given = orientation.as_matrix() if hasattr(orientation, "as_matrix") else orientation
+    table = matrix(K, given, "orientation", "one rotation, a 3×3 matrix or SciPy's Rotation")
+    one = np.eye(3, dtype=int)
+    off = abs(table @ table.T - one).max()
+    if not off <= ORTHOGONAL:
+        raise ArgumentError(
+            f"orientation = {shown(given)}: R Rᵀ differs from 1 by {float(off):.1e}, a rotation has orthonormal rows"
+        )
+    if determinant(table) < 0:
+        raise ArgumentError(f"orientation = {shown(given)} has determinant −1: a reflection is no rotation")
+    # its polar factor (Björck and Bowie 1971), in as many digits as there are: the error squares with every step
+    while off > 8 * K.eps:
+        table = table @ (3 * one - table.T @ table) / 2
+        off = off * off
+    return table
+
+
+def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
+    """A 3×3 matrix of K, of three ``moments`` a diagonal one; ArgumentError for other shapes."""
+    try:
+        given = np.array([[*row] if hasattr(row, "__iter__") else row for row in values], dtype=object)
+    except (TypeError, ValueError):
+        given = np.empty(0, dtype=object)
+    if given.shape == (3,) and moments:
+        diagonal = [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]
+        return np.array([[diagonal[i] if i == j else K.zero for j in range(3)] for i in range(3)], dtype=object)
+    if given.shape != (3, 3):
+        raise ArgumentError(f"{argument} = {shown(values)}: give {wanted}")
+    rows = [[K.coerce(given[i, j], f"{argument}[{i}][{j}]") for j in range(3)] for i in range(3)]
+    return np.array(rows, dtype=object)
+
+
+def determinant(table: Matrix) -> Any:
+    """Of a 3×3 matrix."""
+    return table[0] @ cross(table[1], table[2])
+
+
+def cross(x: Any, y: Any) -> Any:
+    """x × y of two vectors of mpf; numpy's is ten times slower on three objects."""
+    return np.array([x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)], dtype=object)

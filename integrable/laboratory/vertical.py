@@ -1,0 +1,129 @@
+"""A ball whose momentum about the point of contact is vertical: M = cγ.
+
+Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant: Euler's equations of the momentum λγ of a free body of moments
+I_i + d, which turns as the ball does; any vector across M is its γ. (Chaplygin 1903 excludes the case.) The centre
+moves with ẋ = r(ω_y, −ω_x). After a period T of γ in the body it has turned by an angle Δ about the vertical and gone
+δ, so that x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time takes the integral over one period.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from integrable.laboratory.ways import Along, WideFlow, numbers
+from integrable.motion.symmetric import turns_of
+from integrable.moving_point.legendre import integral
+from integrable.torus.panel_calculus import integrals
+from integrable.torus.panels import Panels
+from jacobian import RR
+from jacobian.errors import PrecisionLoss
+
+# the last coefficients of a panel's velocities, relative
+TOLERANCE = 1e-14
+# panels of a period to begin with
+PANELS = 8
+
+
+class Vertical(Along):
+    """Along the flow of the free body, with the path of a ball of this ``radius`` (wide); ``sign`` that of λ."""
+
+    def __init__(self, flow: WideFlow, frame: Any, radius: Any, sign: int) -> None:
+        super().__init__(flow, frame)
+        self._radius, self._sign = numbers(self._field, np.array([radius]))[0], sign
+
+    def contact(self, times: np.ndarray) -> Any:
+        """The way of the point of contact from the start."""
+        K = self._field
+        pace, advance, wide = self._rates
+        if K == RR:
+            counts, rest = turns_of(times, pace, wide.zero)
+            inside = self._path((rest / np.longdouble(float(pace))).astype(float))
+            half = 2 * np.pi * turns_of(counts, advance / 2, wide.zero)[1].astype(float)
+            return self._after(counts, half, inside, np.sin, np.cos)
+        context = K.context
+        counts = np.array([context.nint(t * pace) for t in times], dtype=object)
+        inside = self._path(np.array([K.coerce(t - n / pace) for t, n in zip(times, counts, strict=True)]))
+        half = np.array([K.coerce(wide.context.pi * advance * n) for n in counts], dtype=object)
+        return self._after(counts, half, inside, *(np.frompyfunc(f, 1, 1) for f in (context.sin, context.cos)))
+
+    def _after(self, counts: Any, half: Any, inside: Any, sin: Any, cos: Any) -> Any:
+        """x(nT + s) of x(s), n = ``counts``, nΔ/2 = ``half``."""
+        step = np.array([self._half_turn])
+        s, c = sin(step)[0], cos(step)[0]
+        ends = self._path(np.array([-self._half_period, self._half_period]))
+        delta = ends[1] - _turned(*_double(s, c), ends[0])
+        sums = sin(half) / s if s else counts
+        # R((n − 1)Δ/2)δ
+        gone = sums[:, None] * _turned(sin(half) * c - cos(half) * s, cos(half) * c + sin(half) * s, delta)
+        return gone + _turned(*_double(sin(half), cos(half)), inside)
+
+    # --- one period
+
+    @cached_property
+    def _rates(self) -> tuple[Any, Any, Any]:
+        """1/T, the turns Δ/2π, both wide, and their field."""
+        portrait = self.flow.portrait
+        if portrait.axis is None:
+            raise PrecisionLoss(
+                "contact: the period of γ in the body, beside an unstable rotation, is beyond all digits"
+            )
+        turn, rest = portrait.wide_turns
+        return abs(turn + rest) / 2, self._sign * turn / abs(turn + rest), self.flow.setup.wide
+
+    @cached_property
+    def _half_period(self) -> Any:
+        return self._field.coerce(1 / (2 * self._rates[0]))
+
+    @cached_property
+    def _half_turn(self) -> Any:
+        """Δ/2."""
+        _, advance, wide = self._rates
+        return self._field.coerce(wide.context.pi * (advance - wide.context.nint(advance)))
+
+    def _path(self, times: np.ndarray) -> Any:
+        """x(s) for |s| ≤ T/2."""
+        if self._field != RR:
+            return np.array([self._by_gauss(t) for t in times], dtype=object).reshape(-1, 2)
+        found = np.zeros((len(times), 2))
+        for sign, panels in zip((1, -1), self._panels, strict=True):
+            chosen = np.flatnonzero(sign * times > 0)
+            if len(chosen):
+                found[chosen] = sign * integrals(panels, abs(times[chosen]))
+        return found
+
+    @cached_property
+    def _panels(self) -> tuple[Panels, Panels]:
+        # a rounded time may lie a bit beyond
+        end = self._half_period * (1 + 1e-9)
+        first, second = (
+            Panels(lambda s, sign=sign: self._velocity(sign * s), 0.0, end, end / PANELS, TOLERANCE)  # type: ignore[misc]
+            for sign in (1, -1)
+        )
+        return first, second
+
+    def _by_gauss(self, time: Any) -> Any:
+        K = self._field
+        if not time:
+            return np.array([K.zero, K.zero], dtype=object)
+        cuts = [time * k / PANELS for k in range(PANELS + 1)]
+        return sum(integral(K, self._velocity, first, last, 1.0) for first, last in pairwise(cuts))
+
+    def _velocity(self, times: np.ndarray) -> Any:
+        matrices, omega = self.at(times)
+        space = np.einsum("nij,nj->ni", matrices, omega)
+        return self._radius * np.stack([space[:, 1], -space[:, 0]], axis=1)
+
+
+def _double(s: Any, c: Any) -> tuple[Any, Any]:
+    """Sine and cosine of twice an angle."""
+    return 2 * s * c, c * c - s * s
+
+
+def _turned(s: Any, c: Any, points: Any) -> Any:
+    """Points turned by angles of these sines and cosines."""
+    x, y = points[..., 0], points[..., 1]
+    return np.stack([c * x - s * y, s * x + c * y], axis=-1)

@@ -1,0 +1,119 @@
+"""What computes a motion in the laboratory: orientations of the principal axes, angular velocities, contact points.
+
+Every way gives, at times of shape (N,): the rotations from principal axes to the laboratory, (N, 3, 3), and ω along
+the principal axes, (N, 3), by ``at``; and the way of the point of contact from the start, (N, 2), by ``contact``.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.laboratory.tensor import cross
+from integrable.motion.flow import Flow
+from integrable.motion.symmetric import PI, SymmetricFlow, turns_of
+from integrable.moving_point.setup import Setup
+from integrable.phase.body import Body
+from jacobian import RR
+from jacobian.immutable import replaced
+
+if TYPE_CHECKING:
+    from integrable.motion.trajectory import Trajectory
+    from integrable.phase.state import State
+
+TURN = 2 * PI
+
+
+class WideFlow(Flow):
+    """A flow whose torus or closed form is set up from numbers with more digits than its field has.
+
+    Diagonalising a tensor and making M of ω round the floats that a user gave, and a phase keeps that error for every
+    radian it has turned.
+    """
+
+    def __init__(self, system: Any, state: State, wide_body: Body, wide_state: State) -> None:
+        # before the base, which may ask for the set-up
+        self._wide_body, self._wide_state = wide_body, wide_state
+        super().__init__(system, state)
+
+    @cached_property
+    def setup(self) -> Setup:
+        """What the motion is computed from."""
+        body, state = self._wide_body, self._wide_state
+        if self.system.field != RR:
+            return Setup(body, state.gamma, state.M, state.tilted, self.system.field.dps)
+        return Setup(Body(body.inertia, body.d, RR), state.gamma, state.M, state.tilted)
+
+    @cached_property
+    def _symmetric(self) -> Any:
+        if self.system.field != RR or super()._symmetric is None:
+            return super()._symmetric
+        return SymmetricFlow(replaced(self.system, body=self._wide_body), self._wide_state)
+
+
+class Uniform:
+    """ω constant: a body that turns about a principal axis, any homogeneous one, and one at rest."""
+
+    flow = None
+
+    def __init__(self, field: Any, start: Any, omega: Any, radius: Any) -> None:
+        """``start`` is the wide matrix at time 0, ``omega`` wide and along the principal axes."""
+        self._field, self._start, self._body = field, start, omega
+        self._wide = omega[0].context
+        self._space = start @ omega
+        self._rate = self._wide.sqrt(omega @ omega)
+        x, y, _ = self._space
+        self._velocity = None if radius is None else np.array([radius * y, -radius * x])
+
+    def at(self, times: np.ndarray) -> tuple[Any, Any]:
+        """Rotations and ω."""
+        field, start = self._field, self._start
+        axis = self._space / self._rate if self._rate else self._space
+        across = np.stack([cross(axis, column) for column in start.T], axis=1)
+        along = np.outer(axis, axis @ start)
+        c, s = (x[:, None, None] for x in self._circle(times))
+        start, across, along, omega = (numbers(field, x) for x in (start, across, along, self._body))
+        return c * (start - along) + s * across + along, np.broadcast_to(omega, (len(times), 3))
+
+    def _circle(self, times: np.ndarray) -> tuple[Any, Any]:
+        """Cosine and sine of the angle turned by."""
+        wide = self._wide
+        if self._field != RR:
+            angles = [self._rate * t for t in times]
+            c, s = (np.array([f(x) for x in angles], dtype=object) for f in (wide.cos, wide.sin))
+            return numbers(self._field, c), numbers(self._field, s)
+        _, turns = turns_of(times, self._rate / (2 * wide.pi), wide.zero)
+        angles = TURN * turns
+        return np.cos(angles).astype(float), np.sin(angles).astype(float)
+
+    def contact(self, times: np.ndarray) -> Any:
+        """Straight on."""
+        return np.outer(times, numbers(self._field, self._velocity))
+
+
+class Along:
+    """Along a flow: two vectors that rest in space, the γ and M of its state, and where they are in the laboratory."""
+
+    def __init__(self, flow: WideFlow, frame: Any) -> None:
+        """``frame`` is the wide matrix from the axes of :attr:`Trajectory.attitude` to the laboratory."""
+        self.flow, self._field = flow, flow.system.field
+        self._frame = numbers(self._field, frame)
+
+    def at(self, times: np.ndarray) -> tuple[Any, Any]:
+        """Rotations and ω."""
+        run = self._run(times)
+        return self._frame @ run.attitude, run.omega
+
+    def contact(self, times: np.ndarray) -> Any:
+        """The path of the flow, turned into the laboratory."""
+        return self._run(times).contact @ self._frame[:2, :2].T
+
+    def _run(self, times: np.ndarray) -> Trajectory:
+        return self.flow.at(times)
+
+
+def numbers(field: Any, values: Any) -> Any:
+    """An array of numbers of a field."""
+    return np.asarray(values).astype(float) if field == RR else np.frompyfunc(field.coerce, 1, 1)(values)

@@ -1,0 +1,1 @@
+"""What a motion is, beside its states: frequencies, actions, diagrams, sections, sensitivities."""

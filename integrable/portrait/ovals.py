@@ -1,0 +1,151 @@
+"""Integrals over the two ovals of a motion's curve, in floats or to the digits of a set-up.
+
+With y = √|f|, f the curve 4(1 − d̃x)Π(a_i − x)(x·h̃2 − h1) of the upright body (tildes; :mod:`integrable.phase.upright`),
+a₁ < a₂ < a₃ the sorted a_i and ζ = h1/h̃2, u1 runs through the oval [a₁, min(ζ, a₂)] and u2 through [max(ζ, a₂), a₃]:
+
+    A_k = ∫x^k dx/y over the first, B_k over the second,  K_k and L_k the same of x^k dx/((1 − d̃x)^½·y).
+
+By the arithmetic-geometric mean (:mod:`integrable.torus.survey`); an oval that has shrunk to a point gives residues.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from integrable.torus.survey import oval_periods, slowed
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.roots import root
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+    from integrable.phase.body import Body
+
+FLOAT_EPS = 2.0**-52
+
+
+class Level(NamedTuple):
+    """Where a motion is among those of its body: the sorted a_i and the axes they belong to, ζ between the first and
+    the last of them, d̃, √H̃2, s of Chaplygin's transformation; all floats, or all mpf.
+    """
+
+    a: tuple[Any, Any, Any]
+    axes: tuple[int, int, int]
+    zeta: Any
+    d: Any
+    momentum: Any
+    s: Any
+
+    @staticmethod
+    def of(setup: Setup) -> Level:
+        """That of the motion of a set-up, in its wide numbers."""
+        problem = setup.problem
+        top = problem.time_scale / (2 * problem.momentum)
+        axes = sorted(range(3), key=lambda i: problem.axes[i])
+        a1, a2, a3 = (problem.axes[i] * top for i in axes)
+        zeta = min(max(problem.ratio * top, a1), a3)
+        s = problem.tilt.s if problem.tilt else setup.wide.one
+        return Level((a1, a2, a3), (axes[0], axes[1], axes[2]), zeta, problem.d / top, problem.momentum, s)
+
+    @staticmethod
+    def at(body: Body, X: Any, zeta: Any) -> Level:
+        """That of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
+
+        All of Chaplygin's transformation is rational in X and ζ.
+        """
+        axes = sorted(range(3), key=lambda i: body.a[i])
+        a1, a2, a3 = (body.a[i] for i in axes)
+        d, thin = body.d, 1 - body.d * zeta
+        u = 1 - d * zeta * (1 - X)
+        rest = (1 - X) * thin / u
+        s = root(thin * u / (1 - d * zeta * (1 - X) * (2 - d * zeta)))
+        return Level((a1, a2, a3), (axes[0], axes[1], axes[2]), zeta, d * rest, root(u / thin), s)
+
+    @property
+    def low(self) -> bool:
+        """Whether ζ < a₂: M̃ then circles the axis of a₁, else that of a₃."""
+        return bool(self.zeta < self.a[1])
+
+    @property
+    def ends(self) -> tuple[Any, Any, Any, Any]:
+        """Of the first oval, then of the second."""
+        a1, a2, a3 = self.a
+        return a1, min(self.zeta, a2), max(self.zeta, a2), a3
+
+    @property
+    def contact(self) -> tuple[Any, Any, Any]:
+        """1 − d̃a_i of the sorted a_i."""
+        a1, a2, a3 = self.a
+        return 1 - self.d * a1, 1 - self.d * a2, 1 - self.d * a3
+
+    @property
+    def pi(self) -> Any:
+        """π, as the numbers are."""
+        return math.pi if isinstance(self.zeta, float) else +self.zeta.context.pi
+
+    @property
+    def eps(self) -> Any:
+        """The rounding of the numbers."""
+        return FLOAT_EPS if isinstance(self.zeta, float) else self.zeta.context.eps
+
+    @property
+    def parted(self) -> bool:
+        """Whether there is something between the ovals."""
+        ends = self.ends
+        return bool(ends[2] - ends[1] > self.eps**0.75 * ends[3])
+
+
+class Ovals(NamedTuple):
+    """A0, A1, B0, B1, and K0, K1, L0, L1, which at d = 0 are A and B again."""
+
+    A0: Any
+    A1: Any
+    B0: Any
+    B1: Any
+    K0: Any
+    K1: Any
+    L0: Any
+    L1: Any
+
+    @staticmethod
+    def of(level: Level) -> Ovals:
+        """Those of a level; PrecisionLoss where the two ovals have met: the separatrix."""
+        if not level.parted:
+            raise PrecisionLoss(
+                f"ζ = {float(level.zeta)} is the middle 1/(I + d) to all digits: on the separatrix periods are infinite"
+            )
+        # R = 1 − d̃x is about 1 at 0, and the numbers are of the size of a₃
+        top, size, pi = level.a[2], 2 * level.momentum, level.pi
+        one = top / top
+        scaled, d = tuple(x / top for x in level.ends), level.d * top
+        near, out = float(level.eps) ** 0.5 / 16, [0 * one] * 4
+        oval_periods(scaled, d, one, pi, near, out)
+        a0, a1, b0, b1 = (x / (2 * size) for x in out)
+        values = a0 / top, a1, b0 / top, b1
+        if not d:
+            return Ovals(*values, *values)
+        k0, k1 = _thirds(scaled, d, pi, near)
+        l0, l1 = _thirds((scaled[3], scaled[2], scaled[1], scaled[0]), d, pi, near)
+        return Ovals(*values, k0 / (size * top), k1 / size, l0 / (size * top), l1 / size)
+
+    @property
+    def D(self) -> Any:
+        """A0·B1 − A1·B0 > 0."""
+        return self.A0 * self.B1 - self.A1 * self.B0
+
+    @property
+    def slowness(self) -> Any:
+        """(K0·L1 − K1·L0)/D."""
+        return (self.K0 * self.L1 - self.K1 * self.L0) / self.D
+
+
+def _thirds(ends: tuple[Any, ...], d: Any, pi: Any, near: float) -> tuple[Any, Any]:
+    """∫x^k dx/((1 − dx)√|(x − a)(x − b)(x − c)(x − e)|) from a to b, k = 0, 1; c and e are beyond b."""
+    a, b, c, e = ends
+    if a == b:
+        k0 = pi / ((1 - d * a) * root(abs((c - a) * (e - a))))
+        return k0, k0 * a
+    middle = (b + c) / 2
+    k0, k1 = slowed((a, b, c, e), middle, d, 1 + 0 * a, pi, near)
+    k0, k1 = abs(k0), k1 if k0 > 0 else -k1
+    return k0, k1 + middle * k0

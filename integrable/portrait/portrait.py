@@ -1,0 +1,161 @@
+"""What a motion is: frequencies, rates, drift, actions and angles, and where it is among the motions of its body.
+
+M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`),
+M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the middle
+a, that of the largest one where it is above. All means are in closed form, at any d and (γ, M), by the periods of
+:mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
+
+    ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN(K0L1 − K1L0)/D, f = ν/⟨1/g⟩, J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
+
+J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for
+(γ, M) ≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from integrable.portrait.angles import divisor_of, start_angles
+from integrable.portrait.ovals import Level, Ovals
+from integrable.torus.survey import complete
+from jacobian.errors import NotRepresentable
+from jacobian.immutable import Immutable
+from jacobian.numbers.roots import root
+
+if TYPE_CHECKING:
+    from integrable.moving_point.setup import Setup
+    from integrable.phase.space import PhaseSpace
+    from integrable.phase.state import State
+
+REGIONS = {
+    "low": "ζ below the middle a_i: M̃ circles the axis of the least one, of the largest moment",
+    "high": "ζ above the middle a_i: M̃ circles the axis of the largest one, of the least moment",
+    "symmetric": "two moments are equal, and M̃ circles the axis of the third",
+    "rotation": "M̃ rests along an axis of the body, or across the one of a symmetric body",
+    "separatrix": "ζ is the middle a_i: the unstable rotation, or a motion that comes from one and goes to one",
+    "homogeneous": "three moments are equal: ω is constant",
+}
+"""The words of :attr:`Portrait.region`, and what they mean."""
+
+
+class Portrait(Immutable):
+    """The numbers of a motion as a whole, of the field of its system. Get one from ``flow.portrait``.
+
+    ``region`` is a word of :data:`REGIONS`, ``axis`` (0, 1 or 2) that of the body which M̃ circles, None where there is
+    none. ``zeta`` is ζ = H̃1/H̃2, ``distance`` (ζ − a₂)/(a₃ − a₁) of sorted a_i: how far the separatrix is, negative on
+    its low side (0 where three moments are equal). ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns
+    of u1 and of u2 in a unit of t and of τ, signed, and ``rotation_number`` is f1/f2. Rates in radians a unit of t:
+    ``precession`` of the axis about M̃ in space, ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about it, both in the
+    body and positive in the sense of its axes; None without an axis. ``drift`` is the mean velocity of the point of
+    contact along −y of :attr:`Trajectory.attitude`, in the unit of the radius or in radii; None for what does not roll.
+    ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g = dτ/dt over t. ``wide_turns`` are precession/π and
+    ±spin/π to the digits of the set-up.
+    """
+
+    def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
+        self._field, self._divisor = system.field, divisor_of(setup)
+        level = self._level = Level.of(setup)
+        self.region = _region(level)
+        self._ovals = Ovals.of(level) if level.parted else None
+        number = system.field.coerce
+        nu, mean = self._means(system.body.rolls)
+        found = nu[0] * mean, nu[1] * mean
+        self.tau_frequencies, self.frequencies = tuple(map(number, nu)), tuple(map(number, found))
+        self.rotation_number, self.mean_g = number(nu[0] / nu[1]), number(mean)
+        self.zeta = number(level.zeta)
+        a1, a2, a3 = level.a
+        self.distance = number((level.zeta - a2) / (a3 - a1)) if a3 > a1 else number(0)
+        self.axis = None if self._ovals is None else level.axes[0] if level.low else level.axes[2]
+        self.wide_turns: tuple[Any, Any] = (found[0], found[1]) if level.low else (-found[1], -found[0])
+        self.precession, self.spin, self.polhode = self._rates(setup)
+        self.drift, self.mean_spin = self._rolling(system, state, setup.wide)
+
+    @cached_property
+    def actions(self) -> tuple[Any, Any]:
+        """(J1, J2), of the unit of M. Those of the torus in (γ, M), whose periods are doubled, are twice as large."""
+        ovals, level = self._compact("actions"), self._level
+        h2, pi = level.momentum**2, level.pi
+        h1 = level.zeta * h2
+        first, second = (h1 * ovals.A0 - h2 * ovals.A1) / pi, (h2 * ovals.B1 - h1 * ovals.B0) / pi
+        return self._field.coerce(first), self._field.coerce(second)
+
+    @cached_property
+    def angles(self) -> tuple[Any, Any]:
+        """(θ1, θ2) of the start in turns, modulo 1: θ + ντ is the motion. θ_k are conjugate to 2πJ_k.
+
+        They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same.
+        NotRepresentable for equal moments and rotations: one point of the divisor rests, and does not know its angle.
+        """
+        if self.region in ("symmetric", "rotation"):
+            raise NotRepresentable(
+                f"angles: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"
+            )
+        first, second = start_angles(self._divisor, self._level, self._compact("angles"))
+        return self._field.coerce(first), self._field.coerce(second)
+
+    @cached_property
+    def periods(self) -> tuple[Any, Any]:
+        """1/|f1| and 1/|f2|; of γ̃ in the body and of the axis in space they are half a turn."""
+        one, two = (abs(1 / f) for f in self.frequencies)
+        return one, two
+
+    def _compact(self, name: str) -> Ovals:
+        if self._ovals is None:
+            raise NotRepresentable(
+                f"{name}: this motion ({self.region}) lies on no torus of dimension two, its ovals have met"
+            )
+        return self._ovals
+
+    def _means(self, rolls: bool) -> tuple[tuple[Any, Any], Any]:
+        """(ν1, ν2) and the mean of g, wide."""
+        level, ovals = self._level, self._ovals
+        if ovals is None:
+            # all but rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
+            (r1, _, r3), pi = level.contact, level.pi
+            one = r1 / r1
+            mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))
+            rate = level.a[1] * level.momentum / (pi * mean)
+            return (rate, -rate), mean / level.s
+        (r1, r2, r3), D = level.contact, ovals.D
+        mean = 1 / (level.s * root(r1 * r2 * r3) * ovals.slowness) if rolls else D / D
+        return (ovals.B1 / (2 * D), -ovals.A1 / (2 * D)), mean
+
+    def _rates(self, setup: Setup) -> tuple[Any, Any, Any]:
+        """Precession, spin and polhode."""
+        if self.axis is None:
+            return None, None, None
+        (turn, rest), pi, number = self.wide_turns, self._level.pi, self._field.coerce
+        momentum = setup.problem.upright_momentum[self.axis]
+        sign = pi if momentum > 0 else -pi
+        return number(pi * turn), number(sign * rest), number(sign * (turn + rest))
+
+    def _rolling(self, system: PhaseSpace, state: State, K: Any) -> tuple[Any, Any]:
+        """Mean velocity of the contact, mean of (γ, ω)."""
+        zeta, number = self._level.zeta, self._field.coerce
+        gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
+        c, size = K.dot(gamma, M) if state.tilted else K.zero, K.dot(gamma, gamma)
+        spin = number(c * zeta / (1 - K.coerce(system.d) * zeta))
+        if not system.body.rolls:
+            return None, spin
+        horizontal = K.sqrt(max(K.dot(M, M) - c * c / size, K.zero))
+        drift = number(zeta * horizontal)
+        return drift if system.radius is None else system.radius * drift, spin
+
+    def __repr__(self) -> str:
+        f1, f2 = (float(f) for f in self.frequencies)
+        return f"<Portrait: {self.region}, frequencies {f1:.6g} and {f2:.6g}, distance {float(self.distance):.3g}>"
+
+
+def _region(level: Level) -> str:
+    a1, a2, a3 = level.a
+    near = level.eps**0.75 * a3
+    if a1 == a3:
+        return "homogeneous"
+    if level.zeta - a1 <= near or a3 - level.zeta <= near:
+        return "rotation"
+    if abs(level.zeta - a2) <= near:
+        return "separatrix"
+    if a2 in (a1, a3):
+        return "symmetric"
+    return "low" if level.low else "high"
