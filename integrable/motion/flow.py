@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from integrable.motion.rotation import PrincipalRotation
     from integrable.motion.short import ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
-    from integrable.motion.symmetric_precise import PreciseSymmetricFlow
+    from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.state import State
     from integrable.portrait.portrait import Portrait
     from integrable.torus.access import TorusFlow
@@ -201,24 +201,27 @@ class Flow(BodyMotion):
         return RoundedRows(field, many, "multiprecision")
 
     @cached_property
-    def _symmetric(self) -> SymmetricFlow | PreciseSymmetricFlow | None:
+    def _symmetric(self) -> SymmetricFlow | PreciseClosedForm | None:
         """None where three moments differ."""
         from integrable.motion.symmetric import SymmetricFlow
-        from integrable.motion.symmetric_precise import PreciseSymmetricFlow
+        from integrable.motion.symmetric_precise import PreciseClosedForm
 
         if symmetry_axis(self.system.inertia) is None:
             return None
         if self.system.field != RR:
-            return PreciseSymmetricFlow(self.system, self.state)
+            return PreciseClosedForm(self.system, self.state)
         return SymmetricFlow(self.system, self.state)
 
     @cached_property
-    def _rotation(self) -> PrincipalRotation | None:
-        """In floats, None where M is not along a principal axis with γ across it."""
-        from integrable.motion.rotation import PrincipalRotation, rotation_axis
+    def _rotation(self) -> PrincipalRotation | PreciseClosedForm | None:
+        """None where M is not along a principal axis with γ across it."""
+        from integrable.motion.rotation import PrincipalRotation, RotationForm, rotation_axis
+        from integrable.motion.symmetric_precise import PreciseClosedForm
 
-        if self.system.field != RR or rotation_axis(self.state) is None:
+        if rotation_axis(self.state) is None:
             return None
+        if self.system.field != RR:
+            return PreciseClosedForm(self.system, self.state, RotationForm)
         return PrincipalRotation(self.system, self.state)
 
     @cached_property

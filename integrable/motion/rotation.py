@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.symmetric import NEAR, PI, half_turns, long, turns_of, wide
+from integrable.motion.symmetric_precise import ClosedForm
 from integrable.moving_point.elliptic_integrals import FirstKind
 from integrable.phase.body import Body
 from integrable.phase.precisions import SET_UP_DIGITS
@@ -84,3 +85,38 @@ class PrincipalRotation:
         rows, sign = np.zeros((len(x), 6)), 1 - 2 * (half % 2)
         rows[:, j], rows[:, k], rows[:, 3 + i] = sign * np.cos(x), -sign * np.sin(x), self._momentum
         return rows
+
+
+class RotationForm(ClosedForm):
+    """The same in the numbers of a wide field K."""
+
+    def __init__(self, system: PhaseSpace, state: State, K: Any) -> None:
+        axis = rotation_axis(state)
+        assert axis is not None
+        self._order = i, j, k = axis, (axis + 1) % 3, (axis + 2) % 3
+        body, self._rolls = Body.make(system.inertia, system.d, K), system.body.rolls
+        super().__init__(K.context, body.contact[k] / body.contact[j], not self._rolls)
+        self._momentum = K.coerce(state.M[i])
+        self._rate = body.a[i] * self._momentum
+        self._flow_rate = self._rate * K.sqrt(body.contact[j])
+        self._start = K.context.atan2(-K.coerce(state.gamma[k]), K.coerce(state.gamma[j]))
+        self._origin = self._integral(self._start)[0]
+
+    def turns(self, t: Any, of_flow: bool) -> Any:
+        pi, period = self._half
+        return abs(t * (self._flow_rate * pi / period if of_flow else self._rate)) + 1
+
+    def at(self, t: Any) -> tuple[list[Any], Any]:
+        theta = self._start + self._rate * t
+        tau = (self._integral(theta)[0] - self._origin) / self._flow_rate
+        return self._row(theta), tau
+
+    def at_tau(self, tau: Any) -> tuple[list[Any], Any]:
+        theta = self._inverse(self._origin + self._flow_rate * tau)
+        return self._row(theta), (theta - self._start) / self._rate
+
+    def _row(self, theta: Any) -> list[Any]:
+        i, j, k = self._order
+        row = [0 * theta] * 6
+        row[j], row[k], row[3 + i] = self.context.cos(theta), -self.context.sin(theta), self._momentum
+        return row

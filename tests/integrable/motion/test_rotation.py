@@ -5,8 +5,10 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.flow import Flow
+from integrable.motion.precise import PreciseFlow
 from integrable.motion.rotation import PrincipalRotation
 from integrable.oracles.reference import taylor
+from jacobian import MP
 from jacobian.errors import PrecisionLoss
 
 SYSTEMS = {"ball": ChaplyginBall((1, 2, 3), 0.7), "heavy": ChaplyginBall((3, 1, 2), 50.0), "top": EulerTop((3, 1, 2))}
@@ -51,3 +53,30 @@ def test_far_away_and_beyond_the_digits():
     assert (run.M == state.M).all()
     with pytest.raises(PrecisionLoss, match="turns of a phase"):
         flow.at([1e17])
+
+
+@pytest.mark.parametrize("start", STATES.values(), ids=STATES)
+@pytest.mark.parametrize("system", SYSTEMS.values(), ids=SYSTEMS)
+def test_multiprecision_has_them_at_any_time(system, start):
+    """About the middle axis 1000 units of time were refused: 415 digits are lost on the way."""
+    rows = {}
+    for digits in (30, 50):
+        K = MP(digits)
+        wide = type(system)(system.inertia, *([system.d] if system.d else []), field=K)
+        # 3, 4 and 5 make no unit vector of decimals that are floats
+        length = K.sqrt(sum(K.coerce(x) ** 2 for x in start[0]))
+        state = wide.state([K.coerce(x) / length for x in start[0]], start[1])
+        flow = wide.flow(state)
+        run = flow.at([3, -7, "1e6", "-1e12"])
+        assert run.way == "closed form"
+        assert max(abs(x - y) for x, y in zip(flow.at_tau(run.tau).gamma.flat, run.gamma.flat, strict=True)) < 1e-17
+        back = flow.physical_time(run.tau[:2])
+        assert max(abs(x - y) for x, y in zip(back, (3, -7), strict=True)) < 10.0 ** (2 - digits)
+        near = PreciseFlow(wide.body, state, digits)
+        for row, (gamma, _) in zip(run.gamma, near.vectors(near.at_tau(run.tau[:2].tolist())), strict=False):
+            assert max(abs(x - y) for x, y in zip(row, gamma, strict=True)) < 10.0 ** (2 - digits)
+        assert (run.M == np.array(state.M)).all()
+        rows[digits] = run
+    gaps = [abs(K.coerce(x) - y) for x, y in zip(rows[30].gamma.flat, rows[50].gamma.flat, strict=True)]
+    assert max(gaps) < 1e-29
+    assert max(abs(K.coerce(x) / y - 1) for x, y in zip(rows[30].tau, rows[50].tau, strict=True)) < 1e-28
