@@ -27,6 +27,20 @@ examples:
 """
 
 
+_FIRST = """\
+integrable: rigid bodies that roll and turn, at any time, by addition of divisors.
+
+What you can do next:
+  integrable run chaplygin      roll a ball: error against run time beside SciPy, pictures in runs/chaplygin (a minute)
+  integrable view chaplygin     see it roll: a page for your browser, runs/chaplygin/view.html
+  integrable scenes             the other scenes: tops, thin and heavy balls, separatrices, finite fields
+  integrable report --quick     error against run time of a few scenes beside other integrators (two minutes)
+  integrable --help             all commands; integrable COMMAND --help: their options
+
+A scene of your own is a file of ten lines: docs/scenes.md. In Python: import integrable; help(integrable).
+"""
+
+
 class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line."""
 
@@ -42,8 +56,9 @@ def _parser() -> argparse.ArgumentParser:
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"integrable {_version()}")
-    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    commands.add_parser("scenes", help="list the scenes that ship with the package")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND")
+    scenes = commands.add_parser("scenes", help="list the scenes that ship with the package")
+    scenes.add_argument("--json", action="store_true", help="the scenes themselves, as JSON on stdout")
     run = commands.add_parser(
         "run", help="run a scene", description="Run a scene and write what it asks for to a folder."
     )
@@ -57,6 +72,11 @@ def _parser() -> argparse.ArgumentParser:
     )
     run.add_argument("--no-plots", action="store_true", help="no pictures, and matplotlib is not imported")
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    run.add_argument(
+        "--json",
+        action="store_true",
+        help="the result as JSON on stdout (integrable/schemas/result.json says what is in it); files with --out only",
+    )
     run.add_argument(
         "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
     )
@@ -114,20 +134,26 @@ def _version() -> str:
         return "(not installed)"
 
 
-def _list_scenes() -> None:
+def _list_scenes(arguments: argparse.Namespace) -> None:
+    from integrable.scene.output import as_json
     from integrable.scene.tables import aligned
 
     scenes = [load_scene(name) for name in scene_names()]
+    if arguments.json:
+        print(as_json({scene.name: scene.describe() for scene in scenes}), end="")
+        return
     rows = [("name", "system", "title"), *((scene.name, scene.system, scene.title) for scene in scenes)]
     print("\n".join(aligned(rows, left=3)))
 
 
 def _run(arguments: argparse.Namespace) -> None:
-    from integrable.scene.output import portable
+    from integrable.scene.output import as_json, portable, result
     from integrable.study.run import run
 
     scene = load_scene(arguments.scene)
-    out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name)
+    out = Path(arguments.out) if arguments.out is not None else None
+    if out is None and not arguments.json:
+        out = Path("runs") / portable(scene.name)
     trajectory = run(
         scene,
         digits=arguments.digits,
@@ -136,6 +162,10 @@ def _run(arguments: argparse.Namespace) -> None:
         pictures=not arguments.no_plots,
         formats=_formats(arguments),
     )
+    if arguments.json:
+        digits = scene.digits if arguments.digits is None else arguments.digits
+        print(as_json(result(scene, digits, trajectory, None)), end="")
+        return
     if arguments.quiet:
         return
     if trajectory.report is not None:
@@ -193,8 +223,10 @@ def _silent(*_: Any, **__: Any) -> None: ...
 
 def _obey(arguments: argparse.Namespace) -> int:
     try:
-        if arguments.command == "scenes":
-            _list_scenes()
+        if arguments.command is None:
+            print(_FIRST, end="")
+        elif arguments.command == "scenes":
+            _list_scenes(arguments)
         elif arguments.command == "report":
             _report(arguments)
         elif arguments.command == "view":

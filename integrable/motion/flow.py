@@ -1,6 +1,6 @@
 """The exact flow: time is addition on the Jacobian.
 
-D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Tsiganov's Abel quadratures; formulas.md, section
+D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Abel quadratures; Tsiganov 2017, section
 3). On a compact torus any τ and any physical time t = ∫dτ/g is two additions away from a table
 (:mod:`integrable.torus.access`); for few turns short runs do without a torus (:mod:`integrable.motion.short`); what
 floats or the torus do not carry, and multiprecision, is computed with as many digits as it takes

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+import integrable
 from integrable.__main__ import main
+from integrable.scene.file import scene_names
 from tests.integrable.scene_texts import BALL, REPORT
 
 
@@ -101,7 +105,7 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     assert names(here) == ["ball.toml"]
 
 
-@pytest.mark.parametrize("arguments", [["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], [], ["walk"]])
+@pytest.mark.parametrize("arguments", [["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], ["view"], ["walk"]])
 def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
     done = subprocess.run(
         [sys.executable, "-m", "integrable", *arguments], capture_output=True, text=True, timeout=60, check=False
@@ -152,3 +156,78 @@ def test_version_and_help(capsys):
             main([option])
         assert stop.value.code == 0
         assert word in capsys.readouterr().out
+
+
+def test_the_command_alone_says_what_one_can_do_next(here):
+    """It is no error, it writes nothing, and each command that it names is one."""
+    done = subprocess.run([sys.executable, "-m", "integrable"], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    named = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("  integrable ")]
+    assert named == ["run", "view", "scenes", "report", "--help"]
+    assert max(map(len, done.stdout.splitlines())) <= 120
+    assert names(here) == ["ball.toml"]
+
+
+SCHEMA = Path(integrable.__file__).parent / "schemas" / "result.json"
+
+
+@pytest.fixture
+def valid():
+    """A check of a result against the published schema."""
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema).is_valid
+
+
+@pytest.mark.parametrize("options", [[], ["--digits", "20"], ["--out", "there", "--no-plots"]])
+def test_json_goes_to_stdout_alone_and_is_what_the_schema_says(here, capsys, valid, options):
+    (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
+    assert main(["run", "ball.toml", "--json", *options]) == 0
+    captured = capsys.readouterr()
+    assert captured.err == ""
+    content = json.loads(captured.out)
+    assert valid(content)
+    assert content["report"]["rows"]
+    assert len(content["trajectory"]["gamma"]) == len(content["trajectory"]["times"]) == 3
+    if "--out" in options:
+        assert valid(json.loads((here / "there" / "result.json").read_text(encoding="utf-8")))
+    else:
+        assert names(here) == ["ball.toml"]
+
+
+def test_the_schema_refuses_what_is_no_result(here, capsys, valid):
+    assert main(["run", "ball.toml", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert valid(content)
+    for wrong in (
+        {**content, "schema": 2},
+        {**content, "digits": "many"},
+        {**content, "trajectory": {"gamma": [[0, 1]], "M": [], "times": []}},
+        {key: value for key, value in content.items() if key != "machine"},
+    ):
+        assert not valid(wrong)
+
+
+def test_an_orbit_over_a_finite_field_is_what_the_schema_says(here, capsys, valid):
+    assert main(["run", "finite_field", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert valid(content)
+    assert len(content["trajectory"]["steps"]) == 1001
+
+
+def test_scenes_as_json(capsys):
+    assert main(["scenes", "--json"]) == 0
+    content = json.loads(capsys.readouterr().out)
+    assert sorted(content) == scene_names()
+    assert content["chaplygin"]["inertia"] == ["1", "2", "3"]
+
+
+def test_the_first_row_is_what_people_will_use(here, capsys):
+    """The compiled loops, before the readable ones that check them; and the table says whose unit its times are in."""
+    (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
+    assert main(["run", "ball.toml", "--no-plots"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    head = next(k for k, line in enumerate(lines) if line.startswith("method"))
+    assert lines[head + 1].split()[:3] == ["divisor", "flow", "compiled"]
+    assert "in the scene's unit of time" in "".join(lines[:head])

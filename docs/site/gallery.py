@@ -1,0 +1,109 @@
+"""The gallery: a page for every scene that ships, with its picture, its command and the page that moves."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+FRAMES = 400
+FIGURES = Path(__file__).parents[1] / "figures" / "report"
+
+
+def write(source: Path, results: dict[str, Any]) -> None:
+    """Write the pages into ``source``/gallery, the moving pages and plotly.js into ``source``/_static."""
+    from integrable.scene.file import load_scene, scene_names
+    from integrable.view.page import page, plotly_script
+    from integrable.view.shown import shown
+
+    folder, moving = source / "gallery", source / "_static" / "view"
+    folder.mkdir()
+    moving.mkdir()
+    (moving / "plotly.js").write_text(plotly_script(), encoding="utf-8")
+    cards = []
+    for name in scene_names():
+        scene = load_scene(name)
+        content = None
+        if not scene.finite_field:
+            content = shown(scene, frames=FRAMES)
+            html = page(content, '<script src="plotly.js"></script>')
+            (moving / f"{name}.html").write_text(html, encoding="utf-8")
+            (folder / f"{name}.png").write_bytes(_thumbnail(content))
+        (folder / f"{name}.md").write_text(_page(scene, content, results.get(name)), encoding="utf-8")
+        picture = f":img-top: {name}.png\n:img-alt: γ on the sphere, {scene.title}\n" if content else ""
+        cards.append(
+            f"::::{{grid-item-card}} {scene.title}\n:link: {name}\n:link-type: doc\n{picture}\n`{name}`\n::::\n"
+        )
+    names = "\n".join(scene_names())
+    (folder / "index.md").write_text(
+        "# Gallery\n\nEvery scene that ships. The picture is the curve that γ, the direction “up” seen from the body, draws on a "
+        "sphere. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
+        f":::::{{grid}} 1 2 3 3\n:gutter: 3\n\n{''.join(cards)}:::::\n\n```{{toctree}}\n:hidden:\n\n{names}\n```\n",
+        encoding="utf-8",
+    )
+
+
+def _page(scene: Any, content: dict[str, Any] | None, best: Any) -> str:
+    parts = [f"# {scene.title}\n\n{' '.join(scene.description.split())}\n"]
+    commands = f"integrable run {scene.name}\n" + (f"integrable view {scene.name}\n" if content else "")
+    parts.append(f"```console\n{commands}```\n")
+    if best is not None and best.flow:
+        from integrable.scene.tables import duration
+
+        label, seconds, error = best.flow
+        parts.append(
+            f"**Time it took.** {label.split(',')[0].capitalize()}: {duration(seconds)} with set-up, largest error of γ {error:.1e} "
+            f"([all methods](../measured/{scene.name}.md)).\n"
+        )
+    elif best is not None:
+        parts.append(f"[What was measured](../measured/{scene.name}.md)\n")
+    if content:
+        parts.append(
+            "## Watch it move\n\n"
+            f'```{{raw}} html\n<details class="moves"><summary>Open the moving page here (5 MB)</summary>\n'
+            f'<iframe class="moving" loading="lazy" src="../_static/view/{scene.name}.html" '
+            f'title="The motion: {scene.title}"></iframe></details>\n'
+            f'<p>Or <a href="../_static/view/{scene.name}.html">by itself</a>.</p>\n```\n'
+        )
+    if (FIGURES / f"{scene.name}.svg").exists():
+        parts.append(
+            f"## Error against run time\n\n![Error against run time: {scene.title}](../figures/report/{scene.name}.svg)\n"
+        )
+    return "\n".join(parts)
+
+
+def _thumbnail(content: dict[str, Any]) -> bytes:
+    """γ on the sphere, small, the front half strong and the back half faint."""
+    import io
+
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    from PIL import Image
+
+    gamma = np.array(content["gamma"])
+    axis = np.array([1.0, 0.7, 0.6]) / np.linalg.norm([1.0, 0.7, 0.6])
+    across = np.cross([0, 0, 1], axis)
+    across /= np.linalg.norm(across)
+    up = np.cross(axis, across)
+    x, y, depth = gamma @ across, gamma @ up, gamma @ axis
+    figure = Figure(figsize=(2.6, 2.6))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
+    turn = np.linspace(0, 2 * np.pi, 181)
+    axes.fill(np.cos(turn), np.sin(turn), color="#f2f4f7", zorder=0)
+    axes.plot(np.cos(turn), np.sin(turn), color="#9aa3ad", linewidth=0.8)
+    for side, colour in ((depth < 0, "#bcd3e2"), (depth >= 0, "#0072B2")):
+        if content["steps"]:
+            axes.plot(x[side], y[side], ".", color=colour, markersize=3)
+        else:
+            axes.plot(np.where(side, x, np.nan), np.where(side, y, np.nan), color=colour, linewidth=1.1)
+    axes.plot(x[0], y[0], "o", color="#D55E00", markersize=4)
+    axes.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.06), aspect="equal")
+    axes.set_axis_off()
+    stored = io.BytesIO()
+    figure.savefig(stored, format="png", dpi=110)
+    # a few colours are enough, and forty pictures stay light
+    small = io.BytesIO()
+    Image.open(stored).convert("RGB").quantize(24).save(small, "png", optimize=True)
+    return small.getvalue()

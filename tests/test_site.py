@@ -1,0 +1,137 @@
+"""The site as it was built: links are whole, pictures have words, pages are light and load nothing from elsewhere.
+
+``python docs/build.py`` builds it (a minute or more); ``SITE`` says where it is, else it is looked for in build/site.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cache
+from html.parser import HTMLParser
+from pathlib import Path
+from urllib.parse import unquote, urlsplit
+
+import pytest
+
+from integrable.scene.file import scene_names
+from tests.browser import opened
+
+ROOT = Path(__file__).parents[1]
+SITE = Path(os.environ.get("SITE", ROOT / "build" / "site"))
+MOST = 2_000_000  # bytes of a page with all that it loads, but for the pages that move
+
+pytestmark = pytest.mark.skipif(not (SITE / "index.html").exists(), reason="no site: python docs/build.py makes one")
+
+
+class Page(HTMLParser):
+    """What a page links to, loads and shows."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__()
+        self.links: list[str] = []
+        self.loads: list[str] = []
+        self.ids: set[str] = set()
+        self.silent: list[str] = []
+        self.feed(path.read_text(encoding="utf-8"))
+
+    def handle_starttag(self, tag, attrs):
+        given = dict(attrs)
+        self.ids |= {given[key] for key in ("id", "name") if given.get(key)}
+        if tag == "a" and given.get("href"):
+            self.links.append(given["href"])
+        if tag in ("img", "script") and given.get("src"):
+            self.loads.append(given["src"])
+        if tag == "link" and given.get("rel") in ("stylesheet", "preload", "icon"):
+            self.loads.append(given["href"])
+        if tag == "img" and not (given.get("alt") or "").strip():
+            self.silent.append(given.get("src", ""))
+
+
+@cache
+def page(path: Path) -> Page:
+    return Page(path)
+
+
+def pages() -> list[Path]:
+    moving = SITE / "_static"
+    return [path for path in sorted(SITE.rglob("*.html")) if moving not in path.parents]
+
+
+def test_every_scene_has_its_pages():
+    for name in scene_names():
+        assert (SITE / "gallery" / f"{name}.html").exists(), name
+
+
+def test_links_are_whole():
+    broken = []
+    for path in pages():
+        for link in page(path).links:
+            parts = urlsplit(link)
+            if parts.scheme or parts.netloc:
+                assert parts.scheme in ("https", "mailto"), link
+                continue
+            target = (path.parent / unquote(parts.path)).resolve() if parts.path else path
+            if not target.exists() or target.is_dir():
+                broken.append(f"{path.relative_to(SITE)}: {link}")
+            elif parts.fragment and target.suffix == ".html" and unquote(parts.fragment) not in page(target).ids:
+                broken.append(f"{path.relative_to(SITE)}: {link}: no such place")
+    assert broken == []
+
+
+def test_pictures_have_words():
+    assert {str(path.relative_to(SITE)): page(path).silent for path in pages() if page(path).silent} == {}
+
+
+def test_pages_are_light_and_load_nothing_from_elsewhere():
+    for path in pages():
+        size = path.stat().st_size
+        for load in page(path).loads:
+            parts = urlsplit(load)
+            if parts.scheme == "data":
+                continue
+            assert not parts.scheme, f"{path}: {load}"
+            assert not parts.netloc, f"{path}: {load}"
+            size += (path.parent / unquote(parts.path)).stat().st_size
+        assert size < MOST, f"{path.relative_to(SITE)}: {size} bytes"
+
+
+SHOWN = ["index", "start/neither", "howto/own_ball", "gallery/index", "gallery/chaplygin", "measured/index", "flow"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 390])
+def test_pages_open_in_a_browser(width):
+    """Nothing on the console, no request to elsewhere, and no page is wider than the window."""
+    with opened(width) as (browser, complaints):
+        for name in SHOWN:
+            browser.goto((SITE / f"{name}.html").as_uri(), wait_until="load")
+            assert browser.evaluate("document.documentElement.scrollWidth") <= width, name
+        assert complaints == []
+
+
+@pytest.mark.slow
+def test_tables_are_sorted_by_a_click():
+    """By run time, the shortest first; by a second click the longest first."""
+    column = """() => { const t = document.querySelector('.sortable table');
+        const k = [...t.tHead.rows[0].cells].findIndex(c => c.textContent.trim() === 'run time');
+        t.tHead.rows[0].cells[k].querySelector('button').click();
+        return [...t.tBodies[0].rows].map(r => r.cells[k].textContent.trim()); }"""
+    units = {"s": 1.0, "ms": 1e-3, "µs": 1e-6}
+    with opened() as (browser, _):
+        browser.goto((SITE / "measured" / "rows.html").as_uri())
+        up, down = browser.evaluate(column), browser.evaluate(column)
+    seconds = [[float(cell.split()[0]) * units[cell.split()[1]] for cell in cells] for cells in (up, down)]
+    assert seconds[0] == sorted(seconds[0])
+    assert seconds[1] == seconds[0][::-1] or sorted(seconds[1], reverse=True) == seconds[1]
+    assert len(up) > 10
+
+
+@pytest.mark.slow
+def test_the_body_moves_in_the_gallery():
+    with opened() as (browser, complaints):
+        browser.goto((SITE / "_static" / "view" / "chaplygin.html").as_uri())
+        browser.wait_for_function("() => window.drawFrame")
+        before = browser.evaluate("() => document.getElementById('ball').data[1].x[0]")
+        browser.evaluate("() => drawFrame(50)")
+        assert browser.evaluate("() => document.getElementById('ball').data[1].x[0]") != before
+        assert complaints == []
