@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.file import load_scene
     from integrable.study.run import run
+    from integrable.sweeps.sweep import sweep
     from integrable.systems.chaplygin_ball import ChaplyginBall
     from integrable.systems.euler_top import EulerTop
 
@@ -37,6 +38,7 @@ _HOME = {
     "ensemble": "integrable.ensembles.ensemble",
     "load_scene": "integrable.scene.file",
     "run": "integrable.study.run",
+    "sweep": "integrable.sweeps.sweep",
 }
 
 __all__ = [
@@ -52,6 +54,7 @@ __all__ = [
     "ensemble",
     "load_scene",
     "run",
+    "sweep",
 ]
 
 

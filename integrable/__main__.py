@@ -22,6 +22,8 @@ examples:
   integrable run chaplygin                    a report on the terminal, files in runs/chaplygin
   integrable run my_ball.toml --digits 50     a scene of your own (docs/scenes.md), at 50 digits
   integrable view chaplygin                   a page in which the ball rolls: runs/chaplygin/view.html
+  integrable sweep chaplygin --vary d=0.1:2:50
+                                              50 motions in one file (docs/many.md)
   integrable report --quick                   error against run time of a few scenes, in two minutes
   integrable report                           of all scenes and methods; may be killed and started again
 """
@@ -80,9 +82,57 @@ def _parser() -> argparse.ArgumentParser:
     run.add_argument(
         "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
     )
+    _add_sweep(commands)
     _add_view(commands)
     _add_report(commands)
     return parser
+
+
+def _add_sweep(commands: Any) -> None:
+    sweep = commands.add_parser(
+        "sweep",
+        help="run a scene with many values of its numbers",
+        description="The states of a scene at its times, for all combinations of the values that are given, in one "
+        "file. Chunks are kept as they come: killed and started again, the sweep goes on.",
+    )
+    sweep.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    sweep.add_argument(
+        "--vary",
+        metavar="NAME=VALUES",
+        action="append",
+        default=[],
+        help="d=0.1:2:50 (50 values), M.scale=0.01:10:4:log or inertia.2=2,2.5; once for each name (docs/many.md)",
+    )
+    sweep.add_argument("--out", metavar="FILE", help="a .zarr or .h5 file (default: runs/<scene>-sweep.zarr)")
+    sweep.add_argument(
+        "--executor", choices=("processes", "threads"), default="processes", help="what works (default: processes)"
+    )
+    sweep.add_argument("--chunk", type=int, metavar="N", help="motions that are computed and kept together")
+    sweep.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    sweep.add_argument(
+        "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
+    )
+
+
+def _sweep(arguments: argparse.Namespace) -> None:
+    from integrable.scene.output import OutputFolder, portable
+    from integrable.sweeps.grid import from_words
+    from integrable.sweeps.sweep import sweep
+
+    scene, vary = load_scene(arguments.scene), from_words(arguments.vary)
+    out = Path(arguments.out or Path("runs") / f"{portable(scene.name)}-sweep.zarr")
+    with OutputFolder(out.parent):
+        found = sweep(
+            scene,
+            vary=vary,
+            out=out,
+            executor=arguments.executor,
+            chunk=arguments.chunk,
+            progress=not arguments.quiet and (arguments.progress or sys.stderr.isatty()),
+        )
+    if not arguments.quiet:
+        said = f", {found.refused} of them refused" if found.refused else ""
+        print(f"{found.members} motions{said}\n\nwritten to {found.path}")
 
 
 def _add_view(commands: Any) -> None:
@@ -229,6 +279,8 @@ def _obey(arguments: argparse.Namespace) -> int:
             _list_scenes(arguments)
         elif arguments.command == "report":
             _report(arguments)
+        elif arguments.command == "sweep":
+            _sweep(arguments)
         elif arguments.command == "view":
             _view(arguments)
         else:

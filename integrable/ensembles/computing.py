@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from integrable.ensembles.members import motion_of, plain
-from integrable.motion.short import DRIFT_OF_MANY, MOST_TIMES, Asked, compiled_runs, panels_within
-from integrable.motion.trajectory import WAYS
+from integrable.motion.short import (
+    DRIFT_OF_MANY,
+    MOST_PANELS_OF_MANY,
+    MOST_TIMES,
+    PACE_OF_MANY,
+    Asked,
+    compiled_runs,
+    panels_within,
+)
+from integrable.motion.trajectory import WAYS, Motion
 from integrable.systems.system import System
 from jacobian.batch.threads import in_ranges
 from jacobian.errors import JacobianError
@@ -43,40 +52,61 @@ class _Said(NamedTuple):
     why: str | list[str]
 
 
-def computed(system: Any, members: np.ndarray, tilted: bool, times: np.ndarray, out: np.ndarray) -> Outcome:
-    """γ, M and τ of all members into ``out``, shape (K, N, 7); ``times`` of shape (1, N) or (K, N)."""
-    count, length = out.shape[:2]
-    quick = np.zeros(count, dtype=bool)
-    if isinstance(system, System) and length <= MOST_TIMES and not interpreted():
+def computed(
+    system: Any, members: np.ndarray, tilted: bool, times: np.ndarray, out: np.ndarray, most: int | None = None
+) -> Outcome:
+    """γ, M and τ of all members into ``out``, shape (K, N, 7); ``times`` of shape (1, N) or (K, N). ``most`` threads,
+    by default all.
+    """
+    quick = np.zeros(len(members), dtype=bool)
+    body = isinstance(system, System) and not interpreted()
+    if body and out.shape[1] <= MOST_TIMES:
         quick = plain(members, tilted)
-    work = _Work(system, members, tilted, times, out)
+    # a short run has been tried
+    kernel = "compiled" if body else "auto"
 
-    def part(begin: int, end: int) -> list[_Said]:
-        left = np.ones(end - begin, dtype=bool)
-        for rolls in (True, False):
-            which = begin + np.flatnonzero(quick[begin:end] & ((members[begin:end, 3] != 0) == rolls))
-            if len(which):
-                left[work.short_runs(which, rolls) - begin] = False
-        return [work.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
+    def motion(member: int) -> Motion:
+        return motion_of(system, members[member], tilted, kernel)
 
-    size = max(1, min(MEMBERS, STATES // max(1, length)))
-    return _outcome(count, [said for found in in_ranges(count, size, part) for said in found])
+    return _Work(members, tilted, quick, motion, times, out).outcome(most)
+
+
+def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
+    """:func:`computed` of motions that are made one by one, ``motion(k)`` or what refuses it, on one thread."""
+    none = np.zeros(len(out), dtype=bool)
+    return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)
 
 
 class _Work(NamedTuple):
-    system: Any
     members: np.ndarray
     tilted: bool
+    quick: np.ndarray
+    motion: Callable[[int], Motion]
     times: np.ndarray
     out: np.ndarray
+
+    def outcome(self, most: int | None) -> Outcome:
+        """Everything, range by range."""
+        count, length = self.out.shape[:2]
+        size = max(1, min(MEMBERS, STATES // max(1, length)))
+        return _outcome(count, [said for found in in_ranges(count, size, self.part, most) for said in found])
+
+    def part(self, begin: int, end: int) -> list[_Said]:
+        """The members of a range; what is said of those without a short run."""
+        left = np.ones(end - begin, dtype=bool)
+        for rolls in (True, False):
+            which = begin + np.flatnonzero(self.quick[begin:end] & ((self.members[begin:end, 3] != 0) == rolls))
+            if len(which):
+                left[self.short_runs(which, rolls) - begin] = False
+        return [self.one(k) for k in (begin + np.flatnonzero(left)).tolist()]
 
     def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
         """The states of these members by short runs; which of them had one."""
         times = self.times if len(self.times) == 1 else self.times[which]
         count, length = len(which), times.shape[1]
         rows, tau = np.empty((count, length, 6)), np.empty((count, length))
-        most = panels_within(length, False, 0)
-        asked = Asked(self.members[which], self.tilted, rolls, False, most, DRIFT_OF_MANY)
+        most = panels_within(length, False, 0, MOST_PANELS_OF_MANY)
+        asked = Asked(self.members[which], self.tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
         status, _ = compiled_runs(asked, times, rows, tau)
         had = status == 0
         self.out[which[had], :, :6] = rows[had]
@@ -87,10 +117,8 @@ class _Work(NamedTuple):
     def one(self, member: int) -> _Said:
         """The states of one member by its flow."""
         times = self.times[member if len(self.times) > 1 else 0]
-        # a short run has been tried
-        kernel = "compiled" if isinstance(self.system, System) and not interpreted() else "auto"
         try:
-            run = motion_of(self.system, self.members[member], self.tilted, kernel).at(times, strict=False)
+            run = self.motion(member).at(times, strict=False)
         except JacobianError as error:
             self.out[member] = np.nan
             return _Said(member, REFUSED, str(error))

@@ -34,7 +34,8 @@ class Ensemble(Members):
         """The states of all members at physical times, in any order, of any sign and size: shape (N,), the same for
         all, or (K, N).
 
-        Few turns are short runs, whose clock is right to 2·10⁻¹³, the rest is what :meth:`flow` gives. A member or a
+        Few turns are short runs, whose clock is right to 2·10⁻¹³ and 4·10⁻¹⁶ of the way, the rest is what :meth:`flow`
+        gives. A member or a
         time that is refused stops no other: :attr:`Trajectories.status`. ``out``, shape (K, N, 7), is written to and
         returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take :meth:`chunks`.
         """

@@ -12,7 +12,7 @@ from typing import Any
 
 from jacobian.errors import ArgumentError, shown
 
-__all__ = ["replacing", "target_of", "whole_file"]
+__all__ = ["replacing", "said", "target_of", "whole_file"]
 
 
 def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
@@ -60,13 +60,13 @@ def whole_file(path: Any, wanted: str) -> Iterator[Path]:
 
 
 @contextmanager
-def said(target: Path) -> Iterator[None]:
+def said(target: Path, argument: str = "path") -> Iterator[None]:
     """What the system refuses (a full disk, a folder that cannot be written to), as one line."""
     try:
         yield
     except OSError as error:
         why = error.strerror or " ".join(str(error).split())
-        raise ArgumentError(f"path = {str(target)!r} cannot be written: {why}") from error
+        raise ArgumentError(f"{argument} = {str(target)!r} cannot be written: {why}") from error
 
 
 def _is_a_name(path: Any) -> bool:

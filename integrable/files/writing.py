@@ -11,12 +11,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from integrable.extras import needed
-from integrable.files.frame import Frame, dataframe, dataset
+from integrable.files.frame import Column, Frame, dataframe, dataset
 from integrable.files.whole import replacing, said, target_of
 from jacobian.errors import ArgumentError, shown
 
-__all__ = ["FORMATS", "save"]
+__all__ = ["FORMATS", "save", "scaled"]
 
 
 def save(frame: Callable[[], Frame], path: Any) -> None:
@@ -68,14 +70,21 @@ def _hdf5(frame: Frame, path: Path) -> None:
             made = file.create_dataset(name, data=column.values)
             made.attrs.update(column.attributes())
             made.attrs["dimensions"] = " ".join(column.dims)
-        for name, column in frame.coordinates.items():
-            if column.dims == (name,):
-                file[name].make_scale(name)
-        for name, column in frame.columns.items():
-            for i, dim in enumerate(column.dims):
-                if dim in file and dim != name and frame.columns[dim].dims == (dim,):
-                    file[name].dims[i].attach_scale(file[dim])
+        scaled(file, frame.columns)
     path.write_bytes(content.getbuffer())
+
+
+def scaled(file: Any, columns: dict[str, Column]) -> None:
+    """Give every dimension of an HDF5 file its scale: what has its name and lies along it, or the numbers from 1 on."""
+    for name, column in columns.items():
+        for i, dim in enumerate(column.dims):
+            if dim not in file:
+                file.create_dataset(dim, data=np.arange(1, file[name].shape[i] + 1))
+            if columns[dim].dims == (dim,) if dim in columns else True:
+                if not file[dim].is_scale:
+                    file[dim].make_scale(dim)
+                if dim != name:
+                    file[name].dims[i].attach_scale(file[dim])
 
 
 def _parquet(frame: Frame, path: Path) -> None:

@@ -35,8 +35,11 @@ DENSE_FROM = 5000
 MOST_PANELS, MOST_TIMES = 400, 20_000
 # interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
-# what the clock of one run, and of one of many, may be off by, in the units of the motion
-DRIFT, DRIFT_OF_MANY = 5e-15, 2e-13
+# what the clock of a run may be off by, in the units of the motion, and by what part of the way besides. Many go
+# farther than one does, with more panels: a rounding of what they are given would move their clocks as much
+DRIFT, PACE = 5e-15, 0.0
+DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
+MOST_PANELS_OF_MANY = 2000
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
 BITS, PASSES = 160, 2
 
@@ -87,7 +90,7 @@ class ShortRuns:
     ) -> tuple[int, np.ndarray, np.ndarray]:
         rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
         status, panels = compiled_runs(
-            Asked(self._given, self._tilted, physical, clock, most, DRIFT), times[None], rows, other
+            Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE), times[None], rows, other
         )
         self._panels += int(panels[0])
         return int(status[0]), rows[0], other[0]
@@ -95,7 +98,7 @@ class ShortRuns:
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
         reals, count = BareReals(BITS), len(times)
         request = Request(
-            physical, clock, INTERPRETED_PANELS, DRIFT, times.tolist(), np.argsort(times, kind="stable").tolist(),
+            physical, clock, INTERPRETED_PANELS, DRIFT, PACE, times.tolist(), np.argsort(times, kind="stable").tolist(),
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
         )  # fmt: skip
         with reals:
@@ -123,6 +126,7 @@ class Asked(NamedTuple):
     clock: bool
     most: int
     drift: float
+    pace: float
 
 
 def compiled_runs(
@@ -139,8 +143,8 @@ def compiled_runs(
     order = np.argsort(times, axis=1, kind="stable")
     out = rows.reshape(count, 6 * rows.shape[1])
     short_runs(
-        asked.given, asked.tilted, _packed(), asked.physical, asked.clock, asked.most, asked.drift, times, order, out,
-        other, status, panels,
+        asked.given, asked.tilted, _packed(), asked.physical, asked.clock, asked.most, asked.drift, asked.pace, times,
+        order, out, other, status, panels,
     )  # fmt: skip
     _put_starts(asked.given, asked.tilted, times, rows)
     return status, panels
@@ -158,12 +162,12 @@ def _put_starts(given: np.ndarray, tilted: bool, times: np.ndarray, rows: np.nda
     rows[member, place] = np.hstack([gamma, M]).astype(float)[member]
 
 
-def panels_within(count: int, torus: bool, spent: int) -> int:
+def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS) -> int:
     """So many panels, after those that were ``spent`` on a motion, cost less than another way to so many states."""
     cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
     if not torus:
         cost += max(0.0, TORUS_SET_UP - PANEL_COST * spent)
-    return min(MOST_PANELS, int((cost - START_COST) / PANEL_COST))
+    return min(limit, int((cost - START_COST) / PANEL_COST))
 
 
 class ShortFirst:

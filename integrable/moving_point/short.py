@@ -151,7 +151,8 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
             return status
         n += 1
     # a rate that floats have off on the whole way
-    return 0 if abs(room.sums[2]) <= request.drift * abs(room.point[RATE]) else ROUNDING
+    allowed = (request.drift + request.pace * abs(room.sums[0])) * abs(room.point[RATE])
+    return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
 
 def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:

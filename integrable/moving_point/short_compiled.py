@@ -27,7 +27,7 @@ RULE = record(Rule, FLOATS, FLOATS, FLOATS, FLOATS)
 
 
 def entry(
-    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float], times: Row, order: Row,
+    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float], times: Row, order: Row,
     found: tuple[Row, Row, Row, Row], scaled: Row, wide: Row, floats: Row, made: Row,
 ) -> None:  # fmt: skip
     """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); the last four are
@@ -42,8 +42,8 @@ def entry(
         made[0], made[1], made[2], made[3] = 1, 0, 1, 0
         room = new_room(wide[width:], floats, made)
         request = Request(
-            asked[0], asked[1], asked[2], asked[3], times[at], order[at], scaled[:count], scaled[count:], out[member],
-            other[member],
+            asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at], scaled[:count], scaled[count:],
+            out[member], other[member],
         )  # fmt: skip
         status[member] = run(room, rule, request, wide[:width], tilted)
         panels[member] = made[3]
@@ -61,7 +61,7 @@ LIBRARY = Library(
         "entry": (
             entry,
             (
-                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT)), _ROWS, _INT_ROWS,
+                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT)), _ROWS, _INT_ROWS,
                 TupleKind((_ROWS, _ROWS, INTS, INTS)), FLOATS, WIDES, FLOATS, INTS,
             ),
         )
@@ -72,7 +72,8 @@ LIBRARY = Library(
 
 def short_runs(
     given: np.ndarray, tilted: bool, rule: Packed, physical: bool, clock: bool, most: int, drift: float,
-    times: np.ndarray, order: np.ndarray, out: np.ndarray, other: np.ndarray, status: np.ndarray, panels: np.ndarray,
+    pace: float, times: np.ndarray, order: np.ndarray, out: np.ndarray, other: np.ndarray, status: np.ndarray,
+    panels: np.ndarray,
 ) -> None:  # fmt: skip
     """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10): into ``out`` and
     ``other``, (K, 6N) and (K, N), ``status`` and what the runs have cost in panels, (K,). ``times`` and ``order`` have
@@ -80,6 +81,6 @@ def short_runs(
     """
     wide, floats = np.empty((given.shape[1] + ROOM_WIDES, 2)), np.empty(2 * times.shape[1] + ROOM_FLOATS)
     LIBRARY.entry(
-        given, tilted, rule, (physical, clock, most, drift), times, order, (out, other, status, panels),
+        given, tilted, rule, (physical, clock, most, drift, pace), times, order, (out, other, status, panels),
         floats[ROOM_FLOATS:], wide, floats[:ROOM_FLOATS], np.empty(4, dtype=np.int64),
     )  # fmt: skip

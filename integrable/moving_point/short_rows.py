@@ -88,6 +88,8 @@ class Request(NamedTuple):
     """Panels in either direction."""
     drift: float
     """What the clock may be off by at the end."""
+    pace: float
+    """And by what part of the way besides."""
     times: Row
     order: Row
     high: Row

@@ -16,7 +16,7 @@ from typing import Any
 
 from jacobian.errors import ArgumentError
 
-__all__ = ["Table", "suggestion"]
+__all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
 # an exponent of more than three digits is not tried: the exact fraction would have as many digits
@@ -153,16 +153,20 @@ class Table:
         return int(value)
 
     def _number(self, key: str, value: Any) -> Fraction:
-        if (
-            isinstance(value, int | str | Decimal | Fraction)
-            and not isinstance(value, bool)
-            and _NUMBER.fullmatch(str(value))
-        ):
-            with contextlib.suppress(ZeroDivisionError):
-                number = Fraction(str(value))
-                if number == 0 or 1e-300 < abs(number) < 1e300:
-                    return number
+        if isinstance(value, int | str | Decimal | Fraction) and not isinstance(value, bool):
+            with contextlib.suppress(ValueError):
+                return exact_number(str(value))
         return self.fail(key, f'{_shown(value)} given; a finite number such as 2, 0.7, "0.7" or "1/3" is needed')
+
+
+def exact_number(text: str) -> Fraction:
+    """The number that 2, 0.7, 7e-1 or 1/3 write; ValueError for anything else, and beyond 1e±300."""
+    if _NUMBER.fullmatch(text):
+        with contextlib.suppress(ZeroDivisionError):
+            number = Fraction(text)
+            if number == 0 or 1e-300 < abs(number) < 1e300:
+                return number
+    raise ValueError(text)
 
 
 def _integer_wanted(least: int | None) -> str:

@@ -30,13 +30,14 @@ def set_threads(count: int | None) -> None:
     _count = count
 
 
-def in_ranges(total: int, size: int, work: Callable[[int, int], Any]) -> list[Any]:
-    """work(begin, end) for ranges of at most ``size`` rows that make up ``total``, in order, on all threads.
+def in_ranges(total: int, size: int, work: Callable[[int, int], Any], most: int | None = None) -> list[Any]:
+    """work(begin, end) for ranges of at most ``size`` rows that make up ``total``, in order, on all threads, or on
+    ``most``.
 
     Where there is more than one range, every thread has as many, of equal length.
     """
     pieces = -(-total // size)
-    count = min(threads(), pieces)
+    count = min(threads() if most is None else most, pieces)
     if count > 1:
         pieces = -(-pieces // count) * count
         size = -(-total // pieces)

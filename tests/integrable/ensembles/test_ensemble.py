@@ -67,6 +67,8 @@ def single(many, k, times):
     """A single flow whose clock is as free as those of an ensemble."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
+        patch.setattr(short, "PACE", short.PACE_OF_MANY)
+        patch.setattr(short, "panels_within", lambda *_: short.MOST_PANELS_OF_MANY)
         return many.flow(k).at(times)
 
 

@@ -1,0 +1,129 @@
+"""The grid of a sweep: which numbers of a scene are varied, through which values, and what each member is given."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+import numpy as np
+
+from integrable.scene.data import Scene
+from integrable.scene.toml import exact_number, suggestion
+from jacobian.errors import ArgumentError, entries, shown
+
+__all__ = ["MASS", "Grid", "from_words"]
+
+MOST_VALUES = 10**7
+MOST_MEMBERS = 10**8
+# places in a row: moments, d, γ, M as an ensemble has them, then c, the potential, mass and radius
+MEMBER, C, POTENTIAL, MASS, RADIUS, PLACES = 10, 10, slice(11, 16), 16, 17, 18
+D, INERTIA, M = 3, slice(0, 3), slice(7, 10)
+NAMES = {
+    **{f"inertia.{i + 1}": i for i in range(3)}, "d": D, **{f"gamma.{i + 1}": 4 + i for i in range(3)},
+    **{f"M.{i + 1}": 7 + i for i in range(3)}, "c": C, **{f"potential.{i + 1}": 11 + i for i in range(5)},
+    "mass": MASS, "radius": RADIUS,
+}  # fmt: skip
+SCALES = {"inertia.scale": INERTIA, "M.scale": M}
+WANTED = "first:last:count, first:last:count:log or values with commas, such as 0.1:2:50"
+
+
+class Grid:
+    """All combinations of the values, the last name varying fastest. ``axes`` has the values of each name."""
+
+    def __init__(self, scene: Scene, vary: Any) -> None:
+        if scene.steps is not None or scene.finite_field:
+            raise ArgumentError(f"scene {scene.name}: it has [steps]; a sweep is of motions, which have [run]")
+        if not isinstance(vary, Mapping):
+            raise ArgumentError(f'vary = {shown(vary)}: give names with values, such as {{"d": "0.1:2:50"}}')
+        self.scene, self._base = scene, _base(scene)
+        known = [name for name, place in NAMES.items() if not np.isnan(self._base[place])]
+        known += [name for name, place in SCALES.items()]
+        for name in vary:
+            if name not in known:
+                raise ArgumentError(f"vary: {shown(name)} given; {suggestion(str(name), known)}")
+        self.axes = {name: _values(name, given) for name, given in vary.items()}
+        self.shape = tuple(len(values) for values in self.axes.values())
+        if np.prod(self.shape, dtype=float) > MOST_MEMBERS:
+            raise ArgumentError(f"vary: {' × '.join(map(str, self.shape))} members; {MOST_MEMBERS:.0e} at most")
+
+    def __len__(self) -> int:
+        return int(np.prod(self.shape, dtype=np.int64))
+
+    def values(self, begin: int, end: int) -> dict[str, np.ndarray]:
+        """The values of the members from ``begin`` to ``end``, by name."""
+        if not self.axes:
+            return {}
+        places = np.unravel_index(np.arange(begin, end), self.shape)
+        return {name: values[at] for (name, values), at in zip(self.axes.items(), places, strict=True)}
+
+    def rows(self, begin: int, end: int) -> np.ndarray:
+        """What those members are given, shape (end − begin, PLACES); NaN where the scene has nothing."""
+        rows, values = np.tile(self._base, (end - begin, 1)), self.values(begin, end)
+        for name, given in values.items():
+            if name in NAMES:
+                rows[:, NAMES[name]] = given
+        for name, given in values.items():
+            if name in SCALES:
+                rows[:, SCALES[name]] *= given[:, None]
+        if not np.isnan(self._base[MASS]):
+            rows[:, D] = rows[:, MASS] * (rows[:, RADIUS] * rows[:, RADIUS])
+        return rows
+
+
+def _base(scene: Scene) -> np.ndarray:
+    row = np.full(PLACES, np.nan)
+    row[INERTIA], row[4:7], row[M] = ([float(x) for x in part] for part in (scene.inertia, scene.gamma, scene.M))
+    if scene.mass is not None and scene.radius is not None:
+        row[MASS], row[RADIUS] = float(scene.mass), float(scene.radius)
+    elif scene.d is not None or scene.system == "tilde":
+        row[D] = float(scene.d or 0)
+    if scene.c is not None:
+        row[C] = float(scene.c)
+    if scene.potential is not None:
+        row[POTENTIAL] = [float(x) for x in scene.potential]
+    return row
+
+
+def from_words(words: Iterable[str]) -> dict[str, str]:
+    """``name=values`` as the command has them."""
+    vary: dict[str, str] = {}
+    for word in words:
+        name, equals, values = word.partition("=")
+        if not equals or not name or name in vary:
+            raise ArgumentError(f"--vary {word}: once for each name, NAME={WANTED} is needed")
+        vary[name] = values
+    return vary
+
+
+def _values(name: str, given: Any) -> np.ndarray:
+    if isinstance(given, str):
+        found = np.array(_parsed(name, given))
+    else:
+        try:
+            found = np.array(entries(given, f"vary: {name}"), dtype=np.float64)
+        except (TypeError, ValueError):
+            raise ArgumentError(f"vary: {name} = {shown(given)}: numbers, or {WANTED}, are needed") from None
+    if found.ndim != 1 or not found.size or not (abs(found) < 1e100).all():
+        raise ArgumentError(f"vary: {name} = {shown(given)}: finite numbers are needed, one at least")
+    return found
+
+
+def _parsed(name: str, text: str) -> list[float]:
+    parts = text.split(":")
+    log = len(parts) == 4 and parts.pop() == "log"
+    try:
+        if len(parts) == 1:
+            return [float(exact_number(part)) for part in text.split(",")]
+        first, last, count = exact_number(parts[0]), exact_number(parts[1]), int(parts[2])
+        if len(parts) != 3 or not 1 <= count <= MOST_VALUES or (log and not first * last > 0):
+            raise ValueError
+    except (ValueError, IndexError):
+        raise ArgumentError(f"vary: {name}={text}: {WANTED}, is needed") from None
+    steps = max(1, count - 1)
+    if log:
+        ratio = float(last / first)
+        return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
+    # ints over an int: rounded once
+    below = first.denominator * last.denominator
+    begin, end = int(first * below), int(last * below)
+    return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(count)]

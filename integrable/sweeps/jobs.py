@@ -1,0 +1,76 @@
+"""What a worker of a sweep does: the states of the members of one chunk. Everything here can be pickled."""
+
+from __future__ import annotations
+
+import dataclasses
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.ensembles.computing import COLUMNS, Outcome, computed, computed_singly
+from integrable.motion.trajectory import Motion
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
+from integrable.sweeps.grid import INERTIA, POTENTIAL, C, D, M
+
+__all__ = ["BodyJob", "Part", "SceneJob", "done"]
+
+
+class BodyJob(NamedTuple):
+    """Members of an ensemble: balls or tops."""
+
+    system: Any
+    members: np.ndarray
+    tilted: bool
+    times: np.ndarray
+
+
+class SceneJob(NamedTuple):
+    """Any system: a scene, and what each member is given instead (:meth:`integrable.sweeps.grid.Grid.rows`)."""
+
+    scene: Scene
+    rows: np.ndarray
+    times: np.ndarray
+
+
+class Part(NamedTuple):
+    """γ, M and τ, shape (k, N, 7), the status of each row, shape (k, N), the ways, shape (k,), and the reasons."""
+
+    rows: np.ndarray
+    status: np.ndarray
+    ways: np.ndarray
+    reasons: tuple[str, ...]
+
+
+def done(job: BodyJob | SceneJob) -> Part:
+    """The states, on one thread: other chunks have the others."""
+    if isinstance(job, BodyJob):
+        out = np.empty((len(job.members), len(job.times), COLUMNS))
+        return _part(out, computed(job.system, job.members, job.tilted, job.times[None], out, most=1))
+    out = np.empty((len(job.rows), len(job.times), COLUMNS))
+    return _part(out, computed_singly(lambda k: _motion(job.scene, job.rows[k]), job.times[None], out))
+
+
+def _part(out: np.ndarray, found: Outcome) -> Part:
+    status = np.repeat(found.status[:, None], out.shape[1], axis=1).astype(np.int32)
+    for member, rows in found.partial.items():
+        status[member] = rows
+    return Part(out, status, found.ways, found.reasons)
+
+
+def _motion(scene: Scene, row: np.ndarray) -> Motion:
+    """The motion of one member; raises what refuses it."""
+    exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in row]
+    own: Any = dataclasses.replace(
+        scene,
+        inertia=tuple(exact[INERTIA]),
+        d=exact[D] if scene.d is not None or exact[D] else None,
+        gamma=tuple(exact[4:7]),
+        M=tuple(exact[M]),
+        c=exact[C],
+        potential=tuple(exact[POTENTIAL]) if scene.potential is not None else None,
+    )
+    system, state = own.start(FLOAT_DIGITS)
+    motion: Motion = system.motion_through(state)
+    return motion

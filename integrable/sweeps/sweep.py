@@ -1,0 +1,278 @@
+"""Motions over a grid of what a scene gives, or of an ensemble, on any ``concurrent.futures.Executor``."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from dataclasses import dataclass
+from hashlib import sha256
+from multiprocessing import get_context
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from integrable.ensembles.ensemble import Ensemble
+from integrable.extras import needed, without
+from integrable.files.frame import Column, version
+from integrable.files.quantities import AXES, about
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene
+from integrable.scene.file import load_scene
+from integrable.sweeps.grid import Grid
+from integrable.sweeps.jobs import BodyJob, SceneJob, done
+from integrable.sweeps.store import Layout, Store
+from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
+
+__all__ = ["SweepStopped", "Swept", "sweep"]
+
+CHUNK, CHUNK_STATES = 1024, 1 << 18
+# chunks that are under way, for each worker, and where an executor does not say how many it has
+AHEAD, UNKNOWN = 3, 32
+KINDS = ("processes", "threads")
+
+
+class SweepStopped(JacobianError):
+    """An executor has died; what is written stays, and the same call goes on from there."""
+
+
+@dataclass(frozen=True)
+class Swept:
+    """What :func:`sweep` gives: the file, how many members it has, and how many of them have rows that were refused."""
+
+    path: Path
+    members: int
+    refused: int
+
+    def to_xarray(self) -> Any:
+        """The file as an ``xarray.Dataset`` that reads what is asked of it."""
+        needed("xarray", "to_xarray()", "io")
+        import xarray
+
+        if self.path.suffix == ".zarr":
+            return xarray.open_zarr(self.path, consolidated=False)
+        return xarray.open_dataset(self.path, engine="h5netcdf", phony_dims="sort")
+
+
+def sweep(
+    what: Scene | Ensemble | str | os.PathLike[str],
+    *,
+    vary: Any = None,
+    times: Any = None,
+    out: str | os.PathLike[str],
+    executor: Executor | str = "processes",
+    chunk: int | None = None,
+    progress: bool = False,
+) -> Swept:
+    """The states of many motions in one file: of a scene with all combinations of the numbers in ``vary``, at its
+    times, or of an ensemble at ``times``. ``out`` ends with .zarr or .h5; it appears when it is complete.
+
+    ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", … (docs/many.md).
+    ``executor``: "processes" or "threads", as many as there are processors, or any ``concurrent.futures.Executor``.
+    Chunks of ``chunk`` members are kept as they come, beside ``out``; a sweep that was killed goes on with the same
+    call. A member that is refused is a row with its reason. ``progress`` draws a bar on stderr. ArgumentError for wrong
+    arguments, a disk that is full, and a file that is there; SweepStopped where the executor dies.
+    """
+    source = _Source.of(what, vary, times)
+    if not isinstance(executor, Executor):
+        executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
+    chunk = whole(chunk, "chunk", "an int ≥ 1 is needed", 1) if chunk is not None else source.usual_chunk
+    store = Store(out, source.layout(chunk))
+    flag(progress, "progress")
+    bar = progress and not without({"tqdm": "the progress bar"})
+    count = len(source)
+    if store.complete:
+        return Swept(store.path, count, store.refused)
+    with store, _pool(executor, store.layout.chunks - len(store.done)) as (pool, workers):
+        with _bar(bar, source.name, store) as tick:
+            _fill(source, store, pool, workers, tick)
+        store.finish()
+    return Swept(store.path, count, store.refused)
+
+
+class _Source:
+    """What is swept: jobs for ranges of members, and what a file says of them."""
+
+    name: str
+    times: np.ndarray
+
+    @staticmethod
+    def of(what: Any, vary: Any, times: Any) -> _Source:
+        if isinstance(what, Ensemble):
+            if vary is not None:
+                raise ArgumentError(f"vary = {shown(vary)}: an ensemble has its members; leave vary out")
+            return _OfEnsemble(what, times)
+        if not isinstance(what, (Scene, str, os.PathLike)):
+            raise ArgumentError(f"what = {shown(what)}: give a scene, its name or file, or an ensemble")
+        if times is not None:
+            raise ArgumentError(f"times = {shown(times)}: a scene has its times; leave times out")
+        return _OfScene(what if isinstance(what, Scene) else load_scene(what), vary)  # type: ignore[arg-type]
+
+    @property
+    def usual_chunk(self) -> int:
+        """Members of a chunk, where nobody says how many."""
+        return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-len(self) // 4)))
+
+    def layout(self, chunk: int) -> Layout:
+        """What the store is told."""
+        digest = sha256(json.dumps([version(), chunk, self.identity()]).encode())
+        digest.update(np.ascontiguousarray(self.times).tobytes())
+        for column in self.parameters().values():
+            digest.update(np.ascontiguousarray(column.values).tobytes())
+        stamp = digest.hexdigest()[:32]
+        return Layout(len(self), self.times, chunk, self.parameters(), self.attributes(), stamp)
+
+    def __len__(self) -> int:
+        raise NotImplementedError
+
+    def job(self, begin: int, end: int) -> BodyJob | SceneJob:
+        """For a worker."""
+        raise NotImplementedError
+
+    def identity(self) -> Any:
+        """What states depend on beside times and parameters."""
+        raise NotImplementedError
+
+    def parameters(self) -> dict[str, Column]:
+        """What is known of each member."""
+        raise NotImplementedError
+
+    def attributes(self) -> dict[str, Any]:
+        """What is said of all members."""
+        raise NotImplementedError
+
+
+class _OfEnsemble(_Source):
+    def __init__(self, many: Ensemble, times: Any) -> None:
+        self.many, self.name = many, type(many.system).__name__
+        if times is None:
+            raise ArgumentError("times = None: an ensemble is swept at times of shape (N,)")
+        found = many._times(times)
+        if len(found) > 1 or np.ndim(times) > 1:
+            raise ArgumentError(f"times have shape {np.shape(times)}: a sweep has the same for all members, (N,)")
+        self.times = found[0]
+
+    def __len__(self) -> int:
+        return len(self.many)
+
+    def job(self, begin: int, end: int) -> BodyJob:
+        return BodyJob(self.many.system, np.array(self.many.members[begin:end]), self.many.tilted, self.times)
+
+    def identity(self) -> Any:
+        return [repr(self.many.system), self.many.tilted]
+
+    def parameters(self) -> dict[str, Column]:
+        dims, many = ("member",), self.many
+        return {
+            "inertia": Column((*dims, "axis"), many.inertia, "kg m2", "principal moments of inertia", AXES),
+            "d": Column(dims, many.d, "kg m2", "mass times square of the radius"),
+            "gamma_start": Column((*dims, "axis"), many.gamma, "1", "gamma at time 0", AXES),
+            "M_start": Column((*dims, "axis"), many.M, "kg m2 s-1", "M at time 0", AXES),
+        }
+
+    def attributes(self) -> dict[str, Any]:
+        return about(self.many.system, tilted=int(self.many.tilted))
+
+
+class _OfScene(_Source):
+    def __init__(self, scene: Scene, vary: Any) -> None:
+        self.scene, self.name = scene, scene.name
+        self.grid = Grid(scene, {} if vary is None else vary)
+        self.system, _ = scene.start(FLOAT_DIGITS)
+        self.times = np.array(scene.times.floats())
+
+    def __len__(self) -> int:
+        return len(self.grid)
+
+    def job(self, begin: int, end: int) -> BodyJob | SceneJob:
+        rows = self.grid.rows(begin, end)
+        if self.scene.rolls_or_spins:
+            members = np.nan_to_num(rows[:, :10])
+            return BodyJob(self.system, members, self.scene.tilted, self.times)
+        return SceneJob(self.scene, rows, self.times)
+
+    def identity(self) -> Any:
+        content = self.scene.describe()
+        return {key: content[key] for key in content if key not in ("title", "description", "report", "pictures")}
+
+    def parameters(self) -> dict[str, Column]:
+        return {
+            name.replace(".", "_"): Column(("member",), values, "1", f"{name} of the scene, varied")
+            for name, values in self.grid.values(0, len(self)).items()
+        }
+
+    def attributes(self) -> dict[str, Any]:
+        scene = json.dumps(self.scene.describe(), ensure_ascii=False)
+        return about(self.system, scene=scene, tilted=int(self.scene.tilted), grid=list(self.grid.shape) or [1])
+
+
+def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any) -> None:
+    """All chunks that are not there."""
+    left = (i for i in range(store.layout.chunks) if i not in store.done)
+    under_way: dict[Future[Any], int] = {}
+    try:
+        while True:
+            while len(under_way) < AHEAD * workers and (chunk := next(left, None)) is not None:
+                under_way[pool.submit(done, source.job(*store.layout.ends(chunk)))] = chunk
+            if not under_way:
+                return
+            for future in wait(under_way, return_when=FIRST_COMPLETED).done:
+                chunk = under_way[future]
+                store.put(chunk, future.result())
+                del under_way[future]
+                begin, end = store.layout.ends(chunk)
+                tick(end - begin)
+    except ArgumentError:
+        raise
+    except Exception as error:
+        _keep_finished(store, under_way)
+        why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        raise SweepStopped(
+            f"executor: it has stopped ({why}); {len(store.done)} of {store.layout.chunks} chunks are kept in "
+            f"{str(store.folder)!r}, the same call goes on from there"
+        ) from error
+    finally:
+        for future in under_way:
+            future.cancel()
+
+
+def _keep_finished(store: Store, under_way: dict[Future[Any], int]) -> None:
+    """What was computed before the executor died."""
+    for future, chunk in under_way.items():
+        if future.done() and not future.cancelled() and future.exception() is None:
+            store.put(chunk, future.result())
+
+
+@contextmanager
+def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int]]:
+    """An executor, and how many workers it has; those of others are left running."""
+    if isinstance(executor, Executor):
+        yield executor, int(getattr(executor, "_max_workers", None) or UNKNOWN)
+        return
+    workers = max(1, min(chunks, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1))
+    pool: Executor
+    if executor == "threads" or workers == 1:
+        pool = ThreadPoolExecutor(workers)
+    else:
+        # a fork would copy the locks of this process's threads
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+    try:
+        yield pool, workers
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+
+
+@contextmanager
+def _bar(progress: bool, name: str, store: Store) -> Iterator[Any]:
+    """A function to call with the number of members that are done; it moves a bar that shows the time left."""
+    if not progress:
+        yield lambda _count: None
+        return
+    from tqdm import tqdm
+
+    had = sum(end - begin for begin, end in map(store.layout.ends, store.done))
+    with tqdm(total=store.layout.count, initial=had, desc=name, unit=" motions", leave=False) as bar:
+        yield bar.update
