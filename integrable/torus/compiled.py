@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.moving_point.native import SPECIAL
-from integrable.torus import clock_loops, states, survey, tables, walks
+from integrable.torus import clock_loops, states, survey, tables, walks, witness
 from integrable.torus.clock_loops import Clock, Series
 from integrable.torus.lattice import Chart
 from integrable.torus.states import Torus
@@ -124,6 +124,8 @@ _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
+        "reached": (witness.reached, (FLOATS, FLOATS, FLOATS, FLOAT, FLOATS, FLOATS, FLOATS)),
+        "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
         "directions": (
             tables.directions,

@@ -13,7 +13,6 @@ from integrable.torus.lattice import TorusLattice, Units, motion_row
 from integrable.torus.loops import NotClosed
 from integrable.torus.series import needed_sizes
 from integrable.torus.states import Torus
-from integrable.torus.survey import about_centre
 from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import KNOWN, Curve, Fine, Walk
 from jacobian.errors import PrecisionLoss
@@ -44,8 +43,7 @@ class Corners:
         self.setup, self.loops, self._most = setup, loops, most
         # the motion in an abscissa of its own
         self.units = units = Units.of(setup)
-        motion = motion_row(setup, units)
-        row = loops.row(motion)
+        row = loops.row(motion_row(setup, units))
         self.lattice = lattice = TorusLattice(setup, loops, row)
         self.sizes, self.turns = lattice.cells, lattice.turns
         self.signs = tuple(self.turns.ravel().tolist())
@@ -54,7 +52,7 @@ class Corners:
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
         leans = setup.problem.axes[7] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
-        self.curve = self._curve(motion)
+        self.curve = self._curve(row)
         tables, self._halves = self._translations(row)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
@@ -145,12 +143,13 @@ class Corners:
 
     def _curve(self, motion: Any) -> Curve:
         setup, units, row = self.setup, self.units, self.loops.row
-        curve = [setup.wide.zero] * 9
-        about_centre(motion, setup.wide.zero, setup.wide.one, curve)
-        axes, (*kappas, alpha, beta) = curve[6:], setup.problem.axes[3:]
+        curve = self.loops.room(9)
+        self.loops.about_centre(motion, curve)
+        joined, axes, (*kappas, alpha, beta) = self.loops.joined, curve[6:], setup.problem.axes[3:]
         kappas = [kappa / (units.length * units.length) for kappa in kappas]
         self._start = row(units.of_point(setup.problem.start))
-        return Curve(row(curve[:6]), row((*axes, *kappas, alpha, beta * units.time)), row((*axes, 1, 1, 1, 1, 0)))
+        others = row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
+        return Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
 
     def _translations(self, motion: Any) -> tuple[Any, Any]:
         """The tables of both directions, one after the other, and the translations by half a cell."""

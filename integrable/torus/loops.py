@@ -9,12 +9,12 @@ import numpy as np
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.torus import survey as torus_survey
-from integrable.torus import walks
+from integrable.torus import walks, witness
 from integrable.torus.clock_loops import Clock, panel_values, states_at_times, times_at_tau
 from integrable.torus.states import Torus, states_at_phases, states_at_tau
 from integrable.torus.tables import Room, directions
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.double_double import EPS, pack
+from jacobian.numbers.double_double import EPS, split
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -100,6 +100,16 @@ class ReadableLoops:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
     panel_values = staticmethod(panel_values)
+    reached = staticmethod(witness.reached)
+
+    def about_centre(self, motion: Any, out: Any) -> None:
+        """:func:`integrable.torus.survey.about_centre` about the origin."""
+        with self.reals:
+            torus_survey.about_centre(motion, 0.0, 1.0, out)
+
+    def joined(self, *rows: Any) -> Any:
+        """Rows of numbers one after the other."""
+        return [x for row in rows for x in row]
 
     def corners(self, *args: Any) -> None:
         """:func:`integrable.torus.walks.corners`."""
@@ -161,12 +171,20 @@ class CompiledLoops:
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
         self.panel_values: Any = entries.panel_values
+        self.reached: Any = entries.reached
+        self._about_centre: Any = entries.about_centre
 
     def packed(self, value: Any) -> Any:
         return self._packed(value, self._kinds[type(value)])
 
     def row(self, values: Any) -> Any:
-        return pack(np.array(list(values), dtype=object))
+        return np.array([split(x) for x in values])
+
+    def about_centre(self, motion: Any, out: Any) -> None:
+        self._about_centre(motion, 0.0, 1.0, out)
+
+    def joined(self, *rows: Any) -> Any:
+        return np.concatenate(rows)
 
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.addition import near_identity, shift
+from integrable.moving_point.addition import moving_point, near_identity, put, shift
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.translations import power_series
+
+Row = Any
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -32,9 +34,12 @@ RIGHT = 1e-8
 HALVINGS, TERMS, NEWTON_PASSES = 2, 16, 3
 
 
-def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray]) -> bool:
+def confirmed(
+    setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], reached: Callable[..., None]
+) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
-    sign that a period changes has been changed, in both directions.
+    sign that a period changes has been changed, in both directions. ``reached`` is :func:`reached` or its compiled
+    version.
     """
     rates = [float(nu) for nu in frequencies]
     # a period that is not reached before the fractions of the other phase are gone changes no sign
@@ -43,25 +48,29 @@ def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.nda
     found = states(tau)
     momentum = setup.floats.momentum
     matrix = setup.problem.matrix and tuple(map(float, setup.problem.matrix))
-    if _difference(found, [vectors(point, momentum, matrix) for point in _in_floats(setup, tau)]) <= ROUGH:
+    floats, points, room = setup.floats, np.empty(10 * len(tau)), np.empty(2 * TERMS)
+    f, axes, start = (np.array(row) for row in (floats.f, floats.axes, floats.start))
+    reached(f, axes, start, floats.half_step, tau * float(setup.time_scale), room, points)
+    quick = [vectors(point, momentum, matrix) for point in points.reshape(-1, 10).tolist()]
+    if _difference(found, quick) <= ROUGH:
         return True
     return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau.tolist()]) <= RIGHT
 
 
-def _in_floats(setup: Setup, tau: np.ndarray) -> list[tuple[Any, ...]]:
-    """The moving points at some τ in floats, nothing compiled; what their additions lose is not known."""
-    floats = setup.floats
-    series, roots, unit_axes = [0.0] * TERMS, [0.0] * TERMS, (*floats.axes[:3], 1.0, 1.0, 1.0, 1.0, 0.0)
-    power_series(floats.f, -1, series)
-    power_series(floats.f, 1, roots)
-    points = []
-    for eps in (tau * float(setup.time_scale)).tolist():
-        doublings = max(0, ceil(log2(abs(eps) / floats.half_step)) + HALVINGS)
-        step = near_identity(series, roots, floats.f[0], unit_axes, eps / 2**doublings, NEWTON_PASSES)
+def reached(f: Row, axes: Row, start: Row, half_step: float, times: Row, room: Row, out: Row) -> None:
+    """The moving points at some times of the flow in floats, one after the other into ``out``; what their additions
+    lose is not known. ``room`` is for two series.
+    """
+    series, roots = room[:TERMS], room[TERMS:]
+    unit_axes = (axes[0], axes[1], axes[2], 1.0, 1.0, 1.0, 1.0, 0.0)
+    power_series(f, -1, series)
+    power_series(f, 1, roots)
+    for i in range(len(times)):
+        doublings = max(0, ceil(log2(abs(times[i]) / half_step)) + HALVINGS)
+        step = near_identity(series, roots, f[0], unit_axes, times[i] / 2.0**doublings, NEWTON_PASSES)
         for _ in range(doublings):
-            step = shift(floats.f, unit_axes, step, step)
-        points.append(shift(floats.f, floats.axes, floats.start, step))
-    return points
+            step = shift(f, unit_axes, step, step)
+        put(shift(f, axes, moving_point(start), step), out, 10 * i)
 
 
 def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:

@@ -118,7 +118,7 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         flat = kind.ndim + (kind.parts == 2)
         if value.dtype != ITEMS[kind.memory] or value.ndim != flat or not value.flags.c_contiguous:
             raise TypeError(f"{value.dtype} array {value.shape}: {kind} is needed, C-contiguous")
-        words.append(value.ctypes.data)
+        words.append(address(value))
         words += value.shape[: kind.ndim]
     elif isinstance(kind, TupleKind):
         for item, part in zip(value, kind.items, strict=True):
@@ -127,6 +127,15 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         words.append(value)
     else:
         words += value
+
+
+def address(array: np.ndarray) -> int:
+    """Where an array is in memory."""
+    try:
+        return addressof(c_char.from_buffer(array))  # type: ignore[arg-type]
+    except (TypeError, ValueError):
+        # empty, or not to be written to
+        return int(array.ctypes.data)
 
 
 __all__ = ["Library", "Packed"]

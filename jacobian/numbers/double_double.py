@@ -7,7 +7,7 @@ The arithmetic is compiled: :mod:`jacobian.numbers.double_double_compiled`.
 from __future__ import annotations
 
 from fractions import Fraction
-from math import isfinite
+from math import isfinite, ldexp
 from numbers import Integral
 from typing import Any
 
@@ -15,6 +15,8 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
+# numbers of so many bits and such exponents are far inside the range of floats, and so is what their high part leaves
+MOST_BITS = 440
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
 
@@ -25,6 +27,8 @@ def split(x: Any) -> tuple[float, float]:
     The sum is x exactly where its binary digits fit. ArgumentError where x is not a finite number in the range of
     floats.
     """
+    if type(x) is float and isfinite(x):
+        return x, 0.0
     if hasattr(x, "_mpf_"):
         return _split_mpf(x)
     if isinstance(x, Integral):
@@ -43,6 +47,18 @@ def split(x: Any) -> tuple[float, float]:
 
 
 def _split_mpf(x: Any) -> tuple[float, float]:
+    sign, mantissa, exponent, bits = x._mpf_
+    if 0 < bits < MOST_BITS and abs(exponent) < MOST_BITS:
+        # integers become the nearest float
+        whole = -int(mantissa) if sign else int(mantissa)
+        high = float(whole)
+        low = float(whole - int(high))
+        total = high + low
+        return ldexp(total, exponent), ldexp(low - (total - high), exponent)
+    return _split_any_mpf(x)
+
+
+def _split_any_mpf(x: Any) -> tuple[float, float]:
     from mpmath.libmp import from_float, mpf_sub, to_float
 
     try:
