@@ -59,7 +59,7 @@ class Library:
                 say_once()
             else:
                 kept.keep(folder, self.name, made_for, found)
-        self._engine, entries = machine.loaded(found.code, tuple(self._functions))
+        entries = machine.loaded(found.code, tuple(self._functions))
         for name, (_, kinds) in self._functions.items():
             self._entries[name] = Call(entries[name], kinds, found.results[name])
 
@@ -102,7 +102,7 @@ class Call:
             flatten(value, kind, words)
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
-        self._entry(addressof(c_char.from_buffer(memory)))
+        self._entry.call(addressof(c_char.from_buffer(memory)))
         found = self._out.unpack_from(memory, self._in.size)
         return found if self._tuple else found[0] if found else None
 

@@ -9,11 +9,8 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
-Entry = Callable[[Any], None]
-
-
-@cache
 def _target() -> Any:
+    """A machine of its own: an engine takes it and frees it."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
@@ -43,10 +40,17 @@ def object_of(text: str) -> bytes:
     return bytes(machine.emit_object(module))
 
 
-def loaded(data: bytes, names: tuple[str, ...]) -> tuple[Any, dict[str, Entry]]:
-    """What keeps an object in memory, and its entries, which let other threads run."""
+class Entry:
+    """A function of an object, which lets other threads run; ``engine`` keeps the object in memory."""
+
+    def __init__(self, engine: Any, name: str) -> None:
+        self._engine = engine
+        self.call: Callable[[int], None] = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(engine.get_function_address(name))
+
+
+def loaded(data: bytes, names: tuple[str, ...]) -> dict[str, Entry]:
+    """The entries of an object."""
     engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _target())
     engine.add_object_file(llvm.ObjectFileRef.from_data(data))
     engine.finalize_object()
-    prototype = ctypes.CFUNCTYPE(None, ctypes.c_void_p)
-    return engine, {name: prototype(engine.get_function_address(name)) for name in names}
+    return {name: Entry(engine, name) for name in names}

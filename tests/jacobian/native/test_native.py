@@ -233,6 +233,22 @@ def test_words_made_beforehand():
     assert LOOPS.ways(3, Packed(row, FLOATS)) == LOOPS.ways(3, row)
 
 
+def test_libraries_that_are_forgotten_leave_the_others_alone():
+    """An engine frees the machine that it was made with."""
+    import gc
+
+    kept_one = Library("test_forgotten", {"widened": (widened, (INT,))}, SPECIAL)
+    assert kept_one.widened(0)[0] == 0
+    for k in range(3):
+        library = Library(f"test_forgotten_{k}", {"ways": (ways, (INT, FLOATS))}, SPECIAL)
+        call = library.ways
+        del library
+        gc.collect()
+        assert call(3, np.ones(2))[2] == 2
+    assert kept_one.widened(4)[0] == widened(4)[0]
+    assert LOOPS.widened(4)[0] == widened(4)[0]
+
+
 # --- what is not compiled
 
 
