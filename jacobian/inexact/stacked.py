@@ -78,7 +78,10 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
     v = _second_polynomial(field, f, u, p, q, summands)
-    rest = max(rest, _departure(f, u, v), _mismatch(u, v, p, q))
+    # p is q·V + U·L of either summand: what the last bits of the larger terms leave of it
+    terms = added(product(absolute(u1), absolute(slope)), [abs(q * c) for c in v1])
+    terms = added(terms, added(product(absolute(u2), absolute(slope2)), [abs(q * c) for c in v2]))
+    rest = max(rest, _departure(f, u, v), _mismatch(u, v, p, q, terms))
     while len(u) - 1 > genus:
         u, v = _reduction_step(field, f, u, v)
         rest = max(rest, _departure(f, u, v))
@@ -209,10 +212,9 @@ def _departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
     return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
 
 
-def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number) -> Number:
-    """The largest remainder p + q·v mod u, beside the size of its terms."""
-    scale = abs(q)
-    return _share(remainder(added(p, [q * c for c in v]), u), added(absolute(p), [scale * abs(c) for c in v]), u)
+def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number, terms: Coefficients) -> Number:
+    """The largest remainder p + q·v mod u, beside the size of its terms, those of p given."""
+    return _share(remainder(added(p, [q * c for c in v]), u), added(terms, [abs(q * c) for c in v]), u)
 
 
 def _share(rest: Coefficients, terms: Coefficients, u: Coefficients) -> Number:

@@ -36,6 +36,14 @@ class SignedDivisor(NamedTuple):
     kappas: tuple[Any, ...]
 
 
+class Row(NamedTuple):
+    """divisor·x = value; over an inexact field ``terms`` is the size of what the value is a sum of."""
+
+    divisor: Any
+    value: Any
+    terms: Any
+
+
 class SignedGroup(Immutable):
     """Divisors of weight two on y² = f(x), deg f = 5 or 4, or of weight one, deg f = 3, with pairs at the given branch
     points.
@@ -203,36 +211,30 @@ class SignedGroup(Immutable):
 
     def _row(
         self, e: Any, q: Any, transfer: tuple[poly.Poly, poly.Poly], last: poly.Poly, pair: Pair, divisor: Any
-    ) -> tuple[Any, ...]:
-        """(divisor, divisor·σ'', divisor·ν'') from one summand."""
+    ) -> tuple[Row, Row]:
+        """divisor·σ'' and divisor·ν'' from one summand."""
         K = self.field
         (slope, lower), (sigma, nu) = transfer, pair
         first = K.add(K.mul(poly.evaluate(K, slope, e), sigma), K.mul(q, nu))
         second = K.add(K.mul(poly.evaluate(K, lower, e), sigma), K.mul(poly.evaluate(K, last, e), nu))
-        return divisor, first, second
+        if K.exact:
+            return Row(divisor, first, 0), Row(divisor, second, 0)
+        terms = _size_at(slope, e) * abs(sigma) + abs(q * nu)
+        return Row(divisor, first, terms), Row(
+            divisor, second, _size_at(lower, e) * abs(sigma) + _size_at(last, e) * abs(nu)
+        )
 
-    def _combine(self, e: Any, rows: list[tuple[Any, ...]]) -> Pair:
+    def _combine(self, e: Any, rows: list[tuple[Row, Row]]) -> Pair:
         """(σ'', ν'') from both rows: the one with a divisor, or over an inexact field the least-squares mean."""
         K = self.field
+        used = [row for row in rows if row[0].divisor != K.zero]
+        if not used:
+            raise NotRepresentable(f"both summands contain the branch point x = {e}: add them in another order")
         if K.exact:
-            for divisor, first, second in rows:
-                if divisor != K.zero:
-                    return K.div(first, divisor), K.div(second, divisor)
-        else:
-            weights = [1 / max(1, abs(first), abs(second)) ** 2 for _, first, second in rows]
-            scale = sum(w * abs(d) ** 2 for w, (d, _, _) in zip(weights, rows, strict=True))
-            if scale:
-                sums = [
-                    sum(
-                        w * d.conjugate() * row
-                        for w, (d, *values) in zip(weights, rows, strict=True)
-                        for row in (values[i],)
-                    )
-                    / scale
-                    for i in (0, 1)
-                ]
-                return sums[0], sums[1]
-        raise NotRepresentable(f"both summands contain the branch point x = {e}: add them in another order")
+            first, second = used[0]
+            return K.div(first.value, first.divisor), K.div(second.value, second.divisor)
+        first, second = (_mean(part) for part in zip(*used, strict=True))
+        return first, second
 
     def _cofactor_at(self, u: poly.Poly, v: poly.Poly, e: Any) -> Any:
         K = self.field
@@ -252,6 +254,17 @@ def reflected(K: Any, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair
     step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
     """
     return tuple((K.div(nu, rho), K.neg(K.mul(rho, sigma))) for (sigma, nu), rho in zip(pairs, roots, strict=True))
+
+
+def _size_at(a: poly.Poly, e: Any) -> Any:
+    """Σ |a_i||e|^i."""
+    return sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
+
+
+def _mean(rows: Sequence[Row]) -> Any:
+    """The least-squares x of divisor·x = value, each beside the rounding of its terms."""
+    scaled = [(row.divisor / (row.terms or 1), row.value / (row.terms or 1)) for row in rows]
+    return sum(d.conjugate() * value for d, value in scaled) / sum(abs(d) ** 2 for d, _ in scaled)
 
 
 def _frozen(value: Any) -> Any:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from random import Random
 
+import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.phase.state import State, onto_constraints
 from integrable.scene.orbit import orbit
-from integrable.steps.guard_digits import MOST_CONDITION, widened
+from integrable.steps.guard_digits import MOST_CONDITION, drift, widened
 from integrable.steps.step import Composition
 from integrable.steps.translation import Translation, moving_branch_point
 from jacobian import GF, MP, RR, ArgumentError, NotASquare, NotRepresentable, PrecisionLoss
@@ -361,3 +362,16 @@ def test_next_to_a_rotation_floats_are_not_asked_for_the_sum() -> None:
 def _in_both(system, state):
     wide = widened(system, MP(120))
     return (system, state), (wide, onto_constraints(wide, state))
+
+
+@pytest.mark.parametrize("points", [(0.1j, -0.1j), (1j, -1j), (0.02j, -0.02j), (1.8, 2.5)], ids=str)
+def test_usual_steps_in_floats_keep_the_integrals_to_rounding(points) -> None:
+    """Steps whose condition is small are right in floats: no guard digits, which take ten times as long."""
+    rng = Random(7)
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    step = ball.translation(points)
+    for _ in range(60):
+        gamma, M = (np.array([rng.gauss(0, 1) for _ in range(3)]) for _ in range(2))
+        gamma /= np.linalg.norm(gamma)
+        state = ball.state(gamma, M - (gamma @ M) * gamma)
+        assert drift(ball, step.plain(state), state) <= 8 * max(1, step.condition(state)) * RR.eps
