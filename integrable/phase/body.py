@@ -107,8 +107,9 @@ class Body:
 
     def energies(self, gamma: Any, M: Any) -> tuple[Any, Any]:
         """(H1, H2) with operators: of real numbers, or of the three columns of many γ and M."""
-        slowness = sum(r * x * x for r, x in zip(self.contact, gamma, strict=True)) if self.rolls else 1
-        return energy(self.a, self.d / slowness, gamma, M), sum(m * m for m in M)
+        (r1, r2, r3), (x1, x2, x3), (m1, m2, m3) = self.contact, gamma, M
+        weight = self.d / (r1 * x1 * x1 + r2 * x2 * x2 + r3 * x3 * x3)
+        return energy(self.a, weight, gamma, M), m1 * m1 + m2 * m2 + m3 * m3
 
     def polynomial(self, h1: Any, h2: Any) -> tuple[Any, ...]:
         """f(x) = 4(1 − dx)(a1 − x)(a2 − x)(a3 − x)(x h2 − h1), ascending; degree 5, or 4 at d = 0."""
@@ -126,9 +127,11 @@ class Body:
 
 def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:
     """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², with operators."""
-    moved = [x * m for x, m in zip(a, M, strict=True)]
-    spin = sum(x * m for x, m in zip(gamma, moved, strict=True))
-    return sum(m * x for m, x in zip(M, moved, strict=True)) + weight * spin * spin
+    # written out: every step of a map compares the energies of its image
+    (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
+    n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
+    spin = x1 * n1 + x2 * n2 + x3 * n3
+    return m1 * n1 + m2 * n2 + m3 * n3 + weight * spin * spin
 
 
 def triple(field: Any, values: Any, argument: str) -> Vector:
