@@ -9,6 +9,7 @@ from typing import Any
 
 import llvmlite.binding as llvm
 
+
 def _target() -> Any:
     """A machine of its own: an engine takes it and frees it."""
     llvm.initialize_native_target()

@@ -75,7 +75,7 @@ def test_multiprecision_has_them_at_any_time(system, start):
         near = PreciseFlow(wide.body, state, digits)
         for row, (gamma, _) in zip(run.gamma, near.vectors(near.at_tau(run.tau[:2].tolist())), strict=False):
             assert max(abs(x - y) for x, y in zip(row, gamma, strict=True)) < 10.0 ** (2 - digits)
-        assert (run.M == np.array(state.M)).all()
+        assert (np.array(state.M) == run.M).all()
         rows[digits] = run
     gaps = [abs(K.coerce(x) - y) for x, y in zip(rows[30].gamma.flat, rows[50].gamma.flat, strict=True)]
     assert max(gaps) < 1e-29
