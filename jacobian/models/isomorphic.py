@@ -26,6 +26,7 @@ from jacobian.fields.embedding import embedding
 from jacobian.fields.factor import factor, roots
 from jacobian.fields.primality import is_prime
 from jacobian.models.isomorphism import Isomorphism, substituted
+from jacobian.models.linear import echelon
 
 Matrix = tuple[Any, Any, Any, Any]
 # a point of the projective line over GF(q^k): (X, Y), and the map that takes elements of GF(q) there
@@ -161,21 +162,14 @@ def _trace(inclusion: Any, x: Any, k: int) -> Any:
 
 def _null_vector(K: Any, rows: list[list[Any]]) -> Matrix | None:
     """The only solution of a system for (a : b : c : d), with its first number one; None for none or ad = bc."""
-    pivots: list[tuple[int, list[Any]]] = []
-    for row in rows:
-        for column, pivot in pivots:
-            row = [K.sub(x, K.mul(row[column], y)) for x, y in zip(row, pivot, strict=True)]
-        column = next((i for i, x in enumerate(row) if not K.is_zero(x)), -1)
-        if column >= 0:
-            inverse = K.inv(row[column])
-            pivots.append((column, [K.mul(inverse, x) for x in row]))
+    pivots = echelon(K, rows, 4)
     if len(pivots) != 3:
         return None
     free = next(i for i in range(4) if i not in {column for column, _ in pivots})
     solution = [K.zero] * 4
     solution[free] = K.one
-    for column, pivot in reversed(pivots):
-        solution[column] = K.neg(K.dot(pivot, solution))
+    for column, pivot in pivots:
+        solution[column] = K.neg(pivot[free])
     if K.is_zero(K.sub(K.mul(solution[0], solution[3]), K.mul(solution[1], solution[2]))):
         return None
     unit = K.inv(next(x for x in solution if not K.is_zero(x)))
