@@ -9,11 +9,12 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.computing import WORDS, Outcome
-from integrable.ensembles.members import Members, motion_of
+from integrable.ensembles.members import Members, motion_of, system_of
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, status_column
 from integrable.motion.trajectory import Trajectory
+from integrable.phase import attitude
 from jacobian.errors import ArgumentError, chosen, whole
 from jacobian.immutable import read_only, replaced
 
@@ -131,12 +132,24 @@ class Trajectories(Exported):
         return joined(every, times)
 
     def _along(self, name: str) -> np.ndarray:
-        """What the Trajectories of the members have of that name, not-a-number where there is no state."""
+        """A quantity of every state, not-a-number where there is none."""
         parts = len(QUANTITIES[name].parts)
         found = np.full((*self._rows.shape[:2], parts), np.nan)
         for k in np.flatnonzero(self._ways >= 0).tolist():
-            found[k, self.row_status(k) == 0] = getattr(self[k].kept, name)
+            had = self.row_status(k) == 0
+            found[k, had] = self._of_member(name, k, self._rows[k, had])
         return found
+
+    def _of_member(self, name: str, member: int, rows: np.ndarray) -> np.ndarray:
+        """What the Trajectory of a member has of that name; no flow is made where none is needed."""
+        if name == "contact":
+            points: np.ndarray = self[member].kept.contact
+            return points
+        system, (gamma, M) = system_of(self.ensemble.system, self.ensemble.members[member]), (rows[:, :3], rows[:, 3:6])
+        if name == "omega":
+            rates: np.ndarray = system._omega_along(gamma, M)
+            return rates
+        return attitude.quaternions(system._attitude_along(gamma, M))
 
     def _frame(self, quantities: Any) -> Frame:
         own = len(self._times) > 1

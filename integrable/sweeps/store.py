@@ -76,6 +76,8 @@ class Store:
             if found.get("stamp") != layout.stamp:
                 raise ArgumentError(f"out = {shown(str(out))}: another file is there; give another name, or move it")
             self.refused = int(found["refused"])
+            # of a sweep that was killed at its very end
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def __enter__(self) -> Store:
         with said(self.path, "out"):

@@ -127,6 +127,17 @@ def test_concatenation():
     refuses(lambda: found.concatenated(many.at([1])), "the same system and number of times")
 
 
+def test_quantities_are_those_of_the_members():
+    many = ensemble(BALL, GAMMA, M, d=(0.7, -1, 0.5))
+    found = many.at([1, 1e30, 2])
+    for name in ("omega", "quaternion", "contact"):
+        values = getattr(found, name)
+        for k in (0, 2):
+            np.testing.assert_array_equal(values[k, [0, 2]], getattr(found[k].kept, name))
+        assert np.isnan(values[1]).all()
+        assert np.isnan(values[:, 1]).all()
+
+
 def test_chunks_are_the_whole(tmp_path):
     gamma, momentum, inertia, d = random_members(np.random.default_rng(3), 7)
     many = ensemble(BALL, gamma, momentum, inertia=inertia, d=d)

@@ -200,6 +200,38 @@ def test_a_killed_sweep_goes_on(scene, suffix, tmp_path):
         np.testing.assert_array_equal(arrays[name], values)
 
 
+FULL = """
+import resource, sys
+import integrable
+from jacobian.errors import ArgumentError
+vary = {"d": "0:2:40"}
+# what is compiled and imported is written before
+integrable.sweep(sys.argv[1], vary=vary, out=sys.argv[2] + ".first" + sys.argv[3], executor="threads", chunk=40)
+resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))
+try:
+    integrable.sweep(sys.argv[1], vary=vary, out=sys.argv[2], executor="threads", chunk=40)
+except ArgumentError as error:
+    print(error)
+"""
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+def test_a_full_disk_is_one_line(scene, suffix, tmp_path):
+    """Files of more than 1500 bytes are refused by the system; the chunk is made again when there is room."""
+    pytest.importorskip("resource")
+    out = tmp_path / f"out{suffix}"
+    words = [sys.executable, "-c", FULL, str(tmp_path / "ball.toml"), str(out), suffix]
+    done = subprocess.run(words, capture_output=True, text=True, timeout=300, check=False)
+    assert done.returncode == 0, done.stderr
+    (line,) = done.stdout.splitlines()
+    assert line.startswith(f"out = {str(out)!r} cannot be written: ")
+    assert not out.exists()
+    found = sweep(scene, vary={"d": "0:2:40"}, out=out, executor="threads", chunk=40)
+    first = read(tmp_path / f"out{suffix}.first{suffix}")[0]
+    for name, values in read(found.path)[0].items():
+        np.testing.assert_array_equal(values, first[name])
+
+
 def test_words():
     assert from_words(["d=1:2:3", "M.scale=1,2"]) == {"d": "1:2:3", "M.scale": "1,2"}
     for words in (["d"], ["=1"], ["d=1", "d=2"]):
