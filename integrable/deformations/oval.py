@@ -37,12 +37,12 @@ class Oval:
             return mu * (inertia[j] - inertia[i]) / (inertia[i] * inertia[j])
 
         self.height_of_oval = gap(self.middle, self.low)
-        self.breadth, self._above = gap(self.high, self.low), gap(self.high, self.middle)
-        self.period = K.context.pi / K.context.agm(root(K, self.breadth), root(K, self._above))
+        self.breadth, self.above = gap(self.high, self.low), gap(self.high, self.middle)
+        self.period = K.context.pi / K.context.agm(root(K, self.breadth), root(K, self.above))
         mean = sum(self.e) / 3
-        self._centred = [x - mean for x in self.e]
-        one, two, three = self._centred
-        self._series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
+        self.centred = [x - mean for x in self.e]
+        one, two, three = self.centred
+        self.series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
 
     def height(self, r: Sequence[Any]) -> Any:
         """z = Z/μ at the roots R_i, from the root that is least."""
@@ -73,23 +73,23 @@ class Oval:
 
     def translation(self, v: Any) -> list[Any]:
         """s_i(v) = √(℘(v) − e_i), 0 < |v| ≤ half a period: the Laurent series at v/2^m, then m doublings."""
-        K, size, halvings = self.field, max(map(abs, self._centred)), 0
+        K, size, halvings = self.field, max(map(abs, self.centred)), 0
         sign, v = (1, v) if v > 0 else (-1, -v)
         while v * v * size > 1 / 16:
             v, halvings = v / 2, halvings + 1
         square = v * v
         tail = K.zero
-        for c in reversed(self._series):
+        for c in reversed(self.series):
             tail = tail * square + c
         # v²(℘ − e) = 1 − v²e + v⁴·tail
-        s = [root(K, 1 - square * e + square * square * tail) / v for e in self._centred]
+        s = [root(K, 1 - square * e + square * square * tail) / v for e in self.centred]
         for _ in range(halvings):
             s = self._doubled(s)
         return [sign * x for x in s]
 
     def _doubled(self, s: Sequence[Any]) -> list[Any]:
         """s_i(2v), without a difference but that of s_high, which vanishes at half a period."""
-        below, above = self.height_of_oval, self._above
+        below, above = self.height_of_oval, self.above
         down = 2 * s[0] * s[1] * s[2]
         result = [self.field.zero] * 3
         middle = (s[self.middle] ** 4 + below * above) / down

@@ -9,7 +9,7 @@ Coefficients are integers in units of 2^−bits: numpy multiplies matrices of th
 from __future__ import annotations
 
 from math import ceil, isqrt, log
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -49,6 +49,21 @@ class OnTwoCurves(Protocol):
 
     def pace(self, first: Any, second: Any) -> Any:
         """1/g from z on both curves."""
+
+
+class Doubles(NamedTuple):
+    """A clock in scaled τ and t: ``unit`` times the user's, the ``numbers`` of
+    :class:`integrable.deformations.oval_loops.Waves`, tables of integers in units of 2^−``bits`` of the swing and of
+    1/g, and between what 1/g lies over its mean.
+    """
+
+    unit: Any
+    numbers: list[Any]
+    even: np.ndarray
+    odd: np.ndarray
+    rates: np.ndarray
+    bits: int
+    bounds: tuple[float, float]
 
 
 class SeparatedClock:
@@ -127,6 +142,18 @@ class SeparatedClock:
         """The relative difference of 1/g of the series at τ and ``rate``."""
         _, found = self._exact(self._phases(tau * self._unit))
         return abs(found / rate - 1)
+
+    def doubles(self) -> Doubles | None:
+        """The series in floats and what they leave; None where modes are resonant."""
+        if self._resonant:
+            return None
+        least = self._least / self._mean, self._most / self._mean
+        numbers = [self._mean, self._origin, 2 * self._motion.field.context.pi]
+        for since, period in zip(self._since, self._periods, strict=True):
+            numbers += [1 / (self._unit * period), since / period]
+        return Doubles(
+            self._unit, numbers, self._even, self._odd, self._table, self._bits, (float(least[0]), float(least[1]))
+        )
 
     # --- the series
 

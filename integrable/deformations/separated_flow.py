@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
 from integrable.deformations.oval import Oval, root
+from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
@@ -20,7 +21,10 @@ from integrable.phase.state import State
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.deformations.separated_clock import SeparatedClock
+    from integrable.motion.trajectory import Way
 
 
 class SeparatedFlow(DeformedFlow):
@@ -32,6 +36,13 @@ class SeparatedFlow(DeformedFlow):
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return OvalCarrier(system, state)
+
+    @cached_property
+    def _quick(self) -> Way:
+        return quick_way(self._curves)
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        return self._quick
 
     def translated(self, roots_of: Any) -> State:
         """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
@@ -55,6 +66,13 @@ class IsometricFlow(DeformedFlow):
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return LiftedCarrier(system, state)
 
+    @cached_property
+    def _quick(self) -> Way:
+        return quick_way(self._curves)
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        return self._quick
+
 
 class OvalCarrier(CurvesCarrier):
     """The motion of a tilde pair over the numbers of ``system``."""
@@ -72,7 +90,7 @@ class OvalCarrier(CurvesCarrier):
         if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
             raise NotRepresentable(f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates")
         self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
-        self._weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        self.roots_of_weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
         self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
         spin = root(K, h2)
         e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
@@ -81,28 +99,33 @@ class OvalCarrier(CurvesCarrier):
         self.curves = [
             _oval(body, value * product, row, turn) for value, row, turn in zip(self.lambdas, gaps, turns, strict=True)
         ]
-        self._signs, self._side = _signs(self.curves, e, slope), 1
+        self.signs, self.side = _signs(self.curves, e, slope), 1
         found = self._state(*(curve.start for curve in self.curves))[0]
-        self._side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
+        self.side = 1 if sum(x * y for x, y in zip(found, state.gamma, strict=True)) > 0 else -1
+
+    @property
+    def period(self) -> Any:
+        """The shorter of both."""
+        return min(curve.period for curve in self.curves)
 
     def turns(self, tau: Any) -> Any:
-        return abs(tau) / min(curve.period for curve in self.curves)
+        return abs(tau) / self.period
 
     def most_tau(self, t: Any) -> Any:
         # 1/g² is least where γ is along the axis of the least moment
         return t / root(self.field, min(self.system.body.contact))
 
     def tau(self, times: list[Any], digits: int) -> list[Any]:
-        return [self._clock(digits).tau(t) for t in times]
+        return [self.clock(digits).tau(t) for t in times]
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
-        return [self._clock(digits).time(x) for x in tau]
+        return [self.clock(digits).time(x) for x in tau]
 
     def clock_missing(self, tau: Any, digits: int) -> int:
         rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))
-        return digits_of(self._clock(digits).defect(tau, rate)) + digits
+        return digits_of(self.clock(digits).defect(tau, rate)) + digits
 
-    def _clock(self, digits: int) -> SeparatedClock:
+    def clock(self, digits: int) -> SeparatedClock:
         from integrable.deformations.separated_clock import SeparatedClock
 
         if self._clocks is None or self._clocks.digits < digits:
@@ -141,7 +164,7 @@ class OvalCarrier(CurvesCarrier):
         """(γ, M) from the roots R_i on both curves."""
         body, K = self.system.body, self.field
         one, two = self.curves
-        e = [s * c * x * y for s, c, x, y in zip(self._signs, self._weights, first, second, strict=True)]
+        e = [s * c * x * y for s, c, x, y in zip(self.signs, self.roots_of_weights, first, second, strict=True)]
         length = root(K, K.dot(e, e))
         f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
         # ũ2 − ũ1: of both sides of the middle axis, a sum
@@ -153,15 +176,15 @@ class OvalCarrier(CurvesCarrier):
             j, k = (i + 1) % 3, (i + 2) % 3
             left = first[j] * first[k] * f[0] * two.signs[i] * second[i]
             right = second[j] * second[k] * f[1] * one.signs[i] * first[i]
-            divisor = self._signs[i] * self._weights[i] * body.differences[i]
+            divisor = self.signs[i] * self.roots_of_weights[i] * body.differences[i]
             n.append(scale * body.contact[i] * (left - right) / divisor)
         e = [x / length for x in e]
         square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
         lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
         gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
-        size = self._side * root(K, K.dot(gamma, gamma))
+        size = self.side * root(K, K.dot(gamma, gamma))
         gamma = [x / size for x in gamma]
-        momentum = self._side * root(K, (self.lambdas[0] - self.lambdas[1]) / gap)
+        momentum = self.side * root(K, (self.lambdas[0] - self.lambdas[1]) / gap)
         x1, x2, x3 = (momentum * x for x in e)
         return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
 
@@ -172,19 +195,19 @@ class LiftedCarrier(CurvesCarrier):
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.start = system, state
         K = system.field
-        squares, self._pace, tilde = system.isometry()
+        squares, self.speed, tilde = system.isometry()
         self._roots = roots(K, squares)
-        self._back = [1 / b for b in self._roots]
+        self.back = [1 / b for b in self._roots]
         gamma, M = lift(K, self._roots, state.gamma, state.M)
-        self._tilde = OvalCarrier(tilde, State(gamma, M))
-        self.sizes = abs(self._pace) * self._tilde.sizes[0], abs(system.integrals(state).K)
+        self.tilde = OvalCarrier(tilde, State(gamma, M))
+        self.sizes = abs(self.speed) * self.tilde.sizes[0], abs(system.integrals(state).K)
 
     def turns(self, tau: Any) -> Any:
-        return self._tilde.turns(self._pace * tau)
+        return self.tilde.turns(self.speed * tau)
 
     def point(self, tau: Any) -> tuple[Any, Any]:
-        gamma, M = self._tilde.point(self._pace * tau)
-        return lift(self.field, self._back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
+        gamma, M = self.tilde.point(self.speed * tau)
+        return lift(self.field, self.back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))
 
 
 def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:

@@ -1,0 +1,251 @@
+"""The states of :class:`integrable.deformations.separated_flow.OvalCarrier` on bare reals, for compilation as they
+stand: the same additions with the axes in the order of their moments.
+
+Roots R_i and s_i are triples in the order of e_i: low, middle, high. Rows are double-doubles when compiled
+(:data:`LIBRARY`), lists of numbers of any precision otherwise.
+"""
+
+from __future__ import annotations
+
+from math import floor
+from typing import Any, NamedTuple
+
+from integrable.torus.clock_loops import on_circle
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, WIDES, TupleKind, record
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.roots import root
+
+Real = Any
+Row = Any
+Three = tuple[Real, Real, Real]
+
+# where the Laurent series of ℘ is summed: |v|²·max|e| at most
+NEAR = 1 / 16
+
+
+class Track(NamedTuple):
+    """One curve: ``numbers`` are its period, e_middle − e_low, e_high − e_low, e_high − e_middle, the three e_i less
+    their mean, the three e_i and the roots R_i of the start; ``series`` that of ℘, ``size`` the largest centred |e_i|.
+    """
+
+    numbers: Row
+    series: Row
+    size: float
+
+
+class Frame(NamedTuple):
+    """The body: ``numbers`` are three weights of e_i with their signs, three 1 − da_i, three weights of n_i, three a_i,
+    then d, μ1, μ2, λ1, λ2, the speed of τ, the sign of an odd order of the axes, that of γ and M; ``back`` the diagonal
+    of the lift to the pair asked for, ``lifted`` whether there is one; ``sizes`` of H and K.
+    """
+
+    numbers: Row
+    back: Row
+    lifted: bool
+    sizes: tuple[float, float]
+
+
+def states(first: Track, second: Track, frame: Frame, tau: Row, out: Row, rest: Row) -> float:
+    """γ and M at values of τ into ``out``, six numbers each, what floats leave of them into ``rest``: the largest
+    change of H and K over their sizes.
+    """
+    worst = 0.0
+    for n in range(len(tau)):
+        t = tau[n] * frame.numbers[17]
+        gamma, M, drift = state(frame, moved(first, t), moved(second, t), first, second)
+        if not drift <= worst:
+            worst = drift
+        if frame.lifted:
+            gamma, M = lifted(frame.back, gamma, M)
+        put(gamma, out, rest, 6 * n)
+        put(M, out, rest, 6 * n + 3)
+    return worst
+
+
+def put(vector: Three, out: Row, rest: Row, place: int) -> None:
+    """Three numbers as floats, and what is left of them."""
+    out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
+    rest[place] = float(vector[0] - out[place])
+    rest[place + 1] = float(vector[1] - out[place + 1])
+    rest[place + 2] = float(vector[2] - out[place + 2])
+
+
+def moved(track: Track, tau: Real) -> Three:
+    """The roots R_i at τ."""
+    numbers = track.numbers
+    start = (numbers[10], numbers[11], numbers[12])
+    turns = floor(float(tau / numbers[0]) + 0.5)
+    left = tau - float(turns) * numbers[0]
+    found = start if left == 0 else added(start, translation(track, left))
+    if turns % 2 != 0:
+        found = (-found[0], -found[1], found[2])
+    return found
+
+
+def added(r: Three, s: Three) -> Three:
+    """:meth:`integrable.deformations.oval.Oval.added`."""
+    scale = 1 / (s[1] * s[1] + r[1] * r[1])
+    return (
+        (s[0] * r[1] * r[2] + r[0] * s[1] * s[2]) * scale,
+        (r[1] * s[0] * s[2] - s[1] * r[0] * r[2]) * scale,
+        (r[2] * s[0] * s[1] - s[2] * r[0] * r[1]) * scale,
+    )
+
+
+def translation(track: Track, v: Real) -> Three:
+    """:meth:`integrable.deformations.oval.Oval.translation`."""
+    numbers, series = track.numbers, track.series
+    near = abs(v)
+    halvings = 0
+    while float(near) * float(near) * track.size > NEAR:
+        near = near * 0.5
+        halvings += 1
+    square = near * near
+    tail = 0 * near
+    for n in range(len(series) - 1, -1, -1):
+        tail = tail * square + series[n]
+    tail = tail * square * square + 1
+    s0 = root(tail - square * numbers[4]) / near
+    s1 = root(tail - square * numbers[5]) / near
+    s2 = root(tail - square * numbers[6]) / near
+    for _ in range(halvings):
+        scale = 1 / (2 * s0 * s1 * s2)
+        q1, q2 = s1 * s1, s2 * s2
+        s1 = (q1 * q1 + numbers[1] * numbers[3]) * scale
+        s0 = root(s1 * s1 + numbers[1])
+        s2 = (q2 * q2 - numbers[2] * numbers[3]) * scale
+    if v < 0:
+        return -s0, -s1, -s2
+    return s0, s1, s2
+
+
+def height(track: Track, r: Three, mu: Real) -> Real:
+    """Z/μ at the roots R_i, from the root that is least."""
+    numbers = track.numbers
+    if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
+        z = numbers[7] + r[0] * r[0]
+    elif abs(r[1]) <= abs(r[2]):
+        z = numbers[8] - r[1] * r[1]
+    else:
+        z = numbers[9] - r[2] * r[2]
+    return z / mu
+
+
+def state(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three, float]:
+    """(γ, M, the change of H and K) of the tilde pair from the roots on both curves, μ1 > 0 > μ2: low and high are
+    each other's on the second.
+    """
+    b = frame.numbers
+    d, mu1, mu2 = b[12], b[13], b[14]
+    f1, f2 = 1 / (1 + d * height(first, p, mu1)), 1 / (1 + d * height(second, q, mu2))
+    # by axis, the least moment first: it has e_high of the first curve and e_low of the second
+    p0, p1, p2, q0, q1, q2 = p[2], p[1], p[0], q[0], q[1], q[2]
+    e0, e1, e2 = b[0] * p0 * q0, b[1] * p1 * q1, b[2] * p2 * q2
+    length = root(e0 * e0 + e1 * e1 + e2 * e2)
+    gap = f1 * f2 * (p1 * p1 / mu1 - q1 * q1 / mu2)
+    scale = 2 * length * f1 * f2 / (mu1 * mu2 * gap)
+    n0 = scale * b[6] * (p1 * p2 * f1 * q0 + q1 * q2 * f2 * p0)
+    n1 = scale * b[7] * (q2 * q0 * f2 * p1 - p2 * p0 * f1 * q1)
+    n2 = -scale * b[8] * (p0 * p1 * f1 * q2 + q0 * q1 * f2 * p2)
+    e0, e1, e2 = e0 / length, e1 / length, e2 / length
+    r0, r1, r2 = e0 / b[3], e1 / b[4], e2 / b[5]
+    lean = (r0 * n0 + r1 * n1 + r2 * n2) / (r0 * e0 + r1 * e1 + r2 * e2)
+    x0, x1, x2 = (lean * e0 - n0) / b[3], (lean * e1 - n1) / b[4], (lean * e2 - n2) / b[5]
+    size = b[19] / root(x0 * x0 + x1 * x1 + x2 * x2)
+    gamma = (x0 * size, x1 * size, x2 * size)
+    momentum = b[18] * b[19] * root((b[15] - b[16]) / gap)
+    M = crossed((momentum * e0, momentum * e1, momentum * e2), gamma)
+    return gamma, M, drift(frame, gamma, M)
+
+
+def crossed(x: Three, y: Three) -> Three:
+    """x × y."""
+    return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
+
+
+def drift(frame: Frame, gamma: Three, M: Three) -> float:
+    """The larger change of H = λ1 + λ2 and K = −λ1λ2 over their sizes (:mod:`integrable.deformations.tilde`)."""
+    b = frame.numbers
+    d, a0, a1, a2 = b[12], b[9], b[10], b[11]
+    l0, l1, l2 = a0 * M[0], a1 * M[1], a2 * M[2]
+    m1 = l0 * M[0] + l1 * M[1] + l2 * M[2]
+    m2 = M[0] * M[0] + M[1] * M[1] + M[2] * M[2]
+    s = a0 * gamma[0] * gamma[0] + a1 * gamma[1] * gamma[1] + a2 * gamma[2] * gamma[2]
+    xi = l0 * gamma[0] + l1 * gamma[1] + l2 * gamma[2]
+    # 1/G = 1 − ds
+    slow = b[3] * gamma[0] * gamma[0] + b[4] * gamma[1] * gamma[1] + b[5] * gamma[2] * gamma[2]
+    spin = xi * xi / slow
+    energy, second = m1 - s * m2 + 2 * d * spin, spin * (m2 - d * (m1 + d * spin))
+    change = float(abs(energy - b[15] - b[16])) / frame.sizes[0]
+    return max(change, float(abs(second + b[15] * b[16])) / frame.sizes[1])
+
+
+def lifted(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
+    """:func:`integrable.phase.isometry.lift`."""
+    b0, b1, b2 = back[0], back[1], back[2]
+    turned = (b0 * gamma[0], b1 * gamma[1], b2 * gamma[2])
+    size = 1 / root(turned[0] * turned[0] + turned[1] * turned[1] + turned[2] * turned[2])
+    w = crossed(M, gamma)
+    image = (turned[0] * size, turned[1] * size, turned[2] * size)
+    return image, crossed(turned, (w[0] / b0, w[1] / b1, w[2] / b2))
+
+
+class Waves(NamedTuple):
+    """A clock: t = mean·x + Σ e_mn sin mθ₁ cos nθ₂ + o_mn cos mθ₁ sin nθ₂ − origin, θ_k = 2π(a_kx + b_k). ``numbers``
+    are the mean, the origin, 2π, a₁, b₁, a₂, b₂; ``even`` and ``odd`` the e_mn and o_mn row by row, ``columns`` to a
+    row; ``room`` is for 2·columns numbers.
+    """
+
+    numbers: Row
+    even: Row
+    odd: Row
+    columns: int
+    room: Row
+
+
+def misses(waves: Waves, x: Row, t: Row, out: Row) -> None:
+    """What the clock shows at every x, less t, into ``out``."""
+    for n in range(len(x)):
+        out[n] = shown(waves, x[n]) - t[n]
+
+
+def shown(waves: Waves, x: Real) -> Real:
+    """What the clock shows."""
+    numbers, room, columns = waves.numbers, waves.room, waves.columns
+    two_pi = numbers[2]
+    c, s = on_circle(fraction(numbers[5] * x + numbers[6]), two_pi)
+    p, q = 1 + 0 * x, 0 * x
+    for n in range(columns):
+        room[2 * n], room[2 * n + 1] = p, q
+        p, q = p * c - q * s, p * s + q * c
+    c, s = on_circle(fraction(numbers[3] * x + numbers[4]), two_pi)
+    p, q = 1 + 0 * x, 0 * x
+    total = numbers[0] * x - numbers[1]
+    place = 0
+    for _ in range(len(waves.even) // columns):
+        even, odd = 0 * x, 0 * x
+        for n in range(columns):
+            even += waves.even[place] * room[2 * n]
+            odd += waves.odd[place] * room[2 * n + 1]
+            place += 1
+        total += q * even + p * odd
+        p, q = p * c - q * s, p * s + q * c
+    return total
+
+
+def fraction(turns: Real) -> Real:
+    """What is left of a number of turns beyond whole ones."""
+    return turns - float(floor(float(turns) + 0.5))
+
+
+_TRACK = record(Track, WIDES, WIDES, FLOAT)
+_FRAME = record(Frame, WIDES, WIDES, BOOL, TupleKind((FLOAT, FLOAT)))
+LIBRARY = Library(
+    "deformations",
+    {
+        "states": (states, (_TRACK, _TRACK, _FRAME, WIDES, FLOATS, FLOATS)),
+        "misses": (misses, (record(Waves, WIDES, WIDES, WIDES, INT, WIDES), WIDES, WIDES, WIDES)),
+    },
+    SPECIAL,
+)

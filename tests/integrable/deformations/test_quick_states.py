@@ -1,0 +1,88 @@
+"""States of the pairs in compiled double-doubles against the readable additions, from which nothing is shared."""
+
+import numpy as np
+import pytest
+
+from integrable import Check, Hat, Tilde
+from integrable.deformations import quick_states
+from integrable.motion.precise import RoundedRows
+
+START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+PAIRS = {
+    "tilde": Tilde((1, 2, 4)),
+    "tilde, rolling": Tilde((3, 1, 2), 0.7),
+    "tilde, heavy": Tilde((2, 1, 3), 40),
+    "check": Check((2, 3, 1)),
+    "hat": Hat((3, 2, 1)),
+    "hat, moments nearly equal": Hat((1, 3, 1.0001)),
+}
+STARTS = {
+    "generic": START,
+    "another": ((0.6, 0, -0.8), (0.8, 0.5, 0.6)),
+    "turning point": (START[0], (-1.1544, 0.4320000064, 0.460799994)),
+}
+TAU = np.array([0, -0.37, 1e-9, 3.25, -41.5, 1234.5678, 9e4])
+
+
+@pytest.mark.parametrize("start", STARTS.values(), ids=STARTS.keys())
+@pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
+def test_compiled_states_are_those_of_the_readable_additions(system, start, monkeypatch) -> None:
+    flow = system.flow(system.state(*start))
+    readable = flow._curves.at_tau(TAU)
+
+    def unwanted(*_):
+        raise AssertionError("the compiled additions have been given up")
+
+    monkeypatch.setattr(RoundedRows, "at_tau", unwanted)
+    found = flow.at_tau(TAU)
+    # both are rounded once
+    assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
+
+
+def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
+    system = Hat((3, 2, 1))
+    flow = system.flow(system.state(*START))
+    tau = np.array([2.0, 1e12])
+    assert np.array_equal(np.hstack([flow.at_tau(tau).gamma, flow.at_tau(tau).M]), flow._curves.at_tau(tau))
+    # a sign that H and K do not know is seen by the farthest state, a changed size by H and K of all
+    truth = flow._curves.at_tau(TAU)
+    for column, factor in ((1, -1.0), (2, 1 + 1e-15)):
+        flow = system.flow(system.state(*START))
+        packed = quick_states.packed
+
+        def changed(carrier, packed=packed, column=column, factor=factor):
+            first, second, frame, order = packed(carrier)
+            frame.numbers[column] *= factor
+            return first, second, frame, order
+
+        monkeypatch.setattr(quick_states, "packed", changed)
+        found = flow.at_tau(TAU)
+        monkeypatch.setattr(quick_states, "packed", packed)
+        assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
+
+
+@pytest.mark.parametrize("name", ["tilde, rolling", "tilde, heavy"])
+def test_compiled_times_are_those_of_the_readable_clock(name, monkeypatch) -> None:
+    system = PAIRS[name]
+    flow = system.flow(system.state(*START))
+    readable, tau = flow._curves.at(TAU)
+
+    def unwanted(*_):
+        raise AssertionError("the compiled clock has been given up")
+
+    monkeypatch.setattr(RoundedRows, "at", unwanted)
+    found = flow.at(TAU)
+    assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
+    assert np.abs(found.tau - tau).max() <= 2.3e-16 * np.abs(tau).max()
+    # and not one time only
+    assert np.array_equal(flow.at(TAU[4:5]).gamma[0], found.gamma[4])
+
+
+def test_a_clock_that_is_off_goes_the_readable_way(monkeypatch) -> None:
+    system = PAIRS["tilde, rolling"]
+    flow = system.flow(system.state(*START))
+    truth = flow._curves.at(TAU)[0]
+    split = quick_states.QuickClock.tau
+    monkeypatch.setattr(quick_states.QuickClock, "tau", lambda clock, times: split(clock, times) * (1 + 1e-14))
+    found = flow.at(TAU)
+    assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
