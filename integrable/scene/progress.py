@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -21,7 +22,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
     begun = False
     layout = "{l_bar}{bar}| {n_fmt}/{total_fmt} [{elapsed}]"
-    with tqdm(total=total, leave=False, bar_format=layout) as bar, going(bar, TERMINAL):
+    with tqdm(total=total, leave=False, bar_format=layout) as bar, going(bar, TERMINAL), compilation_said(bar):
 
         def tick(label: str) -> None:
             nonlocal begun
@@ -33,6 +34,21 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
         bar.update(1)
         # however soon after the last piece it is
         bar.refresh()
+
+
+@contextmanager
+def compilation_said(bar: Any) -> Iterator[None]:
+    """Above the bar it is said that loops are compiled, which they are once."""
+    log, handler = logging.getLogger("jacobian.native.library"), logging.Handler(logging.INFO)
+    handler.emit = lambda record: bar.write(record.getMessage(), file=sys.stderr)  # type: ignore[method-assign]
+    level = log.level
+    log.addHandler(handler)
+    log.setLevel(logging.INFO)
+    try:
+        yield
+    finally:
+        log.removeHandler(handler)
+        log.setLevel(level)
 
 
 @contextmanager

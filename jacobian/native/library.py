@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import struct
 import threading
 from collections.abc import Callable
@@ -15,6 +16,7 @@ from jacobian.native.kinds import BOOL, FLOAT, INT, ArrayKind, TupleKind, Value
 from jacobian.native.program import Program
 from jacobian.numbers.compiler import say_once
 
+LOG = logging.getLogger(__name__)
 ITEMS = {"i64": np.dtype(np.int64), "double": np.dtype(np.float64)}
 
 
@@ -23,10 +25,8 @@ class Library:
 
     ``functions`` are the entries by name: the function and the kinds of its arguments. ``library.name(…)`` calls one:
     arrays are given as NumPy's (of double-doubles with a last axis (hi, lo)), tuples as tuples or :class:`Packed`.
-    Calls let other threads run. ``said`` is told the name when it has to be compiled and is not found on disk.
+    Calls let other threads run. The logger of this module says when a library has to be compiled: it was not on disk.
     """
-
-    said: Callable[[str], None] = staticmethod(lambda name: None)
 
     def __init__(
         self,
@@ -53,7 +53,7 @@ class Library:
         folder, made_for = kept.place(), machine.name()
         found = None if folder is None else kept.find(folder, self.name, made_for)
         if found is None:
-            Library.said(self.name)
+            LOG.info("compiling %s: once, a few seconds", self.name.replace("_", " "))
             found = self._compiled()
             if folder is None:
                 say_once()
