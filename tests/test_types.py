@@ -67,6 +67,7 @@ KNOWN = {
     "tilde.translation([1, None])(start)": "State",
     "load_scene('chaplygin')": "Scene",
     "integrable.run('chaplygin')": "Trajectory",
+    "integrable.sweep('chaplygin', out='chaplygin.zarr')": "Swept",
     "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0))": "Ensemble",
     "integrable.ensemble(ball, (1, 0, 0), (0, 1, 0)).at([1])": "Trajectories",
 }

@@ -6,6 +6,7 @@ import json
 import os
 from collections.abc import Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
@@ -230,8 +231,11 @@ def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any
     except Exception as error:
         _keep_finished(store, under_way)
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"
+        # of what may end processes at once, the one thing that a user can mend
+        ended = isinstance(error, BrokenProcessPool) and not store.done
+        hint = "; a script starts processes under if __name__ == '__main__'" if ended else ""
         raise SweepStopped(
-            f"executor: it has stopped ({why}); {len(store.done)} of {store.layout.chunks} chunks are kept in "
+            f"executor: it has stopped ({why}{hint}); {len(store.done)} of {store.layout.chunks} chunks are kept in "
             f"{str(store.folder)!r}, the same call goes on from there"
         ) from error
     finally:
