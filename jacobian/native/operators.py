@@ -78,7 +78,7 @@ class Operators(Code):
         return str(self.compare("NotEq", value, integer(0)).parts[0])
 
     def wide(self, name: str, parts: tuple[Any, ...]) -> Value:
-        """A call of one of :data:`jacobian.native.code.WIDE_FUNCTIONS`."""
+        """A call of one of :data:`jacobian.numbers.double_double_steps.FUNCTIONS`."""
         arguments = ", ".join(f"double {part}" for part in parts)
         pair = self.write(f"call {{double, double}} @wide.{name}({arguments})")
         return Value(WIDE, tuple(self.write(f"extractvalue {{double, double}} {pair}, {k}") for k in range(2)))

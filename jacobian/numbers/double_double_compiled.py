@@ -5,12 +5,8 @@ numbers and rows of numbers; + − × ÷, comparisons, abs, max, min, float() an
 floats and integers (which count as floats: exact up to 2^53). Attributes ``hi`` and ``lo`` read the parts.
 
 Functions that use them must be compiled without fastmath (:data:`JIT`): an optimizer that contracts or reorders sums
-would take the error terms for zero. Lowering refuses it.
-
-With u = 2^-53 the relative errors are, barring underflow and overflow: sum 3u² + 13u³, product 4u², quotient 9.8u²
-(Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; with a float 4, 9, 15: 2u², 2u², 3u²; the bound of the product
-from Muller & Rideau 2022), root 25u²/8 (Lefèvre, Louvet, Muller, Picot & Rideau 2023, algorithm SQRTDWtoDW). The
-error-free sums and product are Knuth's (two_sum), Dekker's and that of fused multiplication (Hida, Li & Bailey 2001).
+would take the error terms for zero. Lowering refuses it. The algorithms are
+those of :mod:`jacobian.numbers.double_double_steps`.
 """
 
 from __future__ import annotations
@@ -33,10 +29,10 @@ from numba.extending import (
     register_model,
 )
 
+from jacobian.numbers.double_double_steps import FUNCTIONS, Pair
+
 JIT = {"nogil": True, "error_model": "numpy", "fastmath": False}
 """Options of ``numba.njit`` for functions on double-double numbers."""
-
-Pair = tuple[Any, Any]  # the LLVM values of hi and lo
 
 
 class DoubleDouble(types.Type):
@@ -78,82 +74,24 @@ make_attribute_wrapper(DoubleDouble, "hi", "hi")
 make_attribute_wrapper(DoubleDouble, "lo", "lo")
 make_attribute_wrapper(DoubleDoubleArray, "data", "data")
 
-# --- the algorithms, as instructions --------------------------------------------------------------------------------
+# --- instructions ---------------------------------------------------------------------------------------------------
 
 
-def _two_sum(b: Any, x: Any, y: Any) -> Pair:
-    """x + y and its error, exactly."""
-    s = b.fadd(x, y)
-    z = b.fsub(s, x)
-    return s, b.fadd(b.fsub(x, b.fsub(s, z)), b.fsub(y, z))
+class _Builder:
+    """llvmlite's instructions as :class:`jacobian.numbers.double_double_steps.Instructions`."""
 
+    one = ir.Constant(ir.DoubleType(), 1.0)
 
-def _fast_two_sum(b: Any, x: Any, y: Any) -> Pair:
-    """The same for |x| ≥ |y| or x = 0."""
-    s = b.fadd(x, y)
-    return s, b.fsub(y, b.fsub(s, x))
+    def __init__(self, b: Any) -> None:
+        self._b = b
+        self.fadd, self.fsub, self.fmul, self.fdiv, self.fneg, self.fma = b.fadd, b.fsub, b.fmul, b.fdiv, b.fneg, b.fma
 
+    def fsqrt(self, x: Any) -> Any:
+        return self._b.call(self._b.module.declare_intrinsic("llvm.sqrt", [x.type]), [x])
 
-def _two_product(b: Any, x: Any, y: Any) -> Pair:
-    """x·y and its error, exactly."""
-    p = b.fmul(x, y)
-    return p, b.fma(x, y, b.fneg(p))
-
-
-def _sum(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Pair:
-    sh, sl = _two_sum(b, xh, yh)
-    th, tl = _two_sum(b, xl, yl)
-    vh, vl = _fast_two_sum(b, sh, b.fadd(sl, th))
-    return _fast_two_sum(b, vh, b.fadd(tl, vl))
-
-
-def _sum_float(b: Any, xh: Any, xl: Any, y: Any) -> Pair:
-    sh, sl = _two_sum(b, xh, y)
-    return _fast_two_sum(b, sh, b.fadd(xl, sl))
-
-
-def _product(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Pair:
-    ch, c1 = _two_product(b, xh, yh)
-    c2 = b.fma(xl, yh, b.fma(xh, yl, b.fmul(xl, yl)))
-    return _fast_two_sum(b, ch, b.fadd(c1, c2))
-
-
-def _product_float(b: Any, xh: Any, xl: Any, y: Any) -> Pair:
-    ch, cl = _two_product(b, xh, y)
-    return _fast_two_sum(b, ch, b.fma(xl, y, cl))
-
-
-def _reciprocal(b: Any, yh: Any, yl: Any) -> Pair:
-    one = ir.Constant(yh.type, 1.0)
-    th = b.fdiv(one, yh)
-    rest = b.fma(b.fneg(yh), th, one)
-    eh, el = _fast_two_sum(b, rest, b.fneg(b.fmul(yl, th)))
-    dh, dl = _product_float(b, eh, el, th)
-    return _sum_float(b, dh, dl, th)
-
-
-def _quotient(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Pair:
-    return _product(b, *_reciprocal(b, yh, yl), xh, xl)
-
-
-def _quotient_of_float(b: Any, x: Any, yh: Any, yl: Any) -> Pair:
-    return _product_float(b, *_reciprocal(b, yh, yl), x)
-
-
-def _quotient_by_float(b: Any, xh: Any, xl: Any, y: Any) -> Pair:
-    th = b.fdiv(xh, y)
-    ph, pl = _two_product(b, th, y)
-    rest = b.fadd(b.fsub(b.fsub(xh, ph), pl), xl)
-    return _fast_two_sum(b, th, b.fdiv(rest, y))
-
-
-def _root(b: Any, xh: Any, xl: Any) -> Pair:
-    function = b.module.declare_intrinsic("llvm.sqrt", [xh.type])
-    sh = b.call(function, [xh])
-    rest = b.fadd(xl, b.fma(b.fneg(sh), sh, xh))
-    sl = b.fdiv(rest, b.fadd(sh, sh))
-    zero = b.fcmp_ordered("==", xh, ir.Constant(xh.type, 0.0))
-    return _fast_two_sum(b, sh, b.select(zero, xh, sl))
+    def unless_zero(self, x: Any, y: Any) -> Any:
+        """y, but x where x = 0."""
+        return self._b.select(self._b.fcmp_ordered("==", x, ir.Constant(x.type, 0.0)), x, y)
 
 
 def _less(b: Any, xh: Any, xl: Any, yh: Any, yl: Any, relation: str) -> Any:
@@ -170,12 +108,8 @@ def _equal(b: Any, xh: Any, xl: Any, yh: Any, yl: Any) -> Any:
 DD, FLOAT, INTEGER = double_double, types.float64, types.int64
 
 
-def _called(context: Any, b: Any, name: str, emit: Callable[..., Pair], args: list[Any]) -> Any:
-    """A call of a function of the module with the instructions of ``emit``.
-
-    Not inlined: an addition of divisors has some 600 of them, and compiling it would take twice as long for a few per
-    cent of its time.
-    """
+def _called(context: Any, b: Any, name: str, args: list[Any]) -> Any:
+    """A call of a function of the module with the instructions of FUNCTIONS[name]."""
     if context.fastmath:
         raise LoweringError(
             "double-double numbers in a function compiled with fastmath; use double_double_compiled.JIT"
@@ -189,7 +123,7 @@ def _called(context: Any, b: Any, name: str, emit: Callable[..., Pair], args: li
         function.attributes.add("noinline")
         function.attributes.add("nounwind")
         inner = ir.IRBuilder(function.append_basic_block("entry"))
-        high, low = emit(inner, *function.args)
+        high, low = FUNCTIONS[name][0](_Builder(inner), *function.args)
         value = inner.insert_value(ir.Constant(result, ir.Undefined), high, 0)
         inner.ret(inner.insert_value(value, low, 1))
     return b.call(function, args)
@@ -218,27 +152,27 @@ def _turned(values: list[Any]) -> list[Any]:
 
 _BOTH, _RIGHT, _LEFT = (DD, DD), (DD, FLOAT), (FLOAT, DD)
 
-# operator → kinds of the arguments → (name, algorithm, arguments of the algorithm)
-_OPERATIONS: dict[Any, dict[Any, tuple[str, Callable[..., Pair], Callable[[Any, list[Any]], list[Any]]]]] = {
+# operator → kinds of the arguments → (name of the algorithm, its arguments)
+_OPERATIONS: dict[Any, dict[Any, tuple[str, Callable[[Any, list[Any]], list[Any]]]]] = {
     operator.add: {
-        _BOTH: ("sum", _sum, lambda b, v: v),
-        _RIGHT: ("sum_float", _sum_float, lambda b, v: v),
-        _LEFT: ("sum_float", _sum_float, lambda b, v: _turned(v)),
+        _BOTH: ("sum", lambda b, v: v),
+        _RIGHT: ("sum_float", lambda b, v: v),
+        _LEFT: ("sum_float", lambda b, v: _turned(v)),
     },
     operator.sub: {
-        _BOTH: ("sum", _sum, lambda b, v: [*v[:2], *_negated(b, v[2:])]),
-        _RIGHT: ("sum_float", _sum_float, lambda b, v: [*v[:2], *_negated(b, v[2:])]),
-        _LEFT: ("sum_float", _sum_float, lambda b, v: _turned([v[0], *_negated(b, v[1:])])),
+        _BOTH: ("sum", lambda b, v: [*v[:2], *_negated(b, v[2:])]),
+        _RIGHT: ("sum_float", lambda b, v: [*v[:2], *_negated(b, v[2:])]),
+        _LEFT: ("sum_float", lambda b, v: _turned([v[0], *_negated(b, v[1:])])),
     },
     operator.mul: {
-        _BOTH: ("product", _product, lambda b, v: v),
-        _RIGHT: ("product_float", _product_float, lambda b, v: v),
-        _LEFT: ("product_float", _product_float, lambda b, v: _turned(v)),
+        _BOTH: ("product", lambda b, v: v),
+        _RIGHT: ("product_float", lambda b, v: v),
+        _LEFT: ("product_float", lambda b, v: _turned(v)),
     },
     operator.truediv: {
-        _BOTH: ("quotient", _quotient, lambda b, v: v),
-        _RIGHT: ("quotient_by_float", _quotient_by_float, lambda b, v: v),
-        _LEFT: ("quotient_of_float", _quotient_of_float, lambda b, v: v),
+        _BOTH: ("quotient", lambda b, v: v),
+        _RIGHT: ("quotient_by_float", lambda b, v: v),
+        _LEFT: ("quotient_of_float", lambda b, v: _turned(v)),
     },
 }
 _INPLACE = {
@@ -259,9 +193,8 @@ def _register(symbol: Any, result: Any, kinds: list[Any], lower: Callable[..., A
 
 def _arithmetic(symbol: Any) -> Callable[..., Any]:
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        chosen = _OPERATIONS[symbol][tuple(DD if kind == DD else FLOAT for kind in sig.args)]
-        name, emit, order = chosen
-        return _called(context, builder, name, emit, order(builder, _values(context, builder, sig.args, args)))
+        name, order = _OPERATIONS[symbol][tuple(DD if kind == DD else FLOAT for kind in sig.args)]
+        return _called(context, builder, name, order(builder, _values(context, builder, sig.args, args)))
 
     return lower
 
@@ -376,7 +309,7 @@ def square_root(typingctx, x):  # type: ignore[no-untyped-def]  # numba compares
     """√x of a double-double."""
 
     def lower(context: Any, builder: Any, sig: Any, args: Any) -> Any:
-        return _called(context, builder, "root", _root, list(_parts(builder, args[0])))
+        return _called(context, builder, "root", list(_parts(builder, args[0])))
 
     return DD(DD), lower
 

@@ -1,0 +1,129 @@
+"""The algorithms of double-double numbers, as instructions: one source for numba and for the compiler of our own.
+
+With u = 2^-53 the relative errors are, barring underflow and overflow: sum 3u² + 13u³, product 4u², quotient 9.8u²
+(Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; with a float 4, 9, 15: 2u², 2u², 3u²; the bound of the product
+from Muller & Rideau 2022), root 25u²/8 (Lefèvre, Louvet, Muller, Picot & Rideau 2023, algorithm SQRTDWtoDW). The
+error-free sums and product are Knuth's (two_sum), Dekker's and that of fused multiplication (Hida, Li & Bailey 2001).
+No instruction may carry a fast-math flag, which would take the error terms for zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Protocol
+
+Float = Any  # what the instructions take and give: LLVM's values, or their names
+Pair = tuple[Float, Float]
+
+
+class Instructions(Protocol):
+    """What writes instructions on floats, one after the other, and returns their results."""
+
+    one: Float
+
+    def fadd(self, x: Float, y: Float) -> Float: ...
+    def fsub(self, x: Float, y: Float) -> Float: ...
+    def fmul(self, x: Float, y: Float) -> Float: ...
+    def fdiv(self, x: Float, y: Float) -> Float: ...
+    def fneg(self, x: Float) -> Float: ...
+    def fma(self, x: Float, y: Float, z: Float) -> Float: ...
+    def fsqrt(self, x: Float) -> Float: ...
+    def unless_zero(self, x: Float, y: Float) -> Float:
+        """y, but x where x = 0."""
+
+
+def two_sum(b: Instructions, x: Float, y: Float) -> Pair:
+    """x + y and its error, exactly."""
+    s = b.fadd(x, y)
+    z = b.fsub(s, x)
+    return s, b.fadd(b.fsub(x, b.fsub(s, z)), b.fsub(y, z))
+
+
+def fast_two_sum(b: Instructions, x: Float, y: Float) -> Pair:
+    """The same for |x| ≥ |y| or x = 0."""
+    s = b.fadd(x, y)
+    return s, b.fsub(y, b.fsub(s, x))
+
+
+def two_product(b: Instructions, x: Float, y: Float) -> Pair:
+    """x·y and its error, exactly."""
+    p = b.fmul(x, y)
+    return p, b.fma(x, y, b.fneg(p))
+
+
+def total(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
+    """x + y."""
+    sh, sl = two_sum(b, xh, yh)
+    th, tl = two_sum(b, xl, yl)
+    vh, vl = fast_two_sum(b, sh, b.fadd(sl, th))
+    return fast_two_sum(b, vh, b.fadd(tl, vl))
+
+
+def total_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
+    """x + y of a float y."""
+    sh, sl = two_sum(b, xh, y)
+    return fast_two_sum(b, sh, b.fadd(xl, sl))
+
+
+def product(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
+    """x·y."""
+    ch, c1 = two_product(b, xh, yh)
+    c2 = b.fma(xl, yh, b.fma(xh, yl, b.fmul(xl, yl)))
+    return fast_two_sum(b, ch, b.fadd(c1, c2))
+
+
+def product_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
+    """x·y of a float y."""
+    ch, cl = two_product(b, xh, y)
+    return fast_two_sum(b, ch, b.fma(xl, y, cl))
+
+
+def reciprocal(b: Instructions, yh: Float, yl: Float) -> Pair:
+    """1/y."""
+    th = b.fdiv(b.one, yh)
+    rest = b.fma(b.fneg(yh), th, b.one)
+    eh, el = fast_two_sum(b, rest, b.fneg(b.fmul(yl, th)))
+    dh, dl = product_float(b, eh, el, th)
+    return total_float(b, dh, dl, th)
+
+
+def quotient(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
+    """x/y."""
+    return product(b, *reciprocal(b, yh, yl), xh, xl)
+
+
+def quotient_of_float(b: Instructions, yh: Float, yl: Float, x: Float) -> Pair:
+    """x/y of a float x."""
+    return product_float(b, *reciprocal(b, yh, yl), x)
+
+
+def quotient_by_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
+    """x/y of a float y."""
+    th = b.fdiv(xh, y)
+    ph, pl = two_product(b, th, y)
+    rest = b.fadd(b.fsub(b.fsub(xh, ph), pl), xl)
+    return fast_two_sum(b, th, b.fdiv(rest, y))
+
+
+def square_root(b: Instructions, xh: Float, xl: Float) -> Pair:
+    """√x."""
+    sh = b.fsqrt(xh)
+    rest = b.fadd(xl, b.fma(b.fneg(sh), sh, xh))
+    return fast_two_sum(b, sh, b.unless_zero(xh, b.fdiv(rest, b.fadd(sh, sh))))
+
+
+FUNCTIONS: dict[str, tuple[Callable[..., Pair], int]] = {
+    "sum": (total, 4),
+    "sum_float": (total_float, 3),
+    "product": (product, 4),
+    "product_float": (product_float, 3),
+    "quotient": (quotient, 4),
+    "quotient_of_float": (quotient_of_float, 3),
+    "quotient_by_float": (quotient_by_float, 3),
+    "root": (square_root, 2),
+}
+"""How they are called in a module, and how many floats they take.
+
+Not inlined there: an addition of divisors calls some 600 of them, and compiling it would take twice as long for a few
+per cent of its time.
+"""
