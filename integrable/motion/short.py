@@ -210,7 +210,7 @@ def rule() -> Rule:
     nodes = (nodes - nodes[::-1]) / 2
     weights = (-1.0) ** k * cosines[(count - (2 * k + 1)) % (4 * count)]
     ends = np.concatenate([(-1.0) ** k @ matrix, np.ones(count) @ matrix])
-    return Rule(nodes, matrix.ravel(), weights, ends)
+    return Rule(nodes, matrix.T.ravel(), weights, ends)
 
 
 @cache

@@ -270,10 +270,11 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
     a, b, c, d = 0.0, 0.0, 0.0, 0.0
     for j in range(count):
         value = values[place + j]
-        a += matrix[(count - 1) * count + j] * value
-        b += matrix[(count - 2) * count + j] * value
-        c += matrix[(count - 5) * count + j] * value
-        d += matrix[(count - 6) * count + j] * value
+        end = (j + 1) * count
+        a += matrix[end - 1] * value
+        b += matrix[end - 2] * value
+        c += matrix[end - 5] * value
+        d += matrix[end - 6] * value
     return abs(a) + abs(b), abs(c) + abs(d)
 
 

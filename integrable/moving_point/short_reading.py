@@ -54,10 +54,12 @@ def antiderivative(room: Room, rule: Rule, half: float) -> float:
     # what 1/g differs by from one of its values: of all of it, rounding of the matrix would take the same part always
     base = room.rates[0]
     for k in range(count):
-        total = 0.0
-        for j in range(count):
-            total += rule.coefficients[k * count + j] * (room.rates[j] - base)
-        series[k] = total
+        series[k] = 0.0
+    # node by node: several coefficients in one vector of the processor
+    for j in range(count):
+        value = room.rates[j] - base
+        for k in range(count):
+            series[k] += rule.coefficients[j * count + k] * value
     series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
     for k in range(count - 2, 1, -1):

@@ -37,7 +37,7 @@ class Rule(NamedTuple):
 
     nodes: Row
     coefficients: Row
-    """From values to coefficients, row by row."""
+    """From values to coefficients, column by column: what each node gives to all of them."""
     weights: Row
     """Those of barycentric interpolation."""
     ends: Row
