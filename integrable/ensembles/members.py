@@ -70,7 +70,7 @@ class Members(Record):
 
 def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:
     """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for what is no number, or does not broadcast."""
-    if not hasattr(system, "motion_through"):
+    if isinstance(system, type) or not hasattr(system, "motion_through"):
         raise ArgumentError(f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7)")
     if system.field != RR:
         raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")

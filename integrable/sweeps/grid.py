@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.toml import exact_number, suggestion
 from jacobian.errors import ArgumentError, entries, shown
@@ -33,6 +34,8 @@ class Grid:
     def __init__(self, scene: Scene, vary: Any) -> None:
         if scene.steps is not None or scene.finite_field:
             raise ArgumentError(f"scene {scene.name}: it has [steps]; a sweep is of motions, which have [run]")
+        if scene.digits > FLOAT_DIGITS:
+            raise ArgumentError(f"scene {scene.name}: digits = {scene.digits}; a sweep is of floats, digits = 15")
         if not isinstance(vary, Mapping):
             raise ArgumentError(f'vary = {shown(vary)}: give names with values, such as {{"d": "0.1:2:50"}}')
         self.scene, self._base = scene, _base(scene)

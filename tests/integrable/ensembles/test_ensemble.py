@@ -182,6 +182,7 @@ def test_where_nothing_is_compiled(monkeypatch):
 
 BAD = {
     "no system": (lambda: ensemble(3, GAMMA, M), "system = 3: "),
+    "a class": (lambda: ensemble(ChaplyginBall, GAMMA, M), "give a system, such as ChaplyginBall("),
     "another field": (
         lambda: ensemble(ChaplyginBall((1, 2, 3), 1, field=MP(30)), GAMMA, M),
         "an ensemble is of floats",

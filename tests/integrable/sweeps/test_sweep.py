@@ -113,7 +113,13 @@ def test_deformations_are_swept(tmp_path):
     assert "d = -1" in attributes["reasons"]
 
 
-@needs_zarr
+def test_more_digits_are_refused(tmp_path):
+    path = tmp_path / "ball.toml"
+    path.write_text(TEXT + "digits = 30\n", encoding="utf-8")
+    with pytest.raises(ArgumentError, match="scene ball: digits = 30; a sweep is of floats"):
+        Grid(load_scene(path), {})
+
+
 def test_mass_and_radius(tmp_path):
     path = tmp_path / "ball.toml"
     path.write_text(TEXT.replace('d = "0.7"', "mass = 2\nradius = 0.5"), encoding="utf-8")
