@@ -25,6 +25,7 @@ from integrable.phase.space import PhaseSpace
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
+from jacobian.immutable import replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
@@ -37,8 +38,10 @@ if TYPE_CHECKING:
     from integrable.motion.short import ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseClosedForm
+    from integrable.phase.body import Body
     from integrable.phase.state import State
     from integrable.portrait.portrait import Portrait
+    from integrable.portrait.sensitivity import Sensitivity, TorusVariations
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
@@ -152,6 +155,16 @@ class Flow(BodyMotion):
 
         return events(self, condition, start, end, direction)
 
+    def sensitivity(self, times: Any) -> Sensitivity:
+        """∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, to rounding at any time: on a torus secular and periodic part
+        apart (:mod:`integrable.portrait.sensitivity`).
+
+        Over MP(digits), and beside a separatrix, by differences of motions in more digits: seconds.
+        """
+        from integrable.portrait.sensitivity import sensitivity
+
+        return sensitivity(self, times)
+
     def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""
         from integrable.motion.residual import residual_growth
@@ -160,6 +173,22 @@ class Flow(BodyMotion):
 
     # --- inside
     # -----------------------------------------------------------------------------------------------------------------
+
+    def _through(self, body: Body, state: State) -> Flow:
+        """The motion of another body of this kind."""
+        return Flow(replaced(self.system, body=body), state)
+
+    @cached_property
+    def _variations(self) -> TorusVariations | None:
+        """None where floats and a compact torus do not carry derivatives."""
+        if self.system.field != RR or self._symmetric or self._rotation or not (self._torus and self._torus.compiled):
+            return None
+        from integrable.portrait.sensitivity import TorusVariations
+
+        try:
+            return TorusVariations(self._torus, self.system.body)
+        except PrecisionLoss:
+            return None
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
         if self._symmetric:

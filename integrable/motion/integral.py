@@ -76,14 +76,6 @@ class TorusIntegral:
 
     def at(self, run: Trajectory) -> np.ndarray:
         """The integrals at the times of a run, shape (N, m); the phases do not lose what a rounded τ has lost."""
-        clock, flow = self._flow.clock, self._flow
-        if run.given_in_tau or clock is None:
-            whole, rates, rest = run.tau, flow.frequencies, np.zeros(len(run))
-        else:
-            whole, rates, rest = run.times, clock.pace, clock.at(run.times)[2]
-        phases = []
-        for n, rate, nu in zip(self._doubled, rates, flow.frequencies, strict=True):
-            # wide numbers: the fractions of many turns
-            turns = [x * rate / n for x in whole.tolist()]
-            phases.append(np.array([float(x - int(x)) for x in turns]) + rest * float(nu / n))
+        physical = not run.given_in_tau
+        phases = self._flow.phases(run.times if physical else run.tau, physical, self._doubled)
         return np.stack([series.at(*phases) for series in self._series], axis=1)

@@ -49,27 +49,33 @@ class Portrait(Immutable):
     ``precession`` of the axis about M̃ in space, ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about it, both in the
     body and positive in the sense of its axes; None without an axis. ``drift`` is the mean velocity of the point of
     contact along −y of :attr:`Trajectory.attitude`, in the unit of the radius or in radii; None for what does not roll.
-    ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g = dτ/dt over t. ``wide_turns`` are precession/π and
-    ±spin/π to the digits of the set-up.
+    ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g = dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the
+    digits of the set-up, ``ovals`` the periods they are made of, None where the ovals have met.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
         self._field, self._divisor = system.field, divisor_of(setup)
         level = self._level = Level.of(setup)
         self.region = _region(level)
-        self._ovals = Ovals.of(level) if level.parted else None
+        self.ovals = Ovals.of(level) if level.parted else None
         number = system.field.coerce
         nu, mean = self._means(system.body.rolls)
         found = nu[0] * mean, nu[1] * mean
         self.tau_frequencies, self.frequencies = tuple(map(number, nu)), tuple(map(number, found))
+        self.wide_frequencies = found
         self.rotation_number, self.mean_g = number(nu[0] / nu[1]), number(mean)
         self.zeta = number(level.zeta)
         a1, a2, a3 = level.a
         self.distance = number((level.zeta - a2) / (a3 - a1)) if a3 > a1 else number(0)
-        self.axis = None if self._ovals is None else level.axes[0] if level.low else level.axes[2]
-        self.wide_turns: tuple[Any, Any] = (found[0], found[1]) if level.low else (-found[1], -found[0])
+        self.axis = None if self.ovals is None else level.axes[0] if level.low else level.axes[2]
         self.precession, self.spin, self.polhode = self._rates(setup)
         self.drift, self.mean_spin = self._rolling(system, state, setup.wide)
+
+    @property
+    def wide_turns(self) -> tuple[Any, Any]:
+        """precession/π and ±spin/π, to the digits of the set-up."""
+        first, second = self.wide_frequencies
+        return (first, second) if self._level.low else (-second, -first)
 
     @cached_property
     def actions(self) -> tuple[Any, Any]:
@@ -101,15 +107,15 @@ class Portrait(Immutable):
         return one, two
 
     def _compact(self, name: str) -> Ovals:
-        if self._ovals is None:
+        if self.ovals is None:
             raise NotRepresentable(
                 f"{name}: this motion ({self.region}) lies on no torus of dimension two, its ovals have met"
             )
-        return self._ovals
+        return self.ovals
 
     def _means(self, rolls: bool) -> tuple[tuple[Any, Any], Any]:
         """(ν1, ν2) and the mean of g, wide."""
-        level, ovals = self._level, self._ovals
+        level, ovals = self._level, self.ovals
         if ovals is None:
             # all but rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi

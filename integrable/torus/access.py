@@ -9,6 +9,7 @@ gives the same functions as theta functions).
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -96,6 +97,20 @@ class TorusFlow(Corners):
         out = np.empty(6 * len(phases))
         self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
         return out.reshape(-1, 6)
+
+    def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
+        """The phases at times, or at values of τ unless ``physical``, in turns of so many periods in either direction;
+        they do not lose what a rounded τ has lost.
+        """
+        rates, rest = self.frequencies, np.zeros(len(times))
+        if physical and self.clock:
+            rates, rest = self.clock.pace, self.clock.at(times)[2]
+        found = []
+        for n, rate, nu in zip(periods, rates, self.frequencies, strict=True):
+            # wide numbers: the fractions of many turns
+            turns = [x * rate / n for x in times.tolist()]
+            found.append(np.array([float(x - int(x)) for x in turns]) + rest * float(nu / n))
+        return found[0], found[1]
 
     def _panels(self, states: States, times: np.ndarray) -> Panels | None:
         """Panels for these times where they pay."""

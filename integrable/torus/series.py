@@ -65,6 +65,11 @@ class TorusSeries:
         # |S| is below
         self.bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
 
+    @property
+    def origin(self) -> float:
+        """S + origin has the mean 0."""
+        return self._origin
+
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
         rows, columns = kept.shape
@@ -126,6 +131,16 @@ class TorusSeries:
         """S at arrays of phases, in turns."""
         return self._sums(first, second, self._swing)[0] - self._origin
 
+    def on_grid(self, sizes: tuple[int, int]) -> np.ndarray:
+        """S at the phases (i/rows, j/columns), of that shape."""
+        rows, columns = self._swing.shape
+        left = np.exp(2j * pi / sizes[0] * (np.outer(np.arange(sizes[0]), np.arange(rows)) % sizes[0]))
+        right = np.exp(
+            2j * pi / sizes[1] * (np.outer(np.arange(columns) + self._first, np.arange(sizes[1])) % sizes[1])
+        )
+        values: np.ndarray = (left @ self._swing @ right).real - self._origin
+        return values
+
     def swings_and_rates(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """S and F at arrays of phases."""
         swing, slope = self._sums(first, second, self._swing, np.where(self._kept, self._slope, 0))
@@ -136,6 +151,20 @@ class TorusSeries:
         left = np.exp(2j * pi * np.outer(first, np.arange(rows)))
         right = np.exp(2j * pi * np.outer(second, np.arange(columns) + self._first))
         return [np.einsum("ij,ij->i", left @ table, right).real for table in tables]
+
+
+def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """S of several series of one grid at arrays of phases, in turns: shape (N, m)."""
+    tables = np.array([x._swing for x in series])
+    used = np.abs(tables).max(axis=0) > 0
+    rows, columns = np.flatnonzero(used.any(axis=1)), np.flatnonzero(used.any(axis=0))
+    if not len(rows):
+        return np.zeros((len(first), len(series)))
+    left = np.exp(2j * pi * np.outer(first, rows))
+    right = np.exp(2j * pi * np.outer(second, columns + series[0]._first))
+    values = np.einsum("ni,mij,nj->nm", left, tables[:, rows][:, :, columns], right, optimize=True).real
+    found: np.ndarray = values - [x._origin for x in series]
+    return found
 
 
 class LongSeries:

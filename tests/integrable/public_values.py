@@ -94,6 +94,7 @@ def values_over(K):
         "portrait": flow.portrait,
     }
     if K is RR:
+        values["sensitivity"] = ball.flow(state).sensitivity([0, 1.0])
         values["conditioning"] = conditioning(ball, state, [1.0])
     for name in ("tilde", "rolling tilde", "tilde in poles", "tilde in a field", "check", "hat", "gyroscopic"):
         motion = systems[name].motion_through(state)

@@ -1,0 +1,81 @@
+"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and where no torus carries
+them in floats."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import ceil, log10
+from typing import Any
+
+import numpy as np
+
+from integrable.phase.body import Body, cross
+from integrable.phase.state import State
+from jacobian import MP
+from jacobian.errors import PrecisionLoss
+
+Motion = Callable[[Body, State], Any]
+"""γ and M at the times, shape (N, 6), of a body from a state."""
+
+# digits beyond those that a step and the derivatives take, and how often these may turn out to be larger
+GUARD, ATTEMPTS = 8, 6
+# weights of the three values of a one-sided quotient of second order
+ONE_SIDED = (-3, 4, -1)
+
+
+def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> Any:
+    """∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), to ``digits``, as an array of mpf; ``size`` is about the largest.
+
+    Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives go on growing
+    beyond what was expected of them.
+    """
+    for _ in range(ATTEMPTS):
+        large = max(0, ceil(log10(size)))
+        step = digits // 2 + 1 + large
+        K = MP(digits + step + large + GUARD)
+        found = _quotients(motion, body, state, K, K.coerce(10) ** -step)
+        largest = float(abs(found).max())
+        if largest <= 10 * size:
+            return found
+        size = largest
+    raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more beside a separatrix; ask for earlier times")
+
+
+def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> Any:
+    gamma, M = (np.array([K.coerce(x) for x in v], dtype=object) for v in (state.gamma, state.M))
+    gamma = gamma / K.sqrt(gamma @ gamma)
+    numbers = np.array([*gamma, *M, *(K.coerce(x) for x in body.inertia), K.coerce(body.d)], dtype=object)
+
+    def rows(shift: Any) -> Any:
+        moved = numbers + shift
+        length = K.sqrt(moved[:3] @ moved[:3])
+        g1, g2, g3 = moved[:3] / length
+        m1, m2, m3, i1, i2, i3, d = moved[3:]
+        return motion(Body.make((i1, i2, i3), d, K), State((g1, g2, g3), (m1, m2, m3), tilted=True))
+
+    scales = np.array([1] * 3 + [K.sqrt(M @ M)] * 3 + [min(body.inertia) + body.d] * 4, dtype=object)
+    columns = []
+    for k, direction in enumerate(_directions(K, gamma)):
+        shift = step * scales[direction != 0][0] * direction
+        size = 2 * step * scales[direction != 0][0]
+        if k == 8 and not body.rolls:
+            # d < 0 is no body
+            values = (rows(n * shift) for n in range(3))
+            columns.append(sum(w * x for w, x in zip(ONE_SIDED, values, strict=True)) / size)
+        else:
+            columns.append((rows(shift) - rows(-shift)) / size)
+    first, second = (v[:3] for v in _directions(K, gamma)[:2])
+    tangents = [columns[0] * first[i] + columns[1] * second[i] for i in range(3)]
+    return np.stack([*tangents, *columns[2:]], axis=2)
+
+
+def _directions(K: Any, gamma: Any) -> list[Any]:
+    """Two unit vectors across γ, then those of M, I and d: nine vectors of ten numbers."""
+    axis = min(range(3), key=lambda i: abs(gamma[i]))
+    unit = [K.one * (i == axis) for i in range(3)]
+    first = np.array(cross(K, tuple(gamma), (unit[0], unit[1], unit[2])), dtype=object)
+    first = first / K.sqrt(first @ first)
+    second = np.array(cross(K, tuple(gamma), tuple(first)), dtype=object)
+    rest = [K.zero] * 7
+    found = [np.array([*v, *rest], dtype=object) for v in (first, second)]
+    return found + [np.array([K.one * (i == k) for i in range(10)], dtype=object) for k in range(3, 10)]

@@ -1,0 +1,208 @@
+"""Derivatives of the states of a motion by its start and by its body, at any time: secular and periodic parts.
+
+On a compact torus :mod:`integrable.portrait.variations` leaves integrals of functions of the state, which are a mean
+rate and a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ with mean 0,
+a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
+
+    S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
+
+α and β the means of those two: what frequencies change by (a secular part of rank two; the third independent integral
+changes shapes alone).
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from integrable.portrait.differences import differences
+from integrable.portrait.variations import Variation, gradient
+from integrable.torus.series import TorusSeries, needed_sizes, spectrum, together
+from jacobian import RR
+from jacobian.errors import NotRepresentable, PrecisionLoss
+from jacobian.immutable import Record, read_only
+
+if TYPE_CHECKING:
+    from integrable.phase.body import Body
+    from integrable.phase.state import State
+    from integrable.torus.access import TorusFlow
+
+FIRST_SIZE, MOST_SAMPLES = 32, 1 << 16
+# coefficients of the rates below this part of the largest are rounding
+NOISE = 3e-14
+COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d")
+
+
+class Sensitivity(Record):
+    """∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times. Get one from ``flow.sensitivity(times)``.
+
+    ``matrix`` has shape (N, 6, 10): rows γ and M, columns :data:`COLUMNS`; γ(0) moves on the unit sphere, its columns
+    are those of tangents. ``times`` (N,). Numbers of the field of the system. ``way`` is "torus", or "differences" of
+    motions in more digits.
+    """
+
+    def __init__(self, times: Any, matrix: Any, secular: Any, way: str) -> None:
+        self.times, self.matrix, self._secular, self.way = times, matrix, secular, way
+
+    @property
+    def secular(self) -> Any:
+        """The part that grows with t, (N, 6, 10). NotRepresentable for a ball by differences."""
+        if self._secular is None:
+            raise NotRepresentable(
+                "secular: the parts of a ball's derivatives are apart in floats on a compact torus and at d = 0; these "
+                "are differences of motions"
+            )
+        return self._secular
+
+    @cached_property
+    def periodic(self) -> Any:
+        """The bounded rest, (N, 6, 10)."""
+        return read_only(self.matrix - self.secular)
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+    def __repr__(self) -> str:
+        return f"<Sensitivity at {len(self)} times, by {self.way}>"
+
+
+def sensitivity(flow: Any, times: Any) -> Sensitivity:
+    """That of a :class:`~integrable.motion.flow.Flow` at times of its field: on its torus where floats and a torus
+    carry it, else by differences of motions in more digits.
+    """
+    run = flow.at(times)
+    variations = flow._variations
+    if variations:
+        found: Sensitivity = variations.at(run.times, run.tau, np.hstack([run.gamma, run.M]))
+        return found
+    field, body, state = flow.system.field, flow.system.body, flow.state
+    digits = ROUNDED_TO_FLOATS if field == RR else field.dps
+    farthest = max((abs(float(t)) for t in run.times), default=0.0)
+    size = 1 + 10 * farthest * float(max(map(abs, flow.system.omega(state))))
+
+    def rows(body: Body, state: State) -> Any:
+        """γ and M, and below them the frequencies of a top."""
+        there = flow._through(body, state)
+        states = there.at(run.times)
+        found = np.hstack([states.gamma, states.M])
+        return found if parts is None else np.vstack([found, [*there.portrait.frequencies, 0, 0, 0, 0]])
+
+    parts = None if body.rolls or flow.portrait.ovals is None else flow.portrait
+    matrix = differences(rows, body, state, digits, size)
+    coerce, kind = np.frompyfunc(field.coerce, 1, 1), float if field == RR else object
+    matrix = coerce(matrix).astype(kind)
+    if parts is None:
+        return Sensitivity(run.times, matrix, None, "differences")
+    secular = coerce(_growth(run, parts, matrix[-1, :2])).astype(kind)
+    return Sensitivity(run.times, matrix[:-1], secular, "differences")
+
+
+class TorusVariations:
+    """Sensitivities along a motion on a torus, in floats; PrecisionLoss where no grid resolves what is integrated."""
+
+    def __init__(self, torus: TorusFlow, body: Body) -> None:
+        # units in which the largest 1/(I + d) and |M| are 1
+        self._torus, self._unit = torus, 1 / max(body.a)
+        self._size = float(torus.setup.problem.momentum)
+        self._body = type(body)(tuple(x / self._unit for x in body.inertia), body.d / self._unit, body.field)
+        self._pace = self._size / self._unit
+        self._doubled = [2 if (row < 0).any() else 1 for row in torus.turns]
+        nu = torus.frequencies
+        self._nu = tuple(x / n / self._pace for x, n in zip(nu, self._doubled, strict=True))
+        self._sample()
+        start = self._scaled(torus.at_phases(np.zeros((1, 2))))
+        self._start = Variation.at(self._body, start)
+        project = np.eye(10)
+        project[:3, :3] -= np.outer(start[0, :3], start[0, :3])
+        self._project = project
+        self._gradient = gradient(self._body, start[0])
+
+    def _scaled(self, rows: np.ndarray) -> np.ndarray:
+        """In the units of the variations; M~ does not keep the length of M, its unit need not be |M|."""
+        return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
+
+    def _sample(self) -> None:
+        """Series of σ, of a' and of b, on the first grid that resolves them."""
+        sizes = FIRST_SIZE, FIRST_SIZE
+        while sizes[0] * sizes[1] <= MOST_SAMPLES:
+            lean, rates = self._samples(sizes)
+            grids = [g for g in (spectrum(x) for x in (lean, *np.moveaxis(rates, -1, 0))) if np.abs(g).max() > NOISE]
+            most = max(np.abs(g).max() for g in grids)
+            wanted = [needed_sizes(g, (n, n)) for g in grids for n in [NOISE * most / np.abs(g).max()] if n < 1 / 64]
+            larger = (max(n for n, _ in wanted), max(n for _, n in wanted))
+            if larger == sizes:
+                break
+            sizes = larger
+        else:
+            raise PrecisionLoss(
+                f"sensitivity: a grid of {sizes[0]} × {sizes[1]} is needed on the torus of this motion; use MP(digits)"
+            )
+        sigma = self._series(lean)
+        values = sigma.on_grid(sizes) + sigma.origin
+        half = rates.shape[-1] // 2
+        along, across = rates[..., :half], rates[..., half:]
+        along = along + values[..., None] * across
+        self._sigma = sigma
+        self._along = [self._series(x) for x in np.moveaxis(along, -1, 0)]
+        self._across = [self._series(x) for x in np.moveaxis(across, -1, 0)]
+
+    def _series(self, samples: np.ndarray) -> TorusSeries:
+        grid = spectrum(samples)
+        return TorusSeries(grid, self._nu, noise=max(NOISE / 64, self._torus.closure))
+
+    def _samples(self, sizes: tuple[int, int]) -> tuple[np.ndarray, np.ndarray]:
+        """Y(1/g), and of a and of b seven rates each: of C2, H1, H2, I1, I2, I3 and d, over τ."""
+        phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
+        grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
+        here = Variation.at(self._body, self._scaled(self._torus.at_phases(grid)))
+        turning, forced = here.rates()
+        rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
+        return here.lean.reshape(sizes), rates.reshape(*sizes, 14)
+
+    def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
+        """At the times of states γ and M."""
+        phases = self._torus.phases(times, True, self._doubled)
+        clock, steps = tau * self._pace, times * self._pace
+        here = Variation.at(self._body, self._scaled(rows))
+        half = len(self._along)
+        sums = together([self._sigma, *self._along, *self._across], *phases)
+        sigma = sums[:, 0] + self._sigma.origin
+        # a and b of the start, and the integrals' rates by the ten inputs
+        begin = np.linalg.pinv(self._start.fields[0])
+        b0 = np.concatenate([begin[1], np.zeros(4)])
+        a0 = np.concatenate([begin[0], np.zeros(4)]) + self._sigma.origin * b0
+        rates = np.concatenate([self._gradient[1:], np.eye(4, 10, 6)])
+        a, b = sums[:, 1 : half + 1] @ rates, sums[:, half + 1 :] @ rates
+        mean_a, mean_b = (np.array([s.mean for s in part]) @ rates for part in (self._along, self._across))
+        a, b = a + a0 + clock[:, None] * mean_a, b + b0 + clock[:, None] * mean_b
+        x, Y = here.fields[:, :, 0], here.fields[:, :, 1]
+        Y = Y - sigma[:, None] * x
+        level = np.broadcast_to(self._gradient, (len(rows), 4, 10)).copy()
+        level[:, 2, 6:] -= here.energy
+        found = here.inverse @ level + x[:, :, None] * a[:, None, :] + Y[:, :, None] * b[:, None, :]
+        # of τ the mean is t over that of 1/g
+        slow = float(self._torus.mean)
+        secular = x[:, :, None] * mean_a / slow + Y[:, :, None] * mean_b / slow
+        secular = steps[:, None, None] * secular
+        return Sensitivity(times, self._in_units(found), self._in_units(secular), "torus")
+
+    def _in_units(self, found: np.ndarray) -> np.ndarray:
+        rows = np.array([1.0] * 3 + [self._size] * 3)
+        columns = np.array([1.0] * 3 + [self._size] * 3 + [self._unit] * 4)
+        return rows[:, None] * (found @ self._project) / columns
+
+
+def _growth(run: Any, portrait: Any, slopes: Any) -> Any:
+    """The secular part at d = 0, where σ = 0: t·[ẋ ⊗ α + Y ⊗ β] with ∂f_k = f_kα + η_kβ, η = (B0, −A0)/(2D), from the
+    derivatives of both frequencies, shape (2, 10).
+    """
+    ovals, (f1, f2) = portrait.ovals, portrait.wide_frequencies
+    e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
+    determinant = f1 * e2 - f2 * e1
+    alpha, beta = (e2 * slopes[0] - e1 * slopes[1]) / determinant, (f1 * slopes[1] - f2 * slopes[0]) / determinant
+    x = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
+    Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
+    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
