@@ -11,6 +11,7 @@ from jacobian.errors import CurveMismatch
 from jacobian.law.divisor import GroupLaw, check_divisor
 
 if TYPE_CHECKING:
+    from jacobian.finite.rational_torsion import RationalTorsion
     from jacobian.finite.scalar import FixedBase
     from jacobian.finite.structure import Structure
     from jacobian.law.divisor import Divisor
@@ -112,6 +113,14 @@ class FiniteGroup(GroupLaw):
         from jacobian.finite.structure import torsion
 
         return torsion(self, m)
+
+    def rational_torsion(self, height: int = 100) -> RationalTorsion:
+        """The classes of finite order over QQ: what points of up to this height generate, with a bound from reductions
+        and whether that is all (:func:`jacobian.finite.rational_torsion.rational_torsion`).
+        """
+        from jacobian.finite.rational_torsion import rational_torsion
+
+        return rational_torsion(self, height)
 
     def is_divisible(self, D: Divisor, m: int) -> bool:
         """Whether D = m·E for a class E."""

@@ -202,10 +202,10 @@ def structure(J: GroupLaw, primes: Iterable[int] | None = None, rng: Any = None)
     has rank r > 1; Infeasible beyond tables of 2^21 classes, or where #J is out of reach or cannot be factored.
     """
     rng = Random(0) if rng is None else rng
-    return _joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])
+    return joined([sylow_subgroup(J, prime, rng) for prime in factorization(J.order(), primes)])
 
 
-def _joined(groups: list[PrimaryGroup]) -> Structure:
+def joined(groups: list[PrimaryGroup]) -> Structure:
     """The direct sum of groups of coprime orders (Chinese remainders)."""
     rank = max((len(group.generators) for group in groups), default=0)
     invariants, generators = [], []
@@ -229,7 +229,7 @@ def torsion(J: GroupLaw, m: int, rng: Any = None) -> Structure:
         part.generators = [prime ** max(e - exponent, 0) * generator for e, generator in pairs]
         part.exponents = [min(e, exponent) for e in group.exponents]
         groups.append(part)
-    return _joined(groups)
+    return joined(groups)
 
 
 def is_divisible(D: Divisor, m: int) -> bool:
