@@ -250,7 +250,7 @@ def _interpreted(f: Any, point: Any, step: Any, count: int) -> Any:
 WAYS: dict[str, tuple[Way, int, str]] = {
     "stacked": (_iterated(_stacked, float), 10**8, "(U, V), both congruences, compiled"),
     "retracted": (_iterated(_retracted, float), 10**8, "(U, V), put back on the curve every 16"),
-    "with signs": (_with_signs, 10**7, "(U, V) and pairs: addition.march"),
+    "with signs": (_with_signs, 10**7, "(U, V) with the signs of γ, as the flow steps"),
     "classical": (_iterated(_classical, float), 10**8, "(U, V), one congruence (classical)"),
     "pairs alone": (_without_curve, 10**6, "pairs (Γ, n) alone, without the curve"),
     "random access": (_random_access, 10**8, "random access from a table of [2^k]D′"),
@@ -334,7 +334,7 @@ def draw(table: list[dict[str, Any]], stem: Path) -> None:
         (("#0072B2", "o"), ("#332288", "D"), ("#009E73", "^"), ("#D55E00", "s"), ("#CC79A7", "v"), ("#000000", "h"),
          ("#56B4E9", "x"), ("#E69F00", "P"), ("#999999", "*"), ("#555555", "<")), strict=True,
     ))  # fmt: skip
-    names = {"S1": "S1, Chaplygin ball (genus 2)", "S2": "S2, Euler top (generalized Jacobian)"}
+    names = {"S1": "Chaplygin ball (genus 2)", "S2": "Euler top (generalized Jacobian)"}
     figure, panels = pyplot.subplots(2, 2, figsize=(11, 9), sharex=True, sharey="row", layout="constrained")
     for column, (name, title) in enumerate(names.items()):
         for line, (key, label) in enumerate((("error", "error of (U, V)"), ("residual", "|f − V² mod U| / |f|"))):

@@ -9,7 +9,11 @@ from typing import Any
 
 # page: what it is about, and modules whose public names it lists
 PAGES: dict[str, tuple[str, str, list[str]]] = {
-    "jacobian": ("`jacobian`", "Curves, divisors, their group, and the fields below them.", ["jacobian"]),
+    "jacobian": (
+        "`jacobian`",
+        "Curves, divisors, their group, and the fields below them.",
+        ["jacobian", "jacobian.models"],
+    ),
     "batch": ("`jacobian.batch`", "Arrays of divisors.", ["jacobian.batch"]),
     "relatives": (
         "The relatives and periods",

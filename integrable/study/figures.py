@@ -10,37 +10,25 @@ from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
-from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
-from integrable.study.plot import GREY, INK, STYLE, WIDTH, decades, new_figure
+from integrable.study.plan import FLOW, INTEGRATED
+from integrable.study.plot import (
+    BLUE,
+    FAINT,
+    FLOOR,
+    INK,
+    ORANGE,
+    STYLE,
+    WIDTH,
+    decades,
+    look_of,
+    new_figure,
+    plain_power,
+)
 
 __all__ = ["as_bytes", "error_against_run_time", "floors"]
 
-# Okabe & Ito (2008): told apart with any colour vision; each method also has a marker of its own
-_BLUE, _YELLOW, _PINK = "#0072B2", "#F0E442", "#CC79A7"
-_LOOKS: dict[str, tuple[str, str]] = {
-    FLOW: (_BLUE, "o"),
-    INTEGRATED: (_BLUE, "o"),
-    BACKLUND: ("#56B4E9", "P"),
-    "SciPy DOP853": ("#D55E00", "s"),
-    "SciPy LSODA": ("#E69F00", "v"),
-    "SciPy Radau": ("#E69F00", "<"),
-    "implicit midpoint": ("#999999", "x"),
-    "Gauss-Legendre 6": ("#999999", "+"),
-    "Moser-Veselov": (_PINK, "o"),
-    "Moser-Veselov, order 4": (_PINK, "s"),
-    "Hirota-Kimura": (_PINK, "D"),
-    "Gauss-Legendre 16": ("#009E73", "D"),
-    "Gauss-Legendre 16, adaptive": ("#009E73", "d"),
-    "Taylor, compiled": ("#000000", "^"),
-    "heyoka": ("#D55E00", "*"),
-    "heyoka, long double": ("#D55E00", "h"),
-    "closed elliptic form": (_YELLOW, "X"),
-    "Taylor, multiprecision": ("#000000", ">"),
-    "mpmath odefun": ("#000000", "4"),
-}
 DEEP = 1e-17
 """Errors below this are those of more than double precision."""
-_OTHER = (_PINK, "p")
 
 
 def as_bytes(figure: Any, suffix: str) -> bytes:
@@ -70,7 +58,7 @@ def error_against_run_time(found: SceneFindings) -> Any:
             axes.set(xscale="log", yscale="log")
             for method in methods:
                 _series(axes, method, [c for c in panel if c["row"]["method"] == method])
-            axes.margins(x=0.06, y=0.09 if panel is not deep else 0.25)
+            axes.margins(x=0.11, y=0.09 if panel is not deep else 0.25)
         top, bottom = every[0], every[-1]
         handles = [_handle(method) for method in methods]
         if found.floor is not None:
@@ -94,9 +82,8 @@ def error_against_run_time(found: SceneFindings) -> Any:
 
 def _mark_floor(axes: Any, floor: float) -> Line2D:
     """A line at the floor, and its handle for the legend."""
-    line: dict[str, Any] = {"color": GREY, "linewidth": 1.2, "linestyle": (0, (5, 3))}
-    axes.axhline(floor, **line, zorder=1)
-    return Line2D([], [], **line, label=f"floor of doubles, {floor:.0e}")
+    axes.axhline(floor, **FLOOR)
+    return Line2D([], [], **FLOOR, label=f"what rounding the\ninputs does, {floor:.0e}")
 
 
 def _at_least_two_decades(axes: Any) -> None:
@@ -111,7 +98,7 @@ def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
         return
     own = method in (FLOW, INTEGRATED)
     points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in rows]
-    axes.plot(*zip(*points, strict=True), **_look(method), markersize=7.5 if own else 5.5, zorder=4 if own else 3)
+    axes.plot(*zip(*points, strict=True), **look_of(method), markersize=7.5 if own else 5.5, zorder=4 if own else 3)
 
 
 def _named(axes: Any, rows: list[dict[str, Any]]) -> None:
@@ -125,24 +112,17 @@ def _named(axes: Any, rows: list[dict[str, Any]]) -> None:
             x, y, side, height = 0, 5, "center", "bottom"
         place: dict[str, Any] = {"xytext": (x, y), "textcoords": "offset points", "ha": side, "va": height}
         back = {"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.6}
-        axes.annotate(content["row"]["setting"], point, **place, fontsize=8, color=_BLUE, bbox=back, zorder=2.5)
-
-
-def _look(method: str) -> dict[str, Any]:
-    colour, marker = _LOOKS.get(method, _OTHER)
-    edge: dict[str, Any] = {"markeredgecolor": INK, "markeredgewidth": 0.6} if colour == _YELLOW else {}
-    if colour == _PINK:  # the discretizations are open
-        edge = {"markerfacecolor": "white"}
-    return {"color": colour, "marker": marker, "linewidth": 0 if method in (FLOW, INTEGRATED) else 1.0, **edge}
+        axes.annotate(content["row"]["setting"], point, **place, fontsize=8, color=BLUE, bbox=back, zorder=2.5)
 
 
 def _handle(method: str) -> Line2D:
-    return Line2D([], [], markersize=6, label=method, **_look(method))
+    return Line2D([], [], markersize=6, label=method, **look_of(method))
 
 
 def _span(found: SceneFindings) -> str:
     times = found.scene.times.floats()
-    return f"{len(times)} times to t = {max(times):g}"
+    last = f"t = {plain_power(max(times))}"
+    return f"{len(times)} times" if last in found.scene.title else f"{len(times)} times to {last}"
 
 
 def floors(findings: Sequence[SceneFindings]) -> Any:
@@ -156,12 +136,12 @@ def floors(findings: Sequence[SceneFindings]) -> Any:
         figure = new_figure(WIDTH, 1.3 + 0.24 * len(shown))
         axes = figure.add_subplot()
         for k, (_, best, floor) in enumerate(shown):
-            for part, colour, marker, shift in (("gamma", _BLUE, "o", 0.14), ("M", "#D55E00", "s", -0.14)):
+            for part, colour, marker, shift in (("gamma", BLUE, "o", 0.14), ("M", ORANGE, "s", -0.14)):
                 factor = best[f"error_{part}"] / floor[f"floor_{part}"]
                 axes.plot(factor, shift - k, color=colour, marker=marker, markersize=5, linestyle="none", zorder=3)
         for x, colour, dashes, label, side in (
             (SCENE_FLOOR_FACTOR, INK, (0, (5, 3)), f"{SCENE_FLOOR_FACTOR:g} floors", "left"),
-            (1, GREY, "-", "floor", "right"),
+            (1, FAINT, "-", "floor", "right"),
         ):
             axes.axvline(x, color=colour, linewidth=1.2, linestyle=dashes, zorder=2)
             place: dict[str, Any] = {"transform": axes.get_xaxis_transform(), "ha": side, "va": "bottom"}
@@ -173,7 +153,7 @@ def floors(findings: Sequence[SceneFindings]) -> Any:
         axes.spines[["top", "right"]].set_visible(False)
         handles = [
             Line2D([], [], color=colour, marker=marker, linestyle="none", label=label)
-            for label, colour, marker in (("γ", _BLUE, "o"), ("M", "#D55E00", "s"))
+            for label, colour, marker in (("γ", BLUE, "o"), ("M", ORANGE, "s"))
         ]
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8.5)
     return figure

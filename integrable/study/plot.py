@@ -1,8 +1,8 @@
 """Pictures of a run: error against run time, γ on the sphere, growth of the residual, error along an orbit.
 
 Figures are made with matplotlib's objects, without pyplot and without any global state, and returned as the bytes of a
-PNG or SVG file. Colours are from Okabe & Ito (2008), told apart by readers of any colour vision; every series also has
-a marker or a label of its own.
+PNG or SVG file. A method has one colour and one marker in all figures (:data:`LOOKS`), and no two methods share them;
+those that are used most are from Okabe & Ito (2008), told apart with any colour vision.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from integrable.scene.tables import DOP853
+from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -29,11 +30,52 @@ if TYPE_CHECKING:
 __all__ = ["FORMATS", "draw", "orbit_error", "residual_growth", "sphere", "work_precision"]
 
 FORMATS = ("png", "svg")
-_BLUE, _ORANGE, GREY, INK = "#0072B2", "#D55E00", "#8a8a8a", "#222222"
+FAINT = "#8a8a8a"
+BLUE, ORANGE, INK = "#0072B2", "#D55E00", "#222222"
+FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (5, 3)), "zorder": 1}
+"""The line that inputs rounded to doubles draw: no method has its dashes."""
+
+# colour, marker, whether it is filled: open marks are those of the discretizations
+LOOKS: dict[str, tuple[str, str, bool]] = {
+    FLOW: (BLUE, "o", True),
+    INTEGRATED: ("#004A73", "H", True),
+    BACKLUND: ("#56B4E9", "P", True),
+    "SciPy DOP853": (ORANGE, "s", True),
+    "SciPy LSODA": ("#E69F00", "v", True),
+    "SciPy Radau": ("#8C510A", "<", True),
+    "implicit midpoint": ("#999999", "x", True),
+    "Gauss-Legendre 6": ("#7F7F00", "+", True),
+    "Gauss-Legendre 16": ("#009E73", "D", True),
+    "Gauss-Legendre 16, adaptive": ("#66C2A5", "d", True),
+    "Taylor, compiled": ("#000000", "^", True),
+    "Taylor, multiprecision": ("#1B6F7A", ">", True),
+    "heyoka": ("#B2182B", "*", True),
+    "heyoka, long double": ("#762A83", "h", True),
+    "closed elliptic form": ("#F0E442", "X", True),
+    "mpmath odefun": ("#5E3C99", "4", True),
+    "Moser-Veselov": ("#CC79A7", "o", False),
+    "Moser-Veselov, order 4": ("#AA3377", "s", False),
+    "Hirota-Kimura": ("#E7298A", "D", False),
+}
+_OTHER = ("#666666", "p", False)
+
 STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
 WIDTH = 7.2  # inches: the text width of a page
+CROWDED = 4.0
+"""Marks of one error whose run times differ by less than this factor have their labels at two heights."""
 NEAR_THE_FLOOR = 3.0
 """Decades above and below the line of rounding in which a mark is in the way of its label."""
+
+
+def look_of(method: str) -> dict[str, Any]:
+    """What matplotlib's ``plot`` takes to draw a method; the flow's marks are not joined, they are unlike runs."""
+    colour, marker, filled = LOOKS.get(method, _OTHER)
+    look: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in (FLOW, INTEGRATED) else 1.0}
+    if not filled:
+        look["markerfacecolor"] = "white"
+    if colour == "#F0E442":  # yellow on white
+        look |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
+    return look
 
 
 def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
@@ -69,20 +111,21 @@ def work_precision(report: Report) -> Figure:
     """
     figure = new_figure(WIDTH, 4.6)
     axes = figure.add_subplot()
-    flow = [row for row in report.rows if row.method != DOP853 and row.error_gamma]
-    other = [row for row in report.rows if row.method == DOP853 and row.error_gamma]
-    for rows, colour, marker, side in ((other, _ORANGE, "s", 1), (flow, _BLUE, "o", -1)):
-        if rows:
-            _series(axes, rows, colour, marker, side)
+    rows = [row for row in report.rows if row.error_gamma and row.total]
+    other = [row for row in rows if row.method == DOP853]
+    flow = [row for row in rows if row.method != DOP853]
+    for those, side in ((other, 1), (flow, -1)):
+        if those:
+            _series(axes, those, side)
     first, last, count = report.times
     if report.floor and report.floor[0]:
-        _mark_floor(axes, flow + other, report.floor[0])
+        _mark_floor(axes, rows, report.floor[0])
     axes.set(xscale="log", yscale="log", xlabel="run time, seconds", ylabel="largest error of γ")
-    axes.margins(x=0.16, y=0.08)
+    axes.margins(x=0.16, y=0.1)
     decades(axes)
-    if axes.has_data() and flow + other:
-        axes.legend(loc="best", frameon=False, fontsize=9)
-    axes.set_title(f"{report.title}\n{count} times, t = {first:g} … {last:g}", fontsize=10.5, loc="left")
+    if rows:
+        figure.legend(loc="outside lower center", ncols=3, frameon=False, fontsize=9)
+    axes.set_title(f"{report.title}\n{count} times, t = {first:g} … {plain_power(last)}", fontsize=10.5, loc="left")
     axes.annotate(
         "better",
         (0.035, 0.04),
@@ -96,15 +139,15 @@ def work_precision(report: Report) -> Figure:
 
 
 def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
-    axes.axhline(floor, color=GREY, linewidth=1, linestyle=(0, (4, 3)), zorder=1)
-    words: dict[str, Any] = {"fontsize": 8.5, "color": "#5a5a5a", "textcoords": "offset points"}
+    axes.axhline(floor, **FLOOR)
+    words: dict[str, Any] = {"fontsize": 8.5, "color": FLOOR["color"], "textcoords": "offset points"}
     left = _more_room_left(rows, floor)
     place: dict[str, Any] = {
         "xy": (0 if left else 1, floor),
         "xycoords": ("axes fraction", "data"),
-        "xytext": (4 if left else -4, -4),
+        "xytext": (4 if left else -4, 4),
         "ha": "left" if left else "right",
-        "va": "top",
+        "va": "bottom",
     }
     axes.annotate(f"inputs rounded to doubles: {floor:.0e}", **place, **words)
 
@@ -116,36 +159,55 @@ def _more_room_left(rows: list[Row], floor: float) -> bool:
     return bool(near) and min(near) * max(near) > min(times) * max(times)
 
 
-def _series(axes: Any, rows: list[Row], colour: str, marker: str, side: int) -> None:
-    """One method: its runs joined by a line, each with its setting to the right or to the left of it."""
+def plain_power(value: float) -> str:
+    """A number as it is written in words: 10¹² instead of 1e+12."""
+    text = f"{value:g}"
+    mantissa, found, exponent = text.partition("e")
+    if not found:
+        return text
+    power = "10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return power if mantissa == "1" else f"{mantissa}·{power}"
+
+
+def _series(axes: Any, rows: list[Row], side: int) -> None:
+    """One method: its runs, each with its setting to the right or to the left of it.
+
+    Runs of an integrator are joined by a line, one tolerance after the other. Those of the flow are not: floats,
+    compiled floats and numbers of more digits are unlike, and between them there is nothing.
+    """
     rows = sorted(rows, key=lambda row: -(row.error_gamma or 0))
+    look = look_of(rows[0].method)
     times, errors = [row.total for row in rows], [row.error_gamma for row in rows]
-    axes.plot(times, errors, color=colour, marker=marker, markersize=6, linewidth=1.4, label=rows[0].method, zorder=3)
+    line = {"linewidth": 1.4 if side > 0 else 0}
+    axes.plot(times, errors, **(look | line), markersize=6, label=rows[0].method, zorder=3)
     inner = [row for row in rows if row.evaluation is not None]
     if inner:
         for row in inner:
-            axes.plot([row.evaluation, row.total], [row.error_gamma] * 2, color=colour, linewidth=0.8, zorder=2)
-        open_marks = {"marker": marker, "markersize": 6, "markerfacecolor": "white", "markeredgecolor": colour}
+            axes.plot([row.evaluation, row.total], [row.error_gamma] * 2, color=look["color"], linewidth=0.8, zorder=2)
         axes.plot(
             [row.evaluation for row in inner],
             [row.error_gamma for row in inner],
-            linestyle="none",
+            **(look | {"linewidth": 0, "markerfacecolor": "white", "markeredgecolor": look["color"]}),
+            markersize=6,
             label="the same without its set-up",
             zorder=2.5,
-            **open_marks,
         )
-    for row in rows:
-        left = row.total if row.evaluation is None else row.evaluation
-        # legible across the line of the floor
-        behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
-        text = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
-        if side > 0:
-            place: dict[str, Any] = {"xytext": (7, 0), "ha": "left", "va": "bottom"}
-        elif row.digits is not None and row.digits <= 15:  # above the mark
-            place = {"xytext": (-3, 6), "ha": "right", "va": "bottom"}
-        else:  # below the mark, clear of the line from above
-            place = {"xytext": (-3, -6), "ha": "right", "va": "top"}
-        axes.annotate(row.setting, (row.total if side > 0 else left, row.error_gamma), **place, **text)
+    for k, row in enumerate(rows):
+        before = rows[k - 1].total if k else None
+        crowded = before is not None and row.total is not None and max(before / row.total, row.total / before) < CROWDED
+        _label(axes, row, side, look["color"], lower=crowded and row.digits == rows[k - 1].digits)
+
+
+def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
+    """The setting of a row beside its mark: to the right of an integrator's, below the flow's, clear of the floor."""
+    # legible across a line
+    behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
+    text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
+    if side > 0:
+        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=(8, 0), ha="left", va="center", **text)
+    else:
+        below = (0, -19 if lower else -7)
+        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=below, ha="center", va="top", **text)
 
 
 def decades(axes: Any, most: int = 8) -> None:
@@ -200,10 +262,10 @@ def sphere(gamma: np.ndarray, times: np.ndarray, title: str, dots: bool = False)
 
 
 def _mark_start(axes: Any, start: np.ndarray) -> None:
-    axes.plot(*start, marker="o", color=_ORANGE, markersize=7, markeredgecolor="white", zorder=4)
+    axes.plot(*start, marker="o", color=ORANGE, markersize=7, markeredgecolor="white", zorder=4)
     words = {
         "fontsize": 9.5,
-        "color": _ORANGE,
+        "color": ORANGE,
         "zorder": 5,
         "bbox": {"facecolor": "white", "lw": 0, "pad": 0.8, "alpha": 0.8},
     }
@@ -216,11 +278,11 @@ def _globe(axes: Any, sign: float, depth: int) -> None:
     for latitude in (30, 60):
         radius = np.cos(np.radians(latitude))
         axes.plot(radius * np.cos(angle), radius * np.sin(angle), color="#dddddd", linewidth=0.6, zorder=1)
-    for longitude in np.radians(np.arange(0, 180, 30)):
-        x, y = np.cos(longitude), np.sin(longitude)
-        axes.plot([-x, x], [-y, y], color="#dddddd", linewidth=0.6, zorder=1)
+    for longitude in np.radians(np.arange(0, 360, 30)):
+        # from the last parallel outwards: at the pole itself there is the curve to see, and no knot of lines
+        ends = np.cos(np.radians(60)) * np.exp(1j * longitude), np.exp(1j * longitude)
+        axes.plot([end.real for end in ends], [end.imag for end in ends], color="#dddddd", linewidth=0.6, zorder=1)
     axes.plot(np.cos(angle), np.sin(angle), color=INK, linewidth=1, zorder=2)
-    axes.plot(0, 0, marker="+", color=INK, markersize=6, zorder=2)
     along, across, up = ("γ₁γ₂γ₃"[2 * k : 2 * k + 2] for k in (depth, (depth + 1) % 3, (depth + 2) % 3))
     axes.annotate(across if sign > 0 else f"−{across}", (1.03, 0), va="center", ha="left", fontsize=9)
     axes.annotate(up, (0, 1.03), va="bottom", ha="center", fontsize=9)
@@ -231,25 +293,33 @@ def _globe(axes: Any, sign: float, depth: int) -> None:
 
 
 def residual_growth(report: Report) -> Figure:
-    """How far rounding takes a divisor off its curve, against the number of additions, with slopes ½ and 1."""
-    figure = new_figure(4.8, 3.4)
+    """How far rounding takes a divisor off its curve, against the number of additions.
+
+    The scale is that of the polynomials' coefficients, so that the rounding of one operation is about 10⁻¹⁶ of it.
+    """
+    figure = new_figure(5.4, 3.6)
     axes = figure.add_subplot()
     steps = np.array([pair[0] for pair in report.residual_growth], dtype=float)
     residual = np.array([pair[1] for pair in report.residual_growth], dtype=float)
     shown = residual > 0
-    axes.plot(steps[shown], residual[shown], color=_BLUE, marker="o", markersize=5, linewidth=1.4, zorder=3)
+    axes.plot(steps[shown], residual[shown], color=BLUE, marker="o", markersize=5, linewidth=1.4, zorder=3)
+    axes.set(xscale="log", yscale="log", xlabel="additions, one after the other")
+    axes.set_ylabel("|V² − f mod U| over the size of\nits coefficients: 0 on the curve")
     if shown.any():
-        anchor, span = residual[shown][0], steps[shown] / steps[shown][0]
-        for power, name in ((0.5, "∝ √steps"), (1.0, "∝ steps")):
-            line = anchor * span**power
-            axes.plot(steps[shown], line, color=GREY, linewidth=0.9, linestyle=(0, (4, 3)), zorder=1)
-            axes.annotate(
-                name, (steps[shown][-1], line[-1]), xytext=(4, 0), textcoords="offset points", fontsize=8.5, va="center"
-            )
-    axes.set(xscale="log", yscale="log", xlabel="successive additions", ylabel="|V² − f mod U| / scale")
-    axes.margins(x=0.08, y=0.1)
+        eps, low, high = float(np.finfo(float).eps), residual[shown].min(), residual[shown].max()
+        axes.axhline(eps, **FLOOR)
+        words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": INK}
+        axes.annotate("rounding of one double", (steps[shown][-1], eps), xytext=(0, 4), ha="right", **words)
+        # what would be seen if every addition added its rounding to those before, by chance or one-sidedly
+        span = steps[shown] / steps[shown][0]
+        for power, name in ((0.5, "∝ √n"), (1.0, "∝ n")):
+            line = eps * span**power
+            axes.plot(steps[shown], line, color=FAINT, linewidth=0.9, linestyle=(0, (1, 2)), zorder=1)
+            axes.annotate(name, (steps[shown][-1], line[-1]), xytext=(4, -2), **words)
+        axes.set_ylim(min(low, eps) / 30, max(high, eps * span[-1]) * 10)
+    axes.margins(x=0.1)
     decades(axes)
-    axes.set_title("residual of the curve, floats", fontsize=10.5, loc="left")
+    axes.set_title("Does the point leave the curve? Floats", fontsize=10.5, loc="left")
     return figure
 
 
@@ -257,7 +327,7 @@ def orbit_error(report: OrbitReport) -> Figure:
     """The largest error of γ up to each step of an orbit, one line for each cost, both axes logarithmic."""
     figure = new_figure(WIDTH, 3.8)
     axes = figure.add_subplot()
-    colours = (_BLUE, _ORANGE, "#009E73", "#CC79A7", INK)
+    colours, markers = (BLUE, ORANGE, "#009E73", "#CC79A7", INK), "osD^v"
     for k, row in enumerate(report.rows):
         steps = np.array([n for n, _ in row.growth], dtype=float)
         # the drawn value is the largest so far, so that a chance hit does not look like a recovery
@@ -266,13 +336,15 @@ def orbit_error(report: OrbitReport) -> Figure:
         if shown.any():
             colour = colours[k % len(colours)]
             axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
+            # one mark at the end, so that lines are told apart without colours
+            axes.plot(steps[shown][-1], error[shown][-1], color=colour, marker=markers[k % len(markers)], markersize=5)
             words: dict[str, Any] = {
                 "textcoords": "offset points",
                 "fontsize": 8.5,
                 "color": colour,
                 "va": "center",
             }
-            axes.annotate(row.setting, (steps[shown][-1], error[shown][-1]), xytext=(5, 0), **words)
+            axes.annotate(row.setting, (steps[shown][-1], error[shown][-1]), xytext=(7, 0), **words)
     axes.set(xscale="log", yscale="log", xlabel="steps", ylabel="largest error of γ so far")
     axes.margins(x=0.12, y=0.1)
     decades(axes)

@@ -11,7 +11,8 @@ import matplotlib as mpl
 import numpy as np
 import pytest
 
-from integrable.study.plot import FORMATS, draw, residual_growth, sphere, work_precision
+from integrable.oracles.methods import METHODS
+from integrable.study.plot import FLOOR, FORMATS, LOOKS, draw, plain_power, residual_growth, sphere, work_precision
 from integrable.study.report import Report, Row, TruthCheck
 from jacobian.errors import ArgumentError
 
@@ -112,3 +113,23 @@ def test_what_is_not_imported(module, stays_out):
     code = f"import sys, integrable.study.{module}; print({stays_out!r} in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "False"
+
+
+def test_no_two_methods_look_alike():
+    """One colour each, and one marker with one filling each: a picture can be read without colours."""
+    assert set(METHODS) <= set(LOOKS)
+    assert len({colour for colour, _, _ in LOOKS.values()}) == len(LOOKS)
+    assert len({(marker, filled) for _, marker, filled in LOOKS.values()}) == len(LOOKS)
+    assert FLOOR["color"] not in {colour for colour, _, _ in LOOKS.values()}
+
+
+def test_unlike_runs_of_the_flow_are_not_joined():
+    axes = work_precision(REPORT).axes[0]
+    joined = [line for line in axes.lines if len(line.get_xdata()) > 2 and line.get_linewidth() > 0]
+    flow = {row.total for row in REPORT.rows if row.method != "SciPy DOP853" and row.error_gamma}
+    assert not any(set(line.get_xdata()) & flow for line in joined)
+
+
+@pytest.mark.parametrize(("value", "words"), [(1e12, "10¹²"), (2e-9, "2·10⁻⁹"), (1000.0, "1000"), (0.5, "0.5")])
+def test_powers_are_written_one_way(value, words):
+    assert plain_power(value) == words
