@@ -258,13 +258,20 @@ def reflected(K: Any, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair
 
 def _size_at(a: poly.Poly, e: Any) -> Any:
     """Σ |a_i||e|^i."""
-    return sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
+    total, size = 0, abs(e)
+    for c in reversed(a):
+        total = total * size + abs(c)
+    return total
 
 
 def _mean(rows: Sequence[Row]) -> Any:
     """The least-squares x of divisor·x = value, each beside the rounding of its terms."""
-    scaled = [(row.divisor / (row.terms or 1), row.value / (row.terms or 1)) for row in rows]
-    return sum(d.conjugate() * value for d, value in scaled) / sum(abs(d) ** 2 for d, _ in scaled)
+    numerator = denominator = 0
+    for divisor, value, terms in rows:
+        unit = terms or 1
+        d = divisor / unit
+        numerator, denominator = numerator + d.conjugate() * (value / unit), denominator + d.conjugate() * d
+    return numerator / denominator
 
 
 def _frozen(value: Any) -> Any:
