@@ -48,6 +48,17 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "integrable.steps.translation",
         ],
     ),
+    "many": (
+        "Ensembles, sweeps and files",
+        "Many motions at once, on many machines, and what results are written to ([how](../many.md)).",
+        [
+            "integrable.ensembles.ensemble",
+            "integrable.ensembles.trajectories",
+            "integrable.sweeps.sweep",
+            "integrable.files.writing",
+            "integrable.files.quantities",
+        ],
+    ),
     "oracles": (
         "Independent integrators",
         "They share no code with the flow.",
