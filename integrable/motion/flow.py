@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from integrable.phase.body import Body
     from integrable.phase.state import State
     from integrable.portrait.portrait import Portrait
+    from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
     from integrable.torus.access import TorusFlow
 
@@ -164,6 +165,14 @@ class Flow(BodyMotion):
         from integrable.portrait.sensitivity import sensitivity
 
         return sensitivity(self, times)
+
+    def section(self, count: int, axis: str = "largest") -> Section:
+        """The next ``count`` crossings of the Poincaré section of the axis of the "largest" or the "least" moment: γ̃
+        (γ where (γ, M) = 0) across that axis. In closed form (:mod:`integrable.portrait.section`).
+        """
+        from integrable.portrait.section import section
+
+        return section(self, count, axis)
 
     def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""

@@ -13,6 +13,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+
 from integrable.torus.survey import oval_periods, slowed
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
@@ -93,6 +95,16 @@ class Level(NamedTuple):
         """Whether there is something between the ovals."""
         ends = self.ends
         return bool(ends[2] - ends[1] > self.eps**0.75 * ends[3])
+
+
+def zeta_through(level: Level, phi: Any, momentum: Any) -> Any:
+    """ζ of the motion, of the upright body of a level, through a point (φ, M̃_i/|M̃|) of its section γ̃_i = 0, i the axis
+    of the largest moment (:mod:`integrable.portrait.section`): q − (q − a₁)M̃_i²/|M̃|². Arrays of floats.
+    """
+    a1, a2, a3 = map(float, level.a)
+    d, c, s = float(level.d), np.cos(phi) ** 2, np.sin(phi) ** 2
+    q = (a3 * c + a2 * s - d * a2 * a3) / (1 - d * (a2 * c + a3 * s))
+    return q - (q - a1) * momentum**2
 
 
 class Ovals(NamedTuple):

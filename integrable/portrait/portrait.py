@@ -50,12 +50,13 @@ class Portrait(Immutable):
     body and positive in the sense of its axes; None without an axis. ``drift`` is the mean velocity of the point of
     contact along −y of :attr:`Trajectory.attitude`, in the unit of the radius or in radii; None for what does not roll.
     ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g = dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the
-    digits of the set-up, ``ovals`` the periods they are made of, None where the ovals have met.
+    digits of the set-up, ``ovals`` the periods they are made of, None where the ovals have met,
+    ``level`` and ``divisor`` what the curve and the start are.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
-        self._field, self._divisor = system.field, divisor_of(setup)
-        level = self._level = Level.of(setup)
+        self._field, self.divisor = system.field, divisor_of(setup)
+        level = self.level = Level.of(setup)
         self.region = _region(level)
         self.ovals = Ovals.of(level) if level.parted else None
         number = system.field.coerce
@@ -75,12 +76,12 @@ class Portrait(Immutable):
     def wide_turns(self) -> tuple[Any, Any]:
         """precession/π and ±spin/π, to the digits of the set-up."""
         first, second = self.wide_frequencies
-        return (first, second) if self._level.low else (-second, -first)
+        return (first, second) if self.level.low else (-second, -first)
 
     @cached_property
     def actions(self) -> tuple[Any, Any]:
         """(J1, J2), of the unit of M. Those of the torus in (γ, M), whose periods are doubled, are twice as large."""
-        ovals, level = self._compact("actions"), self._level
+        ovals, level = self._compact("actions"), self.level
         h2, pi = level.momentum**2, level.pi
         h1 = level.zeta * h2
         first, second = (h1 * ovals.A0 - h2 * ovals.A1) / pi, (h2 * ovals.B1 - h1 * ovals.B0) / pi
@@ -97,7 +98,7 @@ class Portrait(Immutable):
             raise NotRepresentable(
                 f"angles: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"
             )
-        first, second = start_angles(self._divisor, self._level, self._compact("angles"))
+        first, second = start_angles(self.divisor, self.level, self._compact("angles"))
         return self._field.coerce(first), self._field.coerce(second)
 
     @cached_property
@@ -115,7 +116,7 @@ class Portrait(Immutable):
 
     def _means(self, rolls: bool) -> tuple[tuple[Any, Any], Any]:
         """(ν1, ν2) and the mean of g, wide."""
-        level, ovals = self._level, self.ovals
+        level, ovals = self.level, self.ovals
         if ovals is None:
             # all but rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi
@@ -131,14 +132,14 @@ class Portrait(Immutable):
         """Precession, spin and polhode."""
         if self.axis is None:
             return None, None, None
-        (turn, rest), pi, number = self.wide_turns, self._level.pi, self._field.coerce
+        (turn, rest), pi, number = self.wide_turns, self.level.pi, self._field.coerce
         momentum = setup.problem.upright_momentum[self.axis]
         sign = pi if momentum > 0 else -pi
         return number(pi * turn), number(sign * rest), number(sign * (turn + rest))
 
     def _rolling(self, system: PhaseSpace, state: State, K: Any) -> tuple[Any, Any]:
         """Mean velocity of the contact, mean of (γ, ω)."""
-        zeta, number = self._level.zeta, self._field.coerce
+        zeta, number = self.level.zeta, self._field.coerce
         gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
         c, size = K.dot(gamma, M) if state.tilted else K.zero, K.dot(gamma, gamma)
         spin = number(c * zeta / (1 - K.coerce(system.d) * zeta))

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from integrable.torus.access import TorusFlow
 
-FIRST_SIZE, MOST_SAMPLES = 32, 1 << 16
+FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 13
 # coefficients of the rates below this part of the largest are rounding
 NOISE = 3e-14
 COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d")
@@ -157,10 +157,14 @@ class TorusVariations:
         """Y(1/g), and of a and of b seven rates each: of C2, H1, H2, I1, I2, I3 and d, over τ."""
         phases = [n * np.arange(size) / size for n, size in zip(self._doubled, sizes, strict=True)]
         grid = np.stack(np.meshgrid(*phases, indexing="ij"), axis=-1).reshape(-1, 2)
-        here = Variation.at(self._body, self._scaled(self._torus.at_phases(grid)))
-        turning, forced = here.rates()
-        rates = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
-        return here.lean.reshape(sizes), rates.reshape(*sizes, 14)
+        lean, rates = np.empty(len(grid)), np.empty((len(grid), 14))
+        for first in range(0, len(grid), CHUNK):
+            part = slice(first, first + CHUNK)
+            here = Variation.at(self._body, self._scaled(self._torus.at_phases(grid[part])))
+            turning, forced = here.rates()
+            found = np.concatenate([turning[:, :, 1:], forced], axis=2) * here.slowness[:, None, None]
+            lean[part], rates[part] = here.lean, found.reshape(-1, 14)
+        return lean.reshape(sizes), rates.reshape(*sizes, 14)
 
     def at(self, times: np.ndarray, tau: np.ndarray, rows: np.ndarray) -> Sensitivity:
         """At the times of states γ and M."""

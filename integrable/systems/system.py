@@ -11,6 +11,7 @@ from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
     from integrable.motion.flow import Flow
+    from integrable.portrait.diagram import Diagram
     from integrable.steps.hat_map import HatMap
     from integrable.steps.moves import ConicStep, Keyless, Multiplication
     from integrable.steps.time_shift import Shift
@@ -90,6 +91,12 @@ class System(PhaseSpace):
         from integrable.motion.flow import Flow
 
         return Flow(self, self._checked(state), kernel)
+
+    def diagram(self) -> Diagram:
+        """All motions of the body by energy and momentum (:class:`integrable.portrait.diagram.Diagram`); RR only."""
+        from integrable.portrait.diagram import Diagram
+
+        return Diagram(self)
 
     def motion_through(self, state: State) -> Flow:
         """What gives the states at physical times, ``.at(times)``: :meth:`flow`; every system has it."""

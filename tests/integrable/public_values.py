@@ -94,6 +94,8 @@ def values_over(K):
         "portrait": flow.portrait,
     }
     if K is RR:
+        values["diagram"] = ball.diagram()
+        values["section"] = ball.flow(state).section(3)
         values["sensitivity"] = ball.flow(state).sensitivity([0, 1.0])
         values["conditioning"] = conditioning(ball, state, [1.0])
     for name in ("tilde", "rolling tilde", "tilde in poles", "tilde in a field", "check", "hat", "gyroscopic"):

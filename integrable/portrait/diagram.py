@@ -1,0 +1,113 @@
+"""The energy–momentum diagram of a body: all its motions by X = c²/H2 and Z = H1/H2, c = (γ, M).
+
+M ↦ λM changes neither, so that the diagram is a strip of the plane, 0 ≤ X ≤ 1, between the straight lines Z = a(1 +
+Xd/I) of the largest and the least moment; the line of the middle one is the separatrix, and each of the three holds the
+rotations about its axis. X = 1 is M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1 − dζ(1 − X))/(1 −
+dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.portrait.ovals import Level, Ovals
+from jacobian import RR
+from jacobian.errors import ArgumentError, whole
+from jacobian.immutable import Record
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from integrable.phase.space import PhaseSpace
+    from integrable.phase.state import State
+
+NODES = 512
+
+
+class Diagram(Record):
+    """That of a system over RR. Get one from ``system.diagram()``.
+
+    ``lines`` are the ends (X, Z) of the three lines of rotations, one for each axis of the body, shape (3, 2, 2).
+    """
+
+    def __init__(self, system: PhaseSpace) -> None:
+        if system.field != RR:
+            raise ArgumentError(f"diagram: of a body over RR, not over {system.field.name}")
+        self.system = system
+        a, inertia = np.array(system.a), np.array(system.inertia)
+        self.lines = np.stack([np.stack([0 * a, a], axis=1), np.stack([1 + 0 * a, 1 / inertia], axis=1)], axis=1)
+
+    def place(self, state: State) -> tuple[float, float]:
+        """(X, Z) of a state."""
+        _, c, h1, h2 = self.system.integrals(state)
+        if not h2:
+            raise ArgumentError("M = (0, 0, 0): the body is at rest, which has no place in its diagram")
+        return c * c / h2, h1 / h2
+
+    def height(self, X: Any, zeta: Any) -> Any:
+        """Z of X and ζ."""
+        d = self.system.d
+        return zeta * (1 - d * zeta * (1 - X)) / (1 - d * zeta)
+
+    def contains(self, X: Any, Z: Any) -> Any:
+        """Whether there are motions with these X and Z: arrays that broadcast."""
+        X, Z = np.asarray(X, dtype=float), np.asarray(Z, dtype=float)
+        least, most = min(self.system.a), max(self.system.a)
+        inside: Any = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
+        return inside
+
+    def divergence(self, X: Any) -> Any:
+        """The rate, a unit of t and of √H2, at which neighbours leave the unstable rotation at X < 1; shape of X.
+
+        χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
+        """
+        values = np.asarray(X, dtype=float)
+        rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
+        found: Any = np.array(rates).reshape(values.shape)
+        return found
+
+    def rotation_numbers(self, count: int = 40) -> tuple[Any, Any, Any]:
+        """(X, Z, rotation number) on a grid in X and ζ, each of shape (count, 2·count), for contours.
+
+        The ζ are closer together beside the separatrix, on which there is none.
+        """
+        count = whole(count, "count", "an int from 2 on", 2)
+        a1, a2, a3 = sorted(self.system.a)
+        # from the ends of each side to beside the separatrix
+        part = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
+        zeta = np.concatenate([a1 + (a2 - a1) * part, a2 + (a3 - a2) * part])
+        X = (np.arange(count) + 0.5) / count
+        X, zeta = np.meshgrid(X, zeta[np.diff(zeta, prepend=-1.0) > 0], indexing="ij")
+        numbers = [
+            _rotation_number(Level.at(self.system.body, x, z)) for x, z in zip(X.ravel(), zeta.ravel(), strict=True)
+        ]
+        return X, self.height(X, zeta), np.array(numbers).reshape(X.shape)
+
+    def figure(self, *states: State) -> Figure:
+        """A picture: contours of the rotation number, the lines of rotations, and the places of some states."""
+        from integrable.portrait.pictures import diagram
+
+        return diagram(self, states)
+
+    def __repr__(self) -> str:
+        return f"<Diagram of {self.system!r}>"
+
+
+def _rotation_number(level: Level) -> float:
+    if not level.parted:
+        return -1.0
+    ovals = Ovals.of(level)
+    return float(-ovals.B1 / ovals.A1)
+
+
+def _divergence(level: Level) -> float:
+    (a1, a2, a3), d, size = level.a, level.d, level.momentum
+    x = a1 + (a3 - a1) * np.sin(np.pi / 2 * (np.arange(NODES) + 0.5) / NODES) ** 2
+    slow, slow2 = np.sqrt(1 - d * x), np.sqrt(1 - d * a2)
+    # the quotient of differences of x/√(1 − d̃x) at x and a₂
+    quotient = (x + a2 - d * x * a2) / ((x * slow2 + a2 * slow) * slow * slow2)
+    value = np.pi / 2 * quotient.mean() / size
+    slope = 2 * size * slow2 * np.sqrt((a2 - a1) * (a3 - a2))
+    return float(size * slope * value / (np.pi * level.s))

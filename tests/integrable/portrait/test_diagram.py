@@ -1,0 +1,84 @@
+"""Diagrams beside states at random, and rates of divergence beside the motion itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop
+from jacobian import GF
+from jacobian.errors import ArgumentError
+
+BALL = ChaplyginBall((3, 1, 2), 0.7)
+
+
+def test_states_fill_the_strip_and_nothing_else():
+    rng = np.random.default_rng(3)
+    diagram = BALL.diagram()
+    gamma, M = rng.normal(size=(2, 40000, 3))
+    gamma /= np.linalg.norm(gamma, axis=1)[:, None]
+    _, c, h1, h2 = BALL._integrals_along(gamma, M)
+    X, Z = c**2 / h2, h1 / h2
+    assert diagram.contains(X, Z * (1 + 1e-14)).mean() > 0.9999
+    for X0 in (0.1, 0.5, 0.9):
+        near = abs(X - X0) < 0.05
+        ends = [diagram.height(X[near], zeta) for zeta in (min(BALL.a), max(BALL.a))]
+        part = (Z[near] - ends[0]) / (ends[1] - ends[0])
+        assert 0 <= part.min() < 0.05
+        assert 0.95 < part.max() <= 1
+    assert not diagram.contains([0.5, 0.5, 1.1], [0.1, 2.0, 0.5]).any()
+
+
+def test_lines_are_those_of_rotations_at_any_tilt():
+    diagram = BALL.diagram()
+    for axis in range(3):
+        omega = np.eye(3)[axis]
+        for tilt in (0.1, 0.6, 0.95):
+            gamma = np.roll([tilt, np.sqrt(1 - tilt**2), 0], axis)
+            M = (np.array(BALL.inertia) + BALL.d) * omega - BALL.d * (gamma @ omega) * gamma
+            X, Z = diagram.place(BALL.state(gamma, M, tilted=True))
+            (x0, z0), (x1, z1) = diagram.lines[axis]
+            assert abs(Z - z0 - (z1 - z0) * (X - x0) / (x1 - x0)) < 1e-14
+
+
+@pytest.mark.parametrize(("ball", "tilt"), [(BALL, 0.0), (BALL, 0.7), (EulerTop((1, 2, 3)), 0.5)])
+def test_neighbours_of_the_unstable_rotation_part_at_its_rate(ball, tilt):
+    axis = sorted(range(3), key=lambda i: ball.inertia[i])[1]
+    gamma = np.roll([tilt, np.sqrt(1 - tilt**2), 0], axis)
+    omega = np.eye(3)[axis]
+    M = (np.array(ball.inertia) + ball.d) * omega - ball.d * (gamma @ omega) * gamma
+    state = ball.state(gamma, M, tilted=True)
+    rate = float(ball.diagram().divergence(ball.diagram().place(state)[0])) * np.linalg.norm(M)
+    # a way out of the rotation, over some e-foldings
+    nudge = 1e-8 * np.array([1.0, -0.7, 0.4])
+    run = ball.flow(ball.state(gamma, M + nudge - (nudge @ gamma) * gamma, tilted=True)).at(
+        np.linspace(6, 9, 100) / rate
+    )
+    off = np.linalg.norm(np.delete(run.omega, axis, axis=1), axis=1)
+    slope = np.polyfit(run.times, np.log(off), 1)[0]
+    assert slope == pytest.approx(rate, rel=0.02)
+
+
+def test_rotation_numbers_are_those_of_motions():
+    X, Z, numbers = BALL.diagram().rotation_numbers(6)
+    assert X.shape == Z.shape == numbers.shape == (6, 12)
+    rng = np.random.default_rng(0)
+    gamma, M = rng.normal(size=(2, 3))
+    state = BALL.state(gamma / np.linalg.norm(gamma), M, tilted=True)
+    portrait = BALL.flow(state).portrait
+    from integrable.portrait.diagram import _rotation_number
+    from integrable.portrait.ovals import Level
+
+    place = BALL.diagram().place(state)
+    assert _rotation_number(Level.at(BALL.body, place[0], portrait.zeta)) == pytest.approx(portrait.rotation_number)
+    assert BALL.diagram().height(place[0], portrait.zeta) == pytest.approx(place[1], rel=1e-13)
+
+
+def test_the_picture_and_refusals():
+    pytest.importorskip("matplotlib")
+    state = BALL.state((0.48, 0.6, 0.64), (0.1, 2, 0.3), tilted=True)
+    assert len(BALL.diagram().figure(state).axes[0].lines) == 4
+    with pytest.raises(ArgumentError, match="not over GF"):
+        ChaplyginBall((1, 2, 4), 1, field=GF(10007)).diagram()
+    with pytest.raises(ArgumentError, match="at rest"):
+        BALL.diagram().place(BALL.state((0, 0, 1), (0, 0, 0)))

@@ -1,0 +1,65 @@
+"""Poincaré sections beside the flow itself."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop
+from integrable.portrait.ovals import zeta_through
+from integrable.portrait.section import tilde
+from jacobian import MP
+from jacobian.errors import ArgumentError, NotRepresentable
+
+GAMMA = (0.48, 0.6, 0.64)
+CASES = {
+    "low": (ChaplyginBall((1, 2, 3), 0.7), (0.384, 1.28, -1.488)),
+    "high": (ChaplyginBall((2, 3.1, 4.2), 9.72), (3, 2, -4)),
+    "unsorted": (ChaplyginBall((3, 1, 2), 0.7), (0.1, 2, 0.3)),
+    "top": (EulerTop((3, 1, 2)), (0.1, 2, 0.3)),
+}
+
+
+@pytest.mark.parametrize("name", CASES)
+@pytest.mark.parametrize("axis", ["largest", "least"])
+def test_all_crossings_and_no_others(name, axis):
+    ball, M = CASES[name]
+    flow = ball.flow(ball.state(GAMMA, M, tilted=True))
+    found = flow.section(30, axis)
+    assert len(found) == 30
+    assert (np.diff(found.tau) > 0).all()
+    gamma, _ = tilde(flow, found.run)
+    assert abs(gamma[:, found.axis]).max() < 1e-13
+    dense, _ = tilde(flow, flow.at_tau(np.linspace(1e-9, found.tau[-1] + 1e-6, 20000)))
+    assert np.count_nonzero(np.diff(np.sign(dense[:, found.axis]))) == 30
+    # the map is a rotation
+    assert abs((np.diff(found.theta) - found.rotation + 0.5) % 1 - 0.5).max() < 1e-14
+    if axis == "largest":
+        level = flow.portrait.level
+        zeta = zeta_through(level, found.phi, found.momentum)
+        assert abs(zeta / float(level.zeta) - 1).max() < 1e-13
+
+
+def test_sections_to_the_digits_of_the_field():
+    ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(40))
+    flow = ball.flow(ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")))
+    found = flow.section(2)
+    assert abs(found.run.gamma[:, found.axis]).max() < 1e-38
+
+
+def test_refusals():
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    flow = ball.flow(ball.state((0.6, 0, 0.8), (0, 2, 0)))
+    with pytest.raises(NotRepresentable, match="separatrix"):
+        flow.section(3)
+    flow = ball.flow(ball.state(GAMMA, (0.384, 1.28, -1.488)))
+    for wrong, argument in (((0,), "count"), ((3, "middle"), "axis")):
+        with pytest.raises(ArgumentError, match=argument):
+            flow.section(*wrong)
+
+
+def test_the_picture():
+    pytest.importorskip("matplotlib")
+    ball, M = CASES["low"]
+    figure = ball.flow(ball.state(GAMMA, M)).section(20).figure()
+    assert len(figure.axes[0].lines[-1].get_xdata()) == 20
