@@ -56,7 +56,6 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "integrable.ensembles.trajectories",
             "integrable.sweeps.sweep",
             "integrable.files.writing",
-            "integrable.files.quantities",
         ],
     ),
     "oracles": (
