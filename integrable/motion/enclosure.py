@@ -81,8 +81,10 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
             f"{MOST_PANELS}; enclosure_at_tau has no such limit"
         )
     starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
+    # one precision for all of them, that of the farthest, so that they share the panels of one motion
+    bits, motions = max((_bits(body, state, digits, tau) for tau in starts), default=0), dict[int, BallMotion]()
     rows = [
-        _narrow(body, state, digits, tau, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
+        _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
         for t, tau in zip(times, starts, strict=True)
     ]
     return Enclosure(_exact(times), rows)
@@ -90,8 +92,13 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
 
 def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
     """The motion at values of τ."""
+
+    def place(motion: BallMotion, t: Any) -> Any:
+        return motion.field.coerce(t) * motion.problem.time_scale
+
+    motions: dict[int, BallMotion] = {}
     rows = [
-        _narrow(body, state, digits, t, lambda motion, t=t: motion.field.coerce(t) * motion.problem.time_scale)
+        _narrow(motions, (body, state, digits), t, _bits(body, state, digits, t), lambda motion, t=t: place(motion, t))
         for t in tau
     ]
     return Enclosure(None if body.rolls else _exact(tau), rows)
@@ -101,15 +108,27 @@ def _exact(times: list[Any]) -> list[Any]:
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
-def _narrow(body: Body, state: State, digits: int, tau: Any, place: Any) -> tuple[Any, Any, Any, float]:
-    """(τ, γ, M, radius) of one row, at a precision raised until the radius is at most 10^(−digits)."""
+def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
+    """How many bits to begin with for a row at τ."""
     # by exponents: the product may be beyond the floats
     doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
     if doublings > MOST_DOUBLINGS:
         raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
-    bits = ceil(3.33 * (digits + 6) + LOST * doublings)
+    return ceil(3.33 * (digits + 6) + LOST * doublings)
+
+
+def _narrow(
+    motions: dict[int, BallMotion], given: tuple[Body, State, int], tau: Any, bits: int, place: Any
+) -> tuple[Any, Any, Any, float]:
+    """(τ, γ, M, radius) of one row, at a precision raised from ``bits`` until the radius is at most 10^(−digits).
+
+    ``motions`` are those that rows before have made, by their bits.
+    """
+    digits = given[2]
     for _ in range(MOST_ATTEMPTS):
-        motion = BallMotion(body, state, bits, digits)
+        if bits not in motions:
+            motions[bits] = BallMotion(given[0], given[1], bits, digits)
+        motion = motions[bits]
         with motion.reals:
             try:
                 scaled = place(motion)
@@ -151,6 +170,10 @@ class BallMotion:
             # an exact 0 would let an addition take a branch for degenerate positions that is no identity
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
+        # of physical time: half a panel, the sums over whole panels in either direction, the nodes of one
+        self._half, self._reach = 0.0, 1.0
+        self._sums: dict[int, list[Any]] = {}
+        self._kept_nodes: tuple[float, list[tuple[Any, Any]]] | None = None
 
     def point(self, tau: Any) -> tuple[Any, ...]:
         """The moving point at a ball τ, in the flow's units."""
@@ -195,40 +218,63 @@ class BallMotion:
         raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
 
     def time(self, tau: Any) -> Any:
-        """∫_0^τ dτ/g for an exact τ ≠ 0."""
-        sign = 1 if tau > 0 else -1
-        half = float(self._disc(self._start, 1.0)) * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
+        """∫_0^τ dτ/g for an exact τ ≠ 0; the panels that it passes are kept for times beyond."""
+        if not self._half:
+            self._half = float(self._disc(self._start, 1.0)) * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
         while True:
-            panels = ceil(abs(float(tau)) / (2 * half))
+            panels = ceil(abs(float(tau)) / (2 * self._half))
             if panels > MOST_PANELS:
                 raise ArgumentError(
                     f"times: enclosing physical time there takes {panels} panels, more than {MOST_PANELS}; "
                     "enclosure_at_tau has no such limit"
                 )
-            found = self._quadrature(tau / (2 * panels), panels, sign)
+            found = self._swept(tau, panels - 1)
             if found is not None:
                 return found
-            half *= 0.7
+            self._half *= 0.7
+            self._sums.clear()
 
-    def _quadrature(self, half: Any, panels: int, sign: int) -> Any:
-        """The integral over ``panels`` panels of half length |half|; None where a disc is too small for its ellipse."""
+    def _swept(self, tau: Any, whole: int) -> Any:
+        """The integral over so many whole panels and what is left to τ; None where a disc is too small for a panel."""
+        sign = 1 if tau > 0 else -1
+        half, sums = self.field.one * sign * self._half, self._sums.setdefault(sign, [self.field.zero])
+        while len(sums) <= whole:
+            piece = self._panel((2 * len(sums) - 1) * half, half)
+            if piece is None:
+                return None
+            sums.append(sums[-1] + piece)
+        rest = (tau - 2 * whole * half) / 2
+        piece = self._panel(2 * whole * half + rest, rest)
+        return None if piece is None else sums[whole] + piece
+
+    def _panel(self, middle: Any, half: Any) -> Any:
+        """The integral from ``middle`` − ``half`` to ``middle`` + ``half``; None where its disc is too small for the
+        ellipse.
+        """
         axes, f, arb = self.problem.axes, self.problem.f, self._flint.arb
+        needed = abs(half) * (ELLIPSE + 1 / ELLIPSE) / 2
+        centre = self.point(middle)
+        if not is_bounded(centre):
+            raise PrecisionLoss("a panel of physical time has no bound at this precision: use more digits")
+        self._reach, bound = self._bounded_disc(centre, 1.3 * self._reach, needed)
+        if not self._reach >= needed:
+            self._reach = 1.0
+            return None
+        nodes = self._nodes(half)
+        error = bound * 64 / 15 / (1 - arb(ELLIPSE) ** -2) * arb(ELLIPSE) ** (2 - len(nodes) * 2)
+        return half * sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
+
+    def _nodes(self, half: Any) -> list[tuple[Any, Any]]:
+        """(translation, weight) at the nodes of a panel's rule; those of whole panels are kept."""
+        if self._kept_nodes is not None and self._kept_nodes[0] == self._half and abs(half) == self._half:
+            return self._kept_nodes[1]
         count = 2 * ceil(((self._digits + 8) / 0.954 + 3) / 2)
-        rule = [arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
+        rule = [self._flint.arb.legendre_p_root(count, k, weight=True) for k in range(count // 2)]
         nodes = [(self._translations.near(half * x), w) for x, w in rule]
         nodes += [(opposite(step), w) for step, w in nodes]
-        needed = abs(half) * (ELLIPSE + 1 / ELLIPSE) / 2
-        disc, total = 1.0, self.field.zero
-        for k in range(panels):
-            centre = self.point((2 * k + 1) * half)
-            if not is_bounded(centre):
-                raise PrecisionLoss("a panel of physical time has no bound at this precision: use more digits")
-            disc, bound = self._bounded_disc(centre, 1.3 * disc, needed)
-            if not disc >= needed:
-                return None
-            error = bound * 64 / 15 / (1 - arb(ELLIPSE) ** -2) * arb(ELLIPSE) ** (2 - 2 * count)
-            total += sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
-        return abs(half) * total * sign
+        if abs(half) == self._half:
+            self._kept_nodes = self._half, nodes
+        return nodes
 
     # --- a disc of complex τ on which the motion is analytic
 

@@ -181,3 +181,23 @@ def test_times_too_far_for_panels_are_refused() -> None:
     system, state = motion_of(*CASES["ball"])
     with pytest.raises(ArgumentError, match=r"panels, more than 100000; enclosure_at_tau has no such limit"):
         system.flow(state).enclosure([10**6], digits=5)
+
+
+def test_times_share_the_panels_that_they_pass(monkeypatch):
+    """Times cost the panels to the farthest and one each, not those of each from the start; the balls overlap."""
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
+    panels = []
+    panel = BallMotion._panel
+    monkeypatch.setattr(BallMotion, "_panel", lambda *given: panels.append(1) or panel(*given))
+    times = [1.5, -0.2, *(0.3 * k for k in range(1, 5))]
+    together = flow.enclosure(times, 12)
+    shared, single = len(panels), 0
+    for k, time in enumerate(times):
+        panels.clear()
+        alone = flow.enclosure([time], 12)
+        single += len(panels)
+        assert all(x.overlaps(y) for x, y in zip(together.gamma[k], alone.gamma[0], strict=True))
+        assert all(x.overlaps(y) for x, y in zip(together.M[k], alone.M[0], strict=True))
+    assert shared <= 0.6 * single
+    assert max(together.radius) <= 1e-12
