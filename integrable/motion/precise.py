@@ -156,9 +156,12 @@ class ManyDigits:
             lost = self._enough(carrier.most_tau(far) if clock else far)
             if lost is None:
                 continue
-            if clock:
+            if clock and tau:
+                # the farthest alone says whether the digits suffice
+                if self._enough(abs(carrier.tau([max(tau, key=abs)], self.digits + SPARE + lost)[0])) is None:
+                    continue
                 tau = carrier.tau(tau, self.digits + SPARE + lost)
-                if self._enough(max(map(abs, tau), default=0)) is None:
+                if self._enough(max(map(abs, tau))) is None:
                     continue
             points = [carrier.point(t) for t in tau]
             missing = self._missing(tau, points)

@@ -8,11 +8,12 @@ panel grow with its length more slowly than the nodes for its cells.
 from __future__ import annotations
 
 from bisect import bisect_right
-from math import inf
+from math import ceil, inf
+from operator import mul
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.moving_point import addition
-from integrable.moving_point.legendre import doubling_precisions, gauss_legendre, legendre_transform
+from integrable.moving_point.legendre import LegendreSeries, doubling_precisions, gauss_legendre
 from integrable.torus.panel_rates import PanelRates, Scouts
 from jacobian.errors import PrecisionLoss
 
@@ -27,6 +28,8 @@ UNEVEN = 4
 # decimal digits a coefficient, below which long panels are not used
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
+# where Newton's steps in floats end, how good a place must be then, and the bits of it that are right; else so many
+NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
 class Limits(NamedTuple):
@@ -97,8 +100,8 @@ class PanelClock:
                 f"1/g is not resolved by {6 * self._digits} nodes a step: the moments or d differ too much for this "
                 "clock"
             )
-        x, self._rows = legendre_transform(setup.reals, count)
-        self._nodes = self._at_nodes(x, 1)
+        self._rule = LegendreSeries(setup.reals, count)
+        self._nodes = self._at_nodes(self._rule.nodes, 1)
         self._series: dict[int, list[Any]] = {}
         self._means: dict[int, Any] = {}
         # t at the upper end of cell −1, 0, 1, …
@@ -123,14 +126,20 @@ class PanelClock:
         base = addition.integrate_series(series, -1 + 0 * t)[0]
         target = (t - self._end(cell - 1)) / self._half + base
         reals, floats, goal = self._setup.reals, [float(c) for c in series[:40]], float(target)
-        x = goal / floats[0]
-        for _ in range(12):
+        x, last = goal / floats[0], inf
+        while last > NEAR:
             x = max(-1.0, min(1.0, x))
             angle, rate = addition.integrate_series(floats, x)
-            x -= (angle - goal) / rate
+            step = (angle - goal) / rate
+            # or as near as floats come
+            if not abs(step) < last:
+                break
+            x, last = x - step, abs(step)
         place = reals.number(max(-1.0, min(1.0, x)))
         # 40 coefficients may be fewer than a float's digits need
-        for _ in range(len(doubling_precisions(reals.bits, 16))):
+        known = NEAR_BITS if len(series) <= len(floats) and last < ROUGH else ROUGH_BITS
+        wanted = min(reals.bits, ceil(3.33 * self._digits) + NEAR_BITS)
+        for _ in range(len(doubling_precisions(wanted, known))):
             angle, rate = addition.integrate_series(series, place)
             place -= (angle - target) / rate
         return cell, place
@@ -186,7 +195,7 @@ class PanelClock:
         while len(self._far) <= panels:
             centre = NEAR_CELLS + LONG * (len(self._far) - 1) + (LONG + 1) // 2
             values = self._rates_at(self._setup.bare.reached(self._sign, centre), nodes)
-            total = sum(w * x for w, x in zip(weights, values, strict=True))
+            total = sum(map(mul, weights, values))
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
@@ -224,7 +233,7 @@ class PanelClock:
         """The mean of 1/g over a cell."""
         if cell not in self._means:
             values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
-            self._means[cell] = self._setup.reals.plain(sum(c * x for c, x in zip(self._rows[0], values, strict=True)))
+            self._means[cell] = self._setup.reals.plain(sum(map(mul, self._rule.weights, values)) / 2)
         return self._means[cell]
 
     def _coefficients(self, cell: int) -> list[Any]:
@@ -232,7 +241,7 @@ class PanelClock:
         if cell not in self._series:
             plain = self._setup.reals.plain
             values = self._rates_at(self._setup.bare.reached(self._sign, cell), self._nodes)
-            series = [plain(sum(c * x for c, x in zip(row, values, strict=True))) for row in self._rows]
+            series = list(map(plain, self._rule.coefficients(values)))
             if max(map(abs, series[-2:])) > abs(series[0]) * self._setup.reals.number(10) ** -(self._digits + 3):
                 raise Unresolved
             if len(self._series) >= KEPT_SERIES:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
+from operator import mul
 from typing import Any
 
 import numpy as np
@@ -51,22 +52,38 @@ def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, l
             raise PrecisionLoss(f"between τ = {first} and {last}: {count} nodes do not resolve the velocity")
 
 
+class LegendreSeries:
+    """Legendre series on [−1, 1] of values at ``nodes``, those of a Gauss–Legendre rule, in bare reals."""
+
+    def __init__(self, reals: BareReals, count: int) -> None:
+        self.nodes, self.weights = gauss_legendre(reals, count)
+        with reals:
+            half, one = count // 2 + count % 2, reals.number(1)
+            columns = [legendre_polynomials(one, node, count) for node in self.nodes[:half]]
+            # P_k at the lower half of the nodes
+            self._rows = list(zip(*columns, strict=True))
+
+    def coefficients(self, values: list[Any]) -> list[Any]:
+        """Those of the series that has these values."""
+        count, weighted = len(values), list(map(mul, self.weights, values))
+        # P_k(−x) = (−1)^k·P_k(x)
+        low, high = weighted[: len(self._rows[0])], weighted[::-1][: count // 2]
+        pairs = [[x + y for x, y in zip(low, high, strict=False)], [x - y for x, y in zip(low, high, strict=False)]]
+        if count % 2:
+            for row in pairs:
+                row.append(low[-1])
+        return [sum(map(mul, row, pairs[k % 2])) * (2 * k + 1) / 2 for k, row in enumerate(self._rows)]
+
+
 def legendre_transform(reals: BareReals, count: int) -> tuple[list[Any], list[list[Any]]]:
     """(nodes, matrix from values at the nodes to a Legendre series), in bare reals."""
-    x, w = gauss_legendre(reals, count)
+    series = LegendreSeries(reals, count)
     with reals:
-        half = count // 2 + count % 2
-        one = reals.number(1)
-        columns = [
-            [c * weight / 2 for c in legendre_polynomials(one, node, count)]
-            for node, weight in zip(x[:half], w, strict=False)
-        ]
         rows = []
-        for k in range(count):
-            row = [(2 * k + 1) * column[k] for column in columns]
-            # P_k(−x) = (−1)^k·P_k(x)
+        for k, half in enumerate(series._rows):
+            row = [(2 * k + 1) * w * c / 2 for w, c in zip(series.weights, half, strict=False)]
             rows.append(row + [-c if k % 2 else c for c in row[: count // 2][::-1]])
-    return x, rows
+    return series.nodes, rows
 
 
 def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:

@@ -1,17 +1,21 @@
 """Translations of a flow by short times, to any precision: T(eps) with Σ∫dx/y = eps and Σ∫x dx/y = 0.
 
-The power series of :func:`integrable.moving_point.addition.centre` are short when eps is small: T(eps) is the 2^k-fold
-of T(eps/2^k), and the digits of Newton's iteration double from pass to pass.
+Over bare reals T(eps) is a power series in eps² (:func:`expansion`) within half a basic step, and the 2^k-fold of
+T(eps/2^k) beyond. Balls, whose truncations are bounded, take Newton's iteration on the integrals in x
+(:meth:`Translations.centre`), whose digits double from pass to pass.
 """
 
 from __future__ import annotations
 
-from math import frexp, isqrt, log2
+from functools import cached_property
+from math import ceil, frexp, inf, isqrt, log2
+from operator import mul
 from typing import Any
 
-from integrable.moving_point.addition import Row, centre, conjugate_points, opposite, shift
+from integrable.moving_point.addition import Row, centre, opposite, shift
 from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.roots import root
 
 # conjugate points of T(half step) at this part of the distance from x = 0 to the next branch point: the series converge
 # like its powers
@@ -20,6 +24,11 @@ REACH = 0.3
 # one for every halving of eps
 TERM_BITS = -log2(1.4 * REACH)
 FLOAT_BITS = 44
+# terms that show how far an expansion reaches, the bits from which on half a step is halved for many translations, and
+# how many are few
+SCOUT = 24
+HALVED_FROM = 2500
+FEW = 6
 
 
 class Translations:
@@ -34,23 +43,70 @@ class Translations:
         self.half_step = reals.number(half_step)
         # a halving costs an addition and saves terms: about the best
         self._halvings = isqrt(reals.bits // 25)
-        size = int(reals.bits / (TERM_BITS + self._halvings)) + 6
-        with reals:
-            self.series, self.roots = (series_of(self.f, power, size) for power in (-1, 1))
-        self._floats = tuple(map(float, self.series))
+        self._asked = 0
+        self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
+
+    @cached_property
+    def series(self) -> tuple[Any, ...]:
+        """Those of 1/√(f/f0) about x = 0."""
+        size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
+        with self.reals:
+            return series_of(self.f, -1, size)
+
+    def _expansion(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
+        """The :func:`expansion` for half a step halved ``rest`` times, and its radius in half steps."""
+        if rest not in self._expansions:
+            self._expansions[rest] = self._expanded(rest)
+        return self._expansions[rest]
+
+    def _expanded(self, rest: int) -> tuple[tuple[list[Any], ...], float]:
+        half = self.half_step
+        with self.reals.at(64):
+            square = half * half
+            scaled = [[x * square**k for k, x in enumerate(row)] for row in expansion(self.f, SCOUT)]
+            falls = [abs(row[SCOUT // 2] / row[-1]) for row in scaled if row[-1] != 0]
+            known = SCOUT - 1 - SCOUT // 2
+            radius = float(min(falls)) ** (0.5 / known) if falls else inf
+        while True:
+            size = self._terms(radius, 2.0**-rest)
+            with self.reals:
+                found = expansion(self.f, size)
+                square = (half / 2**rest) ** 2
+                least = square ** (size - 1) * 2**self.reals.bits
+                # against the first that are not 0, of order 0 or 1
+                if all(abs(row[-1]) * least <= max(abs(row[0]), abs(row[1]) * square) for row in found):
+                    return found, radius
+            radius = 1 + 0.8 * (radius - 1)
+
+    def _terms(self, radius: float, size: float) -> int:
+        """How many terms of an expansion of some radius bring all digits at an eps of some size, both in half steps."""
+        return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
     def near(self, eps: Any) -> tuple[Any, ...]:
         """T(eps) as a moving point with κ = 1, for eps ≠ 0 of any size."""
         reals = self.reals
+        self._asked += 1
+        # a long series is worth its making for many
+        rest = reals.bits // HALVED_FROM if self._asked > FEW else self._halvings
         with reals:
             eps = reals.number(eps)
-            doublings, term_bits = self.plan(eps)
-            eps = eps / 2**doublings
-            m, r = self.centre(eps, term_bits)
-            step = conjugate_points(self.roots[: self.terms(reals.bits, term_bits)], self.f[0], self.axes, eps, m, r)
+            size = float(max(abs(eps) / self.half_step, 2.0**-500))
+            doublings = max(0, ceil(log2(size)) + rest)
+            rows, radius = self._expansion(rest)
+            step = self._summed(rows, self._terms(radius, size * 2.0**-doublings), eps / 2**doublings)
             for _ in range(doublings):
                 step = reals.plain_row(shift(self.f, self.axes, step, step))
         return reals.plain_row(step)
+
+    def _summed(self, rows: tuple[list[Any], ...], terms: int, eps: Any) -> tuple[Any, ...]:
+        """T(eps) by its expansion."""
+        square = eps * eps
+        u0, u1, v0, v1 = (0 * eps,) * 4
+        for a, b, c, d in zip(*(row[min(terms, len(row)) - 1 :: -1] for row in rows), strict=True):
+            u0, u1, v0, v1 = u0 * square + a, u1 * square + b, v0 * square + c, v1 * square + d
+        v0, v1 = v0 * eps, v1 / eps
+        sigma = [root((a + u1) * a + u0) for a in self.axes[:3]]
+        return (u0, u1, v0, v1, *sigma, *((v0 + v1 * a) / x for a, x in zip(self.axes[:3], sigma, strict=True)))
 
     def sum(self, first: tuple[Any, ...], second: tuple[Any, ...]) -> tuple[Any, ...]:
         """The sum of two translations."""
@@ -59,6 +115,7 @@ class Translations:
 
     def at_nodes(self, nodes: list[Any], length: int) -> list[tuple[Any, ...]]:
         """T at nodes of [−1, 1], symmetric about 0 and without it, of a panel of ``length`` basic steps."""
+        self._asked += len(nodes) // 2
         with self.reals:
             outer = [self.near(self.half_step * length * x) for x in nodes[: len(nodes) // 2]]
             return outer + [opposite(step) for step in outer[::-1]]
@@ -77,9 +134,10 @@ class Translations:
         known = int(2 * term_bits)
         if term_bits < 100:
             known = FLOAT_BITS
+            floats_of = tuple(map(float, self.series))
             passes = max(2, 2 + int(log2(27 / term_bits)))
             floats = (float(f0), float(eps), float(m), float(r))
-            m, r = map(reals.number, centre(self._floats[: self.terms(53, term_bits)], *floats, passes))
+            m, r = map(reals.number, centre(floats_of[: self.terms(53, term_bits)], *floats, passes))
         for bits in doubling_precisions(reals.bits, known):
             with reals.at(bits + 16):
                 m, r = map(reals.plain, centre(self.series[: self.terms(bits, term_bits)], f0, eps, m, r, 1))
@@ -88,6 +146,43 @@ class Translations:
     def terms(self, bits: int, term_bits: float) -> int:
         """How many terms of the series bring that many bits."""
         return min(len(self.series), int(bits / term_bits) + 6)
+
+
+def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list[Any]]:
+    """u0, u1, v0/eps and v1·eps of T(eps) as power series in z = eps², ``count`` coefficients each.
+
+    By u0' = v1u0 − u1v0, u1' = −v0, 2v0' = u1w0 − s0u0, 2v1' = w0 + u1w1 − s0u1 − w2u0 with W = (f − V²)/U and s0 = w1
+    − f5u0 (:meth:`integrable.motion.enclosure.BallMotion.velocity`), from u0 = −f0z/4 + …, u1 = −f1z/12 + …: two orders
+    are resonant, and those are their coefficients.
+    """
+    f0, f1, f2, f3, f4, f5 = f
+    zero, one = 0 * f0, f0 / f0
+    u0, u1, v0, v1 = [zero, -f0 / 4], [zero, -f1 / 12], [f1 / 6], [2 * one]
+    # s0, w0 + v1²/z + u1w1 and the coefficients of v1²
+    s0, rest, squares = [], [], [4 * one]
+    for k in range(1, count):
+        if k > 1:
+            u1.append(-v0[k - 1] / (2 * k))
+            u0.append((_product(v1, u0, k, k - 1) - _product(u1, v0, k - 1, k - 1)) / (2 * k - 2))
+        s0.append(f5 * (_product(u1, u1, k - 1, k - 2) - 2 * u0[k - 1]) - f4 * u1[k - 1])
+        rest.append(-_product(u1, s0, k - 1, k - 1) - f4 * u0[k - 1])
+        if k == 1:
+            s0[0], rest[0] = s0[0] + f3, rest[0] + f2
+        own = _product(v1, v1, k, k - 1)
+        mixed = 2 * f5 * _product(u0, u1, k - 1, k - 2)
+        v1.append((rest[k - 1] - f4 * u0[k - 1] + mixed - own) / (4 * k + 2))
+        squares.append(4 * v1[k] + own)
+        total = _product(u1, rest, k, k) - _product(u1, squares, k + 1, k) - _product(u0, s0, k, k)
+        v0.append(total / (2 * (2 * k + 1 - one / (k + 1))))
+    return u0, u1, v0, v1
+
+
+def _product(a: list[Any], b: list[Any], order: int, last: int) -> Any:
+    """Σ a_i·b_(order − i) for i from 1 to ``last``."""
+    if last < 1:
+        return 0 * a[0]
+    stop = order - last - 1
+    return sum(map(mul, a[1 : last + 1], b[order - 1 : stop if stop >= 0 else None : -1]), 0 * a[0])
 
 
 def series_of(f: tuple[Any, ...], power: int, size: int) -> tuple[Any, ...]:

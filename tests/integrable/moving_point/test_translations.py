@@ -1,0 +1,69 @@
+"""Translations by short times: the expansion in the time against Newton's iteration, and as a group."""
+
+import pytest
+
+from integrable import ChaplyginBall, EulerTop
+from integrable.moving_point.legendre import LegendreSeries, legendre_transform
+from integrable.moving_point.setup import Setup
+from integrable.moving_point.translations import FEW, Translations
+from jacobian.numbers.long_reals import BareReals
+
+BODIES = {
+    "ball": ChaplyginBall((1, 2, 3), 0.7),
+    "top": EulerTop((3, 1, 2)),
+    "thin": ChaplyginBall((1e-8, 1, 1.5), 1),
+    "heavy": ChaplyginBall((1, 2, 3), 1e8),
+    "far apart": ChaplyginBall((1, 1e4, 1e8), 1),
+    "moments nearly equal": ChaplyginBall((1, 1 + 1e-9, 2), 0.7),
+}
+
+
+def setup_of(ball, digits):
+    state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    return Setup(ball.body, state.gamma, state.M, digits=digits)
+
+
+@pytest.mark.parametrize("digits", [20, 150])
+@pytest.mark.parametrize("ball", BODIES.values(), ids=BODIES.keys())
+def test_the_expansion_in_time_solves_the_integrals_in_x(ball, digits) -> None:
+    setup = setup_of(ball, digits)
+    few, many = (Translations(setup.reals, setup.bare.f, setup.bare.axes, setup.bare.half_step) for _ in range(2))
+    many._asked = FEW
+    with setup.reals as reals:
+        for part in ("0.9", "-0.4", "1e-7", "1e-90"):
+            eps = setup.bare.half_step * reals.number(setup.wide.coerce(part))
+            # so small that Newton's series are short: doubled back below
+            doublings, term_bits = few.plan(eps)
+            small = eps / 2**doublings
+            m, r = few.centre(small, term_bits)
+            for translations in (few, many):
+                u0, u1 = translations.near(small)[:2]
+                assert abs(u0 - m * m + r) <= 1e3 * 2.0**-reals.bits * abs(u0)
+                assert abs(u1 + 2 * m) <= 1e3 * 2.0**-reals.bits * abs(u1)
+            one, other = few.near(eps), many.near(eps)
+            bound = reals.number(setup.wide.coerce(10) ** -(digits + 15))
+            assert max(abs(x - y) / max(1, abs(y)) for x, y in zip(one, other, strict=True)) < bound * abs(one[3])
+
+
+@pytest.mark.parametrize("ball", BODIES.values(), ids=BODIES.keys())
+def test_translations_add_up(ball) -> None:
+    setup = setup_of(ball, 30)
+    translations, reals = setup.translations, setup.reals
+    with reals:
+        half = setup.bare.half_step
+        for a, b in ((0.75, 0.5), (3, -1.25), (-0.375, -9)):
+            total = translations.sum(translations.near(half * a), translations.near(half * b))
+            found = translations.near(half * (a + b))
+            for x, y in zip(total, found, strict=True):
+                assert abs(x - y) < 1e-30 * max(1, abs(y))
+
+
+@pytest.mark.parametrize("count", [1, 2, 7, 12])
+def test_the_coefficients_of_a_legendre_series_are_those_of_the_matrix(count) -> None:
+    reals = BareReals(120)
+    series, (nodes, rows) = LegendreSeries(reals, count), legendre_transform(reals, count)
+    assert series.nodes == nodes
+    with reals:
+        values = [1 / (2 - x) for x in nodes]
+        expected = [sum(c * v for c, v in zip(row, values, strict=True)) for row in rows]
+        assert max(abs(x - y) for x, y in zip(series.coefficients(values), expected, strict=True)) < 1e-33
