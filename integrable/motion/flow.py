@@ -49,6 +49,8 @@ KERNELS = ("auto", "python", "compiled")
 # states whose integrals differ from those of the start by this part are refused; so many are looked at together
 DRIFT = 1e-9
 CHUNK = 8192
+# up to so many states Python is faster than arrays
+FEW = 16
 # what floats may cost where the compiled loops do not carry a motion, half a second either: corners and samples of the
 # torus in interpreted loops, values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
@@ -323,6 +325,10 @@ class Flow(BodyMotion):
 
 def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
     """The relative change of H1 and H2 (the larger) at every state, shape (N,)."""
-    h1, h2 = flow._level
-    found1, found2 = flow.system.body.energies(rows[:, :3].T, rows[:, 3:].T)
+    (h1, h2), energies = flow._level, flow.system.body.energies
+    if len(rows) <= FEW:
+        found = [energies(row[:3], row[3:]) for row in rows.tolist()]
+        # a NaN is in H1 whenever it is in a row, and max keeps it where it comes first
+        return np.array([max(abs(k1 / h1 - 1), abs(k2 / h2 - 1)) for k1, k2 in found])
+    found1, found2 = energies(rows[:, :3].T, rows[:, 3:].T)
     return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))
