@@ -16,10 +16,48 @@ import numpy as np
 
 from integrable import ChaplyginBall
 from integrable.moving_point import addition
+from integrable.moving_point.compiled import LIBRARY, SPECIAL
 from jacobian import MP
+from jacobian.native.kinds import FLOATS, INT, WIDES
+from jacobian.native.library import Library
 from jacobian.numbers import double_double
 
 REPEATS = 7
+
+
+def products(x, y, rounds):  # type: ignore[no-untyped-def]
+    """Of numbers of any kind."""
+    total = 0
+    for _ in range(rounds):
+        for i in range(len(x)):
+            total += x[i] * y[i]
+    return float(total)
+
+
+def quotients(x, y, rounds):  # type: ignore[no-untyped-def]
+    """Of numbers of any kind."""
+    total = 0
+    for _ in range(rounds):
+        for i in range(len(x)):
+            total += x[i] / y[i]
+    return float(total)
+
+
+def march(f, axes, point, step, count, out):  # type: ignore[no-untyped-def]
+    """:func:`integrable.moving_point.addition.march` into ``out``."""
+    addition.put(addition.march(f, axes, point, step, count), out, 0)
+
+
+LOOPS = Library(
+    "bench_double_double",
+    {
+        "products": (products, (WIDES, WIDES, INT)),
+        "quotients": (quotients, (WIDES, WIDES, INT)),
+        "products_of_floats": (products, (FLOATS, FLOATS, INT)),
+        "march": (march, (WIDES, WIDES, WIDES, WIDES, INT, WIDES)),
+    },
+    SPECIAL,
+)
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
@@ -40,36 +78,6 @@ def _least(work: Any, count: int, smoke: bool) -> float:
 
 def _operations(smoke: bool) -> list[dict[str, object]]:
     """Sums of products and of quotients of arrays that stay in the first cache."""
-    import numba
-
-    from jacobian.numbers.double_double_compiled import JIT, number, numbers
-
-    options = {**JIT, "cache": False}
-
-    @numba.njit(**options)
-    def products(x, y, rounds):  # type: ignore[no-untyped-def]
-        first, second, total = numbers(x), numbers(y), number(0.0, 0.0)
-        for _ in range(rounds):
-            for i in range(len(first)):
-                total += first[i] * second[i]
-        return total.hi
-
-    @numba.njit(**options)
-    def quotients(x, y, rounds):  # type: ignore[no-untyped-def]
-        first, second, total = numbers(x), numbers(y), number(0.0, 0.0)
-        for _ in range(rounds):
-            for i in range(len(first)):
-                total += first[i] / second[i]
-        return total.hi
-
-    @numba.njit(**options)
-    def products_of_floats(x, y, rounds):  # type: ignore[no-untyped-def]
-        total = 0.0
-        for _ in range(rounds):
-            for i in range(len(x)):
-                total += x[i] * y[i]
-        return total
-
     size, rounds = 500, 20 if smoke else 2000
     rng = np.random.default_rng(3)
     x, y = rng.uniform(1, 2, (2, size))
@@ -78,36 +86,23 @@ def _operations(smoke: bool) -> list[dict[str, object]]:
         {
             "what": "x·y + z",
             "number": "float64",
-            "us": _least(lambda: products_of_floats(x, y, rounds), size * rounds, smoke),
+            "us": _least(lambda: LOOPS.products_of_floats(x, y, rounds), size * rounds, smoke),
         },
         {
             "what": "x·y + z",
             "number": "double-double",
-            "us": _least(lambda: products(*pairs, rounds), size * rounds, smoke),
+            "us": _least(lambda: LOOPS.products(*pairs, rounds), size * rounds, smoke),
         },
         {
             "what": "x/y + z",
             "number": "double-double",
-            "us": _least(lambda: quotients(*pairs, rounds), size * rounds, smoke),
+            "us": _least(lambda: LOOPS.quotients(*pairs, rounds), size * rounds, smoke),
         },
     ]
 
 
 def _additions(smoke: bool) -> list[dict[str, object]]:
     """One moving point plus one translation, with its three pairs."""
-    import numba
-
-    from integrable.moving_point import compiled
-    from jacobian.numbers.double_double_compiled import JIT, numbers
-
-    numba.extending.register_jitable(addition.march)
-
-    @numba.njit(**{**JIT, "cache": False})
-    def march(f, axes, point, step, count, out):  # type: ignore[no-untyped-def]
-        moved = addition.march(numbers(f), numbers(axes), numbers(point), numbers(step), count)
-        for c in range(10):
-            numbers(out)[c] = moved[c]
-
     K, count = MP(60), 50 if smoke else 20_000
     ball = ChaplyginBall((1, 2, 3), K.coerce("0.7"), field=K)
     setup = ball.flow(
@@ -117,20 +112,20 @@ def _additions(smoke: bool) -> list[dict[str, object]]:
     problem = setup.f, setup.axes, setup.start, step
     packed = [double_double.pack(x) for x in problem]
     exact = [double_double.unpack(x, K.coerce) for x in packed]
-    floats = [np.array([float(c) for c in x]) for x in problem]
+    floats = [tuple(float(c) for c in x) for x in problem]
     true = addition.march(*exact, 1)
     out = np.empty((10, 2))
-    march(*packed, 1, out)
+    LOOPS.march(*packed, 1, out)
     error = max(abs(x - y) / abs(y) for x, y in zip(double_double.unpack(out, K.coerce), true, strict=True))
-    from_floats = compiled.march(*floats, 1)
+    from_floats = LIBRARY.march(*floats, 1)
     rounded = addition.march(*[[K.coerce(float(c)) for c in x] for x in floats], 1)
     float_error = max(abs(x - y) / abs(y) for x, y in zip(map(K.coerce, from_floats), rounded, strict=True))
     narrow = MP(32)
     short = [[narrow.coerce(c) for c in x] for x in problem]
     steps = 5 if smoke else 200
     found: list[tuple[str, float, float | None]] = [
-        ("float64", _least(lambda: compiled.march(*floats, count), count, smoke), float(float_error)),
-        ("double-double", _least(lambda: march(*packed, count, out), count, smoke), float(error)),
+        ("float64", _least(lambda: LIBRARY.march(*floats, count), count, smoke), float(float_error)),
+        ("double-double", _least(lambda: LOOPS.march(*packed, count, out), count, smoke), float(error)),
         ("mpf, 32 digits, interpreted", _least(lambda: addition.march(*short, steps), steps, smoke), None),
     ]
     return [

@@ -44,7 +44,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
     begun = perf_counter()
     _flow("S1").at([1000.0])
     rows: list[dict[str, object]] = [
-        {"what": "numba, compiled loops, S1 and a first point", "s": perf_counter() - begun}
+        {"what": "compiled loops loaded, S1 and a first point", "s": perf_counter() - begun}
     ]
     for name in ("S1", "S2") if smoke else SCENES:
         rows += _against_reference(name)

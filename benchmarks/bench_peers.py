@@ -3,7 +3,7 @@
 Everyone starts from the floats nearest to the scene's decimals, and so does the truth: our flow at 30 digits (which the
 tests hold against tests/data/trajectories.json from the decimals), for 101 times the torus in double-doubles (right to
 3e-17, docs/flow.md). ``ms`` is set-up and run of a fresh start, processor time, the least of several; ``first use`` the
-same the first time, when numba loads compiled code from disk and heyoka compiles its own. ``way`` is what "auto" has
+same the first time, when compiled code is loaded from disk and heyoka compiles its own. ``way`` is what "auto" has
 taken, ``other way`` how long the torus, or a short run of any length, takes instead: the cost model of
 :mod:`integrable.motion.short` is right where that is more. ``of ours`` is a peer's time over that of the flow, and in
 the flow's row the least of them among the peers that are as near to the truth as we are, or to 1e-15; a dash where none
@@ -32,7 +32,7 @@ SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectorie
 LONGEST = {"S1": 1e6, "S2": 1e6, "S4a": 1e3, "S6": 1e4}
 """The longest T of a scene."""
 TIMES = {101: (1e0, 1e1, 1e2, 1e3, 1e4), 1: (1e1, 1e2, 1e3, 1e4, 1e6)}
-"""By the number of outputs; the truth of the first loads numba, so that nothing of ours is interpreted."""
+"""By the number of outputs."""
 TRUTH_DIGITS = 30
 PATIENCE, LONG_WAIT = 0.3, 20.0
 """Seconds of repeats, and those from which on one run is enough."""

@@ -25,10 +25,11 @@ from integrable.moving_point import compiled
 from jacobian import MP
 from jacobian.inexact import genus2_real, retraction
 from jacobian.inexact.compiled import JIT
+from jacobian.native.kinds import BOOL, INT, WIDES
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double import pack, unpack
-from jacobian.numbers.double_double_compiled import JIT as DOUBLE_JIT
-from jacobian.numbers.double_double_compiled import numbers
 
 SCENES = json.loads((Path(__file__).parents[1] / "tests" / "data" / "trajectories.json").read_text())["scenes"]
 K = MP(60)
@@ -159,16 +160,19 @@ def _pairs_alone(a, gamma, n, step, roots, count):  # type: ignore[no-untyped-de
     return x, y
 
 
-@njit(**DOUBLE_JIT)
-def _in_double_double(f, point, step, count, retract, out):  # type: ignore[no-untyped-def]
-    curve, first, by, to = numbers(f), numbers(point), numbers(step), numbers(out)
-    six = (curve[0], curve[1], curve[2], curve[3], curve[4], curve[5])
+def _in_double_double(f, first, by, count, retract, to):  # type: ignore[no-untyped-def]
+    six = (f[0], f[1], f[2], f[3], f[4], f[5])
     moved, four = (first[0], first[1], first[2], first[3]), (by[0], by[1], by[2], by[3])
     for i in range(count):
         moved = genus2_real.add(six, moved, four)[0]
         if retract and i % RETRACTED == RETRACTED - 1:
             moved = retraction.retracted(six, moved)
     to[0], to[1], to[2], to[3] = moved
+
+
+LOOPS = Library(
+    "bench_stability", {"in_double_double": (_in_double_double, (WIDES, WIDES, WIDES, INT, BOOL, WIDES))}, SPECIAL
+)
 
 
 def _iterated(once: Callable[..., Any], convert: Callable[[Any], Any]) -> Way:
@@ -193,7 +197,7 @@ def _with_signs(problem: Problem, counts: list[int]) -> Iterator[tuple[Any, ...]
     )
     done = 0
     for count in counts:
-        point = compiled.march(f, axes, point, step, count - done)
+        point = compiled.LIBRARY.march(f, axes, point, step, count - done)
         done = count
         yield point[:4]
 
@@ -234,7 +238,7 @@ def _double_double(retract: bool) -> Way:
         done = 0
         for count in counts:
             out = np.empty_like(point)
-            _in_double_double(f, point, step, count - done, retract, out)
+            LOOPS.in_double_double(f, point, step, count - done, retract, out)
             point, done = out, count
             yield tuple(unpack(point, K.context.mpf))
 

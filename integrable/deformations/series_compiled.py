@@ -1,28 +1,17 @@
-"""The loops of :mod:`integrable.deformations.series` compiled by numba for double-double numbers."""
+"""The loops of :mod:`integrable.deformations.series` compiled for double-double numbers."""
 
 from __future__ import annotations
 
-from numba.extending import register_jitable
-
 from integrable.deformations import series
-from jacobian.inexact import compiled
-from jacobian.numbers.compiler import njit
-from jacobian.numbers.double_double_compiled import JIT, numbers
+from jacobian.native.kinds import INT, INTS, WIDES
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
 
-# square roots of double-double numbers are registered there
-assert compiled
-
-_coefficients = register_jitable(series.coefficients)
-_values_at = register_jitable(series.values_at)
-
-
-@njit(**JIT)
-def coefficients(kinds, left, right, rates, order, series):  # type: ignore[no-untyped-def]
-    """:func:`integrable.deformations.series.coefficients`."""
-    _coefficients(kinds, left, right, rates, order, numbers(series))
-
-
-@njit(**JIT)
-def values_at(x, order, series, out):  # type: ignore[no-untyped-def]
-    """:func:`integrable.deformations.series.values_at`."""
-    _values_at(numbers(x), order, numbers(series), numbers(out))
+LIBRARY = Library(
+    "taylor_series",
+    {
+        "coefficients": (series.coefficients, (INTS, INTS, INTS, INTS, INT, WIDES)),
+        "values_at": (series.values_at, (WIDES, INT, WIDES, WIDES)),
+    },
+    SPECIAL,
+)

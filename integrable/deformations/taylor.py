@@ -78,14 +78,14 @@ class _Compiled:
     kind = "compiled"
 
     def __init__(self, field: Any) -> None:
-        from integrable.deformations import series_compiled
+        from integrable.deformations.series_compiled import LIBRARY
 
         self._field = field
-        self.values_at: Any = series_compiled.values_at
-        self._coefficients: Any = series_compiled.coefficients
+        self.values_at: Any = LIBRARY.values_at
+        self._coefficients: Any = LIBRARY.coefficients
 
     def tape(self, arrays: Any) -> Any:
-        return tuple(np.array(x) for x in arrays)
+        return tuple(np.array(x, dtype=np.int64) for x in arrays)
 
     def row(self, values: Sequence[Any]) -> Any:
         return np.array([split(x) for x in values])

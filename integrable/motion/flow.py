@@ -62,7 +62,7 @@ CLOCK_DIGITS = 24
 class Flow(BodyMotion):
     """The motion through one state. Get one from ``system.flow(state)``.
 
-    ``kernel``: "python" is the readable loop, "compiled" the same source through numba (floats only), "auto" chooses by
+    ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by
     the amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done when it is needed, once;
     :meth:`at` and :meth:`at_tau` may be called any number of times. What is there by then decides the cheapest way to
     few near times, so that the same call may differ later, by rounding.

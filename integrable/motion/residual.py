@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from integrable.moving_point import addition
 from jacobian import RR
 from jacobian.errors import entries, shown, whole
@@ -36,7 +34,7 @@ def residual_growth(setup: Setup, counts: Any, kernel: str) -> list[tuple[int, A
     if compiled and floats and not interpreted():
         from integrable.moving_point import compiled as loops
 
-        march, inputs = loops.march, map(np.array, inputs)
+        march = loops.LIBRARY.march
     f, axes, point, step = inputs
     rows, done = [], 0
     for count in sorted(counts):

@@ -1,4 +1,4 @@
-"""The inner steps of the exact flow, on bare reals: written so that numba can compile them as they stand.
+"""The inner steps of the exact flow, on bare reals: written to be compiled as they stand.
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
 the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
@@ -140,7 +140,7 @@ def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passe
 def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
     """(m, r) of T(eps) to start Newton from: to leading order in eps, and for mpf to the digits of a float.
 
-    (Compiled code has floats only and a shorter version of its own, in :mod:`integrable.moving_point.compiled`.)
+    (Compiled code has shorter versions of its own, in :mod:`integrable.moving_point.compiled`.)
     """
     r = f0 * eps * eps / 4
     m = -series[1] * r / 3

@@ -1,53 +1,48 @@
-"""Additions to moving points made known to numba, from the readable source
-(:mod:`integrable.moving_point.addition`), and the loop over successive ones in floats.
-
-Importing this module imports numba; compiled code is kept on disk beside the source, so that only the first use pays
-for it.
-"""
+"""What compiled loops on moving points share: the first estimate of a small translation; and successive additions."""
 
 from __future__ import annotations
 
-from numba.extending import overload, register_jitable
+from typing import Any
 
-from integrable.moving_point import addition, translations
-from jacobian.inexact.compiled import JIT
-from jacobian.numbers import double_double_compiled as double_double
-from jacobian.numbers.compiler import njit
+from integrable.moving_point import addition
+from jacobian.native.expressions import Expressions
+from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, TupleKind, Value
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL as SPECIAL_NUMBERS
 
-
-@overload(addition.estimate)
-def _estimate(series, f0, eps):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
-    if isinstance(eps, double_double.DoubleDouble):
-        return _estimate_in_floats
-    return lambda series, f0, eps: (-series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4)
+Real = Any
+Row = Any
 
 
-def _estimate_in_floats(series, f0, eps):  # type: ignore[no-untyped-def]  # the same signature
-    r = f0.hi * eps.hi * eps.hi / 4
-    m = -series[1].hi * r / 3
-    if abs(eps.hi) >= 1e-100:
-        m, r = addition.centre(series.data[: addition.FLOAT_TERMS, 0], f0.hi, eps.hi, m, r, 6)
-    return double_double.number(m, 0.0), double_double.number(r, 0.0)
+def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
+    """:func:`integrable.moving_point.addition.estimate` of floats."""
+    return -series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4
 
 
-for _inner in (
-    addition.pair,
-    addition.settle,
-    addition.carried,
-    addition.settled,
-    addition.shift,
-    addition.rate_at,
-    addition.rate_after,
-    addition.abel_sums,
-    addition.centre,
-    addition.conjugate_points,
-    addition.near_identity,
-    addition.moving_point,
-    addition.put,
-    addition.opposite,
-    addition.conditioning,
-    translations.power_series,
-):
-    register_jitable(_inner)
+def estimate_in_floats(series: Row, f0: float, eps: float) -> tuple[float, float]:
+    """The same of double-doubles, from their high parts."""
+    r = f0 * eps * eps / 4
+    m = -series[1] * r / 3
+    if abs(eps) >= 1e-100:
+        m, r = addition_centre(series[:addition_terms], f0, eps, m, r, 6)
+    return m, r
 
-march = njit(**JIT)(addition.march)
+
+addition_centre, addition_terms = addition.centre, addition.FLOAT_TERMS
+
+
+def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
+    """:func:`integrable.moving_point.addition.estimate` for the kinds of these values."""
+    if eps.kind is not WIDE:
+        return b.call(estimate, [series, f0, eps])
+    high = [Value(FLOAT, x.parts[:1]) for x in (f0, eps)]
+    return b.call(estimate_in_floats, [Value(HIGHS, series.parts), *high])
+
+
+SPECIAL = {**SPECIAL_NUMBERS, addition.estimate: estimated}
+_POINT = TupleKind((FLOAT,) * 10)
+LIBRARY = Library(
+    "moving_point",
+    {"march": (addition.march, (TupleKind((FLOAT,) * 6), TupleKind((FLOAT,) * 8), _POINT, _POINT, INT))},
+    SPECIAL,
+)

@@ -1,4 +1,4 @@
-"""States near the start of a motion, by Chebyshev panels: written so that numba can compile it as it stands.
+"""States near the start of a motion, by Chebyshev panels: written to be compiled as it stands.
 
 A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers, a
 centre being a few additions of tabled translations from the start; those at the nodes of a panel are one addition in

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from integrable.moving_point.native import SPECIAL
+from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.short import short_run as run
 from integrable.moving_point.short_rows import (
     CLOCK,

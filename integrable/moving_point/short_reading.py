@@ -1,4 +1,4 @@
-"""States off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats for numba as they stand."""
+"""States off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats compiled as they stand."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 """The start of a short run in wide numbers: curve, axes, moving point and Chaplygin's transformation of one motion, as
-:class:`integrable.moving_point.problem.MotionProblem` has them, on bare reals for numba as they stand.
+:class:`integrable.moving_point.problem.MotionProblem` has them, on bare reals compiled as they stand.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), for numba as they stand: centres of
+"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), compiled as they stand: centres of
 panels in wide numbers, the nodes about them in floats, or in wide numbers where floats do not do.
 """
 

@@ -94,7 +94,7 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
 
 def directions_of(point: Any) -> tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]:
     """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|): :func:`from_pairs` on bare
-    reals, floats, mpf, balls, or double-doubles where numba compiles it.
+    reals, floats, mpf, balls, or double-doubles where it is compiled.
     """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     square = s1 * s1 + s2 * s2 + s3 * s3

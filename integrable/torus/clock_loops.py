@@ -1,4 +1,4 @@
-"""States at physical times on a torus, on bare reals for numba as they stand: the clock's series, and panels."""
+"""States at physical times on a torus, on bare reals compiled as they stand: the clock's series, and panels."""
 
 from __future__ import annotations
 

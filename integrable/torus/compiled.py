@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.moving_point.native import SPECIAL
+from integrable.moving_point.compiled import SPECIAL
 from integrable.torus import clock_loops, states, survey, tables, walks, witness
 from integrable.torus.clock_loops import Clock, Series
 from integrable.torus.lattice import Chart

@@ -1,4 +1,4 @@
-"""What is known of a real torus before it is walked over, on bare reals: written so that numba can compile it as it
+"""What is known of a real torus before it is walked over, on bare reals: written to be compiled as it
 stands.
 
 Periods by the arithmetic-geometric mean, the mean of 1/g, the chart of two centres with the fewest cells, the power

@@ -1,4 +1,4 @@
-"""The tables of a torus, on bare reals for numba as they stand: translations near the identity, rows of points."""
+"""The tables of a torus, on bare reals compiled as they stand: translations near the identity, rows of points."""
 
 from __future__ import annotations
 

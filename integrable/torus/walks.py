@@ -1,4 +1,4 @@
-"""Walks over the corners of a torus, on bare reals: written so that numba can compile them as they stand, as all
+"""Walks over the corners of a torus, on bare reals: written to be compiled as they stand, as all
 loops of random access (:mod:`integrable.torus.tables`, :mod:`integrable.torus.states`,
 :mod:`integrable.torus.clock_loops`).
 

@@ -1,7 +1,6 @@
 """Registers the bare-real kernel and the retraction with numba: after this import compiled code can call them.
 
-Numbers are floats or those of :mod:`jacobian.numbers.double_double_compiled`. The functions take the compiler's options
-from the function that calls them: :data:`JIT` for floats, ``double_double_compiled.JIT`` for double-doubles.
+Numbers are floats. The functions take the compiler's options, :data:`JIT`, from the function that calls them.
 """
 
 from __future__ import annotations
@@ -11,8 +10,6 @@ from math import sqrt
 from numba.extending import overload, register_jitable
 
 from jacobian.inexact import genus2_real, retraction
-from jacobian.numbers.double_double import EPS
-from jacobian.numbers.double_double_compiled import DoubleDouble, square_root
 from jacobian.numbers.roots import negligible, root
 
 # nothing here may divide by zero and go on: a zero divisor gives inf or nan, which callers test for once, at the end
@@ -21,16 +18,11 @@ JIT = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 @overload(root)
 def _root(x):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
-    if isinstance(x, DoubleDouble):
-        return lambda x: square_root(x)
     return lambda x: sqrt(x)
 
 
 @overload(negligible)
 def _negligible(small, large):  # type: ignore[no-untyped-def]  # numba compares the bare signatures
-    if isinstance(large, DoubleDouble):
-        # lo may hold digits far below those of the number
-        return lambda small, large: abs(small) <= EPS * abs(large)
     return lambda small, large: large + small == large
 
 

@@ -9,15 +9,15 @@ from random import Random
 
 import numpy as np
 import pytest
-from numba import njit
 
-import integrable.moving_point.compiled  # noqa: F401  # makes the functions of addition known to numba
 from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
+from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.translations import series_of
 from jacobian import MP
+from jacobian.native.kinds import INT, WIDE, WIDES, ArrayKind
+from jacobian.native.library import Library
 from jacobian.numbers import double_double
-from jacobian.numbers.double_double_compiled import JIT, number, numbers
 
 K = MP(60)
 GAMMA, MOMENTUM = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
@@ -37,30 +37,29 @@ CASES = {
 }
 
 
-@njit(**JIT)
 def near_identity(series, roots, f0, axes, eps, passes, out):
     """T(eps) for every eps ≠ 0 of an array (N, 2), into ``out`` of shape (N, 10, 2)."""
-    powers, powers2, lines, offsets, tos = numbers(series), numbers(roots), numbers(axes), numbers(eps), numbers(out)
-    scale = number(f0[0], f0[1])
-    for i in range(len(offsets)):
-        store(tos[i], addition.near_identity(powers, powers2, scale, lines, offsets[i], passes))
+    for i in range(len(eps)):
+        addition.put(addition.near_identity(series, roots, f0[0], axes, eps[i], passes), out[i], 0)
 
 
-@njit(**JIT)
 def shifted(f, axes, start, steps, out):
     """The moving point after the translations ``steps`` (N, 10, 2), into ``out`` of shape (10, 2)."""
-    curve, lines, rows = numbers(f), numbers(axes), numbers(steps)
-    point = addition.moving_point(numbers(start))
-    for i in range(len(rows)):
-        point = addition.shift(curve, lines, point, rows[i])
-    store(numbers(out), point)
+    point = addition.moving_point(start)
+    for i in range(len(steps)):
+        point = addition.shift(f, axes, point, steps[i])
+    addition.put(point, out, 0)
 
 
-@njit(**JIT)
-def store(row, point):
-    """The ten numbers of a moving point into a row."""
-    for c in range(10):
-        row[c] = point[c]
+TABLE = ArrayKind(WIDE, 2, 2)
+LOOPS = Library(
+    "test_addition",
+    {
+        "near_identity": (near_identity, (WIDES, WIDES, WIDES, WIDES, WIDES, INT, TABLE)),
+        "shifted": (shifted, (WIDES, WIDES, WIDES, TABLE, WIDES)),
+    },
+    SPECIAL,
+)
 
 
 @cache
@@ -113,7 +112,7 @@ def test_additions(name):
         steps = table[levels]
         inputs = [double_double.pack(x) for x in (setup.mpf.f, setup.mpf.axes, setup.mpf.start, steps)]
         out = np.empty((10, 2))
-        shifted(*inputs, out)
+        LOOPS.shifted(*inputs, out)
 
         def loop(f, axes, start, steps):
             return reduce(lambda point, step: addition.shift(f, axes, point, step), steps, start)
@@ -132,7 +131,7 @@ def test_near_identity(name):
     series, roots = (series_of(f, power, setup.terms) for power in (-1, 1))
     inputs = [double_double.pack(x) for x in (series, roots, f[0], axes)]
     out = np.empty((len(offsets), 10, 2))
-    near_identity(*inputs, double_double.pack(offsets), 2, out)
+    LOOPS.near_identity(*inputs[:2], inputs[2][None], inputs[3], double_double.pack(offsets), 2, out)
     for row, eps in zip(out, exact(double_double.pack(offsets)), strict=True):
         true = addition.near_identity(*map(exact, inputs), eps, 6)
         for x, y in zip(exact(row), true, strict=True):

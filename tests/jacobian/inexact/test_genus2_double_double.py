@@ -5,36 +5,47 @@ from fractions import Fraction
 from itertools import product
 from statistics import median
 
-import numba
 import numpy as np
 import pytest
 
 from jacobian import MP, QQ, NotRepresentable, PrecisionLoss
 from jacobian.inexact import composition, genus2_real
-from jacobian.inexact.compiled import JIT as FLOAT_JIT
+from jacobian.native import kinds
+from jacobian.native.kinds import FLOAT, INTS, WIDES, ArrayKind, TupleKind
+from jacobian.native.library import Library
+from jacobian.native.program import Program
+from jacobian.native.special import SPECIAL
 from jacobian.numbers import double_double
-from jacobian.numbers.double_double_compiled import JIT, numbers
 from tests.jacobian.inexact.real_rows import CELLS, WIDE, rows
 from tests.jacobian.rational_curves import QUARTIC, QUINTIC, known_points, pairs_of
 
 WORST, TYPICAL = 1e-26, 1e-29
 
 
-@numba.njit(**{**JIT, "cache": False})
 def add_all(f, first, second, out):
     for i in range(len(f)):
-        g, x, y, row = numbers(f[i]), numbers(first[i]), numbers(second[i]), numbers(out[i])
+        g, x, y, row = f[i], first[i], second[i], out[i]
         total, _ = genus2_real.add(
             (g[0], g[1], g[2], g[3], g[4], g[5]), (x[0], x[1], x[2], x[3]), (y[0], y[1], y[2], y[3])
         )
         row[0], row[1], row[2], row[3] = total
 
 
+def adds_nothing(pairs, out):
+    out[0] = genus2_real.negligible(pairs[0], pairs[1])
+
+
+TABLE = ArrayKind(kinds.WIDE, 2, 2)
+LOOPS = Library(
+    "test_genus2", {"add_all": (add_all, (TABLE,) * 4), "adds_nothing": (adds_nothing, (WIDES, INTS))}, SPECIAL
+)
+
+
 def sums(f, first, second):
     """The sums of rows of numbers, as arrays (…, 2)."""
     table = [np.array([[double_double.split(x) for x in row] for row in part]) for part in (f, first, second)]
     out = np.empty((len(f), 4, 2))
-    add_all(*table, out)
+    LOOPS.add_all(*table, out)
     return out
 
 
@@ -77,17 +88,17 @@ def test_special_cases_on_rational_points(curve):
         )
 
 
-def test_the_options_of_the_caller_reach_the_functions_it_calls():
+def test_only_sums_of_floats_are_contracted():
     """The float kernel may contract products and sums; in double-double code that would destroy the error terms."""
 
-    def add(f, first, second):
-        return genus2_real.add(f, first, second)[0]
+    def text(function, given):
+        program = Program(SPECIAL)
+        program.entry("entry", function, given)
+        return program.text()
 
-    four = numba.types.UniTuple(numba.float64, 4)
-    compiled = numba.njit(**{**FLOAT_JIT, "cache": False})(add)
-    compiled.compile((numba.types.UniTuple(numba.float64, 6), four, four))
-    assert "fmul contract" in "".join(compiled.inspect_llvm().values())
-    assert " contract " not in "".join(add_all.inspect_llvm().values())
+    four = TupleKind((FLOAT,) * 4)
+    assert "fmul contract" in text(genus2_real.add, (TupleKind((FLOAT,) * 6), four, four))
+    assert "contract" not in text(add_all, (TABLE,) * 4)
 
 
 @pytest.mark.parametrize(
@@ -95,11 +106,8 @@ def test_the_options_of_the_caller_reach_the_functions_it_calls():
 )
 def test_negligible(small, large, expected):
     """The low part may hold digits far below those of the number: a sum may differ where nothing is added."""
-
-    @numba.njit(**{**JIT, "cache": False})
-    def negligible(pair):
-        return genus2_real.negligible(numbers(pair)[0], numbers(pair)[1])
-
-    assert negligible(double_double.pack([Fraction(small), Fraction(large)])) is expected
+    found = np.zeros(1, dtype=np.int64)
+    LOOPS.adds_nothing(double_double.pack([Fraction(small), Fraction(large)]), found)
+    assert bool(found[0]) is expected
     assert genus2_real.negligible(small, large) is True
     assert genus2_real.negligible(MP(32).coerce(small), MP(32).coerce(large)) is expected

@@ -9,10 +9,11 @@ from jacobian import MP, QQ, poly
 from jacobian.inexact import genus2_real, retraction
 from jacobian.inexact.compiled import JIT
 from jacobian.inexact.retraction import remainder, retracted
+from jacobian.native.kinds import WIDES
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.double_double import pack, unpack
-from jacobian.numbers.double_double_compiled import JIT as DOUBLE_JIT
-from jacobian.numbers.double_double_compiled import numbers
 
 K = MP(50)
 QUINTIC = (-0.31, 3.66, -16.5, 34.7, -33.4, 11.2)
@@ -87,11 +88,12 @@ def _steps(f, point, step, count, every):
     return point
 
 
-@njit(**DOUBLE_JIT)
-def _double_double(f, point, out):
-    curve, p, to = numbers(f), numbers(point), numbers(out)
-    six = (curve[0], curve[1], curve[2], curve[3], curve[4], curve[5])
+def _double_double(f, p, to):
+    six = (f[0], f[1], f[2], f[3], f[4], f[5])
     to[0], to[1], to[2], to[3] = retraction.retracted(six, (p[0], p[1], p[2], p[3]))
+
+
+LOOPS = Library("test_retraction", {"double_double": (_double_double, (WIDES, WIDES, WIDES))}, SPECIAL)
 
 
 def test_compiled_in_floats_and_double_doubles():
@@ -99,7 +101,7 @@ def test_compiled_in_floats_and_double_doubles():
     near = tuple(x + K.coerce("1e-6") for x in point)
     wanted = retracted(f, near)
     out = np.empty((4, 2))
-    _double_double(pack(list(f)), pack(list(near)), out)
+    LOOPS.double_double(pack(list(f)), pack(list(near)), out)
     assert max(abs(x - y) for x, y in zip(unpack(out, K.coerce), wanted, strict=True)) < 1e-29
     floats = retracted(tuple(map(float, f)), tuple(map(float, near)))
     assert np.allclose(floats, [float(x) for x in wanted], rtol=1e-14, atol=1e-14)

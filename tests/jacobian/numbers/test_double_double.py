@@ -5,17 +5,18 @@ from fractions import Fraction
 from math import isqrt
 from random import Random
 
-import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numba.core.errors import NumbaError
 
 from jacobian import MP, ArgumentError
-from jacobian.inexact.compiled import genus2_real
+from jacobian.inexact import genus2_real
+from jacobian.native.kinds import FLOATS, INT, WIDE, WIDES, ArrayKind
+from jacobian.native.library import Library
+from jacobian.native.program import Program
+from jacobian.native.special import SPECIAL
 from jacobian.numbers import double_double
-from jacobian.numbers.double_double_compiled import JIT, number, numbers
 
 U2 = Fraction(1, 2**106)  # u², u = 2^-53
 OPERATIONS = {
@@ -41,9 +42,7 @@ OPERATIONS = {
 }
 
 
-@numba.njit(**{**JIT, "cache": False})
-def evaluate(first, second, floats, out, relations):
-    xs, ys, rows = numbers(first), numbers(second), numbers(out)
+def evaluate(xs, ys, floats, rows, relations):
     for i in range(len(xs)):
         x, y, z, row = xs[i], ys[i], floats[i], rows[i]
         row[0] = x + y
@@ -77,12 +76,37 @@ def evaluate(first, second, floats, out, relations):
         relations[i, 9] = x > 1
 
 
+def polynomials(table, points, out):
+    """A variable that is an integer or a float at first; in-place operators; rows and items of arrays."""
+    for i in range(len(table)):
+        total, last, point = 0, 1.0, points[0]
+        for k in range(len(table[i])):
+            total = total * point + table[i][k]
+            last = total
+        total += 1
+        total -= point
+        total *= 2
+        total /= 3.0
+        out[i] = total + 0 * last
+
+
+TABLES = ArrayKind(WIDE, 2, 2)
+LOOPS = Library(
+    "test_double_double",
+    {
+        "evaluate": (evaluate, (WIDES, WIDES, FLOATS, TABLES, ArrayKind(INT, 2))),
+        "polynomials": (polynomials, (TABLES, WIDES, WIDES)),
+    },
+    SPECIAL,
+)
+
+
 def check(triples):
     """Every operation on every (x, y, float), x, y as pairs, all nonzero: to the bounds, and normalized."""
     first, second = (np.array([row[k] for row in triples]) for k in (0, 1))
     floats = np.array([row[2] for row in triples])
-    out, relations = np.empty((len(triples), len(OPERATIONS), 2)), np.empty((len(triples), 10), dtype=np.bool_)
-    evaluate(first, second, floats, out, relations)
+    out, relations = np.empty((len(triples), len(OPERATIONS), 2)), np.empty((len(triples), 10), dtype=np.int64)
+    LOOPS.evaluate(first, second, floats, out, relations)
     for i, (pair, pair2, single) in enumerate(triples):
         x, y, z = sum(map(Fraction, pair)), sum(map(Fraction, pair2)), Fraction(single)
         for k, (name, (bound, exact)) in enumerate(OPERATIONS.items()):
@@ -149,8 +173,8 @@ def test_any_numbers(triples):
 
 
 def test_zero():
-    out, relations = np.empty((1, len(OPERATIONS), 2)), np.empty((1, 10), dtype=np.bool_)
-    evaluate(np.zeros((1, 2)), np.array([[2.0, 0.0]]), np.array([0.5]), out, relations)
+    out, relations = np.empty((1, len(OPERATIONS), 2)), np.empty((1, 10), dtype=np.int64)
+    LOOPS.evaluate(np.zeros((1, 2)), np.array([[2.0, 0.0]]), np.array([0.5]), out, relations)
     found = dict(zip(OPERATIONS, out[0].tolist(), strict=True))
     assert found["x + y"] == [2, 0]
     assert found["x * y"] == found["x / y"] == found["root(abs(x))"] == found["abs(x)"] == [0, 0]
@@ -158,47 +182,33 @@ def test_zero():
 
 
 def test_in_place_and_mixed_variables():
-    """A variable that is an integer or a float at first; in-place operators; rows and items of arrays."""
-
-    @numba.njit(**{**JIT, "cache": False})
-    def polynomial(coefficients, x, out):
-        table, point = numbers(coefficients), number(x[0], x[1])
-        for i in range(len(table)):
-            total, last = 0, 1.0
-            for k in range(len(table[i])):
-                total = total * point + table[i][k]
-                last = total
-            total += 1
-            total -= point
-            total *= 2
-            total /= 3.0
-            numbers(out)[i] = total + 0 * last
-
     table = [[Fraction(1, 3), Fraction(-2, 7), Fraction(5, 11)], [Fraction(1), Fraction(2), Fraction(1, 9)]]
     x, out = Fraction(1, 13), np.empty((2, 2))
-    polynomial(double_double.pack(table), double_double.pack(x), out)
+    LOOPS.polynomials(double_double.pack(table), double_double.pack([x]), out)
     for row, found in zip(table, double_double.unpack(out), strict=True):
         true = ((row[0] * x + row[1]) * x + row[2] + 1 - x) * 2 / 3
         assert abs(found - true) < 40 * U2
 
 
-def test_fastmath_is_refused():
-    @numba.njit(fastmath={"contract"})
-    def double(x):
-        return numbers(x)[0] + numbers(x)[0]
+def test_no_instruction_of_double_doubles_may_be_contracted():
+    """An optimizer that contracts or reorders sums would take the error terms for zero; floats may be contracted."""
+    text = {}
+    for kinds in ((WIDES, WIDES, FLOATS, TABLES, ArrayKind(INT, 2)), (FLOATS, FLOATS)):
+        program = Program(SPECIAL)
+        program.entry("entry", evaluate if len(kinds) > 2 else products, kinds)
+        text[len(kinds)] = program.text()
+    assert "contract" not in text[5]
+    assert "fmul contract double" in text[2]
 
-    with pytest.raises(NumbaError, match="fastmath"):
-        double(np.ones((1, 2)))
+
+def products(xs, ys):
+    return xs[0] * ys[0] + xs[1]
 
 
-@pytest.mark.parametrize("array", [np.ones((2, 4))[:, ::2], np.ones((2, 2), dtype=np.float32), np.ones(2), 1.0])
+@pytest.mark.parametrize("array", [np.ones((2, 4))[:, ::2], np.ones((2, 2), dtype=np.float32), np.ones(2)])
 def test_what_is_no_array_of_numbers(array):
-    @numba.njit(**{**JIT, "cache": False})
-    def first(x):
-        return numbers(x)[0].hi
-
-    with pytest.raises(NumbaError, match="C-contiguous float64 array"):
-        first(array)
+    with pytest.raises(TypeError, match="is needed, C-contiguous"):
+        LOOPS.polynomials(np.ones((1, 1, 2)), array, np.ones((1, 2)))
 
 
 # --- conversions ------------------------------------------------------------------------------------------------------
