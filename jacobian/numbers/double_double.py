@@ -1,7 +1,7 @@
 """Numbers of about 32 digits as unevaluated sums hi + lo of two floats (Dekker 1971): conversions.
 
 An array of such numbers is a float array with a last axis (hi, lo), |lo| at most half a unit in the last place of hi.
-The arithmetic is compiled: :mod:`jacobian.native.code`.
+The arithmetic is compiled: :mod:`jacobian.native`.
 """
 
 from __future__ import annotations

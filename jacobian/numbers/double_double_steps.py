@@ -1,4 +1,4 @@
-"""The algorithms of double-double numbers, as instructions: one source for numba and for the compiler of our own.
+"""The algorithms of double-double numbers, as instructions (:mod:`jacobian.native.code` writes them).
 
 With u = 2^-53 the relative errors are, barring underflow and overflow: sum 3u² + 13u³, product 4u², quotient 9.8u²
 (Joldes, Muller & Popescu 2017, algorithms 6, 12, 18; with a float 4, 9, 15: 2u², 2u², 3u²; the bound of the product
