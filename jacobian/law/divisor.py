@@ -138,6 +138,8 @@ class Divisor(Immutable):
             if J.field.order is None or self.jacobian.field.order is not None:
                 raise
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
+        if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
+            raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
         # what shared the places at infinity evenly goes on doing so on a split model
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
