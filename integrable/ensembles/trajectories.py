@@ -110,10 +110,11 @@ class Trajectories(Exported):
         way = self._ways[member]
         if way < 0:
             raise ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
-        status = self.row_status(member) if self.status[member] else None
+        refused = self.status[member] > 0
+        status, reasons = (self.row_status(member), self.reasons) if refused else (None, ("",))
         times = self._times[member if len(self._times) > 1 else 0]
         rows, tau = np.array(self._rows[member, :, :6]), np.array(self._rows[member, :, 6])
-        return Trajectory(flow, times, tau, rows, WORDS[way], status, self.reasons)
+        return Trajectory(flow, times, tau, rows, WORDS[way], status, reasons)
 
     def concatenated(self, *others: Trajectories) -> Trajectories:
         """These members and those of the ``others``: of the same system, at the same times, or as many of their own."""

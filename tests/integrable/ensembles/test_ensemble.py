@@ -110,6 +110,7 @@ def test_refused_members_and_rows_stop_no_other():
     assert np.isfinite(found.M[3, 0]).all()
     assert len(found.kept) == 1
     assert found[3].status.tolist() == [0, 3]
+    assert found[0].reasons == ("",)
     refuses(lambda: found[1], "inertia[1] = -2.0 is not positive")
     assert [len(part) for part in (found[:2], found[[0, 3]], found[found.status > 1])] == [2, 2, 2]
     assert found[[3, 0]].row_status(0).tolist() == [0, 3]
