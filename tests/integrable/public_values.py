@@ -14,6 +14,8 @@ from integrable import (
     ensemble,
     load_scene,
 )
+from integrable.classical.neumann import Neumann
+from integrable.classical.toda import TodaLattice
 from integrable.motion.conditioning import conditioning
 from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
@@ -41,6 +43,8 @@ def systems_over(K):
         "check": Check(inertia, field=K),
         "hat": Hat(inertia, field=K),
         "gyroscopic": Gyroscopic(inertia, 1, field=K),
+        "neumann": Neumann(inertia, K),
+        "toda": TodaLattice(3, K),
     }
 
 
@@ -71,6 +75,7 @@ def values_over(K):
         "hat map": top.hat_map(),
         "isometric step": systems["check"].translation((30, -30)),
         "flow": flow,
+        "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
         "tilted flow": ball.flow(tilted),
         "run": flow.at([0, "1/3", 2]),
         "run in tau": flow.at_tau([1, 2]),

@@ -4,10 +4,12 @@ from random import Random
 
 from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray
+from jacobian.fields.long import LongField
 from jacobian.fields.residue import ResidueField
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative
+from jacobian.relatives.extended import ExtendedGroup, Lift, SecondKind
 from jacobian.relatives.formal_sum import FormalSum, principal_divisor
 from jacobian.relatives.glued import GeneralizedJacobian
 from jacobian.relatives.ray_class import RayClassGroup
@@ -45,7 +47,9 @@ def values_over(K):
         "zero": J.zero(),
         "array": DivisorArray.stack([D, J.zero()]),
         "table": J.fixed_base(D),
+        "long numbers": LongField(100),
         "affine point": C.lift_x(0),
+        "extended group": ExtendedGroup(K, C.f, [SecondKind(), Lift(K.zero)]) if K.characteristic != 2 else C,
         "point at infinity": C.points_at_infinity()[0],
     }
     if K.exact:

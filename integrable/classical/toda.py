@@ -1,0 +1,163 @@
+"""The periodic Toda lattice of n particles (Toda 1967; Flaschka & McLaughlin 1976; Suris 2003 for its discrete time).
+
+H = ½Σp_k² + Σe^{q_{k+1} − q_k}, indices modulo n: q' = p, p_k' = e^{q_{k+1} − q_k} − e^{q_k − q_{k−1}}. With
+
+    L_k = [[x + p_k, e^{q_k}], [−e^{−q_k}, 0]],   L_n⋯L_1 = [[A, B], [C, D]],   Δ = A + D
+
+the curve is y² = Δ² − 4, of genus n − 1, U = B over its leading coefficient, V = (A − D) mod U, and the direction is
+−e_{g−1}. Back: A = ½(Δ + V + (x + β)U), β = Δ_{n−1} − u_{n−2}, and Euclid's algorithm on (A, U) has the quotients
+x + p_1, x + p_2, … and the remainders −e^{q_{k+1} − q_k} times the next monic polynomial. The centre of mass moves
+uniformly.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.maps import plus_point_minus_infinity
+from integrable.mumford.system import (
+    MumfordSystem,
+    Point,
+    Spectral,
+    all_of,
+    exponential,
+    logarithm,
+)
+from jacobian import RR, poly
+from jacobian.errors import one_of, whole
+from jacobian.fields.protocol import check_field
+from jacobian.relatives.extended import Extended
+
+
+class TodaLattice(MumfordSystem):
+    """n ≥ 2 particles on a ring, of mass 1, coupled by e^{q_{k+1} − q_k}.
+
+    Over an exact field, which has no exponentials, the q of a state are e^{q_k}.
+    """
+
+    def __init__(self, n: Any, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+        self.size = whole(n, "n", "the number of particles is an int ≥ 2", 2)
+        self.constants = ()
+
+    def __repr__(self) -> str:
+        return f"TodaLattice({self.size}, {self.field.name})"
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        # an exponential is not 0
+        return [N.zero if x != N.zero else N.one for x in state.q] if N.exact else ()
+
+    _constraint_names = ("e^q ≠ 0",)
+
+    def _exponentials(self, N: Any, state: Point) -> tuple[Any, ...]:
+        """e^{q_k − q_1}, or over an exact field e^{q_k}: U, V and f are the same for both."""
+        if N.exact:
+            return state.q
+        return tuple(exponential(N, x - state.q[0]) for x in state.q)
+
+    def _links(self, N: Any, state: Point) -> list[Any]:
+        """e^{q_{k+1} − q_k}, k = 1 … n."""
+        w = self._exponentials(N, state)
+        return [w[(k + 1) % self.size] / w[k] for k in range(self.size)]
+
+    def _transfer(self, N: Any, state: Point) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
+        """((A, B), (C, D))."""
+        one: poly.Poly = (N.one,)
+        rows: Any = ((one, ()), ((), one))
+        for w, p in zip(self._exponentials(N, state), state.p, strict=True):
+            (a, b), (c, d) = rows
+            factor = (p, N.one)
+            # from the left: (x + p, w; −1/w, 0)
+            rows = (
+                tuple(poly.add(N, poly.mul(N, factor, x), poly.scale(N, w, y)) for x, y in ((a, c), (b, d))),
+                tuple(poly.scale(N, -1 / w, x) for x in (a, b)),
+            )
+        return rows
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        (a, b), (_, d) = self._transfer(N, state)
+        trace, size = poly.add(N, a, d), self.size
+        f = poly.sub(N, poly.mul(N, trace, trace), (N.coerce(poly.integer(N, 4)),))
+        u = poly.monic(N, b[:size])
+        return all_of(N, (f, u, poly.mod(N, poly.sub(N, a, d), u)), size - 1)
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        links = self._links(N, state)
+        rates = tuple(x * y for x, y in zip(state.q, state.p, strict=True)) if N.exact else state.p
+        return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """The coefficients of Δ, ascending, and H, which is among their polynomials."""
+        (a, _), (_, d) = self._transfer(N, state)
+        energy = N.dot(state.p, state.p) / 2
+        for link in self._links(N, state):
+            energy = energy + link
+        return {"trace": poly.add(N, a, d), "H": energy}
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        p, links = self._chain(N, start, (D.u, D.v))
+        q = [N.zero]
+        for link in links:
+            q.append(q[-1] + logarithm(N, link))
+        # Σq = Σq(0) + tΣp
+        total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
+        shift = (total - sum(q, N.zero)) / self.size
+        return Point(tuple(x + shift for x in q), tuple(p))
+
+    def _chain(self, N: Any, start: Point, pair: tuple[poly.Poly, poly.Poly]) -> tuple[list[Any], list[Any]]:
+        """p_1 … p_n and e^{q_{k+1} − q_k}, k < n, of a pair on the curve of ``start``."""
+        u, v = pair
+        size = self.size
+        trace = self._integrals(N, start)["trace"]
+        beta = trace[size - 1] - (u[size - 2] if size > 1 else N.zero)
+        twice = poly.add(N, poly.add(N, trace, poly.trim(N, v) if N.exact else v), poly.mul(N, (beta, N.one), u))
+        half = 1 / N.coerce(poly.integer(N, 2))
+        above, below = poly.scale(N, half, twice), u
+        p, links = [], []
+        for k in range(size):
+            quotient, rest = poly.divide(N, above, below)
+            p.append(quotient[0])
+            if k < size - 1:
+                links.append(-rest[size - 2 - k])
+                above, below = below, poly.monic(N, rest[: size - 1 - k])
+        return p, links
+
+    def step(self, state: Point, point: Sequence[Any], sheet: int = 1) -> Point:
+        """The state of D + P − ∞₊, with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
+
+        p_k + λ = e^{q̃_k − q_k} + e^{q_k − q̃_{k−1}}, p̃_k + λ = e^{q̃_k − q_k} + e^{q_{k+1} − q̃_k}; with ``sheet`` −1
+        p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. Real where
+        μ² = f(λ) ≥ 0.
+        """
+        sheet = one_of(sheet, "sheet", (1, -1), "1 or -1")
+
+        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+            f, u, v = self._spectral(N, here)
+            pair = plus_point_minus_infinity(N, f, (u, v), (x, y), N.one if sheet == 1 else -N.one)
+            p, links = self._chain(N, here, pair)
+            w = [self._first(N, here, links, x, sheet)]
+            for link in links:
+                w.append(w[-1] * link)
+            if N.exact:
+                return Point(tuple(here.q[0] * c for c in w), tuple(p))
+            return Point(tuple(here.q[0] + logarithm(N, c) for c in w), tuple(p))
+
+        return self._mapped(state, point, formula)
+
+    def _first(self, N: Any, here: Point, new: list[Any], x: Any, sheet: int) -> Any:
+        """X = e^{q̃_1 − q_1}, from the equations of p_1 and p_2, which are linear in X and 1/X."""
+        old, around = self._links(N, here), N.one
+        for link in new:
+            around = around * link
+        left = [here.p[k % self.size] + x for k in (0, 1)]
+        if sheet == 1:
+            rows = ((N.one, 1 / around), (new[0] / old[0], old[0]))
+        else:
+            second = new[1] * new[0] if self.size > 2 else N.one
+            rows = ((new[0], N.one), (second / old[0], old[0] / new[0]))
+        (a, b), (c, d) = rows
+        return (left[0] * d - b * left[1]) / (a * d - b * c)

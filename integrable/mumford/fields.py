@@ -1,0 +1,110 @@
+"""The g commuting fields on pairs (U, V) of y² = f(x), their Lax form and brackets (Mumford, Tata Lectures on Theta II,
+ch. IIIa; Vanhaecke 1996).
+
+U is monic of degree g, deg V < g, U | f − V², deg f = 2g + 1 or 2g + 2 with any leading coefficient. Polynomials are
+ascending; U and V are given and returned with all their coefficients, zeros at the top included. Every function takes
+its field first and works over finite fields, jets and balls alike; none takes a root.
+
+A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c_k dτ for the points (x_i, y_i) of the pair.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from jacobian import poly
+
+Poly = tuple[Any, ...]
+
+
+def padded(K: Any, a: Sequence[Any], size: int) -> Poly:
+    """``size`` coefficients of a, zeros after those it has."""
+    return (*a[:size], *[K.zero] * (size - len(a)))
+
+
+def cofactor(K: Any, f: Poly, u: Poly, v: Poly) -> Poly:
+    """W = (f − V²)/U."""
+    return poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
+
+
+def multiplier(K: Any, u: Poly, direction: Sequence[Any]) -> Poly:
+    """n(x) = −Σ_j c_j (U div x^{j+1})."""
+    size = len(u) - 1
+    n = [K.zero] * size
+    for j, c in enumerate(direction):
+        for i in range(j + 1, size + 1):
+            n[i - j - 1] = K.sub(n[i - j - 1], K.mul(c, u[i]))
+    return tuple(n)
+
+
+def rates(K: Any, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[Poly, Poly]:
+    """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U."""
+    size, n = len(u) - 1, multiplier(K, u, direction)
+    of_u = poly.mod(K, poly.mul(K, n, v), u)
+    twice = poly.mod(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
+    half = K.neg(K.inv(poly.integer(K, 2)))
+    of_v = tuple([K.mul(half, c) for c in twice])
+    return (*padded(K, of_u, size), K.zero), padded(K, of_v, size)
+
+
+def second_kind_rate(K: Any, u: Poly, direction: Sequence[Any]) -> Any:
+    """Σ x_i^g x_i'/y_i = −[x^{g−1}](x^g·n mod U) along a direction: the rate of the second-kind datum."""
+    size = len(u) - 1
+    moved = poly.mod(K, (*[K.zero] * size, *multiplier(K, u, direction)), u)
+    return K.neg(padded(K, moved, size)[-1])
+
+
+def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, Poly]:
+    """(U', V') for c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
+    size = len(u) - 1
+    rest = poly.mod(K, cofactor(K, f, u, v), u)
+    values = [poly.evaluate(K, b, a) for b in (u, v, rest)]
+    factor = (K.neg(a), K.one)
+
+    def alternating(x: Any, b: Poly, y: Any, d: Poly) -> Poly:
+        top = [
+            K.sub(K.mul(x, p), K.mul(y, q)) for p, q in zip(padded(K, b, size + 1), padded(K, d, size + 1), strict=True)
+        ]
+        return padded(K, poly.divide(K, tuple(top), factor)[0], size)
+
+    half = K.inv(poly.integer(K, 2))
+    of_v = alternating(values[2], u, values[0], rest)
+    return (*alternating(values[0], v, values[1], u), K.zero), tuple([K.mul(half, c) for c in of_v])
+
+
+def lax_matrix(K: Any, f: Poly, u: Poly, v: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+    """L(x) = [[V, U], [W, −V]] with −det L = f."""
+    return (v, u), (cofactor(K, f, u, v), poly.neg(K, v))
+
+
+def lax_partner(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+    """(x − a)·M(x) with 2L' = [L, M] along c_k = a^k: L(a) + U(a)(κ(x) − κ(a))E₂₁, κ = W div U."""
+    matrix = lax_matrix(K, f, u, v)
+    at_a = [[poly.evaluate(K, entry, a) for entry in row] for row in matrix]
+    slope = poly.quotient(K, matrix[1][0], u)
+    correction = [K.mul(at_a[0][1], c) for c in slope]
+    correction[0] = K.sub(correction[0], K.mul(at_a[0][1], poly.evaluate(K, slope, a)))
+    corner = (K.add(at_a[1][0], correction[0]), *correction[1:])
+    return ((at_a[0][0],), (at_a[0][1],)), (corner, (at_a[1][1],))
+
+
+def brackets(K: Any, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]:
+    """{u_i, v_j}, shape (g, g), for canonical x_i, p_j with y = φ(x)p; those of two u or two v vanish.
+
+    {U(x), V(z)} = −[U(x)φ̂(z) − U(z)φ̂(x)]/(x − z), φ̂ = φ mod U.
+    """
+    size = len(u) - 1
+    phi = padded(K, poly.mod(K, phi, u), size + 1)
+    # the numerator is Σ m_ij x^i z^j with m antisymmetric, and its quotient by x − z has q_ij = Σ_{k>i} m_{k, i+j+1−k}
+    m = [[K.sub(K.mul(u[i], phi[j]), K.mul(u[j], phi[i])) for j in range(size + 1)] for i in range(size + 1)]
+    table = []
+    for i in range(size):
+        row = []
+        for j in range(size):
+            total = K.zero
+            for k in range(i + 1, min(size, i + j + 1) + 1):
+                total = K.sub(total, m[k][i + j + 1 - k])
+            row.append(total)
+        table.append(tuple(row))
+    return tuple(table)

@@ -1,0 +1,109 @@
+"""Bäcklund maps of pairs as additions of points: D + P − ∞, D + P − ∞±, D + P − Q, in any genus and over any field.
+
+P = (λ, μ) on y² = f(x). The maps commute with all fields of :mod:`integrable.mumford.fields` and with each other, and
+for a fixed λ they are canonical for the brackets there (Kuznetsov & Vanhaecke 2002). One division by U(λ) each, no
+root; a pair with a point at λ is refused (ZeroDivisionError over exact fields and jets).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian import poly
+
+Poly = tuple[Any, ...]
+Pair = tuple[Poly, Poly]
+
+
+def plus_point(K: Any, f: Poly, pair: Pair, point: Any) -> Pair:
+    """D + P − ∞ on a model of odd degree: R = V + cU with R(λ) = μ, Ũ = (f − R²)/(ℓU(x − λ)), Ṽ = −R mod Ũ."""
+    (u, v), (x, y) = pair, point
+    c = K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x))
+    r = poly.add(K, v, tuple([K.mul(c, a) for a in u]))
+    return _residual(K, f, u, r, (K.neg(x), K.one))
+
+
+def plus_point_minus_infinity(K: Any, f: Poly, pair: Pair, point: Any, root: Any) -> Pair:
+    """D + P − ∞ on a model of even degree, ∞ the one with y ~ root·x^{g+1}: R = V + (−root·x + c)U, R(λ) = μ."""
+    (u, v), (x, y) = pair, point
+    c = K.add(K.div(K.sub(y, poly.evaluate(K, v, x)), poly.evaluate(K, u, x)), K.mul(root, x))
+    r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))
+    return _residual(K, f, u, r, (K.neg(x), K.one))
+
+
+def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
+    """D + ∞₋ − ∞₊ on a model of even degree, y ~ root·x^{g+1} at ∞₊: R = V + (−root·x + c)U without x^{2g+1} in
+    f − R².
+    """
+    u, v = pair
+    g = len(u) - 1
+    # the coefficient of x^{g} in R is half that of x^{2g+1} in f over −root; V does not reach it
+    half = K.inv(K.add(root, root))
+    c = K.sub(K.mul(root, u[g - 1]), K.mul(half, f[2 * g + 1]))
+    r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))
+    return _residual(K, f, u, r, (K.one,))
+
+
+def plus_difference(K: Any, f: Poly, pair: Pair, point: Any, other: Any) -> Pair:
+    """D + P − Q: R = V + LU, L linear, R(λ) = μ at P and R(λ') = −μ' at Q, whose λ differ."""
+    u, v = pair
+    (x, y), (z, w) = point, other
+    slopes = [
+        K.div(K.sub(value, poly.evaluate(K, v, at)), poly.evaluate(K, u, at)) for at, value in ((x, y), (z, K.neg(w)))
+    ]
+    b = K.div(K.sub(slopes[0], slopes[1]), K.sub(x, z))
+    line = (K.sub(slopes[0], K.mul(b, x)), b)
+    r = poly.add(K, v, poly.mul(K, u, line))
+    return _residual(K, f, u, r, poly.from_roots(K, (x, z)))
+
+
+def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
+    """(Ũ, −R mod Ũ) for the zeros Ũ of f − R² beside those of U and ``known``."""
+    g = len(u) - 1
+    difference = poly.sub(K, f, poly.mul(K, r, r))[: 2 * g + len(known)]
+    rest = poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1]
+    inverse = K.inv(rest[-1])
+    new = (*[K.mul(inverse, a) for a in rest[:-1]], K.one)
+    found = poly.mod(K, poly.neg(K, r), new)
+    return new, (*found, *[K.zero] * (g - len(found)))
+
+
+def generating_function(K: Any, f_fixed: Poly, x: Any, u: Poly, new: Poly, c: Any) -> Any:
+    """F with dF = Σp dx − Σp̃ dx̃ for D + P − ∞ on a model of odd degree, y = p, f = f_fixed + Σh_j x^j.
+
+    F = 2[x⁻¹]Σ_{m=1}^{g+1} Q^{m+1/2}/((2m + 1)f_fixed^m), Q = f_fixed − ℓ(x − λ)UŨ, expanded at ∞ with √Q = c·x^g + …;
+    ``x`` is λ, ``u`` and ``new`` are U and Ũ, c as in :func:`plus_point`. Q has degree 2g, leading coefficient c².
+    """
+    g, lead = len(u) - 1, f_fixed[-1]
+    product = poly.mul(K, poly.mul(K, u, new), (K.neg(K.mul(lead, x)), lead))
+    q = poly.sub(K, f_fixed, product)[: 2 * g + 1]
+    # in t = 1/x: Q = x^{2g}·q(t), f_fixed = x^{2g+1}·b(t), x^{2g(m+1/2)−(2g+1)m} = x^{g−m}: [x⁻¹] is that of t^{g−m+1}
+    size = g + 1
+    q_series, root = _reversed(K, q, size), _square_root(K, _reversed(K, q, size), c)
+    inverse = _inverse(K, _reversed(K, f_fixed, size))
+    total, term = K.zero, root
+    for m in range(1, g + 2):
+        term = poly.mul(K, poly.mul(K, term, q_series)[:size], inverse)[:size]
+        total = K.add(total, K.div(term[g + 1 - m], poly.integer(K, 2 * m + 1)))
+    return K.add(total, total)
+
+
+def _reversed(K: Any, a: Poly, size: int) -> Poly:
+    back = tuple(reversed(a))[:size]
+    return (*back, *[K.zero] * (size - len(back)))
+
+
+def _square_root(K: Any, a: Poly, first: Any) -> Poly:
+    found, half = [first], K.inv(K.add(first, first))
+    for k in range(1, len(a)):
+        inner = K.dot(found[1:], found[:0:-1]) if k > 1 else K.zero
+        found.append(K.mul(half, K.sub(a[k], inner)))
+    return tuple(found)
+
+
+def _inverse(K: Any, a: Poly) -> Poly:
+    first = K.inv(a[0])
+    found = [first]
+    for k in range(1, len(a)):
+        found.append(K.neg(K.mul(first, K.dot(a[1 : k + 1], found[::-1]))))
+    return tuple(found)

@@ -1,0 +1,173 @@
+"""Any time of a motion on a Jacobian of any genus, with the digits that were asked for.
+
+Every row is computed in long numbers, at two precisions 64 bits apart, and handed out where both agree in every digit
+that is wanted; else the precision is raised. What the additions lose (about a bit for a doubling, and a few tens for
+each genus) is so found out and not assumed.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from integrable.mumford.fields import cofactor, rates
+from integrable.mumford.translations import Translations
+from jacobian import poly
+from jacobian.errors import PrecisionLoss
+from jacobian.fields.long import LongField
+from jacobian.relatives.extended import Extended, ExtendedGroup, Kind
+
+# bits between the two precisions, and those that each genus and each doubling is first given
+APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
+MOST_BITS = 4000
+# what rounding may leave of the rates of a pair that rests, in units of the last bit
+STILL = 2.0**16
+# steps of Newton's method for a clock, and what part of τ one is where rounding may be what is left
+MOST_STEPS, SMALL = 200, 2.0**-20
+
+
+class Start(NamedTuple):
+    """A motion: f, the pair (u, v) at τ = 0 with the ``data`` of its ``kinds``, and the direction."""
+
+    f: poly.Poly
+    u: poly.Poly
+    v: poly.Poly
+    direction: Sequence[Any]
+    kinds: Sequence[Kind] = ()
+    data: tuple[Any, ...] = ()
+
+
+Vectors = Sequence[Sequence[Any]]
+Read = Callable[[LongField, Extended], Vectors]
+
+
+class Placed:
+    """A motion in the numbers of one field."""
+
+    def __init__(self, field: LongField, place: Callable[[LongField], Start]) -> None:
+        self.field = field
+        start = place(field)
+        self.start = Extended(start.u, start.v, start.data)
+        self.group = ExtendedGroup(field, start.f, start.kinds)
+        self._direction = start.direction
+        self._translations: Translations | None = None
+
+    @property
+    def translations(self) -> Translations:
+        """Made when the first time other than 0 is asked for."""
+        if self._translations is None:
+            self._translations = Translations(self.group, self._direction)
+        return self._translations
+
+    def at(self, tau: Any) -> Extended:
+        """D(τ)."""
+        return self.start if tau == 0 or self._rests else self.translations.carried(self.start, tau)
+
+    @cached_property
+    def _rests(self) -> bool:
+        """Whether the pair does not move: every point on a double point of the curve, where no addition is regular."""
+        K, (u, v, _) = self.field, self.start
+        w = cofactor(K, self.group.f, u, v)
+        size = max(abs(c) for c in (*u, *v, *w)) * max(abs(c) for c in self._direction)
+        moved = rates(K, self.group.f, u, v, self._direction)
+        return all(abs(c) <= STILL * K.eps * size for a in moved for c in a)
+
+
+class MumfordMotion:
+    """A motion given by ``place``, a function that makes its :class:`Start` in the numbers of a field."""
+
+    def __init__(self, place: Callable[[LongField], Start], genus: int, complex: bool = False) -> None:
+        self._place = place
+        self._complex = complex
+        self._genus = genus
+        self._placed: dict[int, Placed] = {}
+        # bits beyond those wanted that were enough so far
+        self._extra = OF_START + OF_GENUS * genus
+
+    def rows(self, times: Sequence[Any], read: Read, digits: int, clock: Any = None) -> list[Vectors]:
+        """``read(field, D)`` at every time, as long numbers with ``digits`` digits of each vector's size.
+
+        ``clock(D) = (time, rate)`` tells what time it is at D; without one τ is the time. PrecisionLoss where no
+        precision does.
+        """
+        return [self._row(time, read, math.ceil(digits * math.log2(10)) + 2, clock) for time in times]
+
+    def _row(self, time: Any, read: Read, wanted: int, clock: Any) -> Vectors:
+        size = max(0, math.frexp(float(abs(time)))[1])
+        while wanted + self._extra < MOST_BITS:
+            bits = wanted + self._extra + OF_DOUBLING * size
+            try:
+                rough, fine = (self._read(b, time, read, clock) for b in (bits, bits + APART))
+                if _agree(rough, fine, wanted):
+                    return fine
+            except (PrecisionLoss, ZeroDivisionError):
+                pass
+            self._extra += self._extra // 2
+        raise PrecisionLoss(
+            f"time = {time}: the additions lose more than {MOST_BITS} bits; the motion passes a special position"
+        )
+
+    def _read(self, bits: int, time: Any, read: Read, clock: Any) -> Vectors:
+        # precisions in steps, so that few are set up
+        bits = -(-bits // APART) * APART
+        with LongField(bits, self._complex) as K:
+            if bits not in self._placed:
+                self._placed[bits] = Placed(K, self._place)
+            placed = self._placed[bits]
+            target = K.coerce(time)
+            return read(K, placed.at(target) if clock is None else _at_clock(placed, target, clock))
+
+
+def settled(read: Callable[[LongField], Vectors], digits: int, complex: bool = False) -> Vectors:
+    """What ``read`` makes in long numbers, with ``digits`` digits of each vector's size, at the first of the precisions
+    that agrees with one 64 bits higher; PrecisionLoss where none does.
+    """
+    wanted = math.ceil(digits * math.log2(10)) + 2
+    extra = OF_START
+    while extra < MOST_BITS:
+        rough, fine = (_in_bits(read, bits, complex) for bits in (wanted + extra, wanted + extra + APART))
+        if _agree(rough, fine, wanted):
+            return fine
+        extra *= 2
+    raise PrecisionLoss(
+        f"no precision up to {MOST_BITS} bits settles this map: the state is at a special position of it"
+    )
+
+
+def _in_bits(read: Callable[[LongField], Vectors], bits: int, complex: bool) -> Vectors:
+    with LongField(bits, complex) as K:
+        return read(K)
+
+
+def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
+    """Whether each vector has the same first bits twice."""
+    for a, b in zip(rough, fine, strict=True):
+        scale = max([abs(x) for x in b], default=0)
+        if not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
+            return False
+    return True
+
+
+def _at_clock(placed: Placed, target: Any, clock: Any) -> Extended:
+    """D where the clock shows ``target``: Newton's method inside a bracket, by the mean rate where that is far."""
+    now, rate = clock(placed.start)
+    tau, low, high = placed.field.zero, None, None
+    D, start, last = placed.start, now, None
+    for _ in range(MOST_STEPS):
+        rest = target - now
+        if rest == 0:
+            return D
+        low, high = (tau, high) if rest > 0 else (low, tau)
+        mean = (now - start) / tau if tau else rate
+        step = rest / (mean if abs(rest) > abs(mean) else rate)
+        if low is not None and high is not None and not low < tau + step < high:
+            step = (low + high) / 2 - tau
+        # where rounding is reached, steps no longer shrink as Newton's do
+        if last is not None and abs(last) < SMALL * abs(tau) and abs(step) > abs(last) / 4:
+            return D
+        tau, last = tau + step, step
+        D = placed.at(tau)
+        now, rate = clock(D)
+    raise PrecisionLoss("the clock was not inverted: use more digits")

@@ -1,0 +1,106 @@
+"""Power series of a motion on y² = f(x) from one pair.
+
+The equations are polynomial (:mod:`integrable.mumford.fields`), so the coefficients come one after the other by
+Picard's iteration on python-flint's power series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.fields import Poly, rates, second_kind_rate
+from jacobian.fields.inexact import InexactField
+from jacobian.fields.long import LongField
+from jacobian.numbers.long_reals import BallReals
+
+# the last coefficients that the radius of a series is estimated from
+LAST = 4
+# bits beyond those of the field
+GUARD = 64
+
+
+class SeriesField(InexactField):
+    """Power series in time over balls, to flint's ``ctx.cap`` terms."""
+
+    name = "power series over balls"
+
+    def __init__(self, complex: bool) -> None:
+        from flint import acb_series, arb_series
+
+        self._type: Any = acb_series if complex else arb_series
+        self.zero, self.one = self._type([0]), self._type([1])
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """The constant series of a ball, the series of a list of them."""
+        return self._type(value if isinstance(value, list) else [value])
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+
+class Series:
+    """A motion near a pair: coefficients of U, V and of the second-kind datum Ω (0 at the pair), ascending in time.
+
+    ``radius``: about that of convergence, a float.
+    """
+
+    def __init__(self, field: LongField, rows: list[list[Any]], size: int) -> None:
+        self.field = field
+        self.rows = [[field.from_ball(c) for c in row] for row in rows]
+        self.size = size
+        self.order = len(rows[0])
+        self.radius = self._radius()
+
+    def _radius(self) -> float:
+        """The least of (scale/|coefficient|)^(1/k) over the last coefficients, in units of each row's size."""
+        found = []
+        for row in self.rows:
+            size = max(abs(c) for c in row[: self.order // 2])
+            for k in range(self.order - LAST, self.order):
+                if size and row[k]:
+                    # by exponents: the ratio may be beyond the floats
+                    found.append(float((size / abs(row[k])) ** (self.field.one.real / k)))
+        return min(found, default=1.0)
+
+    def at(self, time: Any) -> tuple[Poly, Poly, Any]:
+        """(U, V, Ω) at a time well inside the radius."""
+        values = []
+        for row in self.rows:
+            total = self.field.zero
+            for c in reversed(row):
+                total = total * time + c
+            values.append(total)
+        size = self.size
+        return (*values[:size], self.field.one), tuple(values[size:-1]), values[-1]
+
+
+def taylor(field: LongField, f: Poly, pair: tuple[Poly, Poly], direction: Sequence[Any], order: int) -> Series:
+    """``order`` coefficients of the motion from a pair along a direction."""
+    from flint import ctx
+
+    u, v = pair
+    size = len(v)
+    with BallReals(field.bits + GUARD):
+        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero))]
+        curve, turning = field.balls(f), field.balls(direction)
+        cap = ctx.cap
+        try:
+            for k in range(1, order):
+                ctx.cap = k
+                _extend(SeriesField(field.complex), rows, size, curve, turning)
+        finally:
+            ctx.cap = cap
+    return Series(field, rows, size)
+
+
+def _extend(K: SeriesField, rows: list[list[Any]], size: int, f: list[Any], direction: list[Any]) -> None:
+    """One more coefficient to every row."""
+    k = len(rows[0])
+    moving = tuple(map(K.coerce, rows[:-1]))
+    whole = (*moving[:size], K.one)
+    n = tuple(map(K.coerce, direction))
+    of_u, of_v = rates(K, tuple(map(K.coerce, f)), whole, moving[size:], n)
+    for row, rate in zip(rows, (*of_u[:-1], *of_v, second_kind_rate(K, whole, n)), strict=True):
+        row.append(rate[k - 1] / k)

@@ -1,0 +1,295 @@
+"""What a system on a Jacobian of any genus is: a table of formulas, and what follows from them.
+
+A system (a file of :mod:`integrable.classical`) gives the formulas marked "table" below, written with operators for
+numbers of any field; from them :class:`MumfordSystem` makes states, divisors, the vector field, integrals, and over RR
+and MP the flow at any time. Exact fields put their bare elements into jets without directions
+(:mod:`integrable.phase.jets`), which have operators; jets with directions give exact derivatives of every formula.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from integrable.mumford.fields import padded
+from integrable.mumford.motion import MumfordMotion, Start, settled
+from integrable.phase.jets import JetField
+from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from jacobian import Divisor, HyperellipticCurve, poly
+from jacobian.errors import ArgumentError, entries, one_or_more, shown
+from jacobian.fields.long import LongField
+from jacobian.fields.protocol import check_field
+from jacobian.immutable import Immutable, Record, replaced
+from jacobian.relatives.extended import Extended
+
+# how far off its constraints a state may be, in units of the last digit, before it is refused
+OFF = 2.0**24
+
+
+class Point(NamedTuple):
+    """A state: positions ``q`` and momenta or velocities ``p``."""
+
+    q: tuple[Any, ...]
+    p: tuple[Any, ...]
+
+
+class Spectral(NamedTuple):
+    """A state on its curve y² = f(x): f and the pair (u, v), all coefficients, ascending."""
+
+    f: poly.Poly
+    u: poly.Poly
+    v: poly.Poly
+
+
+class Path(Record):
+    """States at ``times``: ``q`` and ``p`` of shape (N, n), floats, or objects over MP(digits)."""
+
+    def __init__(self, times: Any, q: Any, p: Any) -> None:
+        self.times = times
+        self.q = q
+        self.p = p
+
+    def __len__(self) -> int:
+        return len(self.times)
+
+
+class MumfordSystem(Immutable):
+    """The base of systems: ``field``, ``constants`` (elements of it) and ``size``, how many q there are."""
+
+    field: Any
+    constants: tuple[Any, ...]
+    size: int
+
+    def _set_up(self, field: Any, values: Any, argument: str, least: int) -> None:
+        """Sets ``field`` and ``constants``; they must be different, and at least so many."""
+        self.field = check_field(field, "field")
+        wanted = f"a sequence of at least {least} different numbers"
+        given = entries(values, argument, wanted)
+        self.constants = tuple(self.field.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given))
+        if len(given) < least or any(x == y for i, x in enumerate(self.constants) for y in self.constants[:i]):
+            raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
+        self.size = len(given)
+
+    # --- the table of a system
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        """Table: what is 0 at a state, in the numbers of N."""
+        return ()
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        """Table: the state with its constraints met to all digits of N, an inexact field."""
+        return state
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        """Table: the curve and the pair of a state."""
+        raise NotImplementedError
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        """Table: the direction of the motion."""
+        raise NotImplementedError
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        """Table: (q', p') by the equations of motion."""
+        raise NotImplementedError
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """Table: the integrals by name, numbers or tuples of them."""
+        raise NotImplementedError
+
+    def _start(self, N: Any, state: Point) -> Start:
+        """Table: the motion with the data that it carries; here none."""
+        f, u, v = self._spectral(N, state)
+        return Start(f, u, v, self._direction(N, len(v)))
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        """Table: the state of a divisor of the motion that began at ``start``, ``time`` ago."""
+        raise NotImplementedError
+
+    # --- what follows
+
+    @property
+    def numbers(self) -> Any:
+        """The field whose elements have operators: jets without directions over an exact field, else the field."""
+        K = self.field
+        return JetField(K, 0) if K.exact and not isinstance(K, JetField) else K
+
+    def over(self, field: Any) -> Any:
+        """The same system over another field, its constants as elements of that."""
+        return replaced(self, field=field, constants=tuple(map(field.coerce, self.constants)))
+
+    def state(self, q: Any, p: Any) -> Point:
+        """The state with these q and p; ArgumentError where it does not meet the constraints of the system."""
+        parts = []
+        for name, values in (("q", q), ("p", p)):
+            wanted = f"a sequence of {self.size} numbers"
+            given = entries(values, name, wanted)
+            if len(given) != self.size:
+                raise ArgumentError(f"{name} = {shown(values)}: {wanted} is needed")
+            parts.append(tuple(self.field.coerce(x, f"{name}[{i}]") for i, x in enumerate(given)))
+        state = Point(*parts)
+        self._check(state)
+        return state
+
+    def _check(self, state: Point) -> None:
+        N = self.numbers
+        inside = self._inside(N, state)
+        scale = None if N.exact else 1 + max(abs(x) for x in (*inside.q, *inside.p)) ** 2
+        for i, value in enumerate(self._constraints(N, inside)):
+            if (value != N.zero) if N.exact else abs(value) > OFF * N.eps * scale:
+                raise ArgumentError(
+                    f"q, p = {shown(tuple(state))} are no state: {self._constraint_names[i]} is needed, "
+                    f"and is off by {shown(self._bare(value))}"
+                )
+
+    _constraint_names: tuple[str, ...] = ()
+
+    def spectral(self, state: Point) -> Spectral:
+        """f, u and v of a state, all coefficients, ascending."""
+        N = self.numbers
+        return Spectral(*(tuple(map(self._bare, a)) for a in self._spectral(N, self._inside(N, state))))
+
+    def divisor(self, state: Point) -> Divisor:
+        """The class of the state's pair in the Jacobian of its curve."""
+        f, u, v = self.spectral(state)
+        return HyperellipticCurve(self.field, f).jacobian().from_mumford(u, v)
+
+    def integrals(self, state: Point) -> dict[str, Any]:
+        """The integrals by name."""
+        N = self.numbers
+        found = self._integrals(N, self._inside(N, state))
+        return {name: tuple(map(self._bare, x)) if isinstance(x, tuple) else self._bare(x) for name, x in found.items()}
+
+    def vector_field(self, state: Point) -> Point:
+        """(q', p')."""
+        N = self.numbers
+        return self._outside(self._vector_field(N, self._inside(N, state)))
+
+    def direction(self, genus: int) -> tuple[Any, ...]:
+        """The c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
+        return tuple(map(self._bare, self._direction(self.numbers, genus)))
+
+    def flow(self, state: Point) -> MumfordFlow:
+        """The motion of a state over RR or MP(digits), any time at once."""
+        self._check(state)
+        return MumfordFlow(self, state)
+
+    def curve_point(self, state: Point, x: Any, sign: int = 1) -> tuple[Any, Any]:
+        """(x, ±√f(x)) on the curve of a state, for its steps; NotASquare where f(x) has no root in the field."""
+        K = self.field
+        x = K.coerce(x, "x")
+        y = K.sqrt(poly.evaluate(K, self.spectral(state).f, x))
+        return x, y if sign > 0 else K.neg(y)
+
+    def _mapped(self, state: Point, point: Any, formula: Callable[[Any, Point, Any, Any], Point]) -> Point:
+        """``formula(N, state, λ, μ)`` of a point (λ, μ) of the curve: over inexact fields in long numbers, where the
+        point is put on the curve of the state; ArgumentError where it is not near it.
+        """
+        found = entries(point, "point", "a pair (λ, μ)")
+        if len(found) != 2:
+            raise ArgumentError(f"point = {shown(point)}: a pair (λ, μ) is needed")
+        K, N = self.field, self.numbers
+        x, y = (N.coerce(value, "point") for value in found)
+        f = self._spectral(N, self._inside(N, state)).f
+        rest = y * y - poly.evaluate(N, f, x)
+        size = None if N.exact else abs(y) ** 2 + sum(abs(c * x**i) for i, c in enumerate(f))
+        if (rest != N.zero) if size is None else abs(rest) > OFF * N.eps * size:
+            raise ArgumentError(f"point = {shown(point)} is not on the curve of the state: μ² = f(λ) is needed")
+        if N.exact:
+            return self._outside(formula(N, self._inside(N, state), x, y))
+
+        def read(L: LongField) -> Point:
+            inner, at = self._constrained(L, self._inside(L, state)), L.coerce(x)
+            root = L.sqrt(poly.evaluate(L, self._spectral(L, inner).f, at))
+            return formula(L, inner, at, root if abs(root - L.coerce(y)) <= abs(root + L.coerce(y)) else -root)
+
+        rows = settled(read, getattr(K, "dps", ROUNDED_TO_FLOATS))
+        return Point(*(tuple(element(K, c) for c in row) for row in rows))
+
+    def _inside(self, N: Any, state: Point) -> Point:
+        return Point(tuple(map(N.coerce, state.q)), tuple(map(N.coerce, state.p)))
+
+    def _bare(self, x: Any) -> Any:
+        return x.value if self.numbers is not self.field and hasattr(x, "slopes") else x
+
+    def _outside(self, state: Point) -> Point:
+        return Point(tuple(map(self._bare, state.q)), tuple(map(self._bare, state.p)))
+
+    def _constants_in(self, N: Any) -> tuple[Any, ...]:
+        return tuple(map(N.coerce, self.constants))
+
+
+class MumfordFlow:
+    """The motion of one state: ``at(times)``. Get it from ``system.flow(state)``."""
+
+    def __init__(self, system: MumfordSystem, state: Point) -> None:
+        K = system.field
+        if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
+            raise ArgumentError(f"field = {K.name}: a flow needs real numbers, RR or MP(digits)")
+        self.system = system
+        self.start = state
+        self.digits = getattr(K, "dps", ROUNDED_TO_FLOATS)
+        genus = len(system.spectral(state).v)
+        self._motion = MumfordMotion(self._place, genus)
+
+    def _inner(self, N: LongField) -> Point:
+        return self.system._constrained(N, self.system._inside(N, self.start))
+
+    def _place(self, N: LongField) -> Start:
+        return self.system._start(N, self._inner(N))
+
+    _clock: Any = None
+
+    def at(self, times: Any) -> Path:
+        """The states at times (a number or a sequence of them, in any order, of any sign and size).
+
+        Floats are right to their last bits, numbers of MP(digits) to their digits; see
+        :meth:`integrable.mumford.motion.MumfordMotion.rows`. ArgumentError for times that are no numbers.
+        """
+        import numpy as np
+
+        K = self.system.field
+        given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
+        rows = [self._motion.rows([t], self._reader(t), self.digits, self._clock)[0] for t in given]
+        kind = object if hasattr(K, "dps") else float
+        q, p = (
+            np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), -1)
+            for i in (0, 1)
+        )
+        return Path(np.array(given, dtype=kind), q, p)
+
+    def _reader(self, time: Any) -> Any:
+        return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
+
+
+def element(K: Any, x: Any) -> Any:
+    """A long number as an element of RR or MP(digits)."""
+    from jacobian.numbers.long_reals import BareReals
+
+    if not hasattr(K, "dps"):
+        return float(x)
+    return BareReals(64).element(K, x)
+
+
+def all_of(N: Any, spectral: tuple[Any, Any, Any], genus: int) -> Spectral:
+    """f, u, v with all their coefficients over an exact field, which trims them."""
+    f, u, v = spectral
+    return Spectral(f, (*padded(N, u, genus), N.one), padded(N, v, genus))
+
+
+def exponential(N: Any, x: Any) -> Any:
+    """e^x in the numbers of RR, MP or long numbers."""
+    return _elementary(N, x, "exp")
+
+
+def logarithm(N: Any, x: Any) -> Any:
+    """log x in the numbers of RR, MP or long numbers."""
+    return _elementary(N, x, "log")
+
+
+def _elementary(N: Any, x: Any, name: str) -> Any:
+    import math
+
+    import gmpy2
+
+    home = math if isinstance(x, float) else getattr(N, "context", gmpy2)
+    return getattr(home, name)(x)

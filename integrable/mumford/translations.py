@@ -1,0 +1,165 @@
+"""Classes T(τ) of a motion with constant direction on a Jacobian of any genus, and adding them.
+
+D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E lies where the curve is real and away from its branch
+points, and E(h) comes from its Taylor series. T(2^k h) is kept as E_k − E, E_{k+1} = 2E_k − E: divisors in general
+position, where small translations would have their points near infinity. What τ is beyond a multiple of h is E(r) − E.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.series import Series, taylor
+from jacobian import poly
+from jacobian.errors import ArgumentError
+from jacobian.fields.long import LongField
+from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, SecondKind, ThirdKind
+
+# h is about the radius of the series over 2^FRACTION, and a coefficient gives so many bits: few terms, and more bits
+# for the doublings up to the radius
+FRACTION = 16
+# terms of the series that the radius is read off
+ROUGH_ORDER = 24
+
+
+class Translations:
+    """T(τ) along ``direction`` on the curve of ``group``, a group over a :class:`LongField` that has been entered.
+
+    On a model of even degree and odd genus two divisors of degree g leave one of degree g + 1, which its class does not
+    determine: there a point P₀ is added with the one, and taken away with the other.
+    """
+
+    def __init__(self, group: ExtendedGroup, direction: Sequence[Any]) -> None:
+        self.group = group
+        self.field: LongField = group.field
+        pair, point = reference(group)
+        rough = taylor(self.field, group.f, pair, direction, ROUGH_ORDER)
+        self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
+        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 1) + 5)
+        self._series: Series = taylor(self.field, group.f, pair, direction, order)
+        self._start = pair[0]
+        zero = self.field.zero
+        # what is added with every divisor, and what is taken away
+        between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
+        self._with = tuple(between)
+        self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
+        self._doubles: list[Extended] = []
+        # single additions, where these are in general position
+        self._single: dict[int, Extended] = {}
+
+    def carried(self, D: Extended, tau: Any) -> Extended:
+        """D + T(τ)."""
+        if tau == 0:
+            return D
+        # r = τ − count·h in [h/2, 3h/2): E(r) is not too near to E
+        count = self._count(tau)
+        place, k = count, 0
+        while place:
+            # non-adjacent form (Reitwiesner 1960): a third of the digits are not 0
+            digit = 2 - place % 4 if place % 2 else 0
+            if digit:
+                D = self._added(D, k, digit)
+            place, k = (place - digit) // 2, k + 1
+        return self._moved(D, self._near(tau - count * self.unit))
+
+    def doublings(self, tau: Any) -> int:
+        """How many doublings of T(h) lead to τ."""
+        return abs(self._count(tau)).bit_length()
+
+    def _count(self, tau: Any) -> int:
+        import gmpy2
+
+        return int(gmpy2.floor(tau.real / self.unit.real - 0.5))
+
+    def _added(self, D: Extended, k: int, digit: int) -> Extended:
+        """D ± T(2^k h)."""
+        group, E = self.group, self._double(k)
+        if digit < 0:
+            return group.negate(self._added(group.negate(D), k, 1))
+        if k < FRACTION:
+            return self._moved(D, E)
+        if k not in self._single:
+            self._single[k] = group.add(E, *self._back)
+        return self._settled(group.add(D, self._single[k], *self._with))
+
+    def _moved(self, D: Extended, E: Extended) -> Extended:
+        """D + E minus the reference."""
+        return self._settled(self.group.add(self.group.add(D, E, *self._with), *self._back))
+
+    def _settled(self, D: Extended) -> Extended:
+        """On the curve, and with the κ of its lifts where they were: two sums in odd genus have divided it by ℓ²."""
+        group = self.group
+        D = group.retracted(D)
+        if not (group.odd and group.genus % 2):
+            return D
+        c = 1 / group.f[-1]
+        data = [
+            kind.scaled(group, x, c) if isinstance(kind, Lift) else x
+            for kind, x in zip(group.kinds, D.data, strict=True)
+        ]
+        return D._replace(data=tuple(data))
+
+    def _double(self, k: int) -> Extended:
+        """E_k = E + T(2^k h)."""
+        if not self._doubles:
+            self._doubles.append(self._near(self.unit))
+        while len(self._doubles) <= k:
+            E = self._doubles[-1]
+            self._doubles.append(self._moved(E, E))
+        return self._doubles[k]
+
+    def _near(self, time: Any) -> Extended:
+        """E(time)."""
+        return self._placed(*self._series.at(time), self._start)
+
+    def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly) -> Extended:
+        """A pair with its data, each continued from the pair with the U of ``start``, where lifts are 1."""
+        import gmpy2
+
+        K, data = self.field, []
+        for kind in self.group.kinds:
+            if isinstance(kind, Lift):
+                value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
+                data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
+            elif isinstance(kind, SecondKind):
+                data.append(omega)
+            else:
+                assert isinstance(kind, ThirdKind)
+                data.append(gmpy2.exp(kind.r * omega))
+        return Extended(u, v, tuple(data))
+
+
+def reference(group: ExtendedGroup) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
+    """A divisor of g points apart from each other and from the branch points, and one of one point more: real points
+    outside the circle that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that
+    circle.
+    """
+    K, f, g = group.field, group.f, group.genus
+    lead, degree = f[-1], len(f) - 1
+    centre = -f[-2] / (degree * lead)
+    shifted = poly.shift(K, f, centre)
+    # Fujiwara 1916: no root is farther from the centre
+    sizes = [float(abs(c / lead) ** (K.one.real / (degree - i))) for i, c in enumerate(shifted[:-1])]
+    reach = 2.0 ** math.frexp(2 * max(sizes) or 1.0)[1]
+    if K.complex:
+        turns = [complex(math.cos(t), math.sin(t)) for t in (2 * math.pi * j / (g + 1) + 0.5 for j in range(g + 1))]
+        xs = [centre + K.coerce(reach * turn) for turn in turns]
+    else:
+        side = 1 if lead > 0 else -1
+        if not group.odd and side < 0:
+            raise ArgumentError("f < 0 near infinity on a model of even degree: give the motion over CC or MP complex")
+        xs = [centre + K.coerce(side * reach * (1 + j / g)) for j in range(g + 1)]
+    ys = [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
+    return through(K, xs[:g], ys[:g]), through(K, xs[g:], ys[g:])
+
+
+def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[poly.Poly, poly.Poly]:
+    """(U, V) of points with different x, V with all its coefficients (Lagrange's interpolation)."""
+    total = [K.zero] * len(xs)
+    for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
+        others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])
+        scale = K.div(y, poly.evaluate(K, others, x))
+        total = [K.add(a, K.mul(scale, b)) for a, b in zip(total, others, strict=True)]
+    return poly.from_roots(K, xs), tuple(total)

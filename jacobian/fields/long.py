@@ -1,0 +1,80 @@
+"""Long numbers as a field: gmpy2's mpfr and mpc, for computations that take more digits than their results have."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from jacobian.fields.inexact import InexactField
+from jacobian.numbers.long_reals import BareReals
+
+
+class LongField(InexactField):
+    """Numbers of ``bits`` bits, real or complex, for the elements of RR, CC, MP and QQ; to be entered with ``with``."""
+
+    name = "long numbers"
+
+    def __init__(self, bits: int, complex: bool = False) -> None:
+        import gmpy2
+
+        self.bits = bits
+        self.complex = complex
+        self._reals = BareReals(bits)
+        self._mpc: Any = gmpy2.mpc
+        self._sqrt: Any = gmpy2.sqrt
+        with self._reals:
+            self.zero, self.one = self.coerce(0), self.coerce(1)
+            self.eps = gmpy2.exp2(1 - bits)
+
+    def __reduce__(self) -> Any:
+        return LongField, (self.bits, self.complex)
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.bits, self.complex
+
+    def __enter__(self) -> LongField:
+        self._reals.__enter__()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self._reals.__exit__(*error)
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """The number that an int, a float, a complex number, an mpf or an mpc stands for."""
+        if isinstance(value, self._mpc):
+            return value
+        if self.complex:
+            return self._mpc(self._real(value.real), self._real(value.imag))
+        return self._real(value)
+
+    def _real(self, value: Any) -> Any:
+        return self._reals.number(value)
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum([x * y for x, y in zip(xs, ys, strict=True)], self.zero)
+
+    def sqrt(self, x: Any) -> Any:
+        """√x, the principal one over complex numbers; NaN for a negative real."""
+        return self._sqrt(x)
+
+    def balls(self, values: Sequence[Any]) -> list[Any]:
+        """Each as flint's arb or acb, of radius 0."""
+        from flint import acb, arb
+
+        def ball(x: Any) -> Any:
+            mantissa, exponent = x.as_mantissa_exp()
+            return arb((int(mantissa), int(exponent)))
+
+        return [acb(ball(x.real), ball(x.imag)) if self.complex else ball(x) for x in values]
+
+    def from_ball(self, x: Any) -> Any:
+        """The middle of flint's arb or acb."""
+
+        def middle(part: Any) -> Any:
+            mantissa, exponent = part.mid().man_exp()
+            exponent = int(exponent)
+            scale = self._real(2) ** abs(exponent)
+            return self._real(int(mantissa)) * scale if exponent >= 0 else self._real(int(mantissa)) / scale
+
+        return self._mpc(middle(x.real), middle(x.imag)) if self.complex else middle(x)

@@ -1,0 +1,380 @@
+"""Extensions of a Jacobian of any genus: Mumford pairs together with what the divisor forgets.
+
+A pair (U, V) on y² = f(x) carries any of these, each a group extension:
+
+* at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U: the sign of √U(e), and
+  with ν what is left of it where U(e) = 0. (κ, σ, ν) and (κ/c², cσ, cν) are the same;
+* at any other point (x₀, y₀) the pair (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), up to (κ/c², cσ, cσ̄): the generalized
+  Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
+* on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
+* on a model of even degree with leading coefficient r² the third-kind datum Z = exp(rΣ∫x^g dx/y), modulus ∞₊ + ∞₋.
+
+A composition adds or multiplies them, and a reduction step, f − V² = κ·U·U', V' = −V mod U', changes them by what the
+function y − V does: the two are all there is, for every degree and genus, and no root is taken. Over inexact fields
+degrees are those of summands in general position; who adds there compares two precisions. The sign-resolved group of
+:mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it also has its steps at infinity.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple, Protocol
+
+from jacobian import poly
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
+from jacobian.immutable import Immutable
+
+
+class Extended(NamedTuple):
+    """A Mumford pair and its data, one for each kind of its group."""
+
+    u: poly.Poly
+    v: poly.Poly
+    data: tuple[Any, ...] = ()
+
+
+class Composition(NamedTuple):
+    """(u, v) of the sum of ``parts``; ``common`` are the points that went out with their opposites."""
+
+    u: poly.Poly
+    v: poly.Poly
+    parts: tuple[Extended, Extended]
+    common: poly.Poly
+
+
+class Reduction(NamedTuple):
+    """A step from (u, v) to (other, k·other − v); ``degree`` is that of v, ``lead`` its coefficient there."""
+
+    u: poly.Poly
+    v: poly.Poly
+    other: poly.Poly
+    k: poly.Poly
+    degree: int
+    lead: Any
+
+
+class Kind(Protocol):
+    """What one datum does; ``group`` has the field and the curve."""
+
+    def zero(self, group: ExtendedGroup) -> Any: ...
+
+    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any: ...
+
+    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any: ...
+
+    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any: ...
+
+
+class ExtendedGroup(Immutable):
+    """The pairs of y² = f(x) with data of the given ``kinds``, over an exact or an inexact field.
+
+    ``f``: ascending coefficients, degree 2g + 1 or 2g + 2, any leading coefficient. On a model of even degree a class
+    is a pair of degree g or g + 1, whichever the parity of its summands leaves, points at infinity being shared evenly.
+    """
+
+    def __init__(self, field: Any, f: Any, kinds: Sequence[Kind] = ()) -> None:
+        self.field = field
+        self.f: poly.Poly = poly.coerce(field, f, "f")
+        if len(self.f) < 4:
+            raise ArgumentError(f"f = {shown(f)}: the degree of f must be 3 or more")
+        self.genus = (len(self.f) - 2) // 2
+        self.odd = len(self.f) % 2 == 0
+        self.kinds = tuple(kinds)
+        self.curve = HyperellipticCurve(field, self.f) if field.exact else None
+
+    def zero(self) -> Extended:
+        """The identity."""
+        return Extended((self.field.one,), (), tuple(kind.zero(self) for kind in self.kinds))
+
+    def negate(self, D: Extended) -> Extended:
+        """−D."""
+        data = tuple(kind.negated(self, D, x) for kind, x in zip(self.kinds, D.data, strict=True))
+        return Extended(D.u, poly.neg(self.field, D.v), data)
+
+    def add(self, *summands: Extended) -> Extended:
+        """The reduced sum of two or more."""
+        total = summands[0]
+        for D in summands[1:]:
+            total = self.compose(total, D)
+        limit = self.genus if self.odd else self.genus + 1
+        while len(total.u) - 1 > limit:
+            total = self.reduce(total)
+        return total
+
+    def multiple(self, m: int, D: Extended) -> Extended:
+        """m·D for any int m."""
+        if m < 0:
+            return self.multiple(-m, self.negate(D))
+        if m == 0:
+            return self.zero()
+        total = D
+        for bit in bin(m)[3:]:
+            total = self.add(total, total)
+            if bit == "1":
+                total = self.add(total, D)
+        return total
+
+    def compose(self, D: Extended, E: Extended) -> Extended:
+        """The pair of all points of D and E, opposite ones taken out, not reduced."""
+        step = self._exact_composition(D, E) if self.field.exact else self._general_composition(D, E)
+        data = tuple(kind.composed(self, step, x, y) for kind, x, y in zip(self.kinds, D.data, E.data, strict=True))
+        return Extended(step.u, step.v, data)
+
+    def _exact_composition(self, D: Extended, E: Extended) -> Composition:
+        assert self.curve is not None
+        first, second = (D.u, D.v, None), (E.u, E.v, None)
+        u, v, _ = cantor.compose(self.curve, first, second)
+        everything = len(u) == len(D.u) + len(E.u) - 1
+        common = (self.field.one,) if everything else cantor.cancelled(self.curve, first, second)
+        return Composition(u, v, (D, E), common)
+
+    def _general_composition(self, D: Extended, E: Extended) -> Composition:
+        """v = v₁ + u₁k, k·u₁ ≡ v₂ − v₁ mod u₂, or k·2v ≡ (f − v²)/u mod u for a double."""
+        K = self.field
+        if len(D.u) == 1 or len(E.u) == 1:
+            return Composition(poly.mul(K, D.u, E.u), D.v or E.v, (D, E), (K.one,))
+        if D is E:
+            factor, right = poly.add(K, D.v, D.v), self.cofactor(D.u, D.v)
+        else:
+            factor, right = D.u, poly.sub(K, E.v, D.v)
+        k = self._quotient_modulo(right, factor, E.u)
+        v = poly.add(K, D.v, poly.mul(K, D.u, k))
+        return Composition(poly.mul(K, D.u, E.u), v, (D, E), (K.one,))
+
+    def _quotient_modulo(self, a: poly.Poly, b: poly.Poly, u: poly.Poly) -> poly.Poly:
+        """The k of degree below deg u with kb ≡ a modulo u."""
+        K, size = self.field, len(u) - 1
+        column = self._padded(poly.mod(K, b, u), size)
+        columns = [column]
+        for _ in range(size - 1):
+            column = self._padded(poly.mod(K, (K.zero, *column), u), size)
+            columns.append(column)
+        right = self._padded(poly.mod(K, a, u), size)
+        return solved([[*row, value] for row, value in zip(zip(*columns, strict=True), right, strict=True)])
+
+    def _padded(self, a: poly.Poly, size: int) -> poly.Poly:
+        return (*a, *[self.field.zero] * (size - len(a)))
+
+    def retracted(self, D: Extended) -> Extended:
+        """A pair of degree g moved onto the curve over an inexact field, by one Newton step of least length.
+
+        (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. What rounding leaves beside the curve grows with every
+        addition, for models of even degree by tens of bits; on the curve errors only double where divisors do.
+        """
+        K, g = self.field, len(D.u) - 1
+        w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
+        columns = []
+        for b in (poly.add(K, D.v, D.v), w):
+            column = self._padded(poly.mod(K, b, D.u), g)
+            for _ in range(g):
+                columns.append(column)
+                column = self._padded(poly.mod(K, (K.zero, *column), D.u), g)
+        by_row = list(zip(*columns, strict=True))
+        rows = [[K.dot(by_row[i], by_row[j]) for j in range(g)] for i in range(g)]
+        # damped where U, V and W have nearly a common root, a point of the pair on a double point of the curve
+        damping = max(abs(rows[i][i]) for i in range(g)) * abs(K.eps) ** 0.5
+        for i, value in enumerate(self._padded(rest, g)):
+            rows[i][i] += damping
+            rows[i].append(value)
+        weights = solved(rows)
+        move = [K.dot(column, weights) for column in columns]
+        v = tuple(map(K.add, D.v, move[:g]))
+        return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
+
+    def cofactor(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
+        """W = (f − v²)/u."""
+        K = self.field
+        return poly.quotient(K, poly.sub(K, self.f, poly.mul(K, v, v)), u)
+
+    def reduce(self, D: Extended) -> Extended:
+        """One step: the other zeros of y − v, on the opposite side; the class stays."""
+        K = self.field
+        cofactor = self.cofactor(D.u, D.v)
+        if not K.exact:
+            cofactor = cofactor[: max(len(self.f) - 1, 2 * len(D.v) - 2) + 2 - len(D.u)]
+        if not self.odd and len(cofactor) + len(D.u) < len(self.f) + 1:
+            raise NotRepresentable("the sum has a point at infinity, which a pair with evenly shared ones has not")
+        inverse = K.inv(cofactor[-1])
+        other = (*[K.mul(inverse, c) for c in cofactor[:-1]], K.one)
+        k, rest = poly.divide(K, D.v, other)
+        step = Reduction(D.u, D.v, other, k, len(D.v) - 1, D.v[-1] if D.v else K.zero)
+        data = tuple(kind.reduced(self, step, x) for kind, x in zip(self.kinds, D.data, strict=True))
+        return Extended(other, poly.neg(K, rest), data)
+
+
+def solved(rows: list[list[Any]]) -> poly.Poly:
+    """The x of a linear system [matrix | right side] of numbers, by elimination with pivots; ``rows`` are used up."""
+    size = len(rows)
+    for i in range(size):
+        best = max(range(i, size), key=lambda j: abs(rows[j][i]))
+        rows[i], rows[best] = rows[best], rows[i]
+        pivot = rows[i]
+        if not pivot[i] or pivot[i] != pivot[i]:
+            raise PrecisionLoss("two divisors have a point in common, or are too near to that: use more digits")
+        for row in rows[i + 1 :]:
+            factor = row[i] / pivot[i]
+            for j in range(i + 1, size + 1):
+                row[j] -= factor * pivot[j]
+    found: list[Any] = []
+    for i in range(size - 1, -1, -1):
+        row = rows[i]
+        value = row[size]
+        for j, x in enumerate(found):
+            value -= row[size - 1 - j] * x
+        found.append(value / row[i])
+    return tuple(reversed(found))
+
+
+class Lift(NamedTuple):
+    """(κ, σ, ν) at a branch point e."""
+
+    e: Any
+
+    def of(self, group: ExtendedGroup, u: poly.Poly, v: poly.Poly, sigma: Any = None) -> Any:
+        """The datum of a pair with κ = U(e), σ = 1; with κ = U(e)/σ² where σ is given. U(e) must not vanish."""
+        K = group.field
+        value = poly.evaluate(K, u, self.e)
+        sigma = K.one if sigma is None else sigma
+        kappa = K.div(value, K.mul(sigma, sigma))
+        return kappa, sigma, K.div(poly.evaluate(K, v, self.e), K.mul(kappa, sigma))
+
+    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
+        """The same datum as (κ/c², cσ, cν)."""
+        K, (kappa, sigma, nu) = group.field, datum
+        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, nu)
+
+    def zero(self, group: ExtendedGroup) -> Any:
+        return group.field.one, group.field.one, group.field.zero
+
+    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
+        # κ → 1/κ, and all over κ, so that D − E + E has the κ of D
+        K, (kappa, sigma, nu) = group.field, datum
+        return K.inv(kappa), K.mul(kappa, sigma), K.neg(K.mul(kappa, nu))
+
+    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any:
+        K = group.field
+        kappa, sigma = K.mul(first[0], second[0]), K.mul(first[1], second[1])
+        if K.exact:
+            if len(step.common) > 1:
+                sigma = K.div(sigma, poly.evaluate(K, step.common, self.e))
+            if sigma != K.zero:
+                return kappa, sigma, K.div(poly.evaluate(K, step.v, self.e), K.mul(kappa, sigma))
+            swapped = first[1] != K.zero
+        else:
+            swapped = bool(abs(first[1]) > abs(second[1]))
+        # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): nothing is divided by the σ that may vanish
+        near, far, part = (second, first, step.parts[1]) if swapped else (first, second, step.parts[0])
+        k = poly.quotient(K, poly.sub(K, step.v, part.v), part.u)
+        top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
+        bottom = K.mul(far[0], far[1])
+        if K.exact and bottom == K.zero:
+            raise NotRepresentable(f"both summands contain the branch point x = {self.e}: add them in another order")
+        return kappa, sigma, K.div(top, bottom)
+
+    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
+        """(σ, ν) → (ν, −cσ + k(e)ν) with κ → κ/c, −c the leading coefficient of (f − V²)/U over the other's."""
+        K, (kappa, sigma, nu) = group.field, datum
+        g, degree, lead = group.genus, step.degree, step.lead
+        k = poly.evaluate(K, step.k, self.e)
+        if degree > g + (0 if group.odd else 1):
+            moved = K.div(nu, lead)
+            return kappa, moved, K.add(K.neg(K.mul(lead, sigma)), K.mul(k, moved))
+        scale = K.neg(group.f[-1])
+        if group.odd:
+            moved = K.neg(nu) if len(step.u) % 2 else nu
+            sigma = K.neg(sigma) if len(step.u) % 2 else sigma
+        else:
+            moved = nu
+            if degree == g + 1:
+                scale = K.add(scale, K.mul(lead, lead))
+        return K.div(kappa, scale), moved, K.add(K.neg(K.mul(scale, sigma)), K.mul(k, moved))
+
+
+class PointLift(NamedTuple):
+    """(κ, σ, σ̄) at a point (x, y) of the curve that is no branch point, and on no divisor that is added."""
+
+    x: Any
+    y: Any
+
+    def zero(self, group: ExtendedGroup) -> Any:
+        one = group.field.one
+        return one, one, one
+
+    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
+        K, (kappa, sigma, bar) = group.field, datum
+        bar, sigma = K.mul(kappa, bar), K.mul(kappa, sigma)
+        return (K.inv(kappa), bar, sigma) if len(D.u) % 2 else (K.inv(kappa), K.neg(bar), K.neg(sigma))
+
+    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any:
+        K = group.field
+        kappa, sigma, bar = map(K.mul, first, second)
+        if len(step.common) > 1:
+            # each of the two loses the factor of the point and of its opposite
+            scale = poly.evaluate(K, step.common, self.x)
+            sigma, bar = K.div(sigma, scale), K.div(bar, scale)
+        return kappa, sigma, bar
+
+    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
+        K, (kappa, sigma, bar) = group.field, datum
+        value = poly.evaluate(K, step.v, self.x)
+        above, below = K.add(value, self.y), K.sub(value, self.y)
+        if step.degree > group.genus + (0 if group.odd else 1):
+            scale = K.mul(step.lead, kappa)
+            return kappa, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
+        if group.odd:
+            scale, after = K.neg(kappa), K.div(kappa, group.f[-1])
+        else:
+            square = K.neg(group.f[-1])
+            if step.degree == group.genus + 1:
+                square = K.add(square, K.mul(step.lead, step.lead))
+            scale, after = kappa, K.div(kappa, square)
+        return after, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
+
+
+class SecondKind(NamedTuple):
+    """Ω = Σ∫x^g dx/y on a model of odd degree."""
+
+    def zero(self, group: ExtendedGroup) -> Any:
+        return group.field.zero
+
+    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
+        return group.field.neg(datum)
+
+    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any:
+        return group.field.add(first, second)
+
+    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
+        """Ω − 2/lead(V) where deg V = g + 1, Ω − 2v_g/ℓ where it is less, Ω where it is more."""
+        K, g = group.field, group.genus
+        if step.degree > g + 1:
+            return datum
+        if step.degree == g + 1:
+            return K.sub(datum, K.div(poly.integer(K, 2), step.lead))
+        if step.degree < g:
+            return datum
+        return K.sub(datum, K.div(K.add(step.lead, step.lead), group.f[-1]))
+
+
+class ThirdKind(NamedTuple):
+    """Z = exp(rΣ∫x^g dx/y) on a model of even degree with leading coefficient r²."""
+
+    r: Any
+
+    def zero(self, group: ExtendedGroup) -> Any:
+        return group.field.one
+
+    def negated(self, group: ExtendedGroup, D: Extended, datum: Any) -> Any:
+        return group.field.inv(datum)
+
+    def composed(self, group: ExtendedGroup, step: Composition, first: Any, second: Any) -> Any:
+        return group.field.mul(first, second)
+
+    def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
+        """Z(b − r)/(b + r), b the coefficient of x^(g+1) in V, where deg V ≤ g + 1; Z where it is more."""
+        K, degree = group.field, step.degree
+        if degree > group.genus + 1:
+            return datum
+        b = step.lead if degree == group.genus + 1 else K.zero
+        return K.div(K.mul(datum, K.sub(b, self.r)), K.add(b, self.r))

@@ -1,0 +1,94 @@
+"""The systems of ``integrable.classical`` as rows of a table that the tests run over, and an integrator."""
+
+from __future__ import annotations
+
+from random import Random
+
+import pytest
+
+from integrable.classical.neumann import Neumann
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.system import Point
+from tests.integrable.exact_points import attempt
+
+
+def different(K, rng, count):
+    while True:
+        found = [K.random(rng) for _ in range(count)]
+        if len({K.key(x) for x in found} | {K.key(K.zero)}) == count + 1:
+            return found
+
+
+def exact_neumann(K, rng, n):
+    """A random system on S^n and a random state, the last coordinate of which is a root."""
+    system = Neumann(different(K, rng, n + 1), K)
+
+    def make():
+        q = [K.random(rng) for _ in range(n)]
+        q.append(K.sqrt(K.sub(K.one, K.dot(q, q))))
+        p = [K.random(rng) for _ in range(n + 1)]
+        along = K.dot(q, p)
+        return system.state(q, [K.sub(y, K.mul(along, x)) for x, y in zip(q, p, strict=True)])
+
+    return system, attempt(make)
+
+
+def exact_toda(K, rng, n):
+    system = TodaLattice(n, K)
+    return system, system.state(different(K, rng, n), [K.random(rng) for _ in range(n)])
+
+
+def neumann(K, n):
+    system = Neumann([i * i + 1 for i in range(n + 1)], K)
+    rng = Random(n)
+    q, p = ([K.coerce(rng.randint(-9, 9) or 1) for _ in range(n + 1)] for _ in range(2))
+    size = K.sqrt(K.dot(q, q))
+    q = [x / size for x in q]
+    along = K.dot(q, p)
+    return system, system.state(q, [(y - along * x) / 5 for x, y in zip(q, p, strict=True)])
+
+
+def toda(K, n):
+    rng = Random(n)
+    q, p = ([K.coerce(rng.randint(-9, 9)) / 8 for _ in range(n)] for _ in range(2))
+    return TodaLattice(n, K), TodaLattice(n, K).state(q, p)
+
+
+EXACT = {"neumann": exact_neumann, "toda": exact_toda}
+REAL = {"neumann": neumann, "toda": toda}
+# (system, size) with genus 1 to 4, both parities of the model and of the genus
+CASES = [("neumann", 1), ("neumann", 2), ("neumann", 3), ("toda", 2), ("toda", 3), ("toda", 4), ("toda", 5)]
+over_cases = pytest.mark.parametrize(("name", "n"), CASES)
+
+
+def integrated(system, state, time, steps, order=20):
+    """q and p by Gragg's method, extrapolated (Bulirsch & Stoer 1966), which knows the vector field only."""
+    K = system.field
+    step = K.coerce(time) / steps
+    z, size = [*state.q, *state.p], len(state.q)
+
+    def rate(z):
+        found = system.vector_field(Point(tuple(z[:size]), tuple(z[size:])))
+        return [*found.q, *found.p]
+
+    for _ in range(steps):
+        last: list = []
+        first = rate(z)
+        for j in range(1, order + 1):
+            count = 2 * j
+            h = step / count
+            a, b = z, [x + h * y for x, y in zip(z, first, strict=True)]
+            for _ in range(count - 1):
+                a, b = b, [x + 2 * h * y for x, y in zip(a, rate(b), strict=True)]
+            row = [[(x + y + h * w) / 2 for x, y, w in zip(a, b, rate(b), strict=True)]]
+            for m in range(1, j):
+                factor = (K.one * j / (j - m)) ** 2 - 1
+                row.append([p + (p - o) / factor for p, o in zip(row[m - 1], last[m - 1], strict=True)])
+            last = row
+        z = last[-1]
+    return z[:size], z[size:]
+
+
+def distance(K, found, expected):
+    pairs = [pair for a, b in zip(found, expected, strict=True) for pair in zip(a, b, strict=True)]
+    return max(abs(K.coerce(x) - K.coerce(y)) for x, y in pairs)

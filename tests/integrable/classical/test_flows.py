@@ -1,0 +1,160 @@
+"""Flows against an integration that knows the vector field only, against themselves, and at far times."""
+
+import numpy as np
+import pytest
+
+from integrable.classical.neumann import Neumann
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.system import MumfordFlow
+from jacobian import GF, MP, RR, ArgumentError, FieldError
+from tests.integrable.classical.rows import REAL, distance, integrated, over_cases
+
+
+@over_cases
+def test_thirty_digits_against_an_integration(name, n) -> None:
+    """All coordinates with their signs."""
+    K = MP(38)
+    system, state = REAL[name](K, n)
+    path = system.flow(state).at([1.25])
+    expected = integrated(system, state, 1.25, 8, 17)
+    assert distance(K, (path.q[0], path.p[0]), expected) < 1e-30
+
+
+@pytest.mark.slow
+@over_cases
+def test_thirty_digits_at_ten_periods(name, n) -> None:
+    K = MP(38)
+    system, state = REAL[name](K, n)
+    path = system.flow(state).at([30])
+    expected = integrated(system, state, 30, 160, 18)
+    assert distance(K, (path.q[0], path.p[0]), expected) < 1e-30
+
+
+@over_cases
+@pytest.mark.parametrize(
+    "time", [-12.5, 1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, 0.37, -1e9, 1e15))]
+)
+def test_floats_against_forty_digits(name, n, time) -> None:
+    """A float run is the run of many digits from the same floats, rounded, at any time."""
+    system, state = REAL[name](RR, n)
+    path = system.flow(state).at([time])
+    K = MP(40)
+    fine = type(system)(system.constants or n, K)
+    # the same floats, which meet |q| = 1 to the digits of floats only
+    exact = MumfordFlow(fine, fine._inside(K, state)).at([time])
+    for a, b in ((path.q, exact.q), (path.p, exact.p)):
+        assert np.abs(a - b.astype(float)).max() <= 4e-16 * np.abs(a).max()
+
+
+@over_cases
+def test_group_property_reversal_and_integrals(name, n) -> None:
+    K = MP(30)
+    system, state = REAL[name](K, n)
+    flow = system.flow(state)
+    path = flow.at([3, 8])
+    middle = system.state(path.q[0], path.p[0])
+    assert distance(K, [system.flow(middle).at([5]).q[0]], [path.q[1]]) < 1e-26
+    back = system.flow(system.state(path.q[0], [-x for x in path.p[0]])).at([3])
+    assert distance(K, [back.q[0], [-x for x in back.p[0]]], state) < 1e-26
+    first = system.integrals(state)["H"]
+    assert abs(system.integrals(middle)["H"] - first) < 1e-27 * (1 + abs(first))
+
+
+def test_a_flow_at_its_start_returns_it():
+    system, state = REAL["neumann"](RR, 2)
+    path = system.flow(state).at(0)
+    assert np.allclose(path.q[0], state.q, rtol=0, atol=2e-16)
+    assert path.q.shape == (1, 3)
+    assert len(path) == 1
+
+
+@pytest.mark.parametrize(
+    ("q", "p"),
+    [
+        (("0.6", "0.8", 0, 0), (0, 0, 1, "0.5")),  # on two coordinate planes, and crossing them
+        ((1, 0, 0, 0), (0, 0, 0, 0)),  # an equilibrium
+        (("0.6", "0.8", 0, 0), ("0.8", "-0.6", 0, 0)),  # in the plane of two axes for ever
+        (("0.6", 0, "0.8", 0), (0, 0, 0, 0)),  # from rest
+        (("0.6", "0.8", 0, 0), (0, 0, 0, "1e-30")),  # nearly in a coordinate sphere
+    ],
+)
+def test_special_positions_of_neumann(q, p) -> None:
+    system = Neumann((1, 2, 4, 7))
+    path = system.flow(system.state(q, p)).at([1.5, 3.0])
+    fine = Neumann((1, 2, 4, 7), MP(30))
+    expected = integrated(fine, fine.state(q, p), 1.5, 12, 10)
+    assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+@pytest.mark.parametrize("n", [2, 3, 4])
+def test_the_lattice_at_rest_stays(n) -> None:
+    """All gaps closed: every point of the divisor on a double point of the curve."""
+    system = TodaLattice(n)
+    path = system.flow(system.state([0] * n, [0.5] * n)).at([4.0])
+    assert np.abs(path.q - 2).max() < 1e-14
+    assert np.abs(path.p - 0.5).max() < 1e-14
+
+
+def test_a_lattice_with_closed_gaps() -> None:
+    """Neighbours against each other: the motion of two particles, one point of three on the curve's double points."""
+    p = (1, -1, 1, -1)
+    system = TodaLattice(4)
+    path = system.flow(system.state([0] * 4, p)).at([1.5, 1e5])
+    two = TodaLattice(2, MP(30))
+    pair = two.flow(two.state([0, 0], [1, -1])).at([1.5, 1e5])
+    assert np.abs(path.q - np.tile(pair.q.astype(float), 2)).max() < 1e-14
+    assert np.abs(path.p - np.tile(pair.p.astype(float), 2)).max() < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (lambda: Neumann((1, 1, 2)), "a = (1, 1, 2)"),
+        (lambda: Neumann(3), "a = 3"),
+        (lambda: Neumann((1, 2)).state((1, 0), (1, 0)), "(q, p) = 0"),
+        (lambda: Neumann((1, 2)).state((1, 1), (1, -1)), "|q| = 1"),
+        (lambda: Neumann((1, 2)).state((1, 0, 0), (0, 1)), "q = (1, 0, 0)"),
+        (lambda: Neumann((1, 2)).state((1, "x"), (0, 1)), "q[1]"),
+        (lambda: TodaLattice(1), "n = 1"),
+        (lambda: TodaLattice(2.5), "n = 2.5"),
+        (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),
+        (lambda: TodaLattice(2).flow(TodaLattice(2).state((0, 1), (1, 1))).at(float("nan")), "times[0]"),
+        (lambda: TodaLattice(2).flow(TodaLattice(2).state((0, 1), (1, 1))).at(["x"]), "times[0]"),
+        (lambda: TodaLattice(2, GF(101)).flow(TodaLattice(2, GF(101)).state((5, 1), (1, 1))), "GF(101)"),
+        (lambda: TodaLattice(2).step(TodaLattice(2).state((0, 1), (1, 1)), (3, 1)), "point = (3, 1)"),
+        (lambda: TodaLattice(2).step(TodaLattice(2).state((0, 1), (1, 1)), 3), "point = 3"),
+    ],
+)
+def test_bad_input_is_named(call, words) -> None:
+    with pytest.raises((ArgumentError, FieldError)) as caught:
+        call()
+    assert words in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("sheet", [1, -1])
+def test_discrete_time_of_the_lattice(sheet) -> None:
+    """Suris's equations, all of them, for both points at infinity."""
+    system, state = REAL["toda"](RR, 5)
+    new = system.step(state, system.curve_point(state, 9.0), sheet)
+    (q, p), (Q, P) = (tuple(map(np.array, s)) for s in (state, new))
+    ahead, behind = np.roll(q, -1), np.roll(q, 1)
+    if sheet == 1:
+        first, second = np.exp(Q - q) + np.exp(q - np.roll(Q, 1)), np.exp(Q - q) + np.exp(ahead - Q)
+    else:
+        first, second = np.exp(np.roll(Q, -1) - q) + np.exp(q - Q), np.exp(Q - behind) + np.exp(q - Q)
+    assert np.abs(p + 9 - first).max() < 1e-13
+    assert np.abs(P + 9 - second).max() < 1e-13
+
+
+def test_discretization_of_moser_and_veselov() -> None:
+    """q_{k+1} + q_{k−1} ∥ A⁻¹q_k, and small steps follow the flow backwards in time."""
+    system, state = REAL["neumann"](RR, 3)
+    x = -50.0
+    states = [state]
+    for _ in range(2):
+        states.append(system.step(states[-1], system.curve_point(states[-1], x, 1)))
+    total = np.array(states[0].q) + np.array(states[2].q)
+    ratio = total * np.sqrt(np.array(system.constants) - x) / np.array(states[1].q)
+    assert np.ptp(ratio) < 1e-12 * abs(ratio[0])
+    assert np.allclose(system.integrals(states[2])["F"], system.integrals(state)["F"], rtol=0, atol=1e-13)
