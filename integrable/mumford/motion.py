@@ -16,7 +16,7 @@ from integrable.mumford.fields import cofactor, rates
 from integrable.mumford.translations import Translations
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
-from jacobian.fields.long import LongField
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind
 
 # bits between the two precisions, and those that each genus and each doubling is first given

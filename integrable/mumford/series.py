@@ -11,7 +11,7 @@ from typing import Any
 
 from integrable.mumford.fields import Poly, rates, second_kind_rate
 from jacobian.fields.inexact import InexactField
-from jacobian.fields.long import LongField
+from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BallReals
 
 # the last coefficients that the radius of a series is estimated from

@@ -17,9 +17,9 @@ from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import Divisor, HyperellipticCurve, poly
 from jacobian.errors import ArgumentError, entries, one_or_more, shown
-from jacobian.fields.long import LongField
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable, Record, replaced
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 # how far off its constraints a state may be, in units of the last digit, before it is refused

@@ -14,7 +14,7 @@ from typing import Any
 from integrable.mumford.series import Series, taylor
 from jacobian import poly
 from jacobian.errors import ArgumentError
-from jacobian.fields.long import LongField
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, SecondKind, ThirdKind
 
 # h is about the radius of the series over 2^FRACTION, and a coefficient gives so many bits: few terms, and more bits
@@ -63,10 +63,6 @@ class Translations:
                 D = self._added(D, k, digit)
             place, k = (place - digit) // 2, k + 1
         return self._moved(D, self._near(tau - count * self.unit))
-
-    def doublings(self, tau: Any) -> int:
-        """How many doublings of T(h) lead to τ."""
-        return abs(self._count(tau)).bit_length()
 
     def _count(self, tau: Any) -> int:
         import gmpy2

@@ -4,8 +4,8 @@ from random import Random
 
 from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray
-from jacobian.fields.long import LongField
 from jacobian.fields.residue import ResidueField
+from jacobian.inexact.long_field import LongField
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative

@@ -5,7 +5,7 @@ from random import Random
 import pytest
 
 from jacobian import GF, QQ, ArgumentError, HyperellipticCurve, NotRepresentable, PrecisionLoss, poly
-from jacobian.fields.long import LongField
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 from jacobian.relatives.signed import SignedGroup
 
