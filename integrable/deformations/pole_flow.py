@@ -39,7 +39,10 @@ class CubicCarrier(CurvesCarrier):
     def __init__(self, system: Any, state: State) -> None:
         self.system, self.start = system, state
         if any(c == 0 for c in system.body.differences):
-            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+            raise NotRepresentable(
+                "two moments of inertia are equal: the separated variables do not tell how γ turns; "
+                "motion_through(state) integrates"
+            )
         K, self._poles = system.field, system.potential.poles
         self._phi: poly.Poly = (K.coerce(-4),)
         for e in system.a:

@@ -81,14 +81,20 @@ class OvalCarrier(CurvesCarrier):
         self.system, self.start = system, state
         body, K = system.body, system.field
         if any(c == 0 for c in body.differences):
-            raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+            raise NotRepresentable(
+                "two moments of inertia are equal: the separated variables do not tell how γ turns; "
+                "motion_through(state) integrates"
+            )
         h2 = K.dot(state.M, state.M)
         if h2 == 0:
             raise ArgumentError("M = (0, 0, 0): at rest; a flow needs M ≠ 0")
         H, second = system.integrals(state)[2:]
         self.lambdas = _eigenvalues(K, H, second)
         if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
-            raise NotRepresentable(f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates")
+            raise NotRepresentable(
+                f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates; "
+                "motion_through(state) integrates"
+            )
         self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
         self.roots_of_weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
         self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]

@@ -233,10 +233,10 @@ def from_points(rng: Random) -> Case:
 
 
 def batch(rng: Random) -> Case:
-    """Rows of floats in genus 2."""
-    at = setting(rng, rng.choice(("RR", "CC")), 2)
-    size, count = rng.choice((1, 2, 10)), 4
-    rows = [(at.points(2, -size, size), at.points(2, -size, size)) for _ in range(count)]
+    """Rows of floats in genus 2, one time in three of any genus and field."""
+    at = setting(rng) if rng.random() < 1 / 3 else setting(rng, rng.choice(("RR", "CC")), 2)
+    size, count = rng.choice((1, 2, 10, 20, 30)), 4
+    rows = [(at.points(at.genus, -size, size), at.points(at.genus, -size, size)) for _ in range(count)]
     made = [", ".join(f"J.from_points({at.text(row[k])})" for row in rows) for k in (0, 1)]
     setup = (
         at.setup
@@ -256,7 +256,7 @@ def batch(rng: Random) -> Case:
         return None
 
     setup += "total = A + B\nstatus = total.status.tolist()\n"
-    return Case(setup, "[total[i] if s == 0 else None for i, s in enumerate(status)]", judge)
+    return Case(setup, "[total[i] if s == 0 else None for i, s in enumerate(status)]", judge, limit=4)
 
 
 def abel(rng: Random) -> Case:
