@@ -28,7 +28,7 @@ OTHERS = {
     "tests/data/README.md": "test_data.md",
 }
 # of this folder, those with a place of their own; the rest is "How it works"
-PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index"}
+PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more"}
 
 
 def lay_out(source: Path) -> None:
@@ -56,6 +56,8 @@ def lay_out(source: Path) -> None:
     for name in ("site.css", "sort.js"):
         shutil.copy(DOCS / "site" / name, static)
     shutil.copytree(ROOT / "integrable" / "schemas", static / "schemas")
+    if (ROOT / "integrable" / "certified").exists():
+        shutil.copytree(ROOT / "integrable" / "certified", static / "certified")
     results = measured.write(source, (DOCS / "error_against_run_time.md").read_text(encoding="utf-8"))
     gallery.write(source, results)
     reference.write(source)

@@ -12,7 +12,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
     "jacobian": (
         "`jacobian`",
         "Curves, divisors, their group, and the fields below them.",
-        ["jacobian", "jacobian.models"],
+        ["jacobian", "jacobian.curve.zeta"],
     ),
     "batch": ("`jacobian.batch`", "Arrays of divisors.", ["jacobian.batch"]),
     "relatives": (
@@ -24,6 +24,10 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "jacobian.relatives.ray_class",
             "jacobian.relatives.conic",
             "jacobian.relatives.signed",
+            "jacobian.models.standard",
+            "jacobian.models.isomorphism",
+            "jacobian.models.invariants",
+            "jacobian.models.richelot",
             "jacobian.periods.matrix",
             "jacobian.periods.abel",
         ],
@@ -39,6 +43,8 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
         "What `flow(state)` and the maps return.",
         [
             "integrable.motion.flow",
+            "integrable.portrait.portrait",
+            "integrable.laboratory.motion",
             "integrable.motion.enclosure",
             "integrable.phase.state",
             "integrable.phase.body",
