@@ -16,6 +16,7 @@ from jacobian.immutable import Immutable, Record, read_only
 if TYPE_CHECKING:
     from scipy.spatial.transform import Rotation
 
+    from integrable.laboratory.fit import OrientationFit
     from integrable.portrait.portrait import Portrait
 
 
@@ -55,6 +56,17 @@ class LaboratoryMotion(Immutable):
             raise NotRepresentable("portrait: ω is constant here, there is no flow")
         portrait: Portrait = self.flow.portrait
         return portrait
+
+    def fitted(self, times: Any, orientations: Any) -> OrientationFit:
+        """The motion of a free body nearest to orientations measured at ``times``, with this one as the guess: its
+        start and the ratios of its moments, about the same principal axes (SciPy; :mod:`integrable.laboratory.fit`).
+
+        ``orientations`` are matrices, shape (N, 3, 3), or SciPy's Rotation of N. The guess has to be less than half a
+        turn off at every time.
+        """
+        from integrable.laboratory.fit import fitted
+
+        return fitted(self, times, orientations)
 
     def __repr__(self) -> str:
         return f"<motion of {self.body!r}>"

@@ -16,6 +16,7 @@ from integrable import (
 )
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.laboratory.fit import OrientationFit
 from integrable.motion.conditioning import conditioning
 from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
@@ -99,6 +100,7 @@ def values_over(K):
         "portrait": flow.portrait,
     }
     if K is RR:
+        values["fit"] = OrientationFit(turned.motion(np.eye(3), (1, 2, 3)), np.array([0.5, 1.0]), 1e-3, np.eye(8))
         values["diagram"] = ball.diagram()
         values["section"] = ball.flow(state).section(3)
         values["sensitivity"] = ball.flow(state).sensitivity([0, 1.0])

@@ -18,7 +18,20 @@ VALUES |= other_values()
 # the numbers of enclosures and of power series, which no one is handed
 INSIDE = {"BallField", "SeriesField"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
-ARRAYS += ("lines", "phi", "momentum", "theta", "matrices", "omega_body", "centre", "matrix", "secular", "periodic")
+ARRAYS += (
+    "ratios",
+    "covariance",
+    "lines",
+    "phi",
+    "momentum",
+    "theta",
+    "matrices",
+    "omega_body",
+    "centre",
+    "matrix",
+    "secular",
+    "periodic",
+)
 
 
 def test_the_table_holds_every_public_class():

@@ -1,0 +1,162 @@
+"""The motion of a free body from orientations that were measured: ratios of its moments, its start, their covariance.
+
+Gauss–Newton's steps by SciPy's least squares (Levenberg 1944, Marquardt 1963) on the rotations that lead from the
+computed orientations to the measured ones. Their derivatives come from those of γ and M
+(:mod:`integrable.portrait.sensitivity`), which both rest in space: a turn ψ of the body in its own axes changes γ by
+γ × ψ and M by M × ψ, and the momentum of the start by what ω and I make of it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from integrable.extras import needed
+from jacobian import RR
+from jacobian.errors import ArgumentError, shown
+from jacobian.immutable import Record
+
+LEAST_COUNT = 3
+NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", "log ratio2")
+
+
+class OrientationFit(Record):
+    """What :meth:`integrable.laboratory.motion.LaboratoryMotion.fitted` has found.
+
+    ``motion`` is the motion; ``ratios`` (2,) the moments of the first two principal axes over the third, ``omega`` (3,)
+    the angular velocity of the start in the laboratory, rad/s; ``rms`` the root mean square of the angles left, rad.
+    ``covariance`` (8, 8) is that of :data:`NAMES`: a turn of the start in the laboratory, ω of the start along the
+    principal axes, and the logarithms of the ratios, from the angles left.
+    """
+
+    def __init__(self, motion: Any, ratios: Any, rms: float, covariance: Any) -> None:
+        self.motion, self.ratios, self.rms, self.covariance = motion, ratios, rms, covariance
+
+    @property
+    def omega(self) -> Any:
+        """ω of the start in the laboratory."""
+        return self.motion.at([0.0]).omega[0]
+
+    def __repr__(self) -> str:
+        first, second = self.ratios.tolist()
+        return f"<OrientationFit: ratios {first:.8g} and {second:.8g}, rms {self.rms:.2g} rad>"
+
+
+def fitted(guess: Any, times: Any, orientations: Any) -> OrientationFit:
+    """The motion nearest to measured orientations, from a guess; see the method of the motion."""
+    needed("scipy", "fitted")
+    from scipy.optimize import least_squares
+
+    body = guess.body
+    if body.field != RR or body.mass is not None:
+        raise ArgumentError(f"fitted: of {body!r}; it takes a free body over RR")
+    instants = np.asarray(times, dtype=float)
+    given = orientations.as_matrix() if hasattr(orientations, "as_matrix") else np.asarray(orientations, dtype=float)
+    if instants.ndim != 1 or len(instants) < LEAST_COUNT:
+        raise ArgumentError(f"times = {shown(times)}: give a sequence of {LEAST_COUNT} times or more")
+    if given.shape != (len(instants), 3, 3):
+        raise ArgumentError(
+            f"orientations have the shape {given.shape}: give a rotation for each of {len(instants)} times"
+        )
+    problem = _Problem(guess, instants, given)
+    found = least_squares(problem.residuals, np.zeros(8), problem.slopes, method="lm", x_scale="jac")
+    left = found.fun.reshape(-1, 3)
+    free = max(1, left.size - 8)
+    covariance = np.linalg.inv(found.jac.T @ found.jac) * (2 * found.cost / free)
+    moments = problem.moments(found.x)
+    rms = float(np.sqrt(np.mean(np.sum(left**2, axis=1))))
+    return OrientationFit(problem.result(found.x), moments[:2] / moments[2], rms, covariance)
+
+
+class _Problem:
+    """Residuals and their derivatives by eight numbers, all 0 at the guess: a turn of the start in the laboratory,
+    changes of ω along the principal axes, and of the logarithms of the first two moments.
+    """
+
+    def __init__(self, guess: Any, times: np.ndarray, orientations: np.ndarray) -> None:
+        body = guess.body
+        self._body, self._times = body, times
+        self._axes = np.array(body.axes, dtype=float)
+        self._measured = orientations @ self._axes
+        start = guess.at([0.0])
+        self._start, self._omega = start.matrices[0] @ self._axes, self._axes.T @ start.omega_body[0]
+        self._moments = np.array(body.moments, dtype=float)
+        self._known: tuple[bytes, Any] = (b"", None)
+
+    def moments(self, x: np.ndarray) -> np.ndarray:
+        found: np.ndarray = self._moments * np.exp([x[6], x[7], 0.0])
+        return found
+
+    def result(self, x: np.ndarray) -> Any:
+        """The motion in the axes of the guess's tensor."""
+        moments, turned = self.moments(x), _rotation(x[:3]) @ self._start
+        plain = bool((self._axes == np.eye(3)).all())
+        tensor = moments if plain else self._axes @ np.diag(moments) @ self._axes.T
+        return type(self._body)(tensor).motion(turned @ self._axes.T, turned @ (self._omega + x[3:6]))
+
+    def _motion(self, x: np.ndarray) -> Any:
+        key = x.tobytes()
+        if self._known[0] != key:
+            turned = _rotation(x[:3]) @ self._start
+            self._known = key, type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
+        return self._known[1]
+
+    def residuals(self, x: np.ndarray) -> np.ndarray:
+        """The turns in the laboratory from computed to measured orientations, (3N,)."""
+        from scipy.spatial.transform import Rotation
+
+        there = self._motion(x).at(self._times).matrices
+        found: np.ndarray = Rotation.from_matrix(self._measured @ there.transpose(0, 2, 1)).as_rotvec().ravel()
+        return found
+
+    def slopes(self, x: np.ndarray) -> np.ndarray:
+        """(3N, 8), of small residuals."""
+        motion = self._motion(x)
+        if motion.flow is None:
+            raise ArgumentError(
+                "fitted: ω is constant in the guess, which tells nothing of the moments; guess another ω"
+            )
+        flow, matrices = motion.flow, motion.at(self._times).matrices
+        run, moments, omega = flow.at(self._times), self.moments(x), self._omega + x[3:6]
+        S = flow.sensitivity(self._times).matrix
+        # M = Iω of the start, by ω and by log I
+        by_start = np.hstack([np.diag(moments), np.diag(moments * omega)[:, :2]])
+        change = S[:, :, 3:6] @ by_start
+        change[:, :, 3:] += S[:, :, 6:8] * moments[:2]
+        start = motion.at([0.0]).matrices[0]
+        carried = matrices.transpose(0, 2, 1) @ start @ by_start
+        psi = _turns(run.gamma, run.M, change[:, :3], change[:, 3:] - carried)
+        out = np.empty((len(self._times), 3, 8))
+        out[:, :, :3] = -_left(x[:3])
+        out[:, :, 3:] = -matrices @ psi
+        return out.reshape(-1, 8)
+
+
+def _turns(gamma: np.ndarray, M: np.ndarray, by_gamma: np.ndarray, by_M: np.ndarray) -> np.ndarray:
+    """ψ (N, 3, m) with γ × ψ and M × ψ given, (N, 3, m), γ and M (N, 3)."""
+    g, m = gamma[:, :, None], M[:, :, None]
+    across = np.cross(by_gamma, g, axis=1)
+    normal = np.cross(m, g, axis=1)
+    rest = by_M - np.cross(m, across, axis=1)
+    found: np.ndarray = across + g * (np.sum(rest * normal, axis=1) / np.sum(normal**2, axis=1))[:, None, :]
+    return found
+
+
+def _rotation(turn: np.ndarray) -> np.ndarray:
+    from scipy.spatial.transform import Rotation
+
+    found: np.ndarray = Rotation.from_rotvec(turn).as_matrix()
+    return found
+
+
+def _left(turn: np.ndarray) -> np.ndarray:
+    """The turn in space that a change of a rotation vector makes of its rotation (3, 3)."""
+    angle = float(np.linalg.norm(turn))
+    if angle < 1e-8:
+        return np.eye(3)
+    a = turn / angle
+    skew = np.array([[0, -a[2], a[1]], [a[2], 0, -a[0]], [-a[1], a[0], 0]])
+    part = np.sin(angle) / angle
+    found: np.ndarray = part * np.eye(3) + (1 - part) * np.outer(a, a) + (1 - np.cos(angle)) / angle * skew
+    return found
