@@ -158,9 +158,10 @@ class ManyDigits:
                 continue
             if clock and tau:
                 # the farthest alone says whether the digits suffice
-                if self._enough(abs(carrier.tau([max(tau, key=abs)], self.digits + SPARE + lost)[0])) is None:
+                (last,) = carrier.tau([max(tau, key=abs)], self.digits + SPARE + lost)
+                if self._enough(abs(last)) is None:
                     continue
-                tau = carrier.tau(tau, self.digits + SPARE + lost)
+                tau = carrier.tau(tau, self.digits + SPARE + lost) if len(tau) > 1 else [last]
                 if self._enough(max(map(abs, tau))) is None:
                     continue
             points = [carrier.point(t) for t in tau]

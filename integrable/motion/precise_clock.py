@@ -16,6 +16,7 @@ from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, doubling_precisions, gauss_legendre
 from integrable.torus.panel_rates import PanelRates, Scouts
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -28,6 +29,8 @@ UNEVEN = 4
 # decimal digits a coefficient, below which long panels are not used
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
+# 1 − dα at the axes from which on 1/g is read off U(1/d): three digits of those that guard
+LIGHT = 1e-3
 # where Newton's steps in floats end, how good a place must be then, and the bits of it that are right; else so many
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
@@ -45,10 +48,13 @@ NONE = Limits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, and the same for :class:`PanelRates`."""
+    """Translations from the centre of a panel to its nodes, the same for :class:`PanelRates`, and what
+    :func:`integrable.moving_point.addition.upright_rates` takes of them, None where that would lose digits.
+    """
 
     steps: list[Any]
     packed: Any
+    roots: list[Any] | None
 
 
 class Unresolved(ArithmeticError):
@@ -69,7 +75,7 @@ class PanelClock:
         self._most = limits.most
         self._digits = min(setup.digits, limits.digits)
         self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
-        self._half = setup.bare.half_step
+        self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
         self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
         self._use(self._node_count(self._digits_a_node(1)))
         self._long: tuple[Nodes, list[Any]] | None = None
@@ -111,7 +117,11 @@ class PanelClock:
     def _at_nodes(self, nodes: list[Any], length: int) -> Nodes:
         """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
         steps = self._setup.translations.at_nodes(nodes, self._sign * length)
-        return Nodes(steps, self._compiled and self._compiled.steps(steps))
+        roots, d = None, self._d
+        if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
+            with self._setup.reals:
+                roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
+        return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
 
     # --- the integral
 
@@ -223,10 +233,12 @@ class PanelClock:
     def _rates_at(self, point: Any, nodes: Nodes) -> list[Any]:
         bare = self._setup.bare
         if self._compiled:
-            found = self._compiled.around(point, *nodes)
+            found = self._compiled.around(point, nodes.steps, nodes.packed)
             if found is not None:
                 zero = 0 * self._half
                 return [zero + high + low for high, low in found.tolist()]
+        if nodes.roots is not None:
+            return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
         return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
 
     def _mean(self, cell: int) -> Any:

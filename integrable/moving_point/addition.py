@@ -126,6 +126,23 @@ def rate_after(f: Row, axes: Row, point: Row, step: Row) -> Real:
     return abs(l1) / root(total)
 
 
+def upright_rates(f: Row, axes: Row, d: Real, point: Row, steps: Row, roots: Row) -> list[Real]:
+    """:func:`rate_after` of an upright body for many translations, for interpreted numbers: ``roots`` are those of
+    1 + d(u1 + du0) of each.
+
+    g² is a multiple of U(1/d), and f(1/d) = 0: U'' there is P²/(l1²·U·U'), P = qV + LU. Where 1 − dα is small at an
+    axis P loses its digits.
+    """
+    curve, first = (f[0], f[1], f[2], f[3], f[4], f[5]), (point[0], point[1], point[2], point[3])
+    height = 1 + d * (point[1] + d * point[0])
+    slope, scale = d * d * (d * point[2] + point[3]), rate_at(axes, point) * height
+    found = []
+    for step, size in zip(steps, roots, strict=True):
+        q, l1, l0 = chord(curve, first, (step[0], step[1], step[2], step[3]))
+        found.append(abs(scale * l1 * size / (q * slope + (d * l0 + l1) * height)))
+    return found
+
+
 def near_identity(series: Row, roots: Row, f0: Real, axes: Row, eps: Real, passes: int) -> Row:
     """T(eps), the translation with Σ∫dx/y = eps and Σ∫x dx/y = 0, for eps inside the radius of the series.
 

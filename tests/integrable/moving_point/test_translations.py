@@ -3,10 +3,12 @@
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
+from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, legendre_transform
 from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import FEW, Translations
 from jacobian.numbers.long_reals import BareReals
+from jacobian.numbers.roots import root
 
 BODIES = {
     "ball": ChaplyginBall((1, 2, 3), 0.7),
@@ -56,6 +58,24 @@ def test_translations_add_up(ball) -> None:
             found = translations.near(half * (a + b))
             for x, y in zip(total, found, strict=True):
                 assert abs(x - y) < 1e-30 * max(1, abs(y))
+
+
+@pytest.mark.parametrize("name", ["ball", "top", "moments nearly equal", "thin"])
+def test_the_rate_is_read_off_the_height_above_infinity(name) -> None:
+    """Three digits go with each two of 1 − dα: a thin ball shows why it is not taken there."""
+    setup = setup_of(BODIES[name], 40)
+    bare, reals = setup.bare, setup.reals
+    with reals:
+        d = reals.number(setup.problem.d)
+        steps = [setup.translations.near(bare.half_step * x) for x in (0.75, -0.5, 1e-9, 3)]
+        roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
+        for n in range(8):
+            point = bare.reached(1, n)
+            found = addition.upright_rates(bare.f, bare.axes, d, point, steps, roots)
+            for x, step in zip(found, steps, strict=True):
+                assert abs(x / addition.rate_after(bare.f, bare.axes, point, step) - 1) < (
+                    1e-30 if d > 0.5 and name == "thin" else 1e-55
+                )
 
 
 @pytest.mark.parametrize("count", [1, 2, 7, 12])
