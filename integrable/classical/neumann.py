@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, partial_fractions, uhlenbeck
 from jacobian import RR, poly
 from jacobian.relatives.extended import Extended, Lift
 
@@ -44,11 +44,7 @@ class Neumann(MumfordSystem):
 
     def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
         """f₁Σ weight_i/(x − a_i), all coefficients."""
-        a, total = self._constants_in(N), [N.zero] * self.size
-        for i, weight in enumerate(weights):
-            rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
-            total = [x + weight * y for x, y in zip(total, rest, strict=True)]
-        return tuple(total)
+        return partial_fractions(N, self._constants_in(N), weights)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         q, p = state
@@ -72,17 +68,8 @@ class Neumann(MumfordSystem):
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """Uhlenbeck's F_i = q_i² + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), ΣF_i = 1, and H = ½|p|² + ½Σa_i q_i²."""
-        q, p = state
-        a = self._constants_in(N)
-        found = []
-        for i in range(self.size):
-            total = q[i] * q[i]
-            for j in range(self.size):
-                if j != i:
-                    momentum = q[i] * p[j] - q[j] * p[i]
-                    total = total + momentum * momentum / (a[i] - a[j])
-            found.append(total)
-        return {"F": tuple(found), "H": (N.dot(p, p) + N.dot(a, [x * x for x in q])) / 2}
+        a, squares = self._constants_in(N), [x * x for x in state.q]
+        return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

@@ -24,8 +24,9 @@ APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # what rounding may leave of the rates of a pair that rests, in units of the last bit
 STILL = 2.0**16
-# steps of Newton's method for a clock, and what part of τ one is where rounding may be what is left
-MOST_STEPS, SMALL = 200, 2.0**-20
+# steps of Newton's method for a clock, and what part of the unit of translations, which is small itself, one is where
+# Newton's method has converged and rounding may be what is left
+MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
@@ -89,7 +90,7 @@ class MumfordMotion:
     def rows(self, times: Sequence[Any], read: Read, digits: int, clock: Any = None) -> list[Vectors]:
         """``read(field, D)`` at every time, as long numbers with ``digits`` digits of each vector's size.
 
-        ``clock(D) = (time, rate)`` tells what time it is at D; without one τ is the time. PrecisionLoss where no
+        ``clock(field, D) = (time, rate)`` tells what time it is at D; without one τ is the time. PrecisionLoss where no
         precision does.
         """
         return [self._row(time, read, math.ceil(digits * math.log2(10)) + 2, clock) for time in times]
@@ -152,7 +153,7 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
 
 def _at_clock(placed: Placed, target: Any, clock: Any) -> Extended:
     """D where the clock shows ``target``: Newton's method inside a bracket, by the mean rate where that is far."""
-    now, rate = clock(placed.start)
+    now, rate = clock(placed.field, placed.start)
     tau, low, high = placed.field.zero, None, None
     D, start, last = placed.start, now, None
     for _ in range(MOST_STEPS):
@@ -165,9 +166,9 @@ def _at_clock(placed: Placed, target: Any, clock: Any) -> Extended:
         if low is not None and high is not None and not low < tau + step < high:
             step = (low + high) / 2 - tau
         # where rounding is reached, steps no longer shrink as Newton's do
-        if last is not None and abs(last) < SMALL * abs(tau) and abs(step) > abs(last) / 4:
+        if last is not None and abs(last) < placed.translations.unit / SMALL and not 0 < 4 * abs(step) <= abs(last):
             return D
         tau, last = tau + step, step
         D = placed.at(tau)
-        now, rate = clock(D)
+        now, rate = clock(placed.field, D)
     raise PrecisionLoss("the clock was not inverted: use more digits")

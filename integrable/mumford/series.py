@@ -54,14 +54,13 @@ class Series:
         self.radius = self._radius()
 
     def _radius(self) -> float:
-        """The least of (scale/|coefficient|)^(1/k) over the last coefficients, in units of each row's size."""
-        found = []
+        """The least of (|earlier coefficients|/|last ones|)^(1/terms between): the unit of time does not matter."""
+        found, between = [], self.order // 2 - LAST
         for row in self.rows:
-            size = max(abs(c) for c in row[: self.order // 2])
-            for k in range(self.order - LAST, self.order):
-                if size and row[k]:
-                    # by exponents: the ratio may be beyond the floats
-                    found.append(float((size / abs(row[k])) ** (self.field.one.real / k)))
+            last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (self.order, self.order - between))
+            if last and earlier:
+                # the ratio may be beyond the floats, its root is not
+                found.append(float((earlier / last) ** (self.field.one.real / between)))
         return min(found, default=1.0)
 
     def at(self, time: Any) -> tuple[Poly, Poly, Any]:

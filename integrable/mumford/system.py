@@ -105,6 +105,17 @@ class MumfordSystem(Immutable):
         """Table: the state of a divisor of the motion that began at ``start``, ``time`` ago."""
         raise NotImplementedError
 
+    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+        """Table: dt/dτ at a pair; 1 where time is linear."""
+        return N.one
+
+    clocked = False
+    """Whether time is not linear; then the motion carries it, and ``_clock`` reads it."""
+
+    def _clock(self, N: Any, D: Extended) -> tuple[Any, Any]:
+        """Table, where ``clocked``: (t, dt/dτ) at a divisor of the motion."""
+        raise NotImplementedError
+
     # --- what follows
 
     @property
@@ -230,14 +241,13 @@ class MumfordFlow:
         self.digits = getattr(K, "dps", ROUNDED_TO_FLOATS)
         genus = len(system.spectral(state).v)
         self._motion = MumfordMotion(self._place, genus)
+        self._clock = system._clock if system.clocked else None
 
     def _inner(self, N: LongField) -> Point:
         return self.system._constrained(N, self.system._inside(N, self.start))
 
     def _place(self, N: LongField) -> Start:
         return self.system._start(N, self._inner(N))
-
-    _clock: Any = None
 
     def at(self, times: Any) -> Path:
         """The states at times (a number or a sequence of them, in any order, of any sign and size).
@@ -259,6 +269,28 @@ class MumfordFlow:
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
+
+
+def partial_fractions(N: Any, a: Sequence[Any], weights: Sequence[Any]) -> poly.Poly:
+    """Π(x − a_i)·Σ weight_i/(x − a_i), all coefficients."""
+    total = [N.zero] * len(a)
+    for i, weight in enumerate(weights):
+        rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
+        total = [x + weight * y for x, y in zip(total, rest, strict=True)]
+    return tuple(total)
+
+
+def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
+    """first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), the integrals of Uhlenbeck (Moser 1980)."""
+    q, p = state
+    found = []
+    for i, total in enumerate(first):
+        for j in range(len(a)):
+            if j != i:
+                momentum = q[i] * p[j] - q[j] * p[i]
+                total = total + momentum * momentum / (a[i] - a[j])
+        found.append(total)
+    return tuple(found)
 
 
 def element(K: Any, x: Any) -> Any:

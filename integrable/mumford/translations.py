@@ -37,7 +37,7 @@ class Translations:
         pair, point = reference(group)
         rough = taylor(self.field, group.f, pair, direction, ROUGH_ORDER)
         self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
-        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 1) + 5)
+        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 2) + 8)
         self._series: Series = taylor(self.field, group.f, pair, direction, order)
         self._start = pair[0]
         zero = self.field.zero

@@ -165,11 +165,16 @@ class ExtendedGroup(Immutable):
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
+        size = self._size_of_x(D.u)
+        height = abs(max((abs(c) * size**i for i, c in enumerate(self.f)), default=K.one)) ** 0.5
+        # columns in units of what they move, rows in units of f
+        units = [*(height / size**i for i in range(g)), *(size ** (g - i) for i in range(g))]
         columns = []
         for b in (poly.add(K, D.v, D.v), w):
             column = self._padded(poly.mod(K, b, D.u), g)
             for _ in range(g):
-                columns.append(column)
+                unit = units[len(columns)]
+                columns.append([c * unit * size**i / height**2 for i, c in enumerate(column)])
                 column = self._padded(poly.mod(K, (K.zero, *column), D.u), g)
         by_row = list(zip(*columns, strict=True))
         rows = [[K.dot(by_row[i], by_row[j]) for j in range(g)] for i in range(g)]
@@ -177,11 +182,16 @@ class ExtendedGroup(Immutable):
         damping = max(abs(rows[i][i]) for i in range(g)) * abs(K.eps) ** 0.5
         for i, value in enumerate(self._padded(rest, g)):
             rows[i][i] += damping
-            rows[i].append(value)
+            rows[i].append(value * size**i / height**2)
         weights = solved(rows)
-        move = [K.dot(column, weights) for column in columns]
+        move = [K.dot(column, weights) * unit for column, unit in zip(columns, units, strict=True)]
         v = tuple(map(K.add, D.v, move[:g]))
         return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
+
+    def _size_of_x(self, u: poly.Poly) -> Any:
+        """The size of the largest root of u, about."""
+        g = len(u) - 1
+        return max(abs(c) ** (self.field.one.real / (g - i)) for i, c in enumerate(u[:-1])) or abs(self.field.one)
 
     def cofactor(self, u: poly.Poly, v: poly.Poly) -> poly.Poly:
         """W = (f − v²)/u."""

@@ -14,6 +14,7 @@ from integrable import (
     ensemble,
     load_scene,
 )
+from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.laboratory.fit import OrientationFit
@@ -44,6 +45,7 @@ def systems_over(K):
         "check": Check(inertia, field=K),
         "hat": Hat(inertia, field=K),
         "gyroscopic": Gyroscopic(inertia, 1, field=K),
+        "ellipsoid": Ellipsoid(inertia, K),
         "neumann": Neumann(inertia, K),
         "toda": TodaLattice(3, K),
     }

@@ -6,6 +6,7 @@ from random import Random
 
 import pytest
 
+from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import Point
@@ -38,6 +39,32 @@ def exact_toda(K, rng, n):
     return system, system.state(different(K, rng, n), [K.random(rng) for _ in range(n)])
 
 
+def exact_ellipsoid(K, rng, n):
+    """A random ellipsoid and point on it, the last coordinate of which is a root, and a tangent there."""
+
+    def make():
+        a = different(K, rng, n + 1)
+        q = [K.random(rng) for _ in range(n)]
+        rest = K.sub(K.one, K.dot([K.div(x, e) for x, e in zip(q, a, strict=False)], q))
+        q.append(K.sqrt(K.mul(a[n], rest)))
+        normal = [K.div(x, e) for x, e in zip(q, a, strict=True)]
+        p = [K.random(rng) for _ in range(n + 1)]
+        along = K.div(K.dot(normal, p), K.dot(normal, normal))
+        system = Ellipsoid(a, K)
+        return system, system.state(q, [K.sub(y, K.mul(along, x)) for x, y in zip(normal, p, strict=True)])
+
+    return attempt(make)
+
+
+def ellipsoid(K, n):
+    system = Ellipsoid([i * i + 2 for i in range(n + 1)], K)
+    rng = Random(n)
+    q, p = ([K.coerce(rng.randint(-9, 9) or 1) for _ in range(n + 1)] for _ in range(2))
+    start = system._constrained(K, Point(tuple(q), tuple(p)))
+    speed = K.sqrt(K.dot(start.p, start.p))
+    return system, system.state(start.q, [y / speed for y in start.p])
+
+
 def neumann(K, n):
     system = Neumann([i * i + 1 for i in range(n + 1)], K)
     rng = Random(n)
@@ -54,10 +81,20 @@ def toda(K, n):
     return TodaLattice(n, K), TodaLattice(n, K).state(q, p)
 
 
-EXACT = {"neumann": exact_neumann, "toda": exact_toda}
-REAL = {"neumann": neumann, "toda": toda}
+EXACT = {"ellipsoid": exact_ellipsoid, "neumann": exact_neumann, "toda": exact_toda}
+REAL = {"ellipsoid": ellipsoid, "neumann": neumann, "toda": toda}
 # (system, size) with genus 1 to 4, both parities of the model and of the genus
-CASES = [("neumann", 1), ("neumann", 2), ("neumann", 3), ("toda", 2), ("toda", 3), ("toda", 4), ("toda", 5)]
+CASES = [
+    ("ellipsoid", 2),
+    ("ellipsoid", 3),
+    ("neumann", 1),
+    ("neumann", 2),
+    ("neumann", 3),
+    ("toda", 2),
+    ("toda", 3),
+    ("toda", 4),
+    ("toda", 5),
+]
 over_cases = pytest.mark.parametrize(("name", "n"), CASES)
 
 

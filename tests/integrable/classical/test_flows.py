@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
+from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
-from integrable.mumford.system import MumfordFlow
+from integrable.mumford.system import MumfordFlow, Point
 from jacobian import GF, MP, RR, ArgumentError, FieldError
 from tests.integrable.classical.rows import REAL, distance, integrated, over_cases
 
@@ -31,9 +32,7 @@ def test_thirty_digits_at_ten_periods(name, n) -> None:
 
 
 @over_cases
-@pytest.mark.parametrize(
-    "time", [-12.5, 1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, 0.37, -1e9, 1e15))]
-)
+@pytest.mark.parametrize("time", [1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, -12.5, -1e9, 1e15))])
 def test_floats_against_forty_digits(name, n, time) -> None:
     """A float run is the run of many digits from the same floats, rounded, at any time."""
     system, state = REAL[name](RR, n)
@@ -56,8 +55,10 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
     assert distance(K, [system.flow(middle).at([5]).q[0]], [path.q[1]]) < 1e-26
     back = system.flow(system.state(path.q[0], [-x for x in path.p[0]])).at([3])
     assert distance(K, [back.q[0], [-x for x in back.p[0]]], state) < 1e-26
-    first = system.integrals(state)["H"]
-    assert abs(system.integrals(middle)["H"] - first) < 1e-27 * (1 + abs(first))
+    for name, first in system.integrals(state).items():
+        again = system.integrals(middle)[name]
+        pairs = zip(again, first, strict=True) if isinstance(first, tuple) else [(again, first)]
+        assert all(abs(x - y) < 1e-26 * (1 + abs(y)) for x, y in pairs), name
 
 
 def test_a_flow_at_its_start_returns_it():
@@ -84,6 +85,43 @@ def test_special_positions_of_neumann(q, p) -> None:
     fine = Neumann((1, 2, 4, 7), MP(30))
     expected = integrated(fine, fine.state(q, p), 1.5, 12, 10)
     assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+def test_a_coordinate_ellipse_closes() -> None:
+    """In the plane of two axes for ever: once round is 4√a₂·E(1 − a₁/a₂) (Legendre)."""
+    from mpmath import MPContext
+
+    context = MPContext()
+    context.dps = 30
+    system = Ellipsoid((1, 2, 4))
+    state = system.state((0, 2**0.5, 0), (1, 0, 0))
+    length = 4 * context.sqrt(2) * context.ellipe(context.mpf(1) / 2)
+    # (0, √2, 0) in floats is put on the ellipsoid
+    path = system.flow(state).at([float(length / 4), float(length / 2), float(length)])
+    assert np.abs(path.q - [[1, 0, 0], [0, -(2**0.5), 0], [0, 2**0.5, 0]]).max() < 2e-15
+    assert np.abs(path.p[2] - [1, 0, 0]).max() < 2e-15
+
+
+@pytest.mark.parametrize("p", [(0, 1, 0), (0, "0.6", "0.8"), (0, 0, 1)])
+def test_geodesics_from_the_ends_of_axes(p) -> None:
+    """Two coordinates vanish, and with them two lifts."""
+    system, fine = Ellipsoid((1, 2, 4)), Ellipsoid((1, 2, 4), MP(30))
+    path = system.flow(system.state((1, 0, 0), p)).at([2.0])
+    expected = integrated(fine, fine.state((1, 0, 0), p), 2, 16, 10)
+    assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+def test_a_geodesic_on_the_triaxial_earth() -> None:
+    """10 000 km and ten thousand times round, with semi-axes in km: all of an earth whose axes nearly agree."""
+    axes = ("40681077.7", "40680197.6", "40408308.7")
+    fine = Ellipsoid(axes, MP(30))
+    q, p = (("4000", "3000", "4000"), ("0.3", "0.5", "-0.8"))
+    start = fine._constrained(fine.field, Point(tuple(map(fine.field.coerce, q)), tuple(map(fine.field.coerce, p))))
+    path = fine.flow(start).at([10000])
+    assert distance(fine.field, (path.q[0], path.p[0]), integrated(fine, start, 10000, 10, 14)) < 1e-20
+    system = Ellipsoid(axes)
+    floats = system.flow(system.state(*(tuple(map(float, x)) for x in start))).at([4e8])
+    assert abs((floats.q[0] ** 2 / np.array(axes, dtype=float)).sum() - 1) < 1e-15
 
 
 @pytest.mark.parametrize("n", [2, 3, 4])
@@ -115,6 +153,10 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Neumann((1, 2)).state((1, 1), (1, -1)), "|q| = 1"),
         (lambda: Neumann((1, 2)).state((1, 0, 0), (0, 1)), "q = (1, 0, 0)"),
         (lambda: Neumann((1, 2)).state((1, "x"), (0, 1)), "q[1]"),
+        (lambda: Ellipsoid((1, -2, 4)), "a = (1, -2, 4)"),
+        (lambda: Ellipsoid((1, 2)).state((1, 1), (0, 1)), "Σq_i²/a_i = 1"),
+        (lambda: Ellipsoid((1, 2)).state((1, 0), (1, 1)), "Σq_i p_i/a_i = 0"),
+        (lambda: Ellipsoid((1, 2)).state((1, 0), (0, 0)), "p ≠ 0"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
         (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),

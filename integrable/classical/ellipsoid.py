@@ -1,0 +1,116 @@
+"""Geodesics on the ellipsoid Σx_i²/a_i = 1 in R^{n+1} (Jacobi 1839; Moser 1980).
+
+x'' = −νA⁻¹x, ν = (Σv_i²/a_i)/(Σx_i²/a_i²), with constant |v|. With f₁ = Π(x − a_i), λ = Σx_iv_i,
+F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
+
+    U = f₁Σ(x_i²/a_i)/(x − a_i),   V = f₁Σx_iv_i/(x − a_i) − λU,   f₁ΣF_i/(x − a_i) = xR(x),   f = −x·f₁·R
+
+The roots of U are the elliptic coordinates, those of R the caustics; genus n. The motion is ±2e_0 in τ with
+dt = |U(0)|dτ, and Σu^g du/y = −2dt, so that t = −½Ω with the second-kind datum Ω, which the additions carry: no
+quadrature. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.motion import Start
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, partial_fractions, uhlenbeck
+from jacobian import RR, poly
+from jacobian.errors import ArgumentError, shown
+from jacobian.relatives.extended import Extended, Lift, SecondKind
+
+
+class Ellipsoid(MumfordSystem):
+    """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2, the a_i different and over real fields positive.
+
+    A state is a point q and a velocity p tangent there; time is length over |p|, so that with |p| = 1 the states of
+    ``flow(state).at(lengths)`` are the ends of geodesics of these lengths, in the unit of √a: the direct problem.
+    """
+
+    _constraint_names = ("Σq_i²/a_i = 1", "Σq_i p_i/a_i = 0", "p ≠ 0")
+
+    def __init__(self, a: Any, field: Any = RR) -> None:
+        self._set_up(field, a, "a", 2)
+        if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
+            raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
+
+    def __repr__(self) -> str:
+        return f"Ellipsoid({self.constants}, {self.field.name})"
+
+    def _over_axes(self, N: Any, left: Sequence[Any], right: Sequence[Any]) -> Any:
+        """Σ left_i·right_i/a_i."""
+        return N.dot([x / e for x, e in zip(left, self._constants_in(N), strict=True)], right)
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        q, p = state
+        moves = N.zero if any(x != N.zero for x in p) else N.one
+        return self._over_axes(N, q, q) - N.one, self._over_axes(N, q, p), moves
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        size = N.sqrt(self._over_axes(N, state.q, state.q))
+        q = tuple(x / size for x in state.q)
+        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
+        along = N.dot(normal, state.p) / N.dot(normal, normal)
+        return Point(q, tuple(y - along * x for x, y in zip(normal, state.p, strict=True)))
+
+    def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
+        """f₁Σ weight_i/(x − a_i), all coefficients."""
+        return partial_fractions(N, self._constants_in(N), weights)
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        q, p = state
+        a = self._constants_in(N)
+        u = (*self._sums(N, [x * x / e for x, e in zip(q, a, strict=True)])[:-1], N.one)
+        slope = N.dot(q, p)
+        mixed = self._sums(N, [x * y for x, y in zip(q, p, strict=True)])
+        v = tuple(x - slope * y for x, y in zip(mixed[:-1], u, strict=False))
+        # xR, whose constant coefficient is that of the constraint, 0
+        rest = self._sums(N, self._momenta(N, state))[1:]
+        f = poly.mul(N, poly.mul(N, (N.zero, -N.one), poly.from_roots(N, a)), rest)
+        return all_of(N, (f, u, v), self.size - 1)
+
+    def _momenta(self, N: Any, state: Point) -> tuple[Any, ...]:
+        """The F_i."""
+        return uhlenbeck(self._constants_in(N), state, [y * y for y in state.p])
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return (N.coerce(poly.integer(N, 2 if genus % 2 == 0 else -2)), *[N.zero] * (genus - 1))
+
+    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+        return u[0] if len(u) % 2 else -u[0]
+
+    def _clock(self, N: Any, D: Extended) -> tuple[Any, Any]:
+        return -D.data[-1] / 2, self._time_rate(N, D.u)
+
+    clocked = True
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        q, p = state
+        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
+        pull = self._over_axes(N, p, p) / N.dot(normal, normal)
+        return Point(p, tuple(-(pull * x) for x in normal))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """The F_i, |v|² = ΣF_i, and Joachimsthal's Σv_i²/a_i·Σx_i²/a_i²."""
+        q, p = state
+        normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
+        return {
+            "F": self._momenta(N, state),
+            "speed squared": N.dot(p, p),
+            "Joachimsthal": self._over_axes(N, p, p) * N.dot(normal, normal),
+        }
+
+    def _start(self, N: Any, state: Point) -> Start:
+        f, u, v = self._spectral(N, state)
+        a, slope = self._constants_in(N), N.dot(*state)
+        slopes = poly.derivative(N, poly.from_roots(N, a))
+        data = tuple((poly.evaluate(N, slopes, e) / e, x, e * y - slope * x) for e, x, y in zip(a, *state, strict=True))
+        return Start(f, u, v, self._direction(N, len(v)), [*map(Lift, a), SecondKind()], (*data, N.zero))
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        slope = -D.v[0] / D.u[0]
+        lifts = D.data[:-1]
+        velocities = ((nu + slope * x) / e for e, (_, x, nu) in zip(self._constants_in(N), lifts, strict=True))
+        return Point(tuple(x for _, x, _ in lifts), tuple(velocities))
