@@ -169,7 +169,7 @@ class ExtendedGroup(Immutable):
         height = abs(max((abs(c) * size**i for i, c in enumerate(self.f)), default=K.one)) ** 0.5
         # columns in units of what they move, rows in units of f
         units = [*(height / size**i for i in range(g)), *(size ** (g - i) for i in range(g))]
-        columns = []
+        columns: list[list[Any]] = []
         for b in (poly.add(K, D.v, D.v), w):
             column = self._padded(poly.mod(K, b, D.u), g)
             for _ in range(g):
