@@ -99,6 +99,13 @@ class RigidBody(Immutable):
         moments, axes = self._principal
         return self.field, moments, tuple(axes.ravel().tolist()), self.mass, self.radius
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        facts = [("principal moments, kg·m²", self.moments), ("field", self.field.name)]
+        given = (("mass, kg", self.mass), ("radius, m", self.radius))
+        return named(type(self).__name__, [*facts, *(x for x in given if x[1] is not None)])
+
     def __repr__(self) -> str:
         given = ", ".join(f"{name}={value}" for name, value in (("mass", self.mass), ("radius", self.radius)) if value)
         numbers = ", ".join(str(x) for x in self.moments)

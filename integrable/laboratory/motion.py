@@ -84,6 +84,15 @@ class LaboratoryRun(Record):
     def __len__(self) -> int:
         return len(self.times)
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        heads = ["t, s", "q0", "q1", "q2", "q3", "ω1, rad/s", "ω2", "ω3"]
+        parts = [self.times[:, None], self.quaternion, self.omega]
+        if self.motion._contact is not None:
+            heads, parts = [*heads, "x, m", "y"], [*parts, self.contact]
+        return table(repr(self), heads, np.hstack(parts).tolist())
+
     def __repr__(self) -> str:
         return f"<{len(self)} times of {self.motion!r}>"
 

@@ -88,6 +88,13 @@ class Motion(Immutable):
         times: Times = self._way_to(given, physical=True).times(given)
         return times
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        return named(
+            f"motion by {self.method}", [("system", self.system), ("γ(0)", self.state.gamma), ("M(0)", self.state.M)]
+        )
+
     # --- what a motion says of itself
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
@@ -241,6 +248,13 @@ class Trajectory(Exported):
     def __repr__(self) -> str:
         refused = "" if self._status is None else f", {np.count_nonzero(self._status)} of them refused"
         return f"<Trajectory of {len(self)} states of {self.system!r}{refused}>"
+
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        first, name = (self._tau, "τ") if self._times is None else (self._times, "t")
+        rows = list(zip(first.tolist(), *self._rows.T.tolist(), strict=True))
+        return table(f"{self!r}, {self.way}", [name, "γ1", "γ2", "γ3", "M1", "M2", "M3"], rows)
 
     @property
     def system(self) -> Any:

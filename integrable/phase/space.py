@@ -254,6 +254,12 @@ class PhaseSpace(Immutable):
         field = "" if K.name == "RR" else f", field={K.name}"
         return f"{type(self).__name__}(inertia=({numbers}){offset}{field})"
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        facts = [("principal moments", self.inertia), ("1/(I + d)", self.a), ("field", self.field.name)]
+        return named(type(self).__name__, [*facts, ("d", self.d)] if self.body.rolls else facts)
+
     def _value(self) -> tuple[Any, ...]:
         return self.body, self.radius
 

@@ -22,6 +22,12 @@ class State:
     g: Any = None
     tilted: bool = False
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        facts = [("γ", self.gamma), ("M", self.M)]
+        return named("state", facts if self.g is None else [*facts, ("g", self.g)])
+
 
 def onto_constraints(system: Any, state: State) -> State:
     """The state in the numbers of ``system.field``: (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0 there, not only to

@@ -149,6 +149,22 @@ class Portrait(Immutable):
         drift = number(zeta * horizontal)
         return drift if system.radius is None else system.radius * drift, spin
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        names = (
+            "region",
+            "axis",
+            "distance",
+            "frequencies",
+            "rotation_number",
+            "precession",
+            "spin",
+            "polhode",
+            "drift",
+        )
+        return named("what the motion is", [(name, getattr(self, name)) for name in names])
+
     def __repr__(self) -> str:
         f1, f2 = (float(f) for f in self.frequencies)
         return f"<Portrait: {self.region}, frequencies {f1:.6g} and {f2:.6g}, distance {float(self.distance):.3g}>"

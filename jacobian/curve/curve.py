@@ -317,6 +317,17 @@ class HyperellipticCurve(CurveQuestions):
     def __repr__(self) -> str:
         return f"{self._formula()} over {self.field.name}"
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        facts = [
+            ("equation", self._formula()),
+            ("field", self.field.name),
+            ("genus", self.genus),
+            ("at infinity", self.model),
+        ]
+        return named("hyperelliptic curve", facts)
+
     def _value(self) -> tuple[Any, ...]:
         K = self.field
         plus = K.key(self.infinity_plus) if self.model == "split" else None

@@ -216,6 +216,13 @@ class Divisor(Immutable):
         weight = "" if self.n is None else f", n={self.n}"
         return f"({poly.text(K, self.u)}, {poly.text(K, self.v)}{weight})"
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        K = self.jacobian.curve.field
+        facts = [("u", poly.text(K, self.u)), ("v", poly.text(K, self.v)), ("curve", self.jacobian.curve)]
+        return named("divisor class", facts if self.n is None else [*facts, ("n", self.n)])
+
     def __reduce__(self) -> Any:
         K = self.jacobian.curve.field
         return _rebuild, (self.jacobian, tuple(map(K.key, self.u)), tuple(map(K.key, self.v)), self.n)

@@ -44,17 +44,19 @@ def test_fifty_bodies():
     I = np.sort(rng.uniform(1, 3, (50, 3)), axis=1)  # noqa: E741
     gamma = rng.normal(size=(50, 3))
     gaps, _, ways = beside(I, rng.uniform(0.2, 3, 50), gamma, 2 * rng.normal(size=(50, 3)), 10.0, 50)
-    assert ways.count("torus") >= 40
+    assert ways.count("torus") >= 35
     assert np.median(gaps) < 1e-13
-    assert gaps.max() < 1e-11
+    assert gaps.max() < 2e-12
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("near", [1e-3, 1e-5])
+@pytest.mark.parametrize("near", [1e-1, 1e-3, 1e-5])
 def test_beside_the_separatrix(near):
-    gaps, sizes, _ = beside([(1, 2, 3)], (0.7,), [(0.6, 0, 0.8)], [(0, 2, 0.3 * near)], 15.0, 80)
+    """On the torus large integrals nearly cancel there; what is lost is noticed."""
+    gaps, sizes, ways = beside([(1, 2, 3)], (0.7,), [(0.6, 0, 0.8)], [(0, 2, 0.3 * near)], 15.0, 80)
     assert sizes[0] > 100
-    assert gaps[0] < 1e-11
+    assert gaps[0] < 2e-12
+    assert ways == ["torus" if near == 1e-1 else "differences"]
 
 
 @pytest.mark.parametrize("ball", [ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3.5))])

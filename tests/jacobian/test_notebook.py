@@ -1,0 +1,62 @@
+"""What notebooks show: well-formed HTML with the values in it."""
+
+from __future__ import annotations
+
+from html.parser import HTMLParser
+
+import pytest
+
+from integrable import ChaplyginBall, EulerTop, RigidBody, RollingBall
+from jacobian import GF, MP, QQ, HyperellipticCurve
+from jacobian.notebook import named, table
+
+BALL = ChaplyginBall((1, 2, 3), 0.7)
+FLOW = BALL.flow(BALL.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
+ROLLING = RollingBall((0.1, 0.12, 0.15), 2, 0.5).motion([[1, 0, 0], [0, 1, 0], [0, 0, 1]], (1, 2, 3))
+CURVE = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1])
+VALUES = {
+    "curve": (CURVE, "GF(101)"),
+    "curve over QQ": (HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]), "genus"),
+    "divisor": (CURVE.jacobian().from_points([(0, 1)]), "x"),
+    "ball": (BALL, "0.7"),
+    "top": (EulerTop((1, 2, 3), field=MP(20)), "MP(20)"),
+    "state": (FLOW.state, "1.28"),
+    "flow": (FLOW, "ChaplyginBall"),
+    "run": (FLOW.at([0, 1, 2]), "0.384"),
+    "long run": (FLOW.at(range(100)), "90 more"),
+    "run in tau": (FLOW.at_tau([0.25]), "0.25"),
+    "portrait": (FLOW.portrait, "low"),
+    "body": (RigidBody((1, 2, 3)), "principal moments"),
+    "rolling ball": (ROLLING.body, "mass, kg"),
+    "laboratory": (ROLLING.at([0, 1]), "x, m"),
+}
+
+
+class Balanced(HTMLParser):
+    """Tags that have been opened and not closed."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+
+    def handle_starttag(self, tag, attrs):
+        self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+
+@pytest.mark.parametrize("name", VALUES)
+def test_values_show_themselves(name):
+    value, part = VALUES[name]
+    text = value._repr_html_()
+    reader = Balanced()
+    reader.feed(text)
+    assert reader.open == []
+    assert "<table>" in text
+    assert part in text
+
+
+def test_what_is_shown_is_text():
+    assert "<script" not in named("<script>", [("<b>", "<script>")])
+    assert table("t", ["a"], [["x" * 1000]]).count("x") == 120
