@@ -239,7 +239,7 @@ class Expressions(Operators):
         if place.is_known and place.known() < 0:
             raise CompileError("negative indices of arrays are not compiled")
         place = self.binary("Mult", place, integer(row.kind.parts))
-        return self.write(f"getelementptr {row.kind.memory}, ptr {row.parts[0]}, i64 {place.parts[0]}")
+        return self.write(f"getelementptr inbounds {row.kind.memory}, ptr {row.parts[0]}, i64 {place.parts[0]}")
 
     def element(self, row: Value, address: str) -> Value:
         """What is there."""
@@ -247,7 +247,7 @@ class Expressions(Operators):
         leaf = item.leaves[0]
         parts = [self.write(f"load {leaf}, ptr {address}")]
         if len(item.leaves) == 2:
-            beside = self.write(f"getelementptr {leaf}, ptr {address}, i64 1")
+            beside = self.write(f"getelementptr inbounds {leaf}, ptr {address}, i64 1")
             parts.append(self.write(f"load {leaf}, ptr {beside}"))
         return Value(item, tuple(parts))
 
@@ -258,7 +258,7 @@ class Expressions(Operators):
             raise CompileError(f"{value.kind} into an array of {item}")
         for k, part in enumerate(self.cast(value, item).parts):
             leaf = item.leaves[k]
-            there = self.write(f"getelementptr {leaf}, ptr {address}, i64 1") if k else address
+            there = self.write(f"getelementptr inbounds {leaf}, ptr {address}, i64 1") if k else address
             self.lines.append(f"  store {leaf} {part}, ptr {there}")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:

@@ -134,7 +134,8 @@ class Operators(Code):
     def int_binary(self, name: str, x: str, y: str) -> str:
         """The same of integers; quotients are rounded down."""
         if name in ARITHMETIC:
-            return self.write(f"{ARITHMETIC[name]} i64 {x}, {y}")
+            # what leaves 64 bits is no index: loops over indices are made vectors then
+            return self.write(f"{ARITHMETIC[name]} nsw i64 {x}, {y}")
         if name in BITS:
             return self.write(f"{BITS[name]} i64 {x}, {y}")
         if name not in ("FloorDiv", "Mod"):
