@@ -84,6 +84,15 @@ class LaboratoryRun(Record):
     def __len__(self) -> int:
         return len(self.times)
 
+    def animate(self, path: Any, fps: int = 25) -> None:
+        """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or .mp4 (which takes ffmpeg):
+        the body as it turns, ω, and the way of a ball's point of contact. The extra ``app``; the file appears when it
+        is complete.
+        """
+        from integrable.laboratory.animation import animate
+
+        animate(self, path, fps)
+
     def _repr_html_(self) -> str:
         from jacobian.notebook import table
 

@@ -1,0 +1,94 @@
+"""A run as a moving picture: the body as it turns, and for a ball the way of its point of contact."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from integrable.extras import needed
+from jacobian.errors import ArgumentError, shown, whole
+
+SUFFIXES = (".gif", ".mp4")
+# the viewer's horizontal, vertical and depth in the laboratory: from the south, 25 degrees up
+UP = np.radians(25)
+VIEW = np.array([[1, 0, 0], [0, np.sin(UP), np.cos(UP)], [0, -np.cos(UP), np.sin(UP)]])
+COLORS = ("#1b6ca8", "#b03a2e", "#1e8449")
+POINTS = 121
+
+
+def animate(run: Any, path: Any, fps: int) -> None:
+    """:meth:`integrable.laboratory.motion.LaboratoryRun.animate`."""
+    needed("matplotlib", "animate")
+    from matplotlib.animation import FFMpegWriter, FuncAnimation, PillowWriter
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+
+    target = Path(os.fspath(path))
+    fps = whole(fps, "fps", "frames a second, an int from 1 to 120", 1, 120)
+    if target.suffix not in SUFFIXES:
+        raise ArgumentError(f"path = {shown(str(target))}: the name ends in {' or '.join(SUFFIXES)}")
+    if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
+        raise ArgumentError(f"path = {shown(str(target))}: .mp4 needs ffmpeg, which is not there; .gif does without")
+    if len(run) < 2:
+        raise ArgumentError(f"a run of {len(run)} times has nothing that moves: give two times or more")
+    rolls = run.motion._contact is not None
+    figure = Figure(figsize=(8.0 if rolls else 4.0, 4.0), layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = figure.subplots(1, 2 if rolls else 1, squeeze=False)[0]
+    updates = [_body(axes[0], run)] + ([_path(axes[1], run)] if rolls else [])
+
+    def update(frame: int) -> list[Any]:
+        return [artist for each in updates for artist in each(frame)]
+
+    moving = FuncAnimation(figure, update, frames=len(run), init_func=list, blit=False)
+    unfinished = target.with_name(f".{os.getpid()}-{target.name}")
+    try:
+        moving.save(unfinished, writer=PillowWriter(fps) if target.suffix == ".gif" else FFMpegWriter(fps))
+        unfinished.replace(target)
+    finally:
+        unfinished.unlink(missing_ok=True)
+
+
+def _body(ax: Any, run: Any) -> Any:
+    """The three great circles in the axes of the tensor, their near halves, and the direction of ω."""
+    angles = np.linspace(0, 2 * np.pi, POINTS)
+    c, s, zero = np.cos(angles), np.sin(angles), 0 * angles
+    circles = np.array([[zero, c, s], [c, zero, s], [c, s, zero]])
+    ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
+    ax.set_axis_off()
+    ax.plot(c, s, color="0.5", linewidth=1)
+    lines = [ax.plot([], [], color=color, linewidth=2)[0] for color in COLORS]
+    (spin,) = ax.plot([], [], "k-", linewidth=1.5)
+    title = ax.set_title("")
+    matrices, omega, times = (np.asarray(x).astype(float) for x in (run.matrices, run.omega, run.times))
+    fastest = np.linalg.norm(omega, axis=1).max() or 1.0
+
+    def update(frame: int) -> list[Any]:
+        for line, circle in zip(lines, circles, strict=True):
+            x, y, depth = VIEW @ matrices[frame] @ circle
+            near = depth >= 0
+            line.set_data(np.where(near, x, np.nan), np.where(near, y, np.nan))
+        x, y, _ = VIEW @ omega[frame] / fastest
+        spin.set_data([0, 1.1 * x], [0, 1.1 * y])
+        title.set_text(f"t = {times[frame]:.2f} s")
+        return [*lines, spin, title]
+
+    return update
+
+
+def _path(ax: Any, run: Any) -> Any:
+    path = np.asarray(run.contact).astype(float)
+    ax.plot(*path.T, color="0.8", linewidth=0.8)
+    (line,) = ax.plot([], [], color=COLORS[0], linewidth=1.2)
+    (point,) = ax.plot([], [], "o", color=COLORS[1])
+    ax.set(xlabel="x, m", ylabel="y, m", aspect="equal", adjustable="datalim")
+
+    def update(frame: int) -> list[Any]:
+        line.set_data(*path[: frame + 1].T)
+        point.set_data(path[frame : frame + 1, 0], path[frame : frame + 1, 1])
+        return [line, point]
+
+    return update
