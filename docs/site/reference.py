@@ -74,6 +74,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
         "Runs described as data, and what is made of them.",
         [
             "integrable.scene.data",
+            "integrable.scene.certified",
             "integrable.scene.orbit",
             "integrable.study.command",
             "integrable.view.page",

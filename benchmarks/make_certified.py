@@ -1,0 +1,140 @@
+"""Make the data set of certified trajectories: ``python -m benchmarks.make_certified [NAME ...]``.
+
+Forty motions at 50 times each, in balls of radius 10⁻³⁰ or less that contain them (``flow.enclosure``). A motion is
+written to ``build/certified/NAME.json`` when it is done, and the data set from all of these when there are forty; run
+again, it goes on. Some ten seconds a motion.
+"""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import io
+import json
+import sys
+import time
+from decimal import Decimal, localcontext
+from fractions import Fraction
+from math import floor, frexp
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from integrable import ChaplyginBall, EulerTop, load_scene
+
+ROOT = Path(__file__).parents[1]
+PARTS, OUT = ROOT / "build" / "certified", ROOT / "integrable" / "certified"
+DIGITS, COUNT, PRINTED = 30, 50, 34
+SCENES = [
+    "chaplygin", "euler_top", "tilted_ball", "thin_ball", "tiny_d", "gamma_zero", "branch_point", "fast_spin",
+    "slow_spin", "different_moments", "nearly_equal_moments", "almost_equal_moments", "near_separatrix_4",
+    "near_separatrix_8", "near_separatrix_14",
+]  # fmt: skip
+TURNS = {True: 3.0, False: 1.0}
+"""Scenes and random motions are followed for so many turns of the body at its angular velocity of the start."""
+
+
+def motions() -> dict[str, tuple[Any, Any, str]]:
+    """name: (system, state, what is hard about it); inputs are doubles."""
+    found = {}
+    for name in SCENES:
+        scene = load_scene(name)
+        found[name] = (*scene.start(15), " ".join(scene.description.split()))
+    rng = Random(18)
+    for k in range(40 - len(found)):
+        ratio = 10.0 ** (k % 4)
+        inertia = tuple(float(f"{x:.4g}") for x in sorted(rng.uniform(1, 1 + ratio) for _ in range(3)))
+        d = 0.0 if k % 2 else float(f"{10 ** rng.uniform(-2, 1):.3g}")
+        system = EulerTop(inertia) if d == 0 else ChaplyginBall(inertia, d)
+        raw = [rng.gauss(0, 1) for _ in range(3)]
+        length = sum(x * x for x in raw) ** 0.5
+        gamma = tuple(x / length for x in raw)
+        other = [rng.gauss(0, 1) for _ in range(3)]
+        lean = 0.0 if k % 3 else rng.uniform(-1, 1)
+        part = sum(x * y for x, y in zip(other, gamma, strict=True)) - lean
+        M = tuple(y - part * x for x, y in zip(gamma, other, strict=True))
+        kind = ("ball" if d else "top") + (", tilted" if lean else "")
+        state = system.state(gamma, M, tilted=bool(lean))
+        found[f"random_{k + 1:02d}"] = (system, state, f"A {kind} at random, moments of ratio up to {ratio:g}")
+    return found
+
+
+def times(name: str, system: Any, state: Any) -> list[float]:
+    """50 equally spaced times that doubles and short decimals hold exactly."""
+    omega = system.omega(state)
+    span = 2 * 3.14159265 * TURNS[name in SCENES] / float(sum(x * x for x in omega)) ** 0.5
+    unit = 2.0 ** (frexp(span)[1] - 12)
+    step = floor(span / (COUNT - 1) / unit) * unit
+    return [k * step for k in range(COUNT)]
+
+
+def decimal(ball: Any) -> str:
+    """The midpoint of a ball to 34 significant digits."""
+    mantissa, exponent = (int(x) for x in ball.mid().man_exp())
+    exact = Fraction(mantissa) * Fraction(2) ** exponent
+    with localcontext() as context:
+        context.prec = PRINTED
+        return str(Decimal(exact.numerator) / Decimal(exact.denominator)) if exact else "0"
+
+
+def certified(name: str, system: Any, state: Any, text: str) -> dict[str, Any]:
+    """One motion of the data set."""
+    at = times(name, system, state)
+    run = system.flow(state).enclosure(at, digits=DIGITS)
+    rows = [
+        {
+            "t": t,
+            "gamma": [decimal(x) for x in run.gamma[k]],
+            "M": [decimal(x) for x in run.M[k]],
+            # the balls, and the rounding of what is printed
+            "bound": run.radius[k] + 1e-33,
+        }
+        for k, t in enumerate(at)
+    ]
+    return {
+        "name": name,
+        "system": "chaplygin_ball" if system.d else "euler_top",
+        "about": text,
+        "inertia": list(map(float, system.inertia)),
+        "d": float(system.d),
+        "tilted": bool(state.tilted),
+        "rows": rows,
+    }
+
+
+def write_all(parts: list[dict[str, Any]]) -> None:
+    """JSON, CSV and their checksums."""
+    head = {"schema": 1, "digits": DIGITS, "count": len(parts)}
+    body = ",\n".join(json.dumps(part, ensure_ascii=False) for part in parts)
+    text = json.dumps(head)[:-1] + ', "motions": [\n' + body + "\n]}\n"
+    table = io.StringIO()
+    writer = csv.writer(table, lineterminator="\n")
+    writer.writerow(["name", "t", "gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "bound"])
+    for part in parts:
+        for row in part["rows"]:
+            writer.writerow([part["name"], repr(row["t"]), *row["gamma"], *row["M"], f"{row['bound']:.2e}"])
+    OUT.mkdir(exist_ok=True)
+    sums = []
+    for name, content in (("trajectories.json", text), ("trajectories.csv", table.getvalue())):
+        (OUT / name).write_text(content, encoding="utf-8", newline="\n")
+        sums.append(f"{hashlib.sha256(content.encode()).hexdigest()}  {name}\n")
+    (OUT / "SHA256SUMS").write_text("".join(sums), encoding="utf-8", newline="\n")
+
+
+def main(names: list[str]) -> None:
+    PARTS.mkdir(parents=True, exist_ok=True)
+    every = motions()
+    for name, given in every.items():
+        path = PARTS / f"{name}.json"
+        if path.exists() or (names and name not in names):
+            continue
+        begin = time.process_time()
+        path.write_text(json.dumps(certified(name, *given)), encoding="utf-8")
+        print(f"{time.process_time() - begin:6.1f} s  {name}", flush=True)
+    done = [PARTS / f"{name}.json" for name in every]
+    if all(path.exists() for path in done):
+        write_all([json.loads(path.read_text(encoding="utf-8")) for path in done])
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

@@ -1,0 +1,90 @@
+"""Certified trajectories: forty motions with proven bounds, to hold an integrator against.
+
+The data are balls of the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); ``python -m
+benchmarks.make_certified`` makes them.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from importlib.resources import files
+from typing import Any, NamedTuple
+
+from jacobian.errors import ArgumentError, shown
+
+__all__ = ["Certified", "certified", "certified_names", "schema"]
+
+_FOLDER = "certified"
+
+
+class Certified(NamedTuple):
+    """A motion whose states are known: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
+
+    The true motion is nowhere farther from the strings than ``bound[k]``, M relative to |M|; it starts at ``gamma[0]``,
+    ``M[0]``. ``inertia``, ``d`` and ``times`` are doubles and exact; the unit of time is that of M over the moments.
+    """
+
+    name: str
+    system: str
+    about: str
+    inertia: tuple[float, float, float]
+    d: float
+    tilted: bool
+    times: tuple[float, ...]
+    gamma: tuple[tuple[str, str, str], ...]
+    M: tuple[tuple[str, str, str], ...]
+    bound: tuple[float, ...]
+
+    def start(self) -> tuple[Any, Any]:
+        """(system, state) of the first row in floats."""
+        from integrable.systems.chaplygin_ball import ChaplyginBall
+        from integrable.systems.euler_top import EulerTop
+
+        system = EulerTop(self.inertia) if self.d == 0 else ChaplyginBall(self.inertia, self.d)
+        gamma, M = (tuple(map(float, rows[0])) for rows in (self.gamma, self.M))
+        return system, system.state(gamma, M, tilted=self.tilted)
+
+
+def certified(name: str) -> Certified:
+    """The motion of that name; ArgumentError for a name that is none of :func:`certified_names`."""
+    motions = _motions()
+    if name not in motions:
+        raise ArgumentError(f"name = {shown(name)}: give one of {', '.join(motions)}")
+    given = motions[name]
+    rows = given["rows"]
+    return Certified(
+        given["name"],
+        given["system"],
+        given["about"],
+        tuple(given["inertia"]),
+        given["d"],
+        given["tilted"],
+        tuple(row["t"] for row in rows),
+        tuple(tuple(row["gamma"]) for row in rows),
+        tuple(tuple(row["M"]) for row in rows),
+        tuple(row["bound"] for row in rows),
+    )
+
+
+def certified_names() -> list[str]:
+    """The names of all motions."""
+    return list(_motions())
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of the file."""
+    found: dict[str, Any] = json.loads(_text("schemas", "certified.json"))
+    return found
+
+
+def _motions() -> dict[str, Any]:
+    text = _text(_FOLDER, "trajectories.json")
+    expected = dict(line.split()[::-1] for line in _text(_FOLDER, "SHA256SUMS").splitlines())
+    if hashlib.sha256(text.encode()).hexdigest() != expected["trajectories.json"]:
+        raise ArgumentError("certified/trajectories.json is not what SHA256SUMS says: install the package again")
+    return {motion["name"]: motion for motion in json.loads(text)["motions"]}
+
+
+def _text(folder: str, name: str) -> str:
+    return files("integrable").joinpath(folder, name).read_text(encoding="utf-8")

@@ -1,0 +1,85 @@
+"""The data set of certified trajectories: whole, as its schema says, and true."""
+
+from __future__ import annotations
+
+import csv
+import hashlib
+import json
+from importlib.resources import files
+
+import pytest
+
+from integrable.oracles.reference import taylor
+from integrable.scene.certified import certified, certified_names, schema
+from jacobian import MP
+from jacobian.errors import ArgumentError
+
+FOLDER = files("integrable").joinpath("certified")
+
+
+def test_files_are_those_of_their_checksums():
+    lines = FOLDER.joinpath("SHA256SUMS").read_text(encoding="utf-8").splitlines()
+    assert {line.split()[1] for line in lines} == {"trajectories.json", "trajectories.csv"}
+    for line in lines:
+        digest, name = line.split()
+        assert hashlib.sha256(FOLDER.joinpath(name).read_bytes()).hexdigest() == digest
+
+
+def test_the_file_is_what_its_schema_says():
+    jsonschema = pytest.importorskip("jsonschema")
+    content = json.loads(FOLDER.joinpath("trajectories.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema())
+    jsonschema.Draft202012Validator(schema()).validate(content)
+    assert content["count"] == len(content["motions"]) == len(certified_names()) == 40
+    assert all(len(motion["rows"]) == 50 for motion in content["motions"])
+
+
+def test_both_files_hold_the_same():
+    rows = list(csv.DictReader(FOLDER.joinpath("trajectories.csv").read_text(encoding="utf-8").splitlines()))
+    assert len(rows) == 40 * 50
+    for name in certified_names():
+        motion = certified(name)
+        own = [row for row in rows if row["name"] == name]
+        assert [tuple(row[f"gamma{i}"] for i in (1, 2, 3)) for row in own] == list(motion.gamma)
+        assert [tuple(row[f"M{i}"] for i in (1, 2, 3)) for row in own] == list(motion.M)
+        assert [float(row["t"]) for row in own] == list(motion.times)
+
+
+@pytest.mark.parametrize("name", certified_names())
+def test_floats_of_the_flow_agree(name):
+    motion = certified(name)
+    system, state = motion.start()
+    found = system.flow(state).at([motion.times[k] for k in (0, 1, 25, 49)])
+    scale = max(abs(float(x)) for x in motion.M[0])
+    # the start is rounded to doubles here, which next to a separatrix grows
+    bound = 1e-4 if "separatrix" in name else 1e-8
+    for row, k in enumerate((0, 1, 25, 49)):
+        assert max(abs(x - float(y)) for x, y in zip(found.gamma[row], motion.gamma[k], strict=True)) < bound
+        assert max(abs(x - float(y)) for x, y in zip(found.M[row], motion.M[k], strict=True)) < bound * scale
+
+
+@pytest.mark.parametrize("name", ["chaplygin", "tilted_ball", "euler_top", "random_01", "random_04"])
+def test_an_integrator_that_shares_no_code_agrees_within_the_bounds(name):
+    """Taylor series at 40 digits from the first row; the digits of that row are what limits the comparison."""
+    motion = certified(name)
+    system, _ = motion.start()
+    exact = type(system)(motion.inertia, **({"d": motion.d} if motion.d else {}), field=MP(40))
+    start = exact.state(motion.gamma[0], motion.M[0], tilted=True)
+    true = taylor(exact, start, [motion.times[k] for k in (1, 2)], digits=40)
+    for row, k in enumerate((1, 2)):
+        for x, y in zip(true.gamma[row], motion.gamma[k], strict=True):
+            assert abs(x - exact.field.coerce(y)) < 100 * (motion.bound[k] + 1e-33)
+
+
+def test_a_name_that_is_none_gets_the_names():
+    with pytest.raises(ArgumentError, match="thin_ball"):
+        certified("thin")
+
+
+def test_a_damaged_file_is_noticed(monkeypatch):
+    from integrable.scene import certified as module
+
+    read = module._text
+    monkeypatch.setattr(module, "_text", lambda folder, name: read(folder, name).replace("0.48", "0.49"))
+    with pytest.raises(ArgumentError, match="SHA256SUMS"):
+        certified_names()
