@@ -22,7 +22,7 @@ def test_thirty_digits_against_an_integration(name, n) -> None:
 
 
 @pytest.mark.slow
-@over_cases
+@pytest.mark.parametrize(("name", "n"), [("ellipsoid", 2), ("neumann", 3), ("toda", 4)])
 def test_thirty_digits_at_ten_periods(name, n) -> None:
     K = MP(38)
     system, state = REAL[name](K, n)
