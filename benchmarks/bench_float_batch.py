@@ -50,14 +50,14 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 def _states() -> DivisorArray:
     """The divisor of a step, and states of one motion some steps apart."""
-    from integrable.moving_point.compiled import march
+    from integrable.moving_point.compiled import LIBRARY
 
     ball = ChaplyginBall((1, 2, 3), 0.7)
     setup = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))).setup.floats
-    f, step, axes = np.array(setup.f), np.array(setup.table(1, 1)[1][0]), np.array(setup.axes)
-    point, found = np.array(setup.start), [step[:4]]
+    step, point = setup.table(1, 1)[1][0], setup.start
+    found = [step[:4]]
     for _ in range(997):
-        point = np.array(march(f, axes, point, step, 3))
+        point = LIBRARY.march(setup.f, setup.axes, point, step, 3)
         found.append(point[:4])
     rows = np.array(found)
     u = np.hstack([rows[:, :2], np.ones((len(rows), 1))])
