@@ -6,6 +6,8 @@ from jacobian import CC, GF, MP, QQ, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray
 from jacobian.fields.residue import ResidueField
 from jacobian.inexact.long_field import LongField
+from jacobian.models.richelot import RichelotIsogeny, Splitting
+from jacobian.models.standard import move_to_infinity
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative
@@ -70,5 +72,11 @@ def values_over(K):
         values["signed divisor"] = pairs.twist((K.coerce(2), K.coerce(3), K.one), (K.zero, K.zero))
     if GF(101) == K:
         values |= {"pencil": representative(D, C.lift_x(0)), "structure": J.structure()}
+        quadratics = (1, 0, 1), (2, 0, 1), (3, 1, 1)
+        source = HyperellipticCurve(K, poly.mul(K, poly.mul(K, *quadratics[:2]), quadratics[2]))
+        phi = RichelotIsogeny(source, quadratics)
+        even = HyperellipticCurve(K, [6, 0, 11, 0, 6, 0, 1])
+        values |= {"isogeny": phi, "dual isogeny": phi.dual(), "isomorphism": move_to_infinity(C, C.lift_x(0))}
+        values["splitting"] = Splitting(even, ((1, 0, 1), (2, 0, 1), (3, 0, 1)))
         values["residue field"] = ResidueField(K, (K.coerce(-2), K.zero, K.one))
     return values
