@@ -20,13 +20,14 @@ Real = Any
 Row = Any
 Three = tuple[Real, Real, Real]
 
-# where the Laurent series of ℘ is summed: |v|²·max|e| at most
+# where the Laurent series of ℘ is summed: |v|²·size at most
 NEAR = 1 / 16
 
 
 class Track(NamedTuple):
     """One curve: ``numbers`` are its period, e_middle − e_low, e_high − e_low, e_high − e_middle, the three e_i less
-    their mean, the three e_i and the roots R_i of the start; ``series`` that of ℘, ``size`` the largest centred |e_i|.
+    their mean, the three e_i and the roots R_i of the start; ``size`` the power of two above the largest centred |e_i|;
+    ``series`` that of v²℘ in powers of v²·size from the second on, numbers of moderate size in all units.
     """
 
     numbers: Row
@@ -102,10 +103,11 @@ def translation(track: Track, v: Real) -> Three:
         near = near * 0.5
         halvings += 1
     square = near * near
+    x = square * track.size
     tail = 0 * near
     for n in range(len(series) - 1, -1, -1):
-        tail = tail * square + series[n]
-    tail = tail * square * square + 1
+        tail = tail * x + series[n]
+    tail = tail * x * x + 1
     s0 = root(tail - square * numbers[4]) / near
     s1 = root(tail - square * numbers[5]) / near
     s2 = root(tail - square * numbers[6]) / near

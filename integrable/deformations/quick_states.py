@@ -6,6 +6,7 @@ carrier of more digits; where that is more than floats show, or τ is too many p
 
 from __future__ import annotations
 
+from math import frexp
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +14,7 @@ import numpy as np
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track, Waves
 from integrable.motion.precise import SPARE
 from jacobian import RR
+from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 
@@ -83,7 +85,13 @@ class QuickStates:
         if not carrier.turns(carrier.field.coerce(float(tau[far, 0]))) < MOST_TURNS:
             return None
         if self._packed[0] is not carrier:
-            self._packed = carrier, packed(carrier)
+            try:
+                self._packed = carrier, packed(carrier)
+            except ArgumentError:
+                # numbers like |M|² beyond the range of floats
+                self._packed = carrier, None
+        if self._packed[1] is None:
+            return None
         *tracks, frame, order = self._packed[1]
         out, rest = np.empty(6 * len(tau)), np.empty(6 * len(tau))
         if not LIBRARY.states(*tracks, frame, tau, out, rest) <= MOST_LOST:
@@ -222,7 +230,10 @@ def _track(curve: Any) -> Track:
     numbers = [curve.period, curve.height_of_oval, curve.breadth, curve.above]
     for row in (curve.centred, curve.e, curve.start):
         numbers += [row[i] for i in order]
-    return Track(_wide(numbers), _wide(curve.series), max(abs(float(x)) for x in curve.centred))
+    _, exponent = frexp(max(abs(float(x)) for x in curve.centred))
+    ldexp = curve.field.context.ldexp
+    series = [ldexp(c, -exponent * n) for n, c in enumerate(curve.series, 2)]
+    return Track(_wide(numbers), _wide(series), 2.0**exponent)
 
 
 def _wide(values: Any) -> np.ndarray:

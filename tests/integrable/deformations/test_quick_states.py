@@ -39,6 +39,31 @@ def test_compiled_states_are_those_of_the_readable_additions(system, start, monk
     assert np.abs(np.hstack([found.gamma, found.M]) - readable).max() <= 2.3e-16 * np.abs(readable).max()
 
 
+@pytest.mark.parametrize("size", [1e-60, 1e-6, 5e5, 1e60])
+@pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
+def test_the_unit_of_time_does_not_matter(system, size, monkeypatch) -> None:
+    """Coefficients of ℘ in powers of v² leave the range of floats for |M| = 5e5 already."""
+    flow = system.flow(system.state(START[0], [size * x for x in START[1]]))
+    tau = TAU / size
+    readable = flow._curves.at_tau(tau)
+
+    def unwanted(*_):
+        raise AssertionError("the compiled additions have been given up")
+
+    monkeypatch.setattr(RoundedRows, "at_tau", unwanted)
+    found = flow.at_tau(tau)
+    for rows, true in ((found.gamma, readable[:, :3]), (found.M, readable[:, 3:])):
+        assert np.abs(rows - true).max() <= 2.3e-16 * np.abs(true).max()
+
+
+@pytest.mark.parametrize("system", PAIRS.values(), ids=PAIRS.keys())
+def test_what_leaves_the_range_of_floats_goes_the_readable_way(system) -> None:
+    flow = system.flow(system.state(START[0], [1e155 * x for x in START[1]]))
+    tau = np.array([0, 3.25e-155])
+    found = flow.at_tau(tau)
+    assert np.array_equal(np.hstack([found.gamma, found.M]), flow._curves.at_tau(tau))
+
+
 def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
     system = Hat((3, 2, 1))
     flow = system.flow(system.state(*START))
