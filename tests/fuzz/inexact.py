@@ -25,6 +25,8 @@ FACTOR, KEPT = 1000, 0.4
 # a degree is decided where the same unit moves no coefficient by that part of itself
 DECIDED = 1 / 16
 GENERA = (2, 2, 3, 3, 4, 5, 6)
+# abscissas without a point after which others are drawn
+MISSES = 200
 
 
 @dataclass(frozen=True)
@@ -51,10 +53,15 @@ class Setting:
         return complex(size * (2 * self.rng.random() - 1), size * (2 * self.rng.random() - 1))
 
     def points(self, count: int, low: int, high: int) -> list[Any]:
+        """Points with |x| from 2^low to 2^high, or as near to that as the curve has any: f > 0 at 0 and far away."""
         found: list[Any] = []
+        missed = 0
         while len(found) < count:
-            P = self.point(self.abscissa(low, high))
-            if P is not None:
+            wider = missed // MISSES
+            P = self.point(self.abscissa(low - wider, high + wider))
+            if P is None:
+                missed += 1
+            else:
                 found.append(P)
         return found
 

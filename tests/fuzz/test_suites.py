@@ -1,6 +1,7 @@
 """The suites themselves: a few cases of each every day, many of them (slow), and that they notice what is wrong."""
 
 import json
+from random import Random
 
 import numpy as np
 import pytest
@@ -11,6 +12,7 @@ from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 from tests.fuzz.__main__ import SUITES, main, suite_of
 from tests.fuzz.case import RAW, SLOW, WRONG, Case, Complaint, run
+from tests.fuzz.inexact import Setting
 from tests.fuzz.integrated import heyoka
 from tests.fuzz.run import Plan, follow
 
@@ -22,6 +24,12 @@ def test_the_same_seed_gives_the_same_cases(name):
         first, second = (suite.case(7, kind, 3) for _ in range(2))
         assert (first.setup, first.call) == (second.setup, second.call)
         assert suite.case(8, kind, 3).setup + suite.case(8, kind, 3).call != first.setup + first.call
+
+
+def test_a_curve_without_points_of_the_size_asked_for_has_others():
+    """y² = 1 − x − 2x² − … with f < 0 for |x| from 16 to 64: no drawing without end."""
+    at = Setting("RR", 2, (1.0, -1.0, -2.0, -2.0, -2.0, 1e-3), Random(1))
+    assert len(at.points(3, 4, 6)) == 3
 
 
 def test_a_wrong_sign_is_noticed(monkeypatch, capsys):
