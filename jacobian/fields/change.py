@@ -27,4 +27,4 @@ def change_of_field(K: Any, L: Any) -> Callable[[Any], Any]:
         raise FieldError(f"K = {L.name}: there is no map from {K.name} to it that respects + and ·")
     # elements of GF(p^k) are written as ints: rational numbers lie in GF(p)
     target = getattr(L, "base", L) if L.order is not None else L
-    return lambda x: target.coerce(x, "K")
+    return lambda x: target.coerce(x, "coefficient")

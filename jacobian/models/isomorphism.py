@@ -14,7 +14,7 @@ from typing import Any, overload
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, shown
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, entries, shown
 from jacobian.fields.factor import without_root
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
@@ -42,10 +42,11 @@ class Isomorphism(Immutable):
         if not K.exact:
             raise FieldError(f"field = {K.name}: isomorphisms are written over exact fields")
         self.source = source
-        entries = tuple(matrix)
-        if len(entries) != 4:
-            raise ArgumentError(f"matrix = {shown(matrix)}: the four numbers a, b, c, d are needed")
-        self.matrix: tuple[Any, Any, Any, Any] = tuple(K.coerce(x, "matrix") for x in entries)
+        wanted = "the four numbers a, b, c, d"
+        numbers = entries(matrix, "matrix", wanted)
+        if len(numbers) != 4:
+            raise ArgumentError(f"matrix = {shown(matrix)}: {wanted} are needed")
+        self.matrix: tuple[Any, Any, Any, Any] = tuple(K.coerce(x, "matrix") for x in numbers)
         self.scale, self.move = K.coerce(scale, "scale"), poly.trim(K, poly.coerce(K, move, "move", constant=True))
         if K.is_zero(self.determinant) or K.is_zero(self.scale):
             raise ArgumentError(f"matrix = {shown(matrix)}, scale = {shown(scale)}: ad − bc and e must not vanish")

@@ -17,7 +17,7 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
-from jacobian.errors import ArgumentError, FieldError
+from jacobian.errors import ArgumentError, FieldError, entries, shown
 from jacobian.fields.factor import factor
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
@@ -217,7 +217,11 @@ def determinant(K: Any, quadratics: Quadratics) -> Any:
 
 def _checked(C: HyperellipticCurve, quadratics: Any) -> tuple[HyperellipticCurve, Quadratics]:
     K = check_curve(C).field
-    first, second, third = (poly.trim(K, poly.coerce(K, G, "quadratics")) for G in quadratics)
+    wanted = "three polynomials of degree at most two"
+    given = [poly.trim(K, poly.coerce(K, G, "quadratics")) for G in entries(quadratics, "quadratics", wanted)]
+    if len(given) != 3:
+        raise ArgumentError(f"quadratics = {shown(quadratics)}: {wanted} are needed")
+    first, second, third = given
     if C.h or poly.mul(K, poly.mul(K, first, second), third) != C.f or C.genus != 2:
         raise ArgumentError(f"quadratics: their product is not the f of {C!r}, or h ≠ 0")
     if any(len(G) > 3 for G in (first, second, third)):

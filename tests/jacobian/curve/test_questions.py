@@ -48,6 +48,8 @@ def test_reductions_know_their_bad_primes():
                 C.change_ring(GF(p))
         else:
             assert C.change_ring(GF(p)).genus == 2
+    with pytest.raises(FieldError, match=r"coefficient = Fraction\(1, 3\) has a denominator that is zero in GF\(3\)"):
+        C.change_ring(GF(3))
     with pytest.raises(FieldError, match="a curve over QQ"):
         C.change_ring(GF(11)).bad_primes()
 

@@ -200,6 +200,8 @@ def test_what_is_no_isomorphism_is_refused():
         Isomorphism(C, (1, 0, 0, 1), 0)
     with pytest.raises(ArgumentError, match="four numbers"):
         Isomorphism(C, (1, 0, 0))
+    with pytest.raises(ArgumentError, match="matrix = 3: the four numbers"):
+        Isomorphism(C, 3)
     with pytest.raises(ArgumentError, match=r"move = .*at most g \+ 1 = 3"):
         Isomorphism(C, (1, 0, 0, 1), 1, [0, 0, 0, 0, 1])
     with pytest.raises(FieldError, match="exact fields"):

@@ -123,6 +123,9 @@ def test_what_is_refused():
         phi(phi.target.jacobian().zero())
     with pytest.raises(ArgumentError, match="their product is not"):
         RichelotIsogeny(C, [[1, 1], [1, 2], [1, 3]])
+    for wrong in (3, [[1, 1], [1, 2]]):
+        with pytest.raises(ArgumentError, match="quadratics = .*: three polynomials"):
+            RichelotIsogeny(C, wrong)
     with pytest.raises(ArgumentError, match="their determinant is not 0"):
         Splitting(C, phi.quadratics)
     even = HyperellipticCurve(K, poly.mul(K, poly.mul(K, (1, 0, 1), (2, 0, 1)), (3, 0, 1)))
