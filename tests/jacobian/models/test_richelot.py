@@ -124,7 +124,7 @@ def test_what_is_refused():
     with pytest.raises(ArgumentError, match="their product is not"):
         RichelotIsogeny(C, [[1, 1], [1, 2], [1, 3]])
     for wrong in (3, [[1, 1], [1, 2]]):
-        with pytest.raises(ArgumentError, match="quadratics = .*: three polynomials"):
+        with pytest.raises(ArgumentError, match=r"quadratics = .*: three polynomials"):
             RichelotIsogeny(C, wrong)
     with pytest.raises(ArgumentError, match="their determinant is not 0"):
         Splitting(C, phi.quadratics)
