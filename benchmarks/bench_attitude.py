@@ -7,12 +7,12 @@ epoch; processor time, least of several.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from importlib.util import find_spec
 
 import numpy as np
 
+from benchmarks.curves import least_seconds
 from integrable import RigidBody
 from jacobian import MP
 
@@ -45,20 +45,11 @@ def _row(
     errors = np.abs(found - truth).max(axis=1)
     row: dict[str, object] = {
         "way": name,
-        "set-up and one epoch, ms": 1e3 * _least(lambda: make()(near), repeats),
-        "set-up and far, ms": 1e3 * _least(lambda: make()(far[-1:]), repeats),
-        "µs an epoch": 1e6 * _least(lambda: propagate(far), 3) / count,
+        "set-up and one epoch, ms": 1e3 * least_seconds(lambda: make()(near), repeats),
+        "set-up and far, ms": 1e3 * least_seconds(lambda: make()(far[-1:]), repeats),
+        "µs an epoch": 1e6 * least_seconds(lambda: propagate(far), 3) / count,
     }
     return row | {f"error at {t:.0e}": float(e) for t, e in zip(times, errors, strict=True)}
-
-
-def _least(call: Callable[[], object], repeats: int) -> float:
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        call()
-        best = min(best, time.process_time() - start)
-    return float(best)
 
 
 def _laboratory() -> Callable[[np.ndarray], np.ndarray]:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from benchmarks.curves import least_seconds
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow
@@ -55,17 +56,8 @@ def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object
         "system": type(system).__name__,
         "genus": genus,
         "set-up and one point, ms": 1e3 * near,
-        "a point near, ms": 1e3 * _least(lambda: flow.at([1.25]), repeats),
-        "a point at 1e6, ms": 1e3 * _least(lambda: flow.at([1e6 + 0.25]), repeats),
+        "a point near, ms": 1e3 * least_seconds(lambda: flow.at([1.25]), repeats),
+        "a point at 1e6, ms": 1e3 * least_seconds(lambda: flow.at([1e6 + 0.25]), repeats),
         "error at 1e6": float(np.abs(flow.at([1e6]).q - truth.q.astype(float)).max()),
         "bits beyond floats": flow._motion._extra,
     }
-
-
-def _least(call: Callable[[], object], repeats: int) -> float:
-    best = np.inf
-    for _ in range(repeats):
-        start = time.process_time()
-        call()
-        best = min(best, time.process_time() - start)
-    return best
