@@ -16,7 +16,7 @@ from integrable.motion.precise import SPARE
 from jacobian import RR
 from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import exact_product, split
 
 if TYPE_CHECKING:
     from integrable.deformations.separated_clock import Doubles
@@ -30,8 +30,6 @@ MOST_LOST = 1e-20
 MODES = 1e-22
 # where Newton's steps in floats end, and when they are given up
 CLOSE, ROUNDS = 1e-13, 60
-# halves of a float (Veltkamp)
-SPLIT = 2.0**27 + 1
 
 
 class QuickStates:
@@ -180,11 +178,7 @@ def _times(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
 def _product(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
     """Double-doubles times one (Dekker 1971)."""
     a, b = scale.tolist()
-    high = x[:, 0] * a
-    p, q = (SPLIT * y for y in (x[:, 0], a))
-    p, q = p - (p - x[:, 0]), q - (q - a)
-    r, s = x[:, 0] - p, a - q
-    low = ((p * q - high) + p * s + r * q) + r * s
+    high, low = exact_product(x[:, 0], a)
     low = low + x[:, 0] * b + x[:, 1] * a
     total = high + low
     return np.stack([total, low - (total - high)], axis=-1)

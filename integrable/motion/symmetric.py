@@ -32,7 +32,7 @@ from integrable.phase.space import PhaseSpace
 from integrable.torus.survey import complete
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.double_double import split
+from jacobian.numbers.double_double import exact_product, split
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
@@ -40,8 +40,6 @@ if TYPE_CHECKING:
 Long = np.longdouble
 # more turns than this leave no digits of a float behind
 MOST_TURNS = 2.0**50
-# splits a float into two of half its digits (Dekker 1971)
-HALVER = 134217729.0
 # the complete integrals end where this, squared, is nothing
 NEAR = 1e-22
 # up to this θ − θ₀ is known to the last digit of itself
@@ -286,19 +284,11 @@ def turns_of(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any
             f"time {farthest}: {farthest * float(rate):.1e} turns of a phase are more than the {MOST_TURNS:.1e} "
             "whose fractions double-double numbers hold; use more digits"
         )
-    product = scaled * high
-    x, y = (_halves(scaled), _halves(np.float64(high)))
-    error = ((x[0] * y[0] - product) + x[0] * y[1] + x[1] * y[0]) + x[1] * y[1]
+    product, error = exact_product(scaled, high)
     whole = np.rint(product)
     rest = (product - whole).astype(Long) + error + scaled.astype(Long) * low + long(start)
     more = np.rint(rest)
     return whole + more.astype(float), rest - more
-
-
-def _halves(x: Any) -> tuple[Any, Any]:
-    """x as a sum of two floats of half its digits."""
-    high = HALVER * x - (HALVER * x - x)
-    return high, x - high
 
 
 def half_turns(rest: Any) -> tuple[Any, Any]:

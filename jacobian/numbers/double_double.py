@@ -1,4 +1,4 @@
-"""Numbers of about 32 digits as unevaluated sums hi + lo of two floats (Dekker 1971): conversions.
+"""Numbers of about 32 digits as unevaluated sums hi + lo of two floats (Dekker 1971): conversions, exact products.
 
 An array of such numbers is a float array with a last axis (hi, lo), |lo| at most half a unit in the last place of hi.
 The arithmetic is compiled: :mod:`jacobian.native`.
@@ -19,6 +19,8 @@ from jacobian.errors import ArgumentError
 MOST_BITS = 440
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
+# splits a float into two of half its digits
+HALVER = 2.0**27 + 1
 
 
 def split(x: Any) -> tuple[float, float]:
@@ -98,3 +100,16 @@ def unpack(array: np.ndarray, convert: Any = Fraction) -> Any:
     if rows.ndim == 1:
         return convert(float(rows[0])) + convert(float(rows[1]))
     return [unpack(row, convert) for row in rows]
+
+
+def exact_product(x: Any, y: Any) -> tuple[Any, Any]:
+    """x·y of floats, or of float64 arrays, and its rounding error, exactly unless floats over- or underflow."""
+    product = x * y
+    (a, b), (c, d) = _halves(x), _halves(y)
+    return product, ((a * c - product) + a * d + b * c) + b * d
+
+
+def _halves(x: Any) -> tuple[Any, Any]:
+    """x as a sum of two floats of half its digits."""
+    high = HALVER * x - (HALVER * x - x)
+    return high, x - high
