@@ -27,7 +27,18 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Way
 
 
-class SeparatedFlow(DeformedFlow):
+class _QuickFlow(DeformedFlow):
+    """A motion whose additions are compiled for floats."""
+
+    @cached_property
+    def _quick(self) -> Way:
+        return quick_way(self._curves)
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        return self._quick
+
+
+class SeparatedFlow(_QuickFlow):
     """The motion of a tilde pair without potential through a state: get it from ``system.flow``.
 
     At d ≠ 0 physical times are read off a Fourier series on the torus (:mod:`integrable.deformations.separated_clock`).
@@ -36,13 +47,6 @@ class SeparatedFlow(DeformedFlow):
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return OvalCarrier(system, state)
-
-    @cached_property
-    def _quick(self) -> Way:
-        return quick_way(self._curves)
-
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        return self._quick
 
     def translated(self, roots_of: Any) -> State:
         """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
@@ -60,18 +64,11 @@ class SeparatedFlow(DeformedFlow):
         return State((x1, x2, x3), (m1, m2, m3))
 
 
-class IsometricFlow(DeformedFlow):
+class IsometricFlow(_QuickFlow):
     """The motion of a check or hat pair, as that of the tilde pair of A⁻¹ at another pace."""
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return LiftedCarrier(system, state)
-
-    @cached_property
-    def _quick(self) -> Way:
-        return quick_way(self._curves)
-
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        return self._quick
 
 
 class OvalCarrier(CurvesCarrier):
