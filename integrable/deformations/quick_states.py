@@ -13,6 +13,7 @@ import numpy as np
 
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track, Waves
 from integrable.motion.precise import SPARE
+from integrable.moving_point.newton import step_inside
 from jacobian import RR
 from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import interpreted
@@ -136,9 +137,7 @@ class QuickClock:
         for _ in range(ROUNDS):
             swing, rate = self._swing(x)
             miss = mean * x + swing - origin - goal
-            low, high = np.where(miss < 0, x, low), np.where(miss > 0, x, high)
-            following = x - miss / rate
-            following = np.where((following < low) | (following > high), (low + high) / 2, following)
+            following, low, high = step_inside(x, miss, rate, low, high)
             steps, x = np.abs(following - x), following
             if (steps <= CLOSE * (1 + np.abs(x))).all():
                 break

@@ -26,6 +26,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j
+from integrable.moving_point.newton import step_inside
 from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.space import PhaseSpace
@@ -155,10 +156,8 @@ class SymmetricFlow:
         for _ in range(PASSES if self._kepler else 0):
             c, s = np.cos(2 * PI * y), np.sin(2 * PI * y)
             gap = y - self._kepler * self._lean(c) - rest
-            low, high = np.where(gap > 0, low, y), np.where(gap > 0, y, high)
             slope = 1 + 2 * PI * self._kepler * s / (self._root_mu * np.sqrt(1 + self._bulge * c * c))
-            better = y - gap / slope
-            better = np.where((better < low) | (better > high), (low + high) / 2, better)
+            better, low, high = step_inside(y, gap, slope, low, high)
             done = np.abs(better - y).max(initial=0) <= 4 * np.finfo(Long).eps
             y = better
             if done:

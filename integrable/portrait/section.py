@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.moving_point.newton import step_inside
 from integrable.portrait.angles import start_sums
 from integrable.portrait.ovals import Level
 from jacobian import RR
@@ -151,9 +152,7 @@ class OvalSeries:
         angle = second / self._modes[1][0]
         for _ in range(PASSES):
             gap = self._value(1, angle) - second
-            low, high = np.where(gap > 0, low, angle), np.where(gap > 0, angle, high)
-            better = angle - gap / self._slope(1, angle)
-            better = np.where((better < low) | (better > high), (low + high) / 2, better)
+            better, low, high = step_inside(angle, gap, self._slope(1, angle), low, high)
             if np.abs(better - angle).max(initial=0) < 4e-16:
                 break
             angle = better

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.moving_point.newton import step_inside
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
@@ -58,10 +59,7 @@ class MultiprecisionTorusClock:
         for _ in range(100):
             swings, rates = self._series.rough.swings_and_rates(*(rough + found[:, None] * nu).T)
             excess = mean * found + swings
-            low, high = np.where(excess < 0, found, low), np.where(excess > 0, found, high)
-            following = found - excess / rates
-            # what is increasing has its zero in between, wherever its slope leads to
-            following = np.where((following < low) | (following > high), (low + high) / 2, following)
+            following, low, high = step_inside(found, excess, rates, low, high)
             steps, found = np.abs(following - found), following
             if steps.max(initial=0) <= 8 * RR.eps * (1 + np.abs(found).max(initial=0)):
                 break
