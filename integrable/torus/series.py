@@ -61,14 +61,10 @@ class TorusSeries:
         kept &= (np.abs(half) > noise * largest) | (np.abs(self._swing) > least)
         self._swing[~kept] = 0
         self._fine = half
-        self._origin = float(self._swing[kept].real.sum())
+        # S + origin has the mean 0
+        self.origin = float(self._swing[kept].real.sum())
         # |S| is below
-        self.bound = float(np.abs(self._swing[kept]).sum()) + abs(self._origin)
-
-    @property
-    def origin(self) -> float:
-        """S + origin has the mean 0."""
-        return self._origin
+        self.bound = float(np.abs(self._swing[kept]).sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
@@ -110,7 +106,7 @@ class TorusSeries:
         left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first
         kept[left_out] = False
         # a difference of sums would have the rounding of the largest modes
-        origin = float(self._swing[kept].real.sum()) if len(without) else self._origin
+        origin = float(self._swing[kept].real.sum()) if len(without) else self.origin
         modes = np.flatnonzero(kept.any(axis=0))
         least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
         lines, swings, slopes, place = [], [], [], 0
@@ -129,7 +125,7 @@ class TorusSeries:
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """S at arrays of phases, in turns."""
-        return self._sums(first, second, self._swing)[0] - self._origin
+        return self._sums(first, second, self._swing)[0] - self.origin
 
     def on_grid(self, sizes: tuple[int, int]) -> np.ndarray:
         """S at the phases (i/rows, j/columns), of that shape."""
@@ -138,13 +134,13 @@ class TorusSeries:
         right = np.exp(
             2j * pi / sizes[1] * (np.outer(np.arange(columns) + self._first, np.arange(sizes[1])) % sizes[1])
         )
-        values: np.ndarray = (left @ self._swing @ right).real - self._origin
+        values: np.ndarray = (left @ self._swing @ right).real - self.origin
         return values
 
     def swings_and_rates(self, first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """S and F at arrays of phases."""
         swing, slope = self._sums(first, second, self._swing, np.where(self._kept, self._slope, 0))
-        return swing - self._origin, self.mean + slope
+        return swing - self.origin, self.mean + slope
 
     def _sums(self, first: np.ndarray, second: np.ndarray, *tables: np.ndarray) -> list[np.ndarray]:
         rows, columns = self._swing.shape
@@ -163,7 +159,7 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     left = np.exp(2j * pi * np.outer(first, rows))
     right = np.exp(2j * pi * np.outer(second, columns + series[0]._first))
     values = np.einsum("ni,mij,nj->nm", left, tables[:, rows][:, :, columns], right, optimize=True).real
-    found: np.ndarray = values - [x._origin for x in series]
+    found: np.ndarray = values - [x.origin for x in series]
     return found
 
 
