@@ -20,13 +20,14 @@ SHORT = 1e-7
 
 class Ovals(NamedTuple):
     """Of N states: ``u`` and ``y``, shape (N, 2), the abscissa and ordinate of the point on either oval; ``angles``,
-    shape (N, 2), where the sum of both points is on the torus, in turns, not reduced; ``outlines``, for either oval
-    (x, y), a closed line.
+    shape (N, 2), where the sum of both points is on the torus, in turns, not reduced; ``rates``, shape (2,), of the
+    angles, in turns a unit of τ; ``outlines``, for either oval (x, y), a closed line.
     """
 
     u: np.ndarray
     y: np.ndarray
     angles: np.ndarray
+    rates: np.ndarray
     outlines: tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 
@@ -80,7 +81,8 @@ def _antiderivative(values: np.ndarray) -> np.ndarray:
 
 
 def ovals(system: Any, states: list[State]) -> Ovals:
-    """The points of the divisors of ``states`` of one motion, at times so close that a point goes less than half round.
+    """The points of the divisors of ``states`` of one motion; between states so near that no point goes half round its
+    oval the angles go on without a jump, otherwise they are right up to whole turns.
 
     NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an axis) or both have met.
     """
@@ -103,7 +105,9 @@ def ovals(system: Any, states: list[State]) -> Ovals:
     integrals = sum(oval.integrals(oval.phi(u[:, k], y[:, k])) for k, oval in enumerate(pair))
     periods = np.stack([oval.periods for oval in pair], axis=1)
     angles = np.linalg.solve(periods, np.asarray(integrals).T).T
-    return Ovals(u, y, angles, (pair[0].outline(), pair[1].outline()))
+    # Σ∫dx/y is τ, and Σ∫x dx/y rests
+    rates = np.linalg.solve(periods, [1.0, 0.0])
+    return Ovals(u, y, angles, rates, (pair[0].outline(), pair[1].outline()))
 
 
 def _points(body: Any, states: list[State], ends: tuple[float, ...]) -> tuple[np.ndarray, np.ndarray]:

@@ -12,7 +12,7 @@ from integrable.phase.state import State
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.orbit import orbit
-from integrable.view.ovals import ovals
+from integrable.view.ovals import Ovals, ovals
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, whole
 
 __all__ = ["FRAMES", "shown"]
@@ -22,6 +22,8 @@ TURNS = 12
 """So many turns of the body are shown of a longer motion, counted at its mean angular velocity."""
 STRAIGHT = 1e-3
 """In τ the angles are a straight line; what bends by more than this part of a turn would be seen, and is not shown."""
+HALF = 0.5
+"""Of a turn: of longer ways between two frames nobody sees which way round they went."""
 
 
 def shown(given: Scene | str | Path, until: float | None = None, frames: int = FRAMES) -> dict[str, Any]:
@@ -74,18 +76,13 @@ def _add_body(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> N
         raise NotRepresentable("a step leads from one state to another; nothing rolls in between")
     # space ← body, so that a point of the body is turned by one product
     content["turning"] = _rounded(run.attitude.reshape(-1, 9))
-    content["contact"] = _rounded(run.contact / _radius(scene)) if scene.system == "chaplygin_ball" else None
+    content["contact"] = _rounded(run.contact / (system.radius or 1.0)) if scene.system == "chaplygin_ball" else None
 
 
-def _bend(angles: np.ndarray, tau: np.ndarray) -> float:
-    """How far, in turns, the angles are from the straight line through their ends."""
-    unbroken = np.unwrap(angles, axis=0, period=1)
-    part = ((tau - tau[0]) / (tau[-1] - tau[0]))[:, None]
-    return float(np.abs(unbroken - unbroken[0] - part * (unbroken[-1] - unbroken[0])).max())
-
-
-def _radius(scene: Scene) -> float:
-    return 1.0 if scene.radius is None else float(scene.radius)
+def _bend(found: Ovals, tau: np.ndarray) -> float:
+    """How far, in parts of a turn, the angles are from the straight line that they are in τ."""
+    off = found.angles - found.angles[0] - np.outer(tau - tau[0], found.rates)
+    return float(np.abs(off - np.rint(off)).max())
 
 
 def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
@@ -94,8 +91,14 @@ def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) ->
     rows = np.concatenate([run.gamma, run.M], axis=1).tolist()
     states = [State((a, b, c), (x, y, z), tilted=scene.tilted) for a, b, c, x, y, z in rows]
     found = ovals(system, states)
-    if scene.steps is None and _bend(found.angles, run.tau) > STRAIGHT:
-        raise PrecisionLoss("the points on the curve are lost in rounding: the torus cannot be drawn")
+    if scene.steps is None:
+        if _bend(found, run.tau) > STRAIGHT:
+            raise PrecisionLoss("the points on the curve are lost in rounding: the torus cannot be drawn")
+        if np.abs(np.diff(run.tau)).max() * np.abs(found.rates).max() > HALF:
+            raise NotRepresentable(
+                f"between two of the {len(rows)} frames a point of the curve goes more than half round its oval: "
+                "with more frames, or until an earlier time, the torus can be drawn"
+            )
     content["points"] = _rounded(np.concatenate([found.u, found.y], axis=1), 7)
     content["angles"] = _rounded(found.angles % 1.0)
     content["ovals"] = [[_rounded(x, 7), _rounded(y, 7)] for x, y in found.outlines]

@@ -39,6 +39,7 @@ def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
         angle = found.angles[:, k]
         rate, start = np.polyfit(run.tau, angle, 1)
         assert abs(angle - rate * run.tau - start).max() < 2e-7
+        assert abs(found.rates[k] - rate) * np.ptp(run.tau) < 4e-7
         assert np.ptp(angle) > 0
 
 
@@ -47,6 +48,18 @@ def test_a_curve_without_two_ovals_is_refused_by_name():
     system, state = scene.start(15)
     with pytest.raises(NotRepresentable, match="shrunk or met"):
         ovals(system, [state, state])
+
+
+@pytest.mark.parametrize(
+    ("name", "frames", "why"),
+    [("chaplygin", 20, "the 20 frames"), ("thin_ball", 600, "the 600 frames"), ("heavy_ball", 600, "rounding")],
+)
+def test_why_there_is_no_torus(name, frames, why):
+    """Few frames for a long motion were taken for lost digits."""
+    content = shown(name, frames=frames)
+    assert "angles" not in content
+    assert len(content["missing"]) == 1
+    assert why in content["missing"][0]
 
 
 def test_the_ball_rolls_without_slipping():
