@@ -11,24 +11,23 @@ from jacobian import GF, MP, RR, ArgumentError, FieldError
 from tests.integrable.classical.rows import REAL, distance, integrated, over_cases
 
 
-@over_cases
-def test_thirty_digits_against_an_integration(name, n) -> None:
-    """All coordinates with their signs."""
+def error_in_many_digits(name, n, time, steps, order):
+    """Of all coordinates with their signs, beside an integration."""
     K = MP(38)
     system, state = REAL[name](K, n)
-    path = system.flow(state).at([1.25])
-    expected = integrated(system, state, 1.25, 8, 17)
-    assert distance(K, (path.q[0], path.p[0]), expected) < 1e-30
+    path = system.flow(state).at([time])
+    return distance(K, (path.q[0], path.p[0]), integrated(system, state, time, steps, order))
+
+
+@over_cases
+def test_thirty_digits_against_an_integration(name, n) -> None:
+    assert error_in_many_digits(name, n, 1.25, 8, 17) < 1e-30
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "n"), [("ellipsoid", 2), ("neumann", 3), ("toda", 4)])
 def test_thirty_digits_at_ten_periods(name, n) -> None:
-    K = MP(38)
-    system, state = REAL[name](K, n)
-    path = system.flow(state).at([30])
-    expected = integrated(system, state, 30, 160, 18)
-    assert distance(K, (path.q[0], path.p[0]), expected) < 1e-30
+    assert error_in_many_digits(name, n, 30, 160, 18) < 1e-30
 
 
 @over_cases

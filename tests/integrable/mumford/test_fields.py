@@ -105,8 +105,8 @@ def test_lax_form(K, degree) -> None:
             assert poly.mul(K, rate, (K.neg(a), K.one)) == poly.trim(K, commutator)
 
 
-def phase_space(K, degree, rng, phi=None):
-    """(N, x, p, fixed, φ): jets of g canonical pairs, an f without its h_j, whose leading coefficient is a square."""
+def phase_space(K, degree, rng):
+    """(N, x, p, fixed, root): jets of g canonical pairs, an f without its h_j; of even degree it begins with root²."""
     g = (degree - 1) // 2
     N = JetField(K, 2 * g)
     jets = N.variables([K.random(rng) for _ in range(2 * g)])
@@ -115,6 +115,12 @@ def phase_space(K, degree, rng, phi=None):
     if degree % 2 == 0:
         fixed[-1] = K.mul(root, root)
     return N, jets[:g], jets[g:], tuple(map(N.coerce, fixed)), N.coerce(root)
+
+
+def level(N, x, p, fixed):
+    """(f, u, v): the points (x, p) as a pair, and f = fixed + Σh_j x^j that they lie on."""
+    u, v = through(N, x, p)
+    return poly.add(N, fixed, poly.mod(N, poly.sub(N, poly.mul(N, v, v), fixed), u)), u, v
 
 
 def bracket(K, g, A, B):
@@ -145,9 +151,8 @@ def test_brackets_of_any_phi_and_the_flow_of_an_integral(K, degree) -> None:
     u, v = through(N, x, [poly.evaluate(N, phi, a) * b for a, b in zip(x, p, strict=True)])
     assert canonical(K, N, u, v, phi)
     # φ = 1 for the flow
-    u, v = through(N, x, p)
-    h = padded(N, poly.mod(N, poly.sub(N, poly.mul(N, v, v), fixed), u), g)
-    f = poly.add(N, fixed, poly.trim(N, h))
+    f, u, v = level(N, x, p, fixed)
+    h = padded(N, poly.sub(N, f, fixed), g)
     half = K.inv(poly.integer(K, 2))
     bare = [tuple(a.value for a in b) for b in (f, u, v)]
     for j in range(g):
@@ -164,8 +169,7 @@ def test_maps_are_additions_and_canonical(K, degree) -> None:
 
     def make():
         N, x, p, fixed, root = phase_space(K, degree, rng)
-        u, v = through(N, x, p)
-        f = poly.add(N, fixed, poly.trim(N, poly.mod(N, poly.sub(N, poly.mul(N, v, v), fixed), u)))
+        f, u, v = level(N, x, p, fixed)
         lambdas = [N.coerce(K.random(rng)) for _ in range(2)]
         points = [(a, N.sqrt(poly.evaluate(N, f, a))) for a in lambdas]
         if lambdas[0] == lambdas[1] or len(f) != degree + 1:
@@ -206,8 +210,7 @@ def test_generating_function(K, degree) -> None:
 
     def make():
         N, x, p, fixed, _ = phase_space(K, degree, rng)
-        u, v = through(N, x, p)
-        f = poly.add(N, fixed, poly.trim(N, poly.mod(N, poly.sub(N, poly.mul(N, v, v), fixed), u)))
+        f, u, v = level(N, x, p, fixed)
         a = N.coerce(K.random(rng))
         y = N.sqrt(poly.evaluate(N, f, a))
         c = (y - poly.evaluate(N, v, a)) / poly.evaluate(N, u, a)
