@@ -16,7 +16,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, partial_fractions, uhlenbeck
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, shown
 from jacobian.relatives.extended import Extended, Lift, SecondKind
@@ -54,10 +54,6 @@ class Ellipsoid(MumfordSystem):
         normal = [x / e for x, e in zip(q, self._constants_in(N), strict=True)]
         along = N.dot(normal, state.p) / N.dot(normal, normal)
         return Point(q, tuple(y - along * x for x, y in zip(normal, state.p, strict=True)))
-
-    def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
-        """f₁Σ weight_i/(x − a_i), all coefficients."""
-        return partial_fractions(N, self._constants_in(N), weights)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         q, p = state

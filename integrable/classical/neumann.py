@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, partial_fractions, uhlenbeck
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
 from jacobian.relatives.extended import Extended, Lift
 
@@ -41,10 +41,6 @@ class Neumann(MumfordSystem):
         q = tuple(x / size for x in state.q)
         along = N.dot(q, state.p)
         return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
-
-    def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
-        """f₁Σ weight_i/(x − a_i), all coefficients."""
-        return partial_fractions(N, self._constants_in(N), weights)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         q, p = state

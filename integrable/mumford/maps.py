@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from integrable.mumford.fields import Poly, padded
 from jacobian import poly
 
-Poly = tuple[Any, ...]
 Pair = tuple[Poly, Poly]
 
 
@@ -64,8 +64,7 @@ def _residual(K: Any, f: Poly, u: Poly, r: Poly, known: Poly) -> Pair:
     rest = poly.quotient(K, difference, poly.mul(K, u, known))[: g + 1]
     inverse = K.inv(rest[-1])
     new = (*[K.mul(inverse, a) for a in rest[:-1]], K.one)
-    found = poly.mod(K, poly.neg(K, r), new)
-    return new, (*found, *[K.zero] * (g - len(found)))
+    return new, padded(K, poly.mod(K, poly.neg(K, r), new), g)
 
 
 def generating_function(K: Any, f_fixed: Poly, x: Any, u: Poly, new: Poly, c: Any) -> Any:
@@ -79,18 +78,13 @@ def generating_function(K: Any, f_fixed: Poly, x: Any, u: Poly, new: Poly, c: An
     q = poly.sub(K, f_fixed, product)[: 2 * g + 1]
     # in t = 1/x: Q = x^{2g}·q(t), f_fixed = x^{2g+1}·b(t), x^{2g(m+1/2)−(2g+1)m} = x^{g−m}: [x⁻¹] is that of t^{g−m+1}
     size = g + 1
-    q_series, root = _reversed(K, q, size), _square_root(K, _reversed(K, q, size), c)
-    inverse = _inverse(K, _reversed(K, f_fixed, size))
-    total, term = K.zero, root
+    q_series = padded(K, q[::-1], size)
+    inverse = _inverse(K, padded(K, f_fixed[::-1], size))
+    total, term = K.zero, _square_root(K, q_series, c)
     for m in range(1, g + 2):
         term = poly.mul(K, poly.mul(K, term, q_series)[:size], inverse)[:size]
         total = K.add(total, K.div(term[g + 1 - m], poly.integer(K, 2 * m + 1)))
     return K.add(total, total)
-
-
-def _reversed(K: Any, a: Poly, size: int) -> Poly:
-    back = tuple(reversed(a))[:size]
-    return (*back, *[K.zero] * (size - len(back)))
 
 
 def _square_root(K: Any, a: Poly, first: Any) -> Poly:

@@ -87,16 +87,13 @@ class MumfordMotion:
         # bits beyond those wanted that were enough so far
         self._extra = OF_START + OF_GENUS * genus
 
-    def rows(self, times: Sequence[Any], read: Read, digits: int, clock: Any = None) -> list[Vectors]:
-        """``read(field, D)`` at every time, as long numbers with ``digits`` digits of each vector's size.
+    def row(self, time: Any, read: Read, digits: int, clock: Any = None) -> Vectors:
+        """``read(field, D)`` at a time, as long numbers with ``digits`` digits of each vector's size.
 
         ``clock(field, D) = (time, rate)`` tells what time it is at D; without one τ is the time. PrecisionLoss where no
         precision does.
         """
-        return [self._row(time, read, math.ceil(digits * math.log2(10)) + 2, clock) for time in times]
-
-    def _row(self, time: Any, read: Read, wanted: int, clock: Any) -> Vectors:
-        size = max(0, math.frexp(float(abs(time)))[1])
+        wanted, size = _bits(digits), max(0, math.frexp(float(abs(time)))[1])
         while wanted + self._extra < MOST_BITS:
             bits = wanted + self._extra + OF_DOUBLING * size
             try:
@@ -121,14 +118,13 @@ class MumfordMotion:
             return read(K, placed.at(target) if clock is None else _at_clock(placed, target, clock))
 
 
-def settled(read: Callable[[LongField], Vectors], digits: int, complex: bool = False) -> Vectors:
+def settled(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
     """What ``read`` makes in long numbers, with ``digits`` digits of each vector's size, at the first of the precisions
     that agrees with one 64 bits higher; PrecisionLoss where none does.
     """
-    wanted = math.ceil(digits * math.log2(10)) + 2
-    extra = OF_START
+    wanted, extra = _bits(digits), OF_START
     while extra < MOST_BITS:
-        rough, fine = (_in_bits(read, bits, complex) for bits in (wanted + extra, wanted + extra + APART))
+        rough, fine = (_in_bits(read, bits) for bits in (wanted + extra, wanted + extra + APART))
         if _agree(rough, fine, wanted):
             return fine
         extra *= 2
@@ -137,8 +133,13 @@ def settled(read: Callable[[LongField], Vectors], digits: int, complex: bool = F
     )
 
 
-def _in_bits(read: Callable[[LongField], Vectors], bits: int, complex: bool) -> Vectors:
-    with LongField(bits, complex) as K:
+def _bits(digits: int) -> int:
+    """What holds so many digits."""
+    return math.ceil(digits * math.log2(10)) + 2
+
+
+def _in_bits(read: Callable[[LongField], Vectors], bits: int) -> Vectors:
+    with LongField(bits) as K:
         return read(K)
 
 

@@ -228,6 +228,15 @@ class MumfordSystem(Immutable):
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
         return tuple(map(N.coerce, self.constants))
 
+    def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
+        """Π(x − a_i)·Σ weight_i/(x − a_i), a the constants, all coefficients."""
+        a = self._constants_in(N)
+        total = [N.zero] * len(a)
+        for i, weight in enumerate(weights):
+            rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
+            total = [x + weight * y for x, y in zip(total, rest, strict=True)]
+        return tuple(total)
+
 
 class MumfordFlow:
     """The motion of one state: ``at(times)``. Get it from ``system.flow(state)``."""
@@ -253,13 +262,13 @@ class MumfordFlow:
         """The states at times (a number or a sequence of them, in any order, of any sign and size).
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
-        :meth:`integrable.mumford.motion.MumfordMotion.rows`. ArgumentError for times that are no numbers.
+        :meth:`integrable.mumford.motion.MumfordMotion.row`. ArgumentError for times that are no numbers.
         """
         import numpy as np
 
         K = self.system.field
         given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
-        rows = [self._motion.rows([t], self._reader(t), self.digits, self._clock)[0] for t in given]
+        rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in given]
         kind = object if hasattr(K, "dps") else float
         q, p = (
             np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), -1)
@@ -269,15 +278,6 @@ class MumfordFlow:
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
-
-
-def partial_fractions(N: Any, a: Sequence[Any], weights: Sequence[Any]) -> poly.Poly:
-    """Π(x − a_i)·Σ weight_i/(x − a_i), all coefficients."""
-    total = [N.zero] * len(a)
-    for i, weight in enumerate(weights):
-        rest = poly.from_roots(N, [*a[:i], *a[i + 1 :]])
-        total = [x + weight * y for x, y in zip(total, rest, strict=True)]
-    return tuple(total)
 
 
 def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
