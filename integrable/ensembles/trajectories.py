@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
@@ -115,6 +116,9 @@ class Trajectories(Exported):
         times = self._times[member if len(self._times) > 1 else 0]
         rows, tau = np.array(self._rows[member, :, :6]), np.array(self._rows[member, :, 6])
         return Trajectory(flow, times, tau, rows, WORDS[way], status, reasons)
+
+    def __iter__(self) -> Iterator[Trajectory]:
+        return map(self.__getitem__, range(len(self)))
 
     def concatenated(self, *others: Trajectories) -> Trajectories:
         """These members and those of the ``others``: of the same system, at the same times, or as many of their own."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
@@ -217,7 +218,12 @@ class Trajectory(Exported):
         """
         if isinstance(which, slice) or np.ndim(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
-        row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
+        return self._state(whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1))
+
+    def __iter__(self) -> Iterator[State]:
+        return map(self._state, range(len(self)))
+
+    def _state(self, row: int) -> State:
         if self.status[row]:
             raise NotRepresentable(f"row {row} was refused: {self.reasons[self.status[row]]}")
         values = self._rows[row].tolist()

@@ -32,13 +32,12 @@ class Orbit(Trajectory):
         super().__init__(step, steps, steps, np.array(rows, dtype=_kind(step.system)), "steps")
         self.states = states
 
-    def __getitem__(self, which: Any) -> Any:
-        """The state after some number of steps, or the Orbit of some of the states."""
-        return self.states[which] if isinstance(which, int) else super().__getitem__(which)
-
     def concatenated(self, *others: Trajectory) -> Trajectory:
         """NotRepresentable: the steps of an orbit follow one another."""
         raise NotRepresentable(f"concatenated: {self!r} is an orbit, whose steps follow one another")
+
+    def _state(self, row: int) -> State:
+        return self.states[row]
 
     def _some(self, places: np.ndarray) -> Trajectory:
         return replaced(super()._some(places), states=tuple(self.states[i] for i in places.tolist()))

@@ -88,6 +88,7 @@ def test_each_member_has_times_of_its_own():
     for k in range(3):
         np.testing.assert_array_equal(found.gamma[k], many.at(times[k]).gamma[k])
         np.testing.assert_array_equal(found[k].times, times[k])
+    assert [run.times.tolist() for run in found] == times.tolist()
     np.testing.assert_array_equal(found[1:].times, times[1:])
 
 
