@@ -34,7 +34,18 @@ LONG = {
 }
 # files of a package that lie in no room: below the rooms, above them, or public names of what lies in one
 OUTSIDE = {
-    "jacobian": {"__init__", "__main__", "compilation", "errors", "group", "immutable", "notebook", "poly", "terminal"},
+    "jacobian": {
+        "__init__",
+        "__main__",
+        "compilation",
+        "errors",
+        "group",
+        "immutable",
+        "linear",
+        "notebook",
+        "poly",
+        "terminal",
+    },
     "integrable": {"__init__", "__main__", "extras", "reference"},
 }
 CALLED_BY_NUMBA = {"unify"}

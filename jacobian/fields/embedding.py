@@ -10,6 +10,7 @@ from jacobian.errors import FieldError, shown
 from jacobian.fields.extension import ExtensionField
 from jacobian.fields.factor import roots
 from jacobian.fields.prime import PrimeField
+from jacobian.linear import echelon
 
 
 class Embedding:
@@ -62,18 +63,9 @@ class Embedding:
 
     def _echelon(self) -> list[tuple[int, list[int], list[int]]]:
         """(pivot, row, its combination of the powers): the reduced rows of the coordinates of 1, b, …, b^(k−1)."""
-        base = self._base
-        found: list[tuple[int, list[int], list[int]]] = []
-        for i, power in enumerate(self._powers):
-            row, combination = self._digits(power), [int(i == j) for j in range(len(self._powers))]
-            for pivot, other, part in found:
-                c = row[pivot]
-                row = [base.sub(a, base.mul(c, b)) for a, b in zip(row, other, strict=True)]
-                combination = [base.sub(a, base.mul(c, b)) for a, b in zip(combination, part, strict=True)]
-            pivot = next(j for j, c in enumerate(row) if c)
-            inverse = base.inv(row[pivot])
-            found.append((pivot, [base.mul(inverse, a) for a in row], [base.mul(inverse, a) for a in combination]))
-        return found
+        k, size = len(self._powers), self.large.degree
+        rows = [[*self._digits(power), *(int(i == j) for j in range(k))] for i, power in enumerate(self._powers)]
+        return [(pivot, row[:size], row[size:]) for pivot, row in echelon(self._base, rows, size)]
 
 
 def embedding(K: Any, L: Any) -> Embedding:

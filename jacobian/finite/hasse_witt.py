@@ -14,6 +14,7 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
@@ -54,14 +55,14 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     shifts = _translations(K, F, g)
     if shifts is None:
         return None
-    known, vandermonde = [], []
+    rows = []
     for a in shifts:
         column = _first_column(K, poly.shift(K, F, a), g)
         binomial = _binomial_matrix(K, a, g)
-        known.append([K.dot(row, column) for row in binomial])
-        vandermonde.append([K.power(a, p * j) for j in range(g)])
-    # row k: A·vandermonde[k] = known[k]; so for every row A_j: vandermonde·A_j = (known[k][j])_k
-    return [_solve(K, vandermonde, [known[k][j] for k in range(g)]) for j in range(g)]
+        rows.append([K.power(a, p * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
+    # [V | B] with V·Aᵀ = B, V the matrix of powers, invertible for g different a
+    transposed = (row[g:] for _, row in sorted(echelon(K, rows, g)))
+    return [list(row) for row in zip(*transposed, strict=True)]
 
 
 def _translations(K: Any, F: poly.Poly, g: int) -> list[Any] | None:
@@ -146,22 +147,6 @@ def _compiled_recurrence() -> Callable[..., Any]:
 def _product(K: Any, a: list[list[Any]], b: list[list[Any]]) -> list[list[Any]]:
     columns = list(zip(*b, strict=True))
     return [[K.dot(row, column) for column in columns] for row in a]
-
-
-def _solve(K: Any, matrix: list[list[Any]], right: list[Any]) -> list[Any]:
-    """The solution of an invertible system, by elimination."""
-    rows = [[*row, value] for row, value in zip(matrix, right, strict=True)]
-    size = len(rows)
-    for i in range(size):
-        pivot = next(k for k in range(i, size) if rows[k][i] != K.zero)
-        rows[i], rows[pivot] = rows[pivot], rows[i]
-        inverse = K.inv(rows[i][i])
-        rows[i] = [K.mul(inverse, c) for c in rows[i]]
-        for k in range(size):
-            if k != i:
-                factor = rows[k][i]
-                rows[k] = [K.sub(c, K.mul(factor, d)) for c, d in zip(rows[k], rows[i], strict=True)]
-    return [row[-1] for row in rows]
 
 
 def _characteristic_polynomial(K: Any, matrix: list[list[Any]]) -> list[Any]:

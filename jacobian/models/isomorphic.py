@@ -25,8 +25,8 @@ from jacobian.fields import GF, QQ
 from jacobian.fields.embedding import embedding
 from jacobian.fields.factor import factor, roots
 from jacobian.fields.primality import is_prime
+from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
-from jacobian.models.linear import echelon
 
 Matrix = tuple[Any, Any, Any, Any]
 # a point of the projective line over GF(q^k): (X, Y), and the map that takes elements of GF(q) there
@@ -208,7 +208,7 @@ def _lifted(p: int, forms: tuple[list[int], list[int]], matrix: Matrix, height: 
         if found is not None and _proportional(F, _moved(G, size, found)):
             return found
         wrong = [(x - numbers[4] * _entry(F, j)) // modulus for j, x in enumerate(_moved(G, size, numbers[:4]))]
-        change = _solved(p, system, [-x % p for x in wrong])
+        change = solution(GF(p), system, [-x % p for x in wrong])
         if change is None:
             return None
         for i, x in zip([*free, 4], change, strict=True):
@@ -241,23 +241,6 @@ def _entry(form: Sequence[Any], j: int) -> Any:
 def _proportional(F: Sequence[int], moved: list[Any]) -> bool:
     top = next(i for i, c in enumerate(F) if c)
     return all(x * F[top] == moved[top] * _entry(F, j) for j, x in enumerate(moved))
-
-
-def _solved(p: int, system: list[list[int]], right: list[int]) -> list[int] | None:
-    """The solution of a system of more equations than unknowns over GF(p), or None."""
-    rows = [[*row, x] for row, x in zip(system, right, strict=True)]
-    unknowns = len(system[0])
-    for i in range(unknowns):
-        pivot = next((k for k in range(i, len(rows)) if rows[k][i]), None)
-        if pivot is None:
-            return None
-        rows[i], rows[pivot] = rows[pivot], rows[i]
-        inverse = pow(rows[i][i], -1, p)
-        rows[i] = [x * inverse % p for x in rows[i]]
-        for k, row in enumerate(rows):
-            if k != i and row[i]:
-                rows[k] = [(x - row[i] * y) % p for x, y in zip(row, rows[i], strict=True)]
-    return None if any(row[-1] for row in rows[unknowns:]) else [row[-1] for row in rows[:unknowns]]
 
 
 def _integral(form: poly.Poly) -> list[int]:

@@ -18,7 +18,7 @@ from jacobian.errors import CurveMismatch, NotRepresentable
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.law.divisor import Divisor
-from jacobian.models.linear import solution
+from jacobian.linear import solution
 
 TRIES = 50
 

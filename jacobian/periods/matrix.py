@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, FieldError, PrecisionLoss
 from jacobian.immutable import Immutable
+from jacobian.linear import pivoted
 from jacobian.periods.branched_cover import BranchedCover, Edge, crossings
 from jacobian.periods.quadrature import Vector, ellipse
 
@@ -223,17 +224,7 @@ def nearest(c: Any) -> int:
 
 def solve(rows: Matrix, right: Vector) -> Vector:
     """The solution of a small linear system, by elimination with row exchanges; PrecisionLoss for a singular one."""
-    rows = [[*row, c] for row, c in zip(rows, right, strict=True)]
-    size = len(rows)
-    for k in range(size):
-        pivot = max(range(k, size), key=lambda i: abs(rows[i][k]))
-        rows[k], rows[pivot] = rows[pivot], rows[k]
-        if not rows[k][k]:
-            raise PrecisionLoss("a singular system: the divisor is in a special position, or the precision too low")
-        for other in rows[k + 1 :]:
-            factor = other[k] / rows[k][k]
-            other[k:] = [x - factor * y for x, y in zip(other[k:], rows[k][k:], strict=True)]
-    solution: Vector = [0] * size
-    for k in range(size - 1, -1, -1):
-        solution[k] = (rows[k][size] - sum(rows[k][m] * solution[m] for m in range(k + 1, size))) / rows[k][k]
+    solution = pivoted([[*row, c] for row, c in zip(rows, right, strict=True)])
+    if solution is None:
+        raise PrecisionLoss("a singular system: the divisor is in a special position, or the precision too low")
     return solution

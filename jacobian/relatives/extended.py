@@ -25,6 +25,7 @@ from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
 from jacobian.immutable import Immutable
+from jacobian.linear import pivoted
 
 
 class Extended(NamedTuple):
@@ -152,7 +153,14 @@ class ExtendedGroup(Immutable):
             column = self._padded(poly.mod(K, (K.zero, *column), u), size)
             columns.append(column)
         right = self._padded(poly.mod(K, a, u), size)
-        return solved([[*row, value] for row, value in zip(zip(*columns, strict=True), right, strict=True)])
+        return self._solved([[*row, value] for row, value in zip(zip(*columns, strict=True), right, strict=True)])
+
+    @staticmethod
+    def _solved(rows: list[list[Any]]) -> poly.Poly:
+        found = pivoted(rows)
+        if found is None:
+            raise PrecisionLoss("two divisors have a point in common, or are too near to that: use more digits")
+        return tuple(found)
 
     def _padded(self, a: poly.Poly, size: int) -> poly.Poly:
         return (*a, *[self.field.zero] * (size - len(a)))
@@ -183,7 +191,7 @@ class ExtendedGroup(Immutable):
         for i, value in enumerate(self._padded(rest, g)):
             rows[i][i] += damping
             rows[i].append(value * size**i / height**2)
-        weights = solved(rows)
+        weights = self._solved(rows)
         move = [K.dot(column, weights) * unit for column, unit in zip(columns, units, strict=True)]
         v = tuple(map(K.add, D.v, move[:g]))
         return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
@@ -212,29 +220,6 @@ class ExtendedGroup(Immutable):
         step = Reduction(D.u, D.v, other, k, len(D.v) - 1, D.v[-1] if D.v else K.zero)
         data = tuple(kind.reduced(self, step, x) for kind, x in zip(self.kinds, D.data, strict=True))
         return Extended(other, poly.neg(K, rest), data)
-
-
-def solved(rows: list[list[Any]]) -> poly.Poly:
-    """The x of a linear system [matrix | right side] of numbers, by elimination with pivots; ``rows`` are used up."""
-    size = len(rows)
-    for i in range(size):
-        best = max(range(i, size), key=lambda j: abs(rows[j][i]))
-        rows[i], rows[best] = rows[best], rows[i]
-        pivot = rows[i]
-        if not pivot[i] or pivot[i] != pivot[i]:
-            raise PrecisionLoss("two divisors have a point in common, or are too near to that: use more digits")
-        for row in rows[i + 1 :]:
-            factor = row[i] / pivot[i]
-            for j in range(i + 1, size + 1):
-                row[j] -= factor * pivot[j]
-    found: list[Any] = []
-    for i in range(size - 1, -1, -1):
-        row = rows[i]
-        value = row[size]
-        for j, x in enumerate(found):
-            value -= row[size - 1 - j] * x
-        found.append(value / row[i])
-    return tuple(reversed(found))
 
 
 class Lift(NamedTuple):
