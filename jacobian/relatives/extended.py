@@ -46,7 +46,10 @@ class Composition(NamedTuple):
 
 
 class Reduction(NamedTuple):
-    """A step from (u, v) to (other, k·other − v); ``degree`` is that of v, ``lead`` its coefficient there."""
+    """A step from (u, v) to (other, k·other − v); ``degree`` is that of v, ``lead`` its coefficient there.
+
+    f − v² = −scale·u·other; ``high`` where v², not f, has its leading coefficient.
+    """
 
     u: poly.Poly
     v: poly.Poly
@@ -54,6 +57,8 @@ class Reduction(NamedTuple):
     k: poly.Poly
     degree: int
     lead: Any
+    scale: Any
+    high: bool
 
 
 class Kind(Protocol):
@@ -82,6 +87,8 @@ class ExtendedGroup(Immutable):
             raise ArgumentError(f"f = {shown(f)}: the degree of f must be 3 or more")
         self.genus = (len(self.f) - 2) // 2
         self.odd = len(self.f) % 2 == 0
+        self.limit = self.genus if self.odd else self.genus + 1
+        """The degree of a reduced pair at most."""
         self.kinds = tuple(kinds)
         self.curve = HyperellipticCurve(field, self.f) if field.exact else None
 
@@ -99,8 +106,7 @@ class ExtendedGroup(Immutable):
         total = summands[0]
         for D in summands[1:]:
             total = self.compose(total, D)
-        limit = self.genus if self.odd else self.genus + 1
-        while len(total.u) - 1 > limit:
+        while len(total.u) - 1 > self.limit:
             total = self.reduce(total)
         return total
 
@@ -217,7 +223,8 @@ class ExtendedGroup(Immutable):
         inverse = K.inv(cofactor[-1])
         other = (*[K.mul(inverse, c) for c in cofactor[:-1]], K.one)
         k, rest = poly.divide(K, D.v, other)
-        step = Reduction(D.u, D.v, other, k, len(D.v) - 1, D.v[-1] if D.v else K.zero)
+        degree, lead = len(D.v) - 1, D.v[-1] if D.v else K.zero
+        step = Reduction(D.u, D.v, other, k, degree, lead, K.neg(cofactor[-1]), degree > self.limit)
         data = tuple(kind.reduced(self, step, x) for kind, x in zip(self.kinds, D.data, strict=True))
         return Extended(other, poly.neg(K, rest), data)
 
@@ -271,20 +278,13 @@ class Lift(NamedTuple):
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
         """(σ, ν) → (ν, −cσ + k(e)ν) with κ → κ/c, −c the leading coefficient of (f − V²)/U over the other's."""
         K, (kappa, sigma, nu) = group.field, datum
-        g, degree, lead = group.genus, step.degree, step.lead
         k = poly.evaluate(K, step.k, self.e)
-        if degree > g + (0 if group.odd else 1):
-            moved = K.div(nu, lead)
-            return kappa, moved, K.add(K.neg(K.mul(lead, sigma)), K.mul(k, moved))
-        scale = K.neg(group.f[-1])
-        if group.odd:
-            moved = K.neg(nu) if len(step.u) % 2 else nu
-            sigma = K.neg(sigma) if len(step.u) % 2 else sigma
-        else:
-            moved = nu
-            if degree == g + 1:
-                scale = K.add(scale, K.mul(lead, lead))
-        return K.div(kappa, scale), moved, K.add(K.neg(K.mul(scale, sigma)), K.mul(k, moved))
+        if step.high:
+            moved = K.div(nu, step.lead)
+            return kappa, moved, K.add(K.neg(K.mul(step.lead, sigma)), K.mul(k, moved))
+        if group.odd and len(step.u) % 2:
+            sigma, nu = K.neg(sigma), K.neg(nu)
+        return K.div(kappa, step.scale), nu, K.add(K.neg(K.mul(step.scale, sigma)), K.mul(k, nu))
 
 
 class PointLift(NamedTuple):
@@ -315,16 +315,12 @@ class PointLift(NamedTuple):
         K, (kappa, sigma, bar) = group.field, datum
         value = poly.evaluate(K, step.v, self.x)
         above, below = K.add(value, self.y), K.sub(value, self.y)
-        if step.degree > group.genus + (0 if group.odd else 1):
-            scale = K.mul(step.lead, kappa)
-            return kappa, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
-        if group.odd:
-            scale, after = K.neg(kappa), K.div(kappa, group.f[-1])
+        if step.high:
+            after, scale = kappa, K.mul(step.lead, kappa)
         else:
-            square = K.neg(group.f[-1])
-            if step.degree == group.genus + 1:
-                square = K.add(square, K.mul(step.lead, step.lead))
-            scale, after = kappa, K.div(kappa, square)
+            after, scale = K.div(kappa, step.scale), kappa
+            if group.odd:
+                after, scale = K.neg(after), K.neg(scale)
         return after, K.div(above, K.mul(scale, bar)), K.div(below, K.mul(scale, sigma))
 
 
