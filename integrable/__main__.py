@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     run = commands.add_parser(
         "run", help="run a scene", description="Run a scene and write what it asks for to a folder."
     )
-    run.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    _add_scene(run)
     run.add_argument(
         "--digits", type=int, metavar="N", help="digits of the run: up to 15 floats, above that multiprecision"
     )
@@ -73,19 +73,35 @@ def _parser() -> argparse.ArgumentParser:
         "--format", choices=("png", "svg", "both"), default="png", help="format of the pictures (default: png)"
     )
     run.add_argument("--no-plots", action="store_true", help="no pictures, and matplotlib is not imported")
-    run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    _add_quiet(run)
     run.add_argument(
         "--json",
         action="store_true",
         help="the result as JSON on stdout (integrable/schemas/result.json says what is in it); files with --out only",
     )
-    run.add_argument(
-        "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
-    )
+    _add_progress(run)
     _add_sweep(commands)
     _add_view(commands)
     _add_report(commands)
     return parser
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+
+
+def _add_quiet(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--quiet", action="store_true", help="print nothing but errors")
+
+
+def _add_progress(command: argparse.ArgumentParser) -> None:
+    command.add_argument(
+        "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
+    )
+
+
+def _bar_wanted(arguments: argparse.Namespace) -> bool:
+    return not arguments.quiet and (arguments.progress or sys.stderr.isatty())
 
 
 def _add_sweep(commands: Any) -> None:
@@ -95,7 +111,7 @@ def _add_sweep(commands: Any) -> None:
         description="The states of a scene at its times, for all combinations of the values that are given, in one "
         "file. Chunks are kept as they come: killed and started again, the sweep goes on.",
     )
-    sweep.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    _add_scene(sweep)
     sweep.add_argument(
         "--vary",
         metavar="NAME=VALUES",
@@ -108,10 +124,8 @@ def _add_sweep(commands: Any) -> None:
         "--executor", choices=("processes", "threads"), default="processes", help="what works (default: processes)"
     )
     sweep.add_argument("--chunk", type=int, metavar="N", help="motions that are computed and kept together")
-    sweep.add_argument("--quiet", action="store_true", help="print nothing but errors")
-    sweep.add_argument(
-        "--progress", action="store_true", help="draw the progress bar even where stderr is not a terminal"
-    )
+    _add_quiet(sweep)
+    _add_progress(sweep)
 
 
 def _sweep(arguments: argparse.Namespace) -> None:
@@ -128,7 +142,7 @@ def _sweep(arguments: argparse.Namespace) -> None:
             out=out,
             executor=arguments.executor,
             chunk=arguments.chunk,
-            progress=not arguments.quiet and (arguments.progress or sys.stderr.isatty()),
+            progress=_bar_wanted(arguments),
         )
     if not arguments.quiet:
         said = f", {found.refused} of them refused" if found.refused else ""
@@ -142,7 +156,7 @@ def _add_view(commands: Any) -> None:
         description="Write one HTML file in which the body moves: the ball on its plane, γ on the sphere, the two "
         "points on the curve, the straight line on the torus. It opens in any browser and loads nothing else.",
     )
-    view.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    _add_scene(view)
     view.add_argument("--out", metavar="FILE", help="the file (default: runs/<scene>/view.html)")
     view.add_argument(
         "--until", type=float, metavar="T", help="last time, in the scene's unit (default: its own, or some ten turns)"
@@ -172,7 +186,7 @@ def _add_report(commands: Any) -> None:
         metavar="N",
         help="rows measured at a time (default: the cores; 1: quietest timings)",
     )
-    report.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    _add_quiet(report)
 
 
 def _version() -> str:
@@ -208,7 +222,7 @@ def _run(arguments: argparse.Namespace) -> None:
         scene,
         digits=arguments.digits,
         out=out,
-        progress=not arguments.quiet and (arguments.progress or sys.stderr.isatty()),
+        progress=_bar_wanted(arguments),
         pictures=not arguments.no_plots,
         formats=_formats(arguments),
     )
