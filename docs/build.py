@@ -27,8 +27,8 @@ OTHERS = {
     "benchmarks/README.md": "benchmarks.md",
     "tests/data/README.md": "test_data.md",
 }
-# of this folder, those with a place of their own; the rest is "How it works"
-PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more"}
+# of this folder, those with a place of their own or in no page as they are; the rest is "How it works"
+PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 
 
 def lay_out(source: Path) -> None:
@@ -56,8 +56,7 @@ def lay_out(source: Path) -> None:
     for name in ("site.css", "sort.js"):
         shutil.copy(DOCS / "site" / name, static)
     shutil.copytree(ROOT / "integrable" / "schemas", static / "schemas")
-    if (ROOT / "integrable" / "certified").exists():
-        shutil.copytree(ROOT / "integrable" / "certified", static / "certified")
+    shutil.copytree(ROOT / "integrable" / "certified", static / "certified")
     results = measured.write(source, (DOCS / "error_against_run_time.md").read_text(encoding="utf-8"))
     gallery.write(source, results)
     reference.write(source)
@@ -96,13 +95,8 @@ _INNER = ("start", "howto")
 def _how_it_works(source: Path) -> None:
     """The table of contents of every page of this folder that has no place elsewhere."""
     first = ["rooms", "jacobian", "batch", "flow", "precision", "stability", "steps", "systems", "many"]
-    rest = sorted(
-        path.stem
-        for path in DOCS.glob("*.md")
-        if path.stem not in {*first, *PLACED, "README", "error_against_run_time"}
-    )
-    names = [name for name in (*first, *rest) if (DOCS / f"{name}.md").exists()]
-    lines = "\n".join(f"/{name}" for name in names)
+    rest = sorted({path.stem for path in DOCS.glob("*.md")} - {*first, *PLACED})
+    lines = "\n".join(f"/{name}" for name in (*first, *rest))
     (source / "works").mkdir()
     (source / "works" / "index.md").write_text(
         "# How it works\n\nBegin with [rooms and arrows](../rooms.md): where things are, and two walks from a call to its "
