@@ -32,9 +32,12 @@ def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
 
 def p_rank(C: HyperellipticCurve, chi: Any) -> int:
     """The number of roots of Frobenius that are units modulo p; ``chi``: what computes its polynomial elsewhere."""
+    K: Any = C.field
+    if K.order is None:
+        raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
     a = frobenius_modulo_p(C)
     if a is None:
-        p: Any = C.field.characteristic
+        p = K.characteristic
         a = [c % p for c in chi()[::-1][1 : C.genus + 1]]
     return max((i for i, c in enumerate(a, 1) if c), default=0)
 

@@ -203,6 +203,14 @@ def test_supersingular_curves():
 def test_what_has_no_zeta_function_is_refused():
     with pytest.raises(FieldError, match="finite fields"):
         HyperellipticCurve(QQ, TEN).count_points()
+    for K in (QQ, RR):
+        for question in (
+            HyperellipticCurve.p_rank,
+            HyperellipticCurve.is_ordinary,
+            HyperellipticCurve.is_supersingular,
+        ):
+            with pytest.raises(FieldError, match=f"field = {K.name}: .* finite field"):
+                question(HyperellipticCurve(K, TEN))
     with pytest.raises(ArgumentError, match="n = 0"):
         HyperellipticCurve(GF(7), TEN).count_points(0)
     with pytest.raises(ArgumentError, match="is not a field"):
