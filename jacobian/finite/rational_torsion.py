@@ -62,7 +62,7 @@ def rational_torsion(J: Any, height: int = 100) -> RationalTorsion:
     if J.curve.genus % 2 == 0 or J.curve.model == "ramified":
         exponents = {prime: es[: len(halves.generators)] if prime == 2 else es for prime, es in exponents.items()}
     bound = _invariants(exponents)
-    groups = {prime: PrimaryGroup(J.zero(), prime) for prime in exponents}
+    groups = {prime: halves if prime == 2 else PrimaryGroup(J.zero(), prime) for prime in exponents}
     for D in _candidates(J, height):
         if all(sum(groups[prime].exponents) == sum(es) for prime, es in exponents.items()):
             break
@@ -109,7 +109,6 @@ def _invariants(exponents: dict[int, list[int]]) -> tuple[int, ...]:
 
 def _candidates(J: Any, height: int) -> Iterator[Divisor]:
     """Classes that may be of finite order, the likelier first."""
-    yield from _two_torsion(J)
     points = list(_differences(J, height))
     yield from points
     for D, E in combinations(points[:SUMMED], 2):
