@@ -119,12 +119,14 @@ class Isomorphism(Immutable):
         if D.jacobian.curve != C:
             raise CurveMismatch(f"D = {D!r} lies on {D.jacobian.curve!r}, the isomorphism begins at {C!r}")
         written, zero = FormalSum.from_divisor(D), FormalSum.zero(E)
-        m, u = (0, D.u) if K.is_zero(c) else without_root(K, D.u, K.neg(K.div(d, c)))
-        total = FormalSum(E, self._pair(u, D.v), (zero.numerator, zero.denominator), zero.weights)
+        u = D.u
         points: list[tuple[Any, int]] = []
-        if m:
+        if not K.is_zero(c):
             x = K.neg(K.div(d, c))
-            points.append((AffinePoint(x, poly.evaluate(K, D.v, x)), m))
+            m, u = without_root(K, u, x)
+            if m:
+                points.append((AffinePoint(x, poly.evaluate(K, D.v, x)), m))
+        total = FormalSum(E, self._pair(u, D.v), (zero.numerator, zero.denominator), zero.weights)
         if C.model == "inert":
             total = total + self._fibre(written.weights[0])
         else:
@@ -154,10 +156,7 @@ class Isomorphism(Immutable):
         zero = FormalSum.zero(E)
         if K.is_zero(c):
             return FormalSum(E, (zero.u, zero.v), (zero.numerator, zero.denominator), (weight,))
-        line, one = (K.neg(K.div(a, c)), K.one), (K.one,)
-        product = one
-        for _ in range(abs(weight)):
-            product = poly.mul(K, product, line)
+        one, product = (K.one,), poly.from_roots(K, [K.div(a, c)] * abs(weight))
         return FormalSum(E, (zero.u, zero.v), (product, one) if weight > 0 else (one, product), zero.weights)
 
     def inverse(self) -> Isomorphism:

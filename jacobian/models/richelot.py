@@ -18,7 +18,7 @@ from typing import Any
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.errors import ArgumentError, FieldError, entries, shown
-from jacobian.fields.factor import factor
+from jacobian.fields.factor import factor, roots
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 from jacobian.models.isomorphism import Isomorphism
@@ -250,13 +250,13 @@ def _to_squares(K: Any, quadratics: Quadratics) -> tuple[Any, Any, Any, Any]:
         if jacobian:
             break
     degree = len(jacobian) - 1
-    roots = sorted(K.neg(P[0]) for P, _ in factor(K, poly.monic(K, jacobian)) if len(P) == 2)
-    if len(roots) != degree or degree == 0:
+    fixed = roots(K, jacobian)
+    if len(fixed) != degree or degree == 0:
         raise FieldError(
             f"field = {K.name}: the elliptic curves are conjugate, over the field of the roots of "
             f"{poly.text(K, jacobian)}: C.change_ring takes C there"
         )
     one, zero = K.one, K.zero
     if degree == 1:
-        return one, K.neg(roots[0]), zero, one
-    return one, K.neg(roots[0]), one, K.neg(roots[1])
+        return one, K.neg(fixed[0]), zero, one
+    return one, K.neg(fixed[0]), one, K.neg(fixed[1])

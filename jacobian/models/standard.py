@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian import poly
-from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.curve.points import INFINITY_PLUS, PointAtInfinity
 from jacobian.errors import FieldError, NotRepresentable
 from jacobian.fields.factor import roots
@@ -54,6 +54,5 @@ def without_h(C: HyperellipticCurve) -> Isomorphism:
         raise FieldError(f"field = {K.name}: in characteristic 2 every curve has an h")
     plus = None
     if C.model == "split":
-        at_top = C.h[C.genus + 1] if len(C.h) == C.genus + 2 else K.zero
-        plus = K.add(K.add(C.infinity_plus, C.infinity_plus), at_top)
+        plus = K.add(K.add(C.infinity_plus, C.infinity_plus), coefficient(K, C.h, C.genus + 1))
     return Isomorphism(C, (1, 0, 0, 1), scale=poly.integer(K, 2), move=C.h, infinity_plus=plus)
