@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import sys
+from collections.abc import Iterable
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
@@ -71,10 +72,10 @@ def _file(folder: Path, name: str) -> Path:
     return folder / f"{name}-{mark}.native"
 
 
-def stamps(modules: object) -> dict[str, str]:
+def stamps(modules: Iterable[str]) -> dict[str, str]:
     """What is in the sources of modules, by their names."""
     found = {}
-    for module in modules:  # type: ignore[attr-defined]
+    for module in modules:
         there = sys.modules.get(module)
         origin = getattr(there, "__file__", None) if there else getattr(find_spec(module), "origin", None)
         try:

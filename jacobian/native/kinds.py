@@ -109,7 +109,7 @@ class Value(NamedTuple):
 
     def known(self) -> int:
         """The integer, which must be known while compiling."""
-        if self.kind is not INT or not self.parts[0].lstrip("-").isdigit():
+        if not self.is_known:
             raise CompileError("an integer known while compiling is needed")
         return int(self.parts[0])
 
