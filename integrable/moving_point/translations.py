@@ -134,10 +134,10 @@ class Translations:
         known = int(2 * term_bits)
         if term_bits < 100:
             known = FLOAT_BITS
-            floats_of = tuple(map(float, self.series))
+            series = tuple(map(float, self.series[: self.terms(53, term_bits)]))
             passes = max(2, 2 + int(log2(27 / term_bits)))
             floats = (float(f0), float(eps), float(m), float(r))
-            m, r = map(reals.number, centre(floats_of[: self.terms(53, term_bits)], *floats, passes))
+            m, r = map(reals.number, centre(series, *floats, passes))
         for bits in doubling_precisions(reals.bits, known):
             with reals.at(bits + 16):
                 m, r = map(reals.plain, centre(self.series[: self.terms(bits, term_bits)], f0, eps, m, r, 1))
