@@ -179,7 +179,7 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
 
 def growth(ratio: float, dX: float, numbers: Row) -> None:
     """Into ``numbers``: half of a basic step, and how errors grow beside a separatrix, the logarithm in a unit of τ and
-    at most (:func:`integrable.motion.precise.lost_digits`).
+    at most (:func:`integrable.moving_point.losses.lost_digits`).
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high
