@@ -133,7 +133,7 @@ class TodaLattice(MumfordSystem):
         p_k + λ = e^{q̃_{k+1} − q_k} + e^{q_k − q̃_k}, p̃_k + λ = e^{q̃_k − q_{k−1}} + e^{q_k − q̃_k}. Real where
         μ² = f(λ) ≥ 0.
         """
-        sheet = one_of(sheet, "sheet", (1, -1), "1 or -1")
+        sheet = one_of(sheet, "sheet", (1, -1), "give 1 or -1")
 
         def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
             f, u, v = self._spectral(N, here)

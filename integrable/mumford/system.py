@@ -217,6 +217,8 @@ class MumfordSystem(Immutable):
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 
     def _inside(self, N: Any, state: Point) -> Point:
+        if not (isinstance(state, Point) and len(state.q) == len(state.p) == self.size):
+            raise ArgumentError(f"state = {shown(state)}: give one that state(q, p) of {self!r} returns")
         return Point(tuple(map(N.coerce, state.q)), tuple(map(N.coerce, state.p)))
 
     def _bare(self, x: Any) -> Any:
@@ -271,7 +273,7 @@ class MumfordFlow:
         rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in given]
         kind = object if hasattr(K, "dps") else float
         q, p = (
-            np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), -1)
+            np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), self.system.size)
             for i in (0, 1)
         )
         return Path(np.array(given, dtype=kind), q, p)

@@ -11,7 +11,7 @@ import json
 from importlib.resources import files
 from typing import Any, NamedTuple
 
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, one_of
 
 __all__ = ["Certified", "certified", "certified_names", "schema"]
 
@@ -49,9 +49,7 @@ class Certified(NamedTuple):
 def certified(name: str) -> Certified:
     """The motion of that name; ArgumentError for a name that is none of :func:`certified_names`."""
     motions = _motions()
-    if name not in motions:
-        raise ArgumentError(f"name = {shown(name)}: give one of {', '.join(motions)}")
-    given = motions[name]
+    given = motions[one_of(name, "name", tuple(motions), f"give one of {', '.join(motions)}")]
     rows = given["rows"]
     return Certified(
         given["name"],

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 from html import escape
 from importlib.resources import files
@@ -13,6 +14,8 @@ from integrable.extras import needed
 from integrable.scene.data import Scene
 from integrable.scene.output import OutputFolder
 from integrable.view.shown import FRAMES, shown
+from jacobian.errors import ArgumentError
+from jacobian.errors import shown as text_of
 
 __all__ = ["page", "plotly_script", "view"]
 
@@ -23,6 +26,8 @@ def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = No
     ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or not there, and opens
     without a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over finite fields.
     """
+    if not isinstance(out, (str, os.PathLike)) or not Path(out).name:
+        raise ArgumentError(f"out = {text_of(out)}: give the path of an .html file")
     script = plotly_script()
     out = Path(out)
     with OutputFolder(out.parent) as folder:

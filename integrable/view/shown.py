@@ -13,6 +13,7 @@ from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.orbit import orbit
 from integrable.view.ovals import Ovals, ovals
+from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, whole
 
 __all__ = ["FRAMES", "shown"]
@@ -64,9 +65,10 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
 
 def _last(scene: Scene, system: Any, state: State, until: float | None) -> float:
     if until is not None:
-        if not (np.isfinite(until) and until > 0):
-            raise ArgumentError(f"until = {until}: give a time > 0")
-        return float(until)
+        last: float = RR.coerce(until, "until")
+        if last <= 0:
+            raise ArgumentError(f"until = {last}: give a time > 0")
+        return last
     rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
     return min(max(scene.times.floats()), 2 * np.pi * TURNS / rate)
 

@@ -66,6 +66,7 @@ def test_a_flow_at_its_start_returns_it():
     assert np.allclose(path.q[0], state.q, rtol=0, atol=2e-16)
     assert path.q.shape == (1, 3)
     assert len(path) == 1
+    assert system.flow(state).at([]).p.shape == (0, 3)
 
 
 @pytest.mark.parametrize(
@@ -164,6 +165,10 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: TodaLattice(2, GF(101)).flow(TodaLattice(2, GF(101)).state((5, 1), (1, 1))), "GF(101)"),
         (lambda: TodaLattice(2).step(TodaLattice(2).state((0, 1), (1, 1)), (3, 1)), "point = (3, 1)"),
         (lambda: TodaLattice(2).step(TodaLattice(2).state((0, 1), (1, 1)), 3), "point = 3"),
+        (lambda: Neumann((1, 2)).flow("rest"), "state = 'rest'"),
+        (lambda: Neumann((1, 2)).flow(((1, 0), (0, 1))), "state = ((1, 0), (0, 1))"),
+        (lambda: Neumann((1, 2, 4)).flow(Point((1, 0), (0, 1))), "state = Point(q=(1, 0), p=(0, 1))"),
+        (lambda: Ellipsoid((1, 2)).integrals(3), "state = 3"),
     ],
 )
 def test_bad_input_is_named(call, words) -> None:

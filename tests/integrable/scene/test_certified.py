@@ -74,6 +74,8 @@ def test_an_integrator_that_shares_no_code_agrees_within_the_bounds(name):
 def test_a_name_that_is_none_gets_the_names():
     with pytest.raises(ArgumentError, match="thin_ball"):
         certified("thin")
+    with pytest.raises(ArgumentError, match=r"name = \['thin_ball'\]: give one of"):
+        certified(["thin_ball"])
 
 
 def test_a_damaged_file_is_noticed(monkeypatch):

@@ -12,6 +12,7 @@ from integrable.__main__ import main
 from integrable.phase.state import State
 from integrable.scene.file import load_scene, scene_names
 from integrable.view.ovals import ovals
+from integrable.view.page import view
 from integrable.view.shown import shown
 from jacobian.errors import ArgumentError, NotRepresentable
 from tests.browser import opened
@@ -89,6 +90,18 @@ def test_every_scene_has_a_page_or_is_refused_by_name(name):
     assert np.allclose(np.linalg.norm(content["gamma"], axis=1), 1, atol=1e-4)
     assert ("turning" in content) + ("points" in content) + len(content["missing"]) == 2
     json.dumps(content, allow_nan=False)
+
+
+@pytest.mark.parametrize("until", ["x", [1, 2], 1j, float("inf"), 0])
+def test_a_last_time_that_is_none_is_refused_by_name(until):
+    with pytest.raises(ArgumentError, match="until = "):
+        shown("chaplygin", until=until)
+
+
+@pytest.mark.parametrize("out", [None, 3, ""])
+def test_a_page_without_a_name_is_refused(out):
+    with pytest.raises(ArgumentError, match=r"out = .*: give the path of an \.html file"):
+        view("chaplygin", out)
 
 
 @pytest.mark.parametrize(
