@@ -113,7 +113,8 @@ def _values(name: str, given: Any) -> np.ndarray:
 
 def _parsed(name: str, text: str) -> list[float]:
     parts = text.split(":")
-    log = len(parts) == 4 and parts.pop() == "log"
+    if log := parts[3:] == ["log"]:
+        parts.pop()
     try:
         if len(parts) == 1:
             return [float(exact_number(part)) for part in text.split(",")]

@@ -258,6 +258,7 @@ BAD = {
     "a name": (lambda s, out: sweep(s, vary={"q": [1]}, out=out), "vary: 'q' given; "),
     "no values": (lambda s, out: sweep(s, vary={"d": []}, out=out), "vary: d = []: finite numbers are needed"),
     "a range": (lambda s, out: sweep(s, vary={"d": "1:2"}, out=out), "vary: d=1:2: first:last:count"),
+    "no such spacing": (lambda s, out: sweep(s, vary={"d": "1:2:3:lg"}, out=out), "vary: d=1:2:3:lg: first:last:count"),
     "a word": (lambda s, out: sweep(s, vary={"d": "x"}, out=out), "vary: d=x: "),
     "infinity": (lambda s, out: sweep(s, vary={"d": [np.inf]}, out=out), "finite numbers are needed"),
     "no mapping": (lambda s, out: sweep(s, vary=3, out=out), "vary = 3: "),
