@@ -97,7 +97,7 @@ def dataframe(frame: Frame) -> Any:
         had = [dim in column.dims for dim in frame.dims]
         tail = column.values.shape[sum(had) :]
         rows = column.values.reshape(*(n if there else 1 for n, there in zip(shape, had, strict=True)), *tail)
-        flat = np.broadcast_to(rows, (*shape, *tail)).reshape(int(np.prod(shape)), -1)
+        flat = np.broadcast_to(rows, (*shape, *tail)).reshape(int(np.prod(shape)), int(np.prod(tail)))
         for i, part in enumerate(column.parts or ("",)):
             label = f"{name}_{part}" if part else name
             found[label], units[label] = flat[:, i], column.units

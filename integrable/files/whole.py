@@ -20,7 +20,11 @@ def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
     if not isinstance(path, (str, os.PathLike)) or not _is_a_name(path) or not Path(path).name:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
-    if not target.parent.is_dir():
+    with said(target, argument):
+        # refused here: a name too long for the file system
+        target.exists()
+        there = target.parent.is_dir()
+    if not there:
         raise ArgumentError(
             f"{argument} = {str(path)!r}: give a file in a folder that exists; {str(target.parent)!r} does not"
         )

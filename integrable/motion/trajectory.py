@@ -242,6 +242,8 @@ class Trajectory(Exported):
         """Some of the rows."""
         names = ("_times", "_tau", "_rows", "_status", "error", "digits")
         parts = {name: value[places] for name in names if (value := getattr(self, name)) is not None}
+        if "_status" in parts and not parts["_status"].any():
+            parts.update(_status=None, reasons=("",))
         return replaced(self, report=None, **parts)
 
     def _value(self) -> tuple[Any, ...]:
@@ -280,7 +282,7 @@ class Trajectory(Exported):
         """The rows with status 0 alone."""
         if self._status is None:
             return self
-        return replaced(self._some(np.flatnonzero(self._status == 0)), _status=None, reasons=("",))
+        return self._some(np.flatnonzero(self._status == 0))
 
     @cached_property
     def times(self) -> Times:

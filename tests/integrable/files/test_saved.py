@@ -157,6 +157,14 @@ def test_frames():
     assert RUN.to_dataframe("gamma").loc[0.5, "gamma_1"] == RUN.gamma[1, 0]
 
 
+@pytest.mark.parametrize("none", [RUN[:0], MANY[:0], MANY.ensemble.at([])])
+def test_frames_of_nothing(none):
+    pytest.importorskip("pandas")
+    table = none.to_dataframe()
+    assert len(table) == 0
+    assert {"gamma_1", "M_3", "omega_2", "tau", "status"} <= set(table.columns)
+
+
 def test_more_digits_are_written_to_csv(tmp_path):
     pandas = pytest.importorskip("pandas")
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
@@ -177,6 +185,7 @@ def test_bad_calls(tmp_path, monkeypatch):
         (lambda: RUN.save("run.xls"), "path = 'run.xls': a name that ends with one of .nc, .h5, .zarr, .parquet, .csv"),
         (lambda: RUN.save(3), "path = 3: give the path of a file"),
         (lambda: RUN.save(tmp_path / "none" / "run.mat"), "give a file in a folder that exists"),
+        (lambda: RUN.save(tmp_path / f"{300 * 'a'}.mat"), "cannot be written: File name too long"),
         (lambda: RUN.save(tmp_path / "run.mat", "gama"), "quantities: 'gama' given; choose among gamma, M, omega"),
         (lambda: RUN.save(tmp_path / "run.mat", 3), "quantities = 3: "),
     ):
@@ -241,6 +250,12 @@ def test_rows_of_a_run():
         RUN.concatenated(EulerTop((1, 2, 3)).flow(EulerTop((1, 2, 3)).state(GAMMA, M)).at([1]))
     with pytest.raises(ArgumentError, match="there are 4"):
         RUN[[4]]
+
+
+def test_rows_without_a_refused_one():
+    part = RUN[:2]
+    assert part == RUN.kept[:2]
+    np.testing.assert_array_equal(part.omega, RUN.kept.omega[:2])
 
 
 def test_rows_of_an_orbit():
