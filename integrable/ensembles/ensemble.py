@@ -35,9 +35,9 @@ class Ensemble(Members):
         all, or (K, N).
 
         Few turns are short runs, whose clock is right to 2·10⁻¹³ and 4·10⁻¹⁶ of the way, the rest is what :meth:`flow`
-        gives. A member or a
-        time that is refused stops no other: :attr:`Trajectories.status`. ``out``, shape (K, N, 7), is written to and
-        returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take :meth:`chunks`.
+        gives. A member or a time that is refused stops no other: :attr:`Trajectories.status`. ``out``, shape (K, N, 7),
+        is written to and returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take
+        :meth:`chunks`.
         """
         given = self._times(times)
         shape = (len(self), given.shape[1], COLUMNS)
@@ -50,6 +50,8 @@ class Ensemble(Members):
             out = np.empty(shape)
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float64:
             raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")
+        elif not out.flags.writeable:
+            raise ArgumentError("out is read-only: an array that can be written to is needed")
         return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
 
     def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:

@@ -97,7 +97,7 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
 
 def _numbers(values: Any, argument: str, width: int) -> np.ndarray:
     """Shape (members, width), (members, 1) for width 0."""
-    wanted = f"shape (K, {width}) or ({width},)" if width else "a number or shape (K,)"
+    wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
     try:
         found = np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError):

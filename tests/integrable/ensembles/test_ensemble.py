@@ -189,6 +189,7 @@ BAD = {
         lambda: ensemble(ChaplyginBall((1, 2, 3), 1, field=MP(30)), GAMMA, M),
         "an ensemble is of floats",
     ),
+    "a complex d": (lambda: ensemble(BALL, GAMMA, M, d=1j), "d = 1j: numbers of shape (K,) or one for all are needed"),
     "shapes": (lambda: ensemble(BALL, [GAMMA] * 2, [M] * 3), "gamma has 2, M has 3"),
     "two numbers": (lambda: ensemble(BALL, (1, 0), M), "gamma has shape (2,): shape (K, 3) or (3,) is needed"),
     "words": (lambda: ensemble(BALL, GAMMA, "M"), "M = 'M': numbers of shape (K, 3)"),
@@ -197,6 +198,10 @@ BAD = {
     "times": (lambda: ensemble(BALL, GAMMA, [M] * 2).at(np.ones((3, 2))), "times have shape (3, 2): (N,) or (2, N)"),
     "infinite times": (lambda: ensemble(BALL, GAMMA, M).at([np.inf]), "finite numbers are needed"),
     "an out": (lambda: ensemble(BALL, GAMMA, M).at([1], out=np.ones(3)), "float64 of shape (1, 1, 7) is needed"),
+    "an out of others": (
+        lambda: ensemble(BALL, GAMMA, M).at([1], out=np.broadcast_to(0.0, (1, 1, 7))),
+        "out is read-only: an array that can be written to is needed",
+    ),
     "a member": (lambda: ensemble(BALL, GAMMA, M).flow(1), "member = 1: the members are 0 … 0"),
     "more than memory": (lambda: ensemble(BALL, GAMMA, [M] * 10**6).at(np.ones(10**6)), "take .chunks(times)"),
     "chosen": (lambda: ensemble(BALL, GAMMA, M)[[0, 1]], "[[0, 1]]: there are 1"),
