@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from integrable.extras import needed
+from integrable.files.whole import target_of, whole_file
 from jacobian.errors import ArgumentError, shown, whole
 
 SUFFIXES = (".gif", ".mp4")
@@ -26,8 +25,9 @@ def animate(run: Any, path: Any, fps: int) -> None:
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
-    target = Path(os.fspath(path))
     fps = whole(fps, "fps", "frames a second, an int from 1 to 120", 1, 120)
+    wanted = f"the path of a {' or '.join(SUFFIXES)} file"
+    target = target_of(path, wanted)
     if target.suffix not in SUFFIXES:
         raise ArgumentError(f"path = {shown(str(target))}: the name ends in {' or '.join(SUFFIXES)}")
     if target.suffix == ".mp4" and not FFMpegWriter.isAvailable():
@@ -44,12 +44,8 @@ def animate(run: Any, path: Any, fps: int) -> None:
         return [artist for each in updates for artist in each(frame)]
 
     moving = FuncAnimation(figure, update, frames=len(run), init_func=list, blit=False)
-    unfinished = target.with_name(f".{os.getpid()}-{target.name}")
-    try:
+    with whole_file(target, wanted) as unfinished:
         moving.save(unfinished, writer=PillowWriter(fps) if target.suffix == ".gif" else FFMpegWriter(fps))
-        unfinished.replace(target)
-    finally:
-        unfinished.unlink(missing_ok=True)
 
 
 def _body(ax: Any, run: Any) -> Any:

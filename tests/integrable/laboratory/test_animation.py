@@ -33,6 +33,8 @@ def test_bad_calls(tmp_path):
     for call, message in (
         (lambda: run.animate(tmp_path / "run.png"), "ends in .gif or .mp4"),
         (lambda: run.animate(tmp_path / "run.gif", fps=0), "fps = 0"),
+        (lambda: run.animate(3), "path = 3: give the path of a .gif or .mp4 file"),
+        (lambda: run.animate(tmp_path / "none" / "run.gif"), "give a file in a folder that exists"),
         (lambda: BALL.at([0]).animate(tmp_path / "run.gif"), "nothing that moves"),
     ):
         with pytest.raises(ArgumentError, match=message):
