@@ -20,7 +20,8 @@ def factor(K: Any, a: Poly) -> list[tuple[Poly, int]]:
 
 def roots(K: Any, a: Poly) -> list[Any]:
     """The distinct roots in K, a finite field or QQ, of a non-zero polynomial, sorted."""
-    return sorted(K.neg(P[0]) for P, _ in factor(K, linear_part(K, a)))
+    given = a if K.order is None else linear_part(K, a)
+    return sorted(K.neg(P[0]) for P, _ in factor(K, given) if len(P) == 2)
 
 
 def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
@@ -32,11 +33,9 @@ def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
 
 
 def linear_part(K: Any, a: Poly) -> Poly:
-    """The product of the distinct monic linear factors of a non-zero polynomial over a finite field or QQ."""
+    """The product of the distinct monic linear factors of a non-zero polynomial over a finite field."""
     into, back = conversions(K)
     given = into(a)
-    if K.order is None:
-        return poly.from_roots(K, [-back(P)[0] / back(P)[1] for P, _ in given.factor()[1] if P.degree() == 1])
     x = into((K.zero, K.one))
     # x^q − x, modulo a
     power = x.pow_mod(K.order, given) if given.degree() > 0 else x
