@@ -90,15 +90,13 @@ def _bend(found: Ovals, tau: np.ndarray) -> float:
 def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
     if not scene.rolls_or_spins:
         raise NotRepresentable("this motion is on two elliptic curves; the page shows γ alone")
-    rows = np.concatenate([run.gamma, run.M], axis=1).tolist()
-    states = [State((a, b, c), (x, y, z), tilted=scene.tilted) for a, b, c, x, y, z in rows]
-    found = ovals(system, states)
+    found = ovals(system, list(run))
     if scene.steps is None:
         if _bend(found, run.tau) > STRAIGHT:
             raise PrecisionLoss("the points on the curve are lost in rounding: the torus cannot be drawn")
         if np.abs(np.diff(run.tau)).max() * np.abs(found.rates).max() > HALF:
             raise NotRepresentable(
-                f"between two of the {len(rows)} frames a point of the curve goes more than half round its oval: "
+                f"between two of the {len(run)} frames a point of the curve goes more than half round its oval: "
                 "with more frames, or until an earlier time, the torus can be drawn"
             )
     content["points"] = _rounded(np.concatenate([found.u, found.y], axis=1), 7)

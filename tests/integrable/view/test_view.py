@@ -9,18 +9,12 @@ import numpy as np
 import pytest
 
 from integrable.__main__ import main
-from integrable.phase.state import State
 from integrable.scene.file import load_scene, scene_names
 from integrable.view.ovals import ovals
 from integrable.view.page import view
 from integrable.view.shown import shown
 from jacobian.errors import ArgumentError, NotRepresentable
 from tests.browser import opened
-
-
-def states(scene, run):
-    rows = zip(run.gamma.tolist(), run.M.tolist(), strict=True)
-    return [State(tuple(gamma), tuple(M), tilted=scene.tilted) for gamma, M in rows]
 
 
 @pytest.mark.parametrize("name", ["chaplygin", "euler_top", "tilted_ball", "different_moments"])
@@ -30,7 +24,7 @@ def test_the_points_lie_on_the_curve_and_their_angles_on_a_line(name):
     system, state = scene.start(15)
     rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
     run = system.motion_through(state).at(np.linspace(0, 30 / rate, 1500))
-    found = ovals(system, states(scene, run))
+    found = ovals(system, list(run))
     upright = system if not scene.tilted else system.upright(state)[0]
     start = state if not scene.tilted else system.upright(state)[1]
     f = np.polynomial.Polynomial(upright.body.polynomial(*upright.integrals(start)[2:]))
