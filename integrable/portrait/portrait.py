@@ -94,11 +94,7 @@ class Portrait(Immutable):
         They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same.
         NotRepresentable for equal moments and rotations: one point of the divisor rests, and does not know its angle.
         """
-        if self.region in ("symmetric", "rotation"):
-            raise NotRepresentable(
-                f"angles: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"
-            )
-        first, second = start_angles(self.divisor, self.level, self._compact("angles"))
+        first, second = start_angles(self.divisor, self.level, self.moving("angles"))
         return self._field.coerce(first), self._field.coerce(second)
 
     @cached_property
@@ -106,6 +102,14 @@ class Portrait(Immutable):
         """1/|f1| and 1/|f2|; of γ̃ in the body and of the axis in space they are half a turn."""
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
+
+    def moving(self, name: str) -> Ovals:
+        """:attr:`ovals` where both points of the divisor move; NotRepresentable names what was asked for."""
+        if self.region in ("symmetric", "rotation"):
+            raise NotRepresentable(
+                f"{name}: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"
+            )
+        return self._compact(name)
 
     def _compact(self, name: str) -> Ovals:
         if self.ovals is None:

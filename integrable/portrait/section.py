@@ -33,8 +33,11 @@ AXES = ("largest", "least")
 # nodes of an oval's series, and beyond
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 PASSES = 60
-# digits that floats give to begin with
-ROUGH_DIGITS = 12
+# sines of a series that are taken at once
+SINES = 1 << 20
+# digits that floats give to begin with, and steps of an angle that are below them
+ROUGH_DIGITS, ROUGH = 12, 1e-13
+MOST_CROSSINGS = 10**6
 
 
 class Section(Record):
@@ -72,11 +75,10 @@ def section(flow: Any, count: int, axis: str) -> Section:
 
     NotRepresentable for a motion on no torus of dimension two.
     """
-    count = whole(count, "count", "the number of crossings is an int from 1 on", 1)
+    count = whole(count, "count", f"the number of crossings is an int from 1 to {MOST_CROSSINGS}", 1, MOST_CROSSINGS)
     axis = one_of(axis, "axis", AXES, 'choose "largest" or "least" (moment)')
     portrait = flow.portrait
-    portrait.angles  # noqa: B018 - refused where there are none
-    level, ovals = portrait.level, portrait.ovals
+    level, ovals = portrait.level, portrait.moving("section")
     first = axis == "largest"
     sums = start_sums(portrait.divisor, level)
     own, other = ((ovals.A0, ovals.A1), (ovals.B0, ovals.B1)) if first else ((ovals.B0, ovals.B1), (ovals.A0, ovals.A1))
@@ -144,18 +146,23 @@ class OvalSeries:
                 break
             count *= 2
         self._modes = modes
-        self._half = np.pi * modes[1][0] / 2
 
     def first(self, second: np.ndarray) -> np.ndarray:
         """∫dx/y where ∫x dx/y is ``second``, at most half a turn either way."""
+        size = max(1, SINES // len(self._modes[0]))
+        parts = [self._first(second[begin : begin + size]) for begin in range(0, len(second), size)]
+        return np.concatenate(parts)
+
+    def _first(self, second: np.ndarray) -> np.ndarray:
         low, high = np.full(len(second), -np.pi / 2), np.full(len(second), np.pi / 2)
         angle = second / self._modes[1][0]
         for _ in range(PASSES):
             gap = self._value(1, angle) - second
             better, low, high = step_inside(angle, gap, self._slope(1, angle), low, high)
-            if np.abs(better - angle).max(initial=0) < 4e-16:
-                break
+            done = np.abs(better - angle).max(initial=0) < ROUGH
             angle = better
+            if done:
+                break
         return self._value(0, angle)
 
     def _value(self, k: int, angle: np.ndarray) -> np.ndarray:

@@ -47,13 +47,26 @@ def test_sections_to_the_digits_of_the_field():
     assert abs(found.run.gamma[:, found.axis]).max() < 1e-38
 
 
+def test_beside_the_separatrix():
+    """An oval's series then has 32768 terms, which are summed for some of the crossings at a time."""
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    flow = ball.flow(ball.state((0, 0, 1), (0.001, 1, 0)))
+    assert flow.portrait.distance < 1e-5
+    found = flow.section(40)
+    assert abs(found.run.gamma[:, found.axis]).max() < 1e-13
+    assert (np.diff(found.tau) > 0).all()
+
+
 def test_refusals():
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0.6, 0, 0.8), (0, 2, 0)))
-    with pytest.raises(NotRepresentable, match="separatrix"):
+    with pytest.raises(NotRepresentable, match=r"^section: this motion .separatrix"):
         flow.section(3)
+    symmetric = ChaplyginBall((1, 1, 3), 0.7)
+    with pytest.raises(NotRepresentable, match=r"^section: in this motion .symmetric"):
+        symmetric.flow(symmetric.state(GAMMA, (0.384, 1.28, -1.488))).section(3)
     flow = ball.flow(ball.state(GAMMA, (0.384, 1.28, -1.488)))
-    for wrong, argument in (((0,), "count"), ((3, "middle"), "axis")):
+    for wrong, argument in (((0,), "count"), ((10**12,), "from 1 to 1000000"), ((3, "middle"), "axis")):
         with pytest.raises(ArgumentError, match=argument):
             flow.section(*wrong)
 
