@@ -14,7 +14,7 @@ import numpy as np
 
 from integrable.portrait.ovals import Level, Ovals
 from jacobian import RR
-from jacobian.errors import ArgumentError, whole
+from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import Record
 
 if TYPE_CHECKING:
@@ -44,16 +44,17 @@ class Diagram(Record):
         _, c, h1, h2 = self.system.integrals(state)
         if not h2:
             raise ArgumentError("M = (0, 0, 0): the body is at rest, which has no place in its diagram")
-        return c * c / h2, h1 / h2
+        # γ is a unit vector to rounding
+        return min(c * c / h2, 1.0), h1 / h2
 
     def height(self, X: Any, zeta: Any) -> Any:
-        """Z of X and ζ."""
-        d = self.system.d
+        """Z of X and ζ: arrays that broadcast."""
+        X, zeta, d = _reals(X, "X"), _reals(zeta, "zeta"), self.system.d
         return zeta * (1 - d * zeta * (1 - X)) / (1 - d * zeta)
 
     def contains(self, X: Any, Z: Any) -> Any:
         """Whether there are motions with these X and Z: arrays that broadcast."""
-        X, Z = np.asarray(X, dtype=float), np.asarray(Z, dtype=float)
+        X, Z = _reals(X, "X"), _reals(Z, "Z")
         least, most = min(self.system.a), max(self.system.a)
         inside: Any = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
         return inside
@@ -63,7 +64,9 @@ class Diagram(Record):
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         """
-        values = np.asarray(X, dtype=float)
+        values = _reals(X, "X")
+        if not ((values >= 0) & (values <= 1)).all():
+            raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
         rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
         found: Any = np.array(rates).reshape(values.shape)
         return found
@@ -93,6 +96,13 @@ class Diagram(Record):
 
     def __repr__(self) -> str:
         return f"<Diagram of {self.system!r}>"
+
+
+def _reals(values: Any, argument: str) -> np.ndarray:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"{argument} = {shown(values)}: real numbers are needed") from None
 
 
 def _rotation_number(level: Level) -> float:

@@ -80,5 +80,14 @@ def test_the_picture_and_refusals():
     assert len(BALL.diagram().figure(state).axes[0].lines) == 4
     with pytest.raises(ArgumentError, match="not over GF"):
         ChaplyginBall((1, 2, 4), 1, field=GF(10007)).diagram()
+    for call, message in (
+        (lambda: BALL.diagram().divergence([0, 1.5]), r"^X = \[0, 1.5\]: numbers from 0 to 1"),
+        (lambda: BALL.diagram().divergence(None), "^X = None: "),
+        (lambda: BALL.diagram().contains(0, "x"), "^Z = 'x': real numbers"),
+        (lambda: BALL.diagram().height(0, 1j), "^zeta = 1j: real numbers"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            call()
+    assert BALL.diagram().height([0, 1], 0.3).shape == (2,)
     with pytest.raises(ArgumentError, match="at rest"):
         BALL.diagram().place(BALL.state((0, 0, 1), (0, 0, 0)))
