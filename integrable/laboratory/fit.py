@@ -18,6 +18,9 @@ from jacobian.errors import ArgumentError, shown
 from jacobian.immutable import Record
 
 LEAST_COUNT = 3
+# R Rᵀ of what was measured may differ from 1 by this
+MEASURED = 1e-3
+UNDETERMINED = "no body fits them best from this guess; give a nearer guess, or orientations at more and later times"
 NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", "log ratio2")
 
 
@@ -51,22 +54,41 @@ def fitted(guess: Any, times: Any, orientations: Any) -> OrientationFit:
     body = guess.body
     if body.field != RR or body.mass is not None:
         raise ArgumentError(f"fitted: of {body!r}; it takes a free body over RR")
-    instants = np.asarray(times, dtype=float)
-    given = orientations.as_matrix() if hasattr(orientations, "as_matrix") else np.asarray(orientations, dtype=float)
-    if instants.ndim != 1 or len(instants) < LEAST_COUNT:
+    instants = guess.at(times).times
+    if len(instants) < LEAST_COUNT:
         raise ArgumentError(f"times = {shown(times)}: give a sequence of {LEAST_COUNT} times or more")
-    if given.shape != (len(instants), 3, 3):
-        raise ArgumentError(
-            f"orientations have the shape {given.shape}: give a rotation for each of {len(instants)} times"
-        )
-    problem = _Problem(guess, instants, given)
+    problem = _Problem(guess, instants, _rotations(orientations, len(instants)))
     found = least_squares(problem.residuals, np.zeros(8), problem.slopes, method="lm", x_scale="jac")
+    sizes = np.linalg.norm(found.jac, axis=0)
+    if not found.success or np.linalg.matrix_rank(found.jac / np.where(sizes > 0, sizes, 1)) < len(NAMES):
+        raise ArgumentError(f"orientations: {UNDETERMINED}")
     left = found.fun.reshape(-1, 3)
     free = max(1, left.size - 8)
     covariance = np.linalg.inv(found.jac.T @ found.jac) * (2 * found.cost / free)
     moments = problem.moments(found.x)
     rms = float(np.sqrt(np.mean(np.sum(left**2, axis=1))))
     return OrientationFit(problem.result(found.x), moments[:2] / moments[2], rms, covariance)
+
+
+def _rotations(orientations: Any, count: int) -> np.ndarray:
+    """Measured orientations as matrices, shape (count, 3, 3), or an ArgumentError."""
+    try:
+        given = orientations.as_matrix() if hasattr(orientations, "as_matrix") else orientations
+        found = np.asarray(given, dtype=float)
+    except (TypeError, ValueError):
+        raise ArgumentError(
+            f"orientations = {shown(orientations)}: give 3×3 matrices, or SciPy's Rotation, of {count} times"
+        ) from None
+    if found.shape != (count, 3, 3):
+        raise ArgumentError(f"orientations have the shape {found.shape}: give a rotation for each of {count} times")
+    # no rotation has a 2
+    safe = np.where(np.isfinite(found), found, 2)
+    off = abs(safe @ safe.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    wrong = (off > MEASURED) | (np.linalg.det(safe) < 0)
+    if wrong.any():
+        i = int(np.argmax(wrong))
+        raise ArgumentError(f"orientations[{i}] = {shown(found[i].tolist())} is no rotation: give a matrix of one")
+    return found
 
 
 class _Problem:
@@ -85,7 +107,9 @@ class _Problem:
         self._known: tuple[bytes, Any] = (b"", None)
 
     def moments(self, x: np.ndarray) -> np.ndarray:
-        found: np.ndarray = self._moments * np.exp([x[6], x[7], 0.0])
+        # what is infinite is no body
+        with np.errstate(over="ignore"):
+            found: np.ndarray = self._moments * np.exp([x[6], x[7], 0.0])
         return found
 
     def result(self, x: np.ndarray) -> Any:
@@ -99,7 +123,12 @@ class _Problem:
         key = x.tobytes()
         if self._known[0] != key:
             turned = _rotation(x[:3]) @ self._start
-            self._known = key, type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
+            try:
+                motion = type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
+            except ArgumentError as error:
+                # a step has led to what is no body
+                raise ArgumentError(f"orientations: {UNDETERMINED} ({error})") from None
+            self._known = key, motion
         return self._known[1]
 
     def residuals(self, x: np.ndarray) -> np.ndarray:

@@ -74,5 +74,19 @@ def test_what_cannot_be_fitted():
         guess().fitted(TIMES, run.matrices[1:])
     with pytest.raises(ArgumentError, match="3 times or more"):
         guess().fitted([0, 1], run.matrices[:2])
+    wrong = run.matrices.copy()
+    for size, number in ((2, 7), (-1, 4), (np.nan, 0)):
+        wrong[number] = size * run.matrices[number]
+        with pytest.raises(ArgumentError, match=rf"^orientations\[{number}\] = .* is no rotation"):
+            guess().fitted(TIMES, wrong)
+    for times, orientations, message in (
+        (TIMES, "x", "^orientations = 'x': give 3×3 matrices"),
+        ([0, np.nan, 2], run.matrices[:3], r"^times\[1\] = .*nan"),
+        ([1j, 1, 2], run.matrices[:3], r"^times\[0\] = 1j"),
+        ("abc", run.matrices[:3], r"^times\[0\] = 'abc'"),
+        ([1, 1, 1], run.matrices[:3], "^orientations: no body fits them best"),
+    ):
+        with pytest.raises(ArgumentError, match=message):
+            guess().fitted(times, orientations)
     with pytest.raises(ArgumentError, match="ω is constant"):
         TRUE.motion(START, START.as_matrix()[:, 0]).fitted(TIMES, run.matrices)
