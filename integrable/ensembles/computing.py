@@ -143,6 +143,14 @@ def _outcome(count: int, said: list[_Said]) -> Outcome:
     return Outcome(status, ways, tuple(reasons), partial)
 
 
+def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) -> np.ndarray:
+    """The number of the reason of every row, shape (K, length), from those of an :class:`Outcome`."""
+    rows = np.repeat(status[:, None], length, axis=1)
+    for member, numbers in partial.items():
+        rows[member] = numbers
+    return rows
+
+
 def memory() -> float:
     """Bytes of this machine's memory; infinity where it does not say."""
     try:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.ensembles.computing import WORDS, Outcome
+from integrable.ensembles.computing import WORDS, Outcome, statuses
 from integrable.ensembles.members import Members, motion_of, system_of
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
@@ -161,7 +161,7 @@ class Trajectories(Exported):
         dims = ("member", "row" if own else "time")
         time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
         member = Column(dims[:1], np.arange(len(self)), "1", "number of the member")
-        rows = np.array([self.row_status(k) for k in range(len(self))]).reshape(self._rows.shape[:2])
+        rows = statuses(self.status, self._partial, self._rows.shape[1])
         words = ("refused", *WORDS)
         many = self.ensemble
         variables = {

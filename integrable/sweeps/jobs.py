@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import COLUMNS, Outcome, computed, computed_singly
+from integrable.ensembles.computing import COLUMNS, Outcome, computed, computed_singly, statuses
 from integrable.motion.trajectory import Motion
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
@@ -53,9 +53,7 @@ def done(job: BodyJob | SceneJob) -> Part:
 
 
 def _part(out: np.ndarray, found: Outcome) -> Part:
-    status = np.repeat(found.status[:, None], out.shape[1], axis=1).astype(np.int32)
-    for member, rows in found.partial.items():
-        status[member] = rows
+    status = statuses(found.status, found.partial, out.shape[1]).astype(np.int32)
     return Part(out, status, found.ways, found.reasons)
 
 

@@ -26,6 +26,7 @@ from integrable.scene.file import load_scene
 from integrable.sweeps.grid import Grid
 from integrable.sweeps.jobs import BodyJob, SceneJob, done
 from integrable.sweeps.store import Layout, Store
+from jacobian.batch.threads import threads
 from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
 
 __all__ = ["SweepStopped", "Swept", "sweep"]
@@ -72,19 +73,18 @@ def sweep(
     times, or of an ensemble at ``times``. ``out`` ends with .zarr or .h5; it appears when it is complete.
 
     ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", … (docs/many.md).
-    ``executor``: "processes" or "threads", as many as there are processors, or any ``concurrent.futures.Executor``.
-    Chunks of ``chunk`` members are kept as they come, beside ``out``; a sweep that was killed goes on with the same
-    call. A member that is refused is a row with its reason. ``progress`` draws a bar on stderr. ArgumentError for wrong
-    arguments, a disk that is full, and a file that is there; SweepStopped where the executor dies.
+    ``executor``: "processes" or "threads", as many as :func:`jacobian.batch.threads.threads` says, or any
+    ``concurrent.futures.Executor``. Chunks of ``chunk`` members are kept as they come, beside ``out``; a sweep that was
+    killed goes on with the same call. A member that is refused is a row with its reason. ``progress`` draws a bar on
+    stderr. ArgumentError for wrong arguments, a disk that is full, and a file that is there; SweepStopped where the
+    executor dies.
     """
     source = _Source.of(what, vary, times)
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
     chunk = whole(chunk, "chunk", "an int ≥ 1 is needed", 1) if chunk is not None else source.usual_chunk
-    store = Store(out, source.layout(chunk))
-    flag(progress, "progress")
-    bar = progress and not without({"tqdm": "the progress bar"})
-    count = len(source)
+    bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
+    store, count = Store(out, source.layout(chunk)), len(source)
     if store.complete:
         return Swept(store.path, count, store.refused)
     with store, _pool(executor, store.layout.chunks - len(store.done)) as (pool, workers):
@@ -256,7 +256,7 @@ def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int
     if isinstance(executor, Executor):
         yield executor, int(getattr(executor, "_max_workers", None) or UNKNOWN)
         return
-    workers = max(1, min(chunks, len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else 1))
+    workers = max(1, min(chunks, threads()))
     pool: Executor
     if executor == "threads" or workers == 1:
         pool = ThreadPoolExecutor(workers)
