@@ -24,7 +24,6 @@ MOST_LINES, MOST_PARAMETERS = 40, 8
 LONG = {
     "integrable.moving_point.short.panel",
     "integrable.moving_point.short_compiled.entry",
-    "integrable.moving_point.short_compiled.short_runs",
     "integrable.moving_point.short_reading.state",
     "integrable.moving_point.short_steps.node_steps",
     "jacobian.inexact.stacked._second_polynomial",

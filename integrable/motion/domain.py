@@ -33,18 +33,26 @@ _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 def check_domain(system: PhaseSpace, state: State) -> None:
     """ArgumentError where a flow over RR does not take a body or a state: the argument, its value and what helps."""
-    named = [*((f"inertia[{i}]", x) for i, x in enumerate(system.inertia)), ("d", system.d)]
-    for name, x in (*named, *((f"M[{i}]", x) for i, x in enumerate(state.M))):
-        if abs(x) > LARGEST:
-            raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
+    inertia, d, M = system.inertia, system.d, state.M
+    momentum = max(map(abs, M))
+    if max(*inertia, d, momentum) > LARGEST:
+        name, x = next(pair for pair in _named(system, state) if abs(pair[1]) > LARGEST)
+        raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
     # tilted, it is refused as M ∥ γ is
-    if not any(state.M) and not state.tilted:
+    if not (momentum or state.tilted):
         raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
-    for name, x in (*named, ("max(|M|)", max(map(abs, state.M)))):
-        if 0 < x < 1 / LARGEST:
-            raise ArgumentError(f"{name} = {x}: floats take {1 / LARGEST:.0e} or more here{_UNITS}")
+    if min(*inertia, d or 1, momentum or 1) < 1 / LARGEST:
+        parts = (*_named(system, state)[:4], ("max(|M|)", momentum))
+        name, x = next(pair for pair in parts if 0 < pair[1] < 1 / LARGEST)
+        raise ArgumentError(f"{name} = {x}: floats take {1 / LARGEST:.0e} or more here{_UNITS}")
     if symmetry_axis(system.inertia) is None:
         _check_shape(system)
+
+
+def _named(system: PhaseSpace, state: State) -> list[tuple[str, float]]:
+    """The numbers of a body and M, each as a message names it."""
+    moments = [(f"inertia[{i}]", x) for i, x in enumerate(system.inertia)]
+    return [*moments, ("d", system.d), *((f"M[{i}]", x) for i, x in enumerate(state.M))]
 
 
 def _check_shape(system: PhaseSpace) -> None:

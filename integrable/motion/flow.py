@@ -22,6 +22,7 @@ from integrable.moving_point.setup import Setup
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
+from integrable.phase.state import State, rotation_axis
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of, whole
 from jacobian.fields.multiprecision import MOST_DIGITS
@@ -39,7 +40,6 @@ if TYPE_CHECKING:
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.body import Body
-    from integrable.phase.state import State
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
@@ -243,11 +243,11 @@ class Flow(BodyMotion):
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseClosedForm | None:
         """None where three moments differ."""
+        if symmetry_axis(self.system.inertia) is None:
+            return None
         from integrable.motion.symmetric import SymmetricFlow
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
-        if symmetry_axis(self.system.inertia) is None:
-            return None
         if self.system.field != RR:
             return PreciseClosedForm(self.system, self.state)
         return SymmetricFlow(self.system, self.state)
@@ -255,11 +255,11 @@ class Flow(BodyMotion):
     @cached_property
     def _rotation(self) -> PrincipalRotation | PreciseClosedForm | None:
         """None where M is not along a principal axis with γ across it."""
-        from integrable.motion.rotation import PrincipalRotation, RotationForm, rotation_axis
-        from integrable.motion.symmetric_precise import PreciseClosedForm
-
         if rotation_axis(self.state) is None:
             return None
+        from integrable.motion.rotation import PrincipalRotation, RotationForm
+        from integrable.motion.symmetric_precise import PreciseClosedForm
+
         if self.system.field != RR:
             return PreciseClosedForm(self.system, self.state, RotationForm)
         return PrincipalRotation(self.system, self.state)

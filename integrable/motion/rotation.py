@@ -16,18 +16,12 @@ from integrable.motion.symmetric_precise import ClosedForm
 from integrable.moving_point.elliptic_integrals import FirstKind
 from integrable.phase.body import Body
 from integrable.phase.precisions import SET_UP_DIGITS
+from integrable.phase.state import State, rotation_axis
 from integrable.torus.survey import complete
 from jacobian import MP
 
 if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
-    from integrable.phase.state import State
-
-
-def rotation_axis(state: State) -> int | None:
-    """The axis i with M along it and γ_i = 0, all exactly; None where there is none."""
-    x, m = state.gamma, state.M
-    return next((i for i in range(3) if m[i] != 0 and m[i - 1] == m[i - 2] == x[i] == 0), None)
 
 
 class PrincipalRotation:

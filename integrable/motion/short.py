@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import CLOCK, FLOATS, NODES, PHYSICAL, WIDES, Request, Rule, new_room
+from integrable.moving_point.short_rows import CLOCK, FLOATS, GIVEN, NODES, PHYSICAL, WIDES, Request, Rule, new_room
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -111,7 +111,6 @@ class ShortRuns:
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:
             other /= room.numbers[CLOCK if physical else PHYSICAL]
-            _put_starts(self._given, self._tilted, times[None], rows[None])
         return status, rows, other
 
 
@@ -136,30 +135,17 @@ def compiled_runs(
     (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
     it has cost in panels), both of shape (K,). Python's lock is free meanwhile.
     """
-    from integrable.moving_point.short_compiled import short_runs
+    from integrable.moving_point.short_compiled import LIBRARY
 
-    count = len(asked.given)
-    status, panels = np.zeros(count, dtype=np.intp), np.zeros(count, dtype=np.intp)
-    order = np.argsort(times, axis=1, kind="stable")
-    out = rows.reshape(count, 6 * rows.shape[1])
-    short_runs(
-        asked.given, asked.tilted, _packed(), asked.physical, asked.clock, asked.most, asked.drift, asked.pace, times,
-        order, out, other, status, panels,
+    count, length = rows.shape[:2]
+    status, panels = np.zeros((2, count), dtype=np.intp)
+    order, made = times.argsort(axis=1, kind="stable"), np.empty(4, dtype=np.intp)
+    wide, floats = np.empty((GIVEN + WIDES, 2)), np.empty(FLOATS + 2 * length)
+    LIBRARY.entry(
+        asked.given, asked.tilted, _packed(), asked[2:], times, order,
+        (rows.reshape(count, 6 * length), other, status, panels), floats[FLOATS:], wide, floats[:FLOATS], made,
     )  # fmt: skip
-    _put_starts(asked.given, asked.tilted, times, rows)
     return status, panels
-
-
-def _put_starts(given: np.ndarray, tilted: bool, times: np.ndarray, rows: np.ndarray) -> None:
-    """The states themselves at t = 0, on their constraints: no interpolant's error is there."""
-    if times.all():
-        return
-    gamma, M = given[:, 4:7].astype(np.longdouble), given[:, 7:].astype(np.longdouble)
-    gamma = gamma / np.sqrt((gamma * gamma).sum(axis=1, keepdims=True))
-    if not tilted:
-        M = M - (gamma * M).sum(axis=1, keepdims=True) * gamma
-    member, place = np.nonzero(np.broadcast_to(times == 0, rows.shape[:2]))
-    rows[member, place] = np.hstack([gamma, M]).astype(float)[member]
 
 
 def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS) -> int:

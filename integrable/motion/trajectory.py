@@ -185,6 +185,18 @@ class Trajectory(Exported):
     :meth:`integrable.motion.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
     """
 
+    flow: Any
+    reasons: tuple[str, ...]
+    way: str
+    report: Any
+    error: np.ndarray | None
+    digits: np.ndarray | None
+    _times: np.ndarray | None
+    _tau: np.ndarray
+    _rows: np.ndarray
+    # None: all rows are there
+    _status: np.ndarray | None
+
     def __init__(
         self,
         flow: Any,
@@ -195,19 +207,12 @@ class Trajectory(Exported):
         status: np.ndarray | None = None,
         reasons: tuple[str, ...] = ("",),
     ) -> None:
-        self.flow = flow
-        self._times = times
-        self._tau = tau
-        # γ and M side by side, shape (N, 6)
-        self._rows = rows
-        self.way = way
-        # None: all rows are there
-        self._status = status if status is not None and status.any() else None
-        self.reasons = reasons
-        self.report: Any = None
-        # set by Flow.certify
-        self.error: np.ndarray | None = None
-        self.digits: np.ndarray | None = None
+        # one by one they would take as long as panels of a short run; _rows are γ and M side by side, shape (N, 6)
+        vars(self).update(
+            flow=flow, _times=None if times is None else read_only(times), _tau=read_only(tau), _rows=read_only(rows),
+            way=way, _status=None if status is None or not status.any() else read_only(status), reasons=reasons,
+            report=None, error=None, digits=None,
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self._rows)

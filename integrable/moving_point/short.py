@@ -44,7 +44,7 @@ from integrable.moving_point.short_rows import (
     curve_of,
     unit_axes,
 )  # fmt: skip
-from integrable.moving_point.short_start import scaled, set_up
+from integrable.moving_point.short_start import at_start, scaled, set_up
 from integrable.moving_point.short_steps import (
     HALVINGS,
     doubled,
@@ -102,6 +102,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
         status = FAR if far else both_ways(room, rule, request, h, True)
     if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
+    at_start(given, tilted, request.times, request.out)
     return status
 
 

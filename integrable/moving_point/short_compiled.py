@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.short import short_run as run
 from integrable.moving_point.short_rows import (
     CLOCK,
+    GIVEN,
     PHYSICAL,
     Request,
     Row,
     Rule,
     new_room,
 )  # fmt: skip
-from integrable.moving_point.short_rows import (
-    FLOATS as ROOM_FLOATS,
-)
-from integrable.moving_point.short_rows import (
-    WIDES as ROOM_WIDES,
-)
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
-from jacobian.native.library import Library, Packed
+from jacobian.native.library import Library
 
 RULE = record(Rule, FLOATS, FLOATS, FLOATS, FLOATS)
 
@@ -31,21 +24,23 @@ def entry(
     found: tuple[Row, Row, Row, Row], scaled: Row, wide: Row, floats: Row, made: Row,
 ) -> None:  # fmt: skip
     """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); the last four are
-    room. ``asked`` begins a :class:`Request`; ``found`` are as for :func:`short_runs`.
+    room. ``asked`` begins a :class:`Request`. ``found`` are γ and M, shape (K, 6N), the other times, (K, N), why a run
+    was given up, or 0, and what it has cost in panels, (K,). ``times`` and ``order`` have a row for each, or one for
+    all.
     """
-    count, width = times.shape[1], given.shape[1]
+    count = times.shape[1]
     out, other, status, panels = found
     for member in range(len(given)):
         at = member % len(times)
-        for i in range(width):
+        for i in range(GIVEN):
             wide[i] = given[member, i]
         made[0], made[1], made[2], made[3] = 1, 0, 1, 0
-        room = new_room(wide[width:], floats, made)
+        room = new_room(wide[GIVEN:], floats, made)
         request = Request(
             asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at], scaled[:count], scaled[count:],
             out[member], other[member],
         )  # fmt: skip
-        status[member] = run(room, rule, request, wide[:width], tilted)
+        status[member] = run(room, rule, request, wide[:GIVEN], tilted)
         panels[member] = made[3]
         # without a clock there is nothing in ``other``
         if asked[0] or asked[1]:
@@ -68,19 +63,3 @@ LIBRARY = Library(
     },
     SPECIAL,
 )  # fmt: skip
-
-
-def short_runs(
-    given: np.ndarray, tilted: bool, rule: Packed, physical: bool, clock: bool, most: int, drift: float,
-    pace: float, times: np.ndarray, order: np.ndarray, out: np.ndarray, other: np.ndarray, status: np.ndarray,
-    panels: np.ndarray,
-) -> None:  # fmt: skip
-    """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10): into ``out`` and
-    ``other``, (K, 6N) and (K, N), ``status`` and what the runs have cost in panels, (K,). ``times`` and ``order`` have
-    a row for each, or one for all.
-    """
-    wide, floats = np.empty((given.shape[1] + ROOM_WIDES, 2)), np.empty(2 * times.shape[1] + ROOM_FLOATS)
-    LIBRARY.entry(
-        given, tilted, rule, (physical, clock, most, drift, pace), times, order, (out, other, status, panels),
-        floats[ROOM_FLOATS:], wide, floats[:ROOM_FLOATS], np.empty(4, dtype=np.int64),
-    )  # fmt: skip

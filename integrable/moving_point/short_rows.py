@@ -7,7 +7,8 @@ from typing import Any, NamedTuple
 Real = Any
 Row = Any
 
-
+# moments, d, γ and M
+GIVEN = 10
 NODES = 28
 # panels may be halved so often
 LEVELS = 6

@@ -177,6 +177,19 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
         low[i] = float(t - high[i])
 
 
+def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
+    """γ and M of the start, on their constraints, wherever a time is 0: no interpolant's error is there."""
+    length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
+    x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]
+    if not tilted:
+        tilt = x * m0 + y * m1 + u * m2
+        m0, m1, m2 = m0 - tilt * x, m1 - tilt * y, m2 - tilt * u
+    for i in range(len(times)):
+        if times[i] == 0:
+            out[6 * i], out[6 * i + 1], out[6 * i + 2] = float(x), float(y), float(u)
+            out[6 * i + 3], out[6 * i + 4], out[6 * i + 5] = float(m0), float(m1), float(m2)
+
+
 def growth(ratio: float, dX: float, numbers: Row) -> None:
     """Into ``numbers``: half of a basic step, and how errors grow beside a separatrix, the logarithm in a unit of τ and
     at most (:func:`integrable.moving_point.losses.lost_digits`).

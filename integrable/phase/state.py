@@ -42,3 +42,9 @@ def onto_constraints(system: Any, state: State) -> State:
     tilt = K.zero if state.tilted else K.dot((g1, g2, g3), M)
     m1, m2, m3 = (y - tilt * x for x, y in zip((g1, g2, g3), M, strict=True))
     return State((g1, g2, g3), (m1, m2, m3), tilted=state.tilted)
+
+
+def rotation_axis(state: State) -> int | None:
+    """The axis i with M along it and γ_i = 0, all exactly; None where there is none."""
+    x, m = state.gamma, state.M
+    return next((i for i in range(3) if m[i] != 0 and m[i - 1] == m[i - 2] == x[i] == 0), None)

@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 
 from jacobian.native import kept, machine
-from jacobian.native.kinds import BOOL, FLOAT, INT, ArrayKind, TupleKind, Value
+from jacobian.native.kinds import INT, WIDE, ArrayKind, TupleKind, Value
 from jacobian.native.program import Program
 from jacobian.numbers.compiler import say_once
 
 LOG = logging.getLogger(__name__)
-ITEMS = {"i64": np.dtype(np.int64), "double": np.dtype(np.float64)}
+INTEGERS, REALS = np.dtype(np.int64), np.dtype(np.float64)
 
 
 class Library:
@@ -114,28 +114,34 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
     """The words of a value at the end of ``words``."""
     if type(value) is Packed:
         words += value.words
-    elif isinstance(kind, ArrayKind):
-        flat = kind.ndim + (kind.parts == 2)
-        if value.dtype != ITEMS[kind.memory] or value.ndim != flat or not value.flags.c_contiguous:
-            raise TypeError(f"{value.dtype} array {value.shape}: {kind} is needed, C-contiguous")
-        words.append(address(value))
+    elif type(kind) is ArrayKind:
+        # the kinds of most arguments: a call of a few panels takes not much longer than this
+        if value.dtype != (INTEGERS if kind.item is INT else REALS) or value.ndim != kind.ndim + (kind.parts == 2):
+            raise _unfit(value, kind)
+        try:
+            # refused where it is not C-contiguous
+            words.append(addressof(c_char.from_buffer(value)))
+        except (TypeError, ValueError):
+            words.append(_unwritten(value, kind))
         words += value.shape[: kind.ndim]
-    elif isinstance(kind, TupleKind):
+    elif type(kind) is TupleKind:
         for item, part in zip(value, kind.items, strict=True):
             flatten(item, part, words)
-    elif kind in (INT, BOOL, FLOAT):
-        words.append(value)
-    else:
+    elif kind is WIDE:
         words += value
+    else:
+        words.append(value)
 
 
-def address(array: np.ndarray) -> int:
-    """Where an array is in memory."""
-    try:
-        return addressof(c_char.from_buffer(array))  # type: ignore[arg-type]
-    except (TypeError, ValueError):
-        # empty, or not to be written to
-        return int(array.ctypes.data)
+def _unwritten(array: np.ndarray, kind: Any) -> int:
+    """Where an array is in memory that is empty, or not to be written to."""
+    if not array.flags.c_contiguous:
+        raise _unfit(array, kind)
+    return int(array.ctypes.data)
+
+
+def _unfit(array: np.ndarray, kind: Any) -> TypeError:
+    return TypeError(f"{array.dtype} array {array.shape}: {kind} is needed, C-contiguous")
 
 
 __all__ = ["Library", "Packed"]
