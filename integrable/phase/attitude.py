@@ -32,8 +32,10 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
 
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(M² − (γ, M)²), 0, (γ, M)).
     """
-    tilt = np.sum(gamma * M, axis=1)[:, None]
-    horizontal = M - tilt * gamma
+    horizontal = M
+    # twice is enough (Parlett 1980): once leaves the rounding of M along γ, where the horizontal part is short
+    for _ in range(2):
+        horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]
     return np.stack([x, np.cross(gamma, x), gamma], axis=1)
 
