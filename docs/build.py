@@ -7,6 +7,7 @@ Sphinx makes HTML of all of them. A warning is an error, and so is what a cell r
 from __future__ import annotations
 
 import argparse
+import os
 import re
 import shutil
 import subprocess
@@ -27,7 +28,9 @@ OTHERS = {
     "benchmarks/README.md": "benchmarks.md",
     "tests/data/README.md": "test_data.md",
 }
-# of this folder, those with a place of their own or in no page as they are; the rest is "How it works"
+# of this folder, those that are no pages, or not as they are
+LEFT_OUT = {"site", "build.py", "README.md", "__pycache__", "error_against_run_time.md"}
+# those with a place of their own or in no page as they are; the rest is "How it works"
 PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 
 
@@ -37,19 +40,12 @@ def lay_out(source: Path) -> None:
     import measured
     import reference
 
-    for path in DOCS.rglob("*"):
-        inside = path.relative_to(DOCS)
-        if path.is_dir() or inside.parts[0] in (
-            "site",
-            "build.py",
-            "README.md",
-            "__pycache__",
-            "error_against_run_time.md",
-        ):
-            continue
-        write(source / inside, path.read_text(encoding="utf-8") if path.suffix == ".md" else path.read_bytes(), "docs")
+    pages = {path: path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*") if path.is_file()}
+    for path, page in pages.items():
+        if Path(page).parts[0] not in LEFT_OUT:
+            write(source, page, path)
     for name, page in OTHERS.items():
-        write(source / page, (ROOT / name).read_text(encoding="utf-8"), str(Path(name).parent))
+        write(source, page, ROOT / name)
     shutil.copy(DOCS / "site" / "conf.py", source)
     static = source / "_static"
     static.mkdir()
@@ -63,48 +59,44 @@ def lay_out(source: Path) -> None:
     _how_it_works(source)
 
 
-def write(path: Path, content: str | bytes, folder: str) -> None:
-    """A page with its links turned to where pages are in the site; ``folder`` is where it lies in the repository."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    if isinstance(content, bytes):
-        path.write_bytes(content)
-    else:
-        path.write_text(
-            re.sub(r"(?<=\]\()([^)#\s:]*\.md)", lambda m: _moved(m[1], folder, path), content), encoding="utf-8"
-        )
+def write(source: Path, page: str, origin: Path) -> None:
+    """The file ``origin`` as ``page`` of the site, its links turned to where pages are there."""
+    target = source / page
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if origin.suffix != ".md":
+        shutil.copy(origin, target)
+        return
+    text = origin.read_text(encoding="utf-8")
+    target.write_text(
+        re.sub(r"(?<=\]\()([^)#\s:]*\.md)", lambda found: _moved(found[1], origin, page), text), encoding="utf-8"
+    )
 
 
-def _moved(link: str, folder: str, page: Path) -> str:
-    target = (
-        ROOT / folder / (page.parent.name if folder == "docs" and page.parent.name in _INNER else "") / link
-    ).resolve()
-    inside = target.relative_to(ROOT).as_posix()
-    up = "../" if page.parent.name in _INNER else ""
-    if inside in OTHERS:
-        return up + OTHERS[inside]
-    if inside == "docs/README.md":
-        return f"{up}index.md"
-    if inside == "docs/error_against_run_time.md":
-        return f"{up}measured/index.md"
-    return up + inside.removeprefix("docs/")
-
-
-_INNER = ("start", "howto")
+def _moved(link: str, origin: Path, page: str) -> str:
+    """A link of the file ``origin`` as one from ``page``, its place in the site."""
+    inside = (origin.parent / link).resolve().relative_to(ROOT).as_posix()
+    places = {**OTHERS, "docs/README.md": "index.md", "docs/error_against_run_time.md": "measured/index.md"}
+    return os.path.relpath(places.get(inside, inside.removeprefix("docs/")), os.path.dirname(page) or ".")
 
 
 def _how_it_works(source: Path) -> None:
     """The table of contents of every page of this folder that has no place elsewhere."""
-    first = ["rooms", "jacobian", "batch", "flow", "precision", "stability", "steps", "systems", "many"]
-    rest = sorted({path.stem for path in DOCS.glob("*.md")} - {*first, *PLACED})
+    first = ["jacobian", "batch", "flow", "precision", "stability", "steps", "systems", "many"]
+    rest = sorted({path.stem for path in DOCS.glob("*.md")} - {"rooms", *first, *PLACED})
     lines = "\n".join(f"/{name}" for name in (*first, *rest))
     (source / "works").mkdir()
     (source / "works" / "index.md").write_text(
-        "# How it works\n\nBegin with [rooms and arrows](../rooms.md): where things are, and two walks from a call to its "
-        "formula. The other pages are one each for what somebody may want to look up: how a sum is computed, how a motion is, "
-        "how many digits are right and how they are lost.\n\n"
+        "# How it works\n\nBegin with [rooms and arrows](../rooms.md): where things are, two walks from a call to its formula, and "
+        "a page for every room. The other pages are one each for what somebody may want to look up: how a sum is computed, how a "
+        "motion is, how many digits are right and how they are lost.\n\n```{toctree}\n:maxdepth: 2\n\n/rooms\n```\n\n"
         f"```{{toctree}}\n:maxdepth: 1\n\n{lines}\n/contributing\n/benchmarks\n/test_data\n/security\n/readme\n```\n",
         encoding="utf-8",
     )
+    with (source / "rooms.md").open("a", encoding="utf-8") as rooms:
+        names = "\n".join(
+            sorted(path.relative_to(DOCS).with_suffix("").as_posix() for path in DOCS.glob("rooms/*/*.md"))
+        )
+        rooms.write(f"\n```{{toctree}}\n:hidden:\n\n{names}\n```\n")
 
 
 def main() -> int:

@@ -18,6 +18,7 @@ from tests.fuzz.zoo import IMPORTED
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("jacobian", "integrable")
+PAGES = sorted((ROOT / "docs" / "rooms").rglob("*.md"))
 MOST_FILES = 20
 MOST_LINES, MOST_PARAMETERS = 40, 8
 # compiled loops and what they call: an argument is a register
@@ -219,3 +220,17 @@ def test_functions_fit_on_a_screen_and_take_few_arguments():
                 if lines > MOST_LINES or len(arguments) > MOST_PARAMETERS:
                     found.add(f"{module}.{node.name}")
     assert found == LONG
+
+
+def test_every_room_has_a_page():
+    """What it is for, its words, what comes in and goes out, what to read first, and lines that run: in docs/rooms."""
+    pages = {path.relative_to(ROOT / "docs" / "rooms").with_suffix("").as_posix() for path in PAGES}
+    folders = {path.parent for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file()}
+    rooms = {path.relative_to(ROOT).as_posix() for path in folders if path.name != "__pycache__"} - set(PACKAGES)
+    assert pages == rooms
+    listed = (ROOT / "docs" / "rooms.md").read_text(encoding="utf-8")
+    for path in PAGES:
+        assert f"(rooms/{path.parent.name}/{path.name})" in listed
+        text = path.read_text(encoding="utf-8")
+        for part in ("**Words.**", "**In and out.**", "**Read first.**", "\n>>> "):
+            assert part in text, (path, part)
