@@ -31,8 +31,8 @@ from jacobian.errors import (
 )
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
-from jacobian.periods.matrix import Oval, PeriodMatrix, complex_field, nearest, periods, real_periods, solve
-from jacobian.periods.quadrature import Vector, from_branch_point, working_numbers
+from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods, solve
+from jacobian.periods.quadrature import Vector, complex_field, from_branch_point, working_numbers
 from jacobian.periods.roots import horner, simple_roots
 
 __all__ = ["AbelMap", "Oval", "PeriodMatrix", "periods", "real_periods"]

@@ -13,9 +13,9 @@ from math import comb
 from typing import Any, NamedTuple
 
 from jacobian.curve.curve import HyperellipticCurve, check_curve
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.fields import CC
-from jacobian.periods.quadrature import Vector, ellipse, working_numbers
+from jacobian.periods.quadrature import Vector, complex_field, ellipse, working_numbers
 from jacobian.periods.roots import check_separated, conjugated, simple_roots
 
 
@@ -71,6 +71,11 @@ class BranchedCover:
             return e
         return self.curve.field.coerce(e, argument)
 
+    def rounded(self, matrix: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
+        """Rows of working numbers as numbers of the complex field beside the curve's."""
+        field = complex_field(self.curve.field)
+        return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
+
     def tree(self) -> list[tuple[int, int]]:
         """2g edges of the Euclidean minimal spanning tree of the branch points, from the first one on (Prim 1957)."""
         e = self._rough
@@ -94,37 +99,46 @@ class BranchedCover:
         others = [(e - middle) / half for k, e in enumerate(self.roots) if k not in (i, j)]
         right = sum(1 for u in others if u.real > 0)
         c = numbers.sqrt(self.lead * half ** len(self.roots) * (1 if right % 2 else -1))
-        n = numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8))
-        moments = self._moments(others, n)
-        factor = half / c * numbers.pi / n
+        moments = self._moments(others)
+        factor = half / c * numbers.pi
         integrals = [
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
             for k in range(self.genus)
         ]
         # Y/√(x − e) at both ends, against the fixed root of F' there
-        start = _unit(c) * _rough_root(others, -1) / self._slope_root(i)
-        end = -_unit(c) * _rough_root(others, 1) / self._slope_root(j)
+        rough = [(complex(u), u.real > 0) for u in others]
+        start = _unit(c) * rough_root(rough, -1) / self._slope_root(i)
+        end = -_unit(c) * rough_root(rough, 1) / self._slope_root(j)
         return Edge(i, j, integrals, (start, end))
 
-    def _moments(self, others: Vector, n: int) -> Vector:
-        """Σ t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < g."""
+    def _moments(self, others: Vector) -> Vector:
+        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < g."""
+        return self._means(others, self.numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8)))
+
+    def _means(self, others: Vector, n: int) -> Vector:
+        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < g."""
         numbers, moments = self.numbers, [self.numbers.real(0)] * self.genus
         real = all(u.imag == 0 for u in others)
-        values = [u.real for u in others] if real else others
-        signs = [-1 if u.real > 0 else 1 for u in others]
+        right, left = ([u for u in others if (u.real > 0) == side] for side in (True, False))
+        rough = [(complex(u), u.real > 0) for u in others]
+        if real:
+            right, left = [u.real for u in right], [u.real for u in left]
         for node in numbers.nodes(n):
             for t in (node, -node):
+                point = t if real else numbers.convert(t)
                 product = 1
-                for u, sign in zip(values, signs, strict=True):
-                    product = product * ((t - u) * sign)
+                for u in right:
+                    product = product * (u - point)
+                for u in left:
+                    product = product * (point - u)
                 if real:
                     weight = 1 / (product**0.5 if numbers.machine else numbers.sqrt(product))
                 else:
-                    weight = 1 / numbers.root(product, _rough_root(others, float(t)))
+                    weight = 1 / numbers.root(product, rough_root(rough, float(t)))
                 for m in range(self.genus):
                     moments[m] += weight
                     weight = weight * t
-        return moments
+        return [x / n for x in moments]
 
     def _slope_root(self, i: int) -> complex:
         """A square root of F'(e_i), of modulus 1."""
@@ -139,17 +153,20 @@ def _unit(z: Any) -> complex:
     return complex(z / abs(z))
 
 
-def _rough_root(others: Vector, t: float) -> complex:
-    """Π√(±(t − u_k)) to a few digits, each root principal."""
+def rough_root(others: Sequence[tuple[complex, bool]], t: float) -> complex:
+    """Π√(±(t − u)) to a few digits, each root principal, for pairs of u and whether it lies to the right."""
     value = 1 + 0j
-    for u in others:
+    for u, right in others:
         # for t in [−1, 1] it stays off the negative axis
-        value *= (complex(u) - t if u.real > 0 else t - complex(u)) ** 0.5
+        value *= (u - t if right else t - u) ** 0.5
     return value
 
 
 def crossings(edges: Sequence[Edge]) -> list[list[int]]:
-    """Intersection numbers of the cycles of edges: at a common branch point, the orientation of their directions."""
+    """Intersection numbers of the cycles of edges: at a common branch point, the orientation of their directions.
+
+    Edges of a minimal tree meet at 60° or more, their lifts at 30°; PrecisionLoss where they do not.
+    """
     size = len(edges)
     matrix = [[0] * size for _ in range(size)]
     for k, first in enumerate(edges):
@@ -158,6 +175,9 @@ def crossings(edges: Sequence[Edge]) -> list[list[int]]:
             for p, v in zip((first.i, first.j), first.directions, strict=True):
                 for q, w in zip((second.i, second.j), second.directions, strict=True):
                     if p == q:
-                        sign = 1 if (v.conjugate() * w).imag > 0 else -1
+                        sine = (v.conjugate() * w).imag
+                        if abs(sine) < 0.25:
+                            raise PrecisionLoss("two cycles touch where they should cross; use more digits")
+                        sign = 1 if sine > 0 else -1
                         matrix[k][m], matrix[m][k] = sign, -sign
     return matrix

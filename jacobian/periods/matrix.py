@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
@@ -28,10 +28,11 @@ class Oval(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class PeriodMatrix(Immutable):
-    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's.
+    """Periods of x^k dx/(y + h/2), k < g, as numbers of the complex field beside the curve's, or as balls.
 
     ``A`` and ``B``: g×g tuples of rows, A[k][j] = ∮ of differential k along a_j, with a_i·b_j = δ_ij and no other
     crossings. ``cover``, ``edges``: the branch points and the half-periods behind them, in working numbers.
+    ``cycles``: a_1 … a_g, b_1 … b_g as sums of the lifts of the edges. ``recipe``: the call that makes this again.
     """
 
     A: tuple[tuple[Any, ...], ...]
@@ -39,12 +40,14 @@ class PeriodMatrix(Immutable):
     cover: BranchedCover
     edges: tuple[Edge, ...]
     working: Matrix
+    cycles: tuple[tuple[int, ...], ...]
+    recipe: tuple[Callable[..., PeriodMatrix], tuple[Any, ...]]
 
     def _value(self) -> tuple[Any, ...]:
-        return self.cover.curve, self.A, self.B
+        return self.recipe
 
     def __reduce__(self) -> Any:
-        return periods, (self.cover.curve, self.cover.given)
+        return self.recipe
 
     @property
     def big(self) -> tuple[tuple[Any, ...], ...]:
@@ -54,12 +57,13 @@ class PeriodMatrix(Immutable):
     @cached_property
     def tau(self) -> tuple[tuple[Any, ...], ...]:
         """A⁻¹B: symmetric, its imaginary part positive definite."""
-        return _rounded(self.cover, self._working_tau)
+        return self.cover.rounded(self._working_tau)
 
     @cached_property
     def _working_tau(self) -> Matrix:
         g = self.cover.genus
-        columns = [solve([row[:g] for row in self.working], [row[g + j] for row in self.working]) for j in range(g)]
+        with self.cover.numbers.working():
+            columns = [solve([row[:g] for row in self.working], [row[g + j] for row in self.working]) for j in range(g)]
         return [list(row) for row in zip(*columns, strict=True)]
 
     def coordinates(self, z: Sequence[Any]) -> list[Any]:
@@ -67,22 +71,25 @@ class PeriodMatrix(Immutable):
         g, numbers = self.cover.genus, self.cover.numbers
         if len(z) != g:
             raise ArgumentError(f"z has {len(z)} entries: g = {g} are needed")
-        z = [numbers.convert(x) for x in z]
-        rows = [[x.real for x in row] for row in self.working] + [[x.imag for x in row] for row in self.working]
-        return solve(rows, [x.real for x in z] + [x.imag for x in z])
+        with numbers.working():
+            z = [numbers.convert(x) for x in z]
+            rows = [[x.real for x in row] for row in self.working] + [[x.imag for x in row] for row in self.working]
+            return solve(rows, [x.real for x in z] + [x.imag for x in z])
 
     def reduce(self, z: Sequence[Any]) -> list[Any]:
         """z less the lattice vector that leaves coordinates in [−½, ½], as working numbers."""
         whole = [nearest(c) for c in self.coordinates(z)]
-        return [
-            self.cover.numbers.convert(x) - sum(m * p for m, p in zip(whole, row, strict=True))
-            for x, row in zip(z, self.working, strict=True)
-        ]
+        with self.cover.numbers.working():
+            return [
+                self.cover.numbers.convert(x) - sum(m * p for m, p in zip(whole, row, strict=True))
+                for x, row in zip(z, self.working, strict=True)
+            ]
 
     def bilinear_residual(self) -> Any:
         """The largest |τ_ij − τ_ji|: zero by Riemann's bilinear relations."""
         tau = self._working_tau
-        return max(abs(tau[i][j] - tau[j][i]) for i in range(len(tau)) for j in range(len(tau)))
+        with self.cover.numbers.working():
+            return max(abs(tau[i][j] - tau[j][i]) for i in range(len(tau)) for j in range(len(tau)))
 
 
 def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> PeriodMatrix:
@@ -94,6 +101,11 @@ def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> Pe
     FieldError over exact fields.
     """
     cover = BranchedCover(curve, roots)
+    return period_matrix(cover, (periods, (curve, cover.given)))
+
+
+def period_matrix(cover: BranchedCover, recipe: tuple[Callable[..., PeriodMatrix], tuple[Any, ...]]) -> PeriodMatrix:
+    """The PeriodMatrix of a cover, which the call ``recipe`` makes again."""
     edges = [cover.edge(i, j) for i, j in cover.tree()]
     basis = symplectic_basis(crossings(edges))
     working = [
@@ -102,7 +114,8 @@ def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> Pe
     ]
     g = cover.genus
     first, second = ([row[part] for row in working] for part in (slice(g), slice(g, None)))
-    result = PeriodMatrix(_rounded(cover, first), _rounded(cover, second), cover, tuple(edges), working)
+    cycles = tuple(map(tuple, basis))
+    result = PeriodMatrix(cover.rounded(first), cover.rounded(second), cover, tuple(edges), working, cycles, recipe)
     _check_riemann(result)
     return result
 
@@ -145,7 +158,7 @@ def _combined(v: list[int], w: list[int], m: int) -> list[int]:
 def _check_riemann(result: PeriodMatrix) -> None:
     tau, numbers = result._working_tau, result.cover.numbers
     scale = max(abs(x) for row in tau for x in row)
-    if result.bilinear_residual() > numbers.ten(-numbers.digits // 2) * scale or not _is_positive(tau):
+    if not result.bilinear_residual() <= numbers.ten(-numbers.digits // 2) * scale or not _is_positive(tau):
         raise PrecisionLoss(
             "the periods do not satisfy Riemann's bilinear relations at this precision; use more digits"
         )
@@ -155,7 +168,7 @@ def _is_positive(tau: Matrix) -> bool:
     """Whether Im τ is positive definite, by elimination."""
     rows = [[x.imag for x in row] for row in tau]
     for k, row in enumerate(rows):
-        if row[k] <= 0:
+        if not row[k] > 0:
             return False
         for other in rows[k + 1 :]:
             factor = other[k] / row[k]
@@ -205,21 +218,11 @@ def _oval(cover: BranchedCover, a: Any, b: Any, lines: Vector) -> Oval:
     return Oval(field.coerce(a), field.coerce(b), tuple(field.coerce(factor * s) for s in sums))
 
 
-def complex_field(field: Any) -> Any:
-    """CC beside RR, MP(dps, complex=True) beside MP(dps)."""
-    from jacobian.fields import CC, MP
-
-    return MP(field.dps, complex=True) if hasattr(field, "dps") else CC
-
-
-def _rounded(cover: BranchedCover, matrix: Matrix) -> tuple[tuple[Any, ...], ...]:
-    field = complex_field(cover.curve.field)
-    return tuple(tuple(field.coerce(x) for x in row) for row in matrix)
-
-
 def nearest(c: Any) -> int:
-    """The integer nearest to a working real number."""
-    return round(c) if isinstance(c, float) else int(c.context.nint(c))
+    """The integer nearest to a working real number, or to the middle of a ball."""
+    if isinstance(c, float):
+        return round(c)
+    return int(c.context.nint(c)) if hasattr(c, "context") else int((c.mid() + 0.5).floor().unique_fmpz())
 
 
 def solve(rows: Matrix, right: Vector) -> Vector:

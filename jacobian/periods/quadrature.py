@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from functools import lru_cache
 from typing import Any
 
@@ -59,10 +60,14 @@ class Numbers:
         """10**exponent."""
         return 10.0**exponent if self.machine else self.context.mpf(10) ** exponent
 
-    def root(self, square: Any, approximation: complex) -> Any:
+    def working(self) -> AbstractContextManager[Any]:
+        """The precision of these numbers, which they carry themselves."""
+        return nullcontext()
+
+    def root(self, square: Any, approximation: Any) -> Any:
         """The square root of ``square`` on the side of a rough value of it."""
         root = self.sqrt(square)
-        rough = complex(root)
+        rough, approximation = complex(root), complex(approximation)
         return root if rough.real * approximation.real + rough.imag * approximation.imag >= 0 else -root
 
     def cosines(self, n: int) -> list[Any]:
@@ -91,6 +96,12 @@ class Numbers:
             ]
         return self._weights[n]
 
+    def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
+        """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, where a node brings ``rate`` digits: by Fejér's rule."""
+        # the weights take the square of this time
+        n = self.node_count(rate, 500 + 10 * self.digits)
+        return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
+
     def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
         """How many nodes, an even number of a sparse sequence, when each brings that many digits; Infeasible beyond
         ``most``.
@@ -102,6 +113,13 @@ class Numbers:
             )
         step = max(2, 2 * (int(needed) // 16))
         return step * math.ceil(needed / step)
+
+
+def complex_field(field: Any) -> Any:
+    """CC beside RR, MP(dps, complex=True) beside MP(dps)."""
+    from jacobian.fields import CC, MP
+
+    return MP(field.dps, complex=True) if hasattr(field, "dps") else CC
 
 
 @lru_cache(maxsize=64)
@@ -120,29 +138,40 @@ def from_branch_point(
     numbers: Numbers, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms
 ) -> tuple[int, Vector]:
     """(i, ∫ forms(x) dx/Y from the branch point i to the point) on Y² = lead·Π(x − e), i being the best start."""
-    x, Y = point
-    rough, target = [complex(e) for e in roots], complex(x)
+    rough, target = [complex(e) for e in roots], complex(point[0])
     scale = max(abs(e - target) for e in rough)
     rates = [_rate([e for j, e in enumerate(rough) if j != i], start, target, scale) for i, start in enumerate(rough)]
     i = max(range(len(roots)), key=rates.__getitem__)
+    return i, path_from(numbers, i, roots, lead, point, forms, rates[i])
+
+
+def path_from(
+    numbers: Any, i: int, roots: Vector, lead: Any, point: tuple[Any, Any], forms: Forms, rate: float
+) -> Vector:
+    """∫ forms(x) dx/Y from the branch point i to the point; a node brings ``rate`` digits."""
+    x, Y = point
     e, span = roots[i], x - roots[i]
-    if not span:
-        return i, [0 * f for f in forms(x)]
     ratios = [span / (other - e) for j, other in enumerate(roots) if j != i]
-    constant = lead * span
+    rest = lead
     for j, other in enumerate(roots):
         if j != i:
-            constant = constant * (e - other)
-    # the weights take the square of this time
-    n = numbers.node_count(rates[i], 500 + 10 * numbers.digits)
-    total: Vector = [0 * f for f in forms(x)]
-    for s, weight in zip(numbers.nodes(n), numbers.fejer(n), strict=True):
+            rest = rest * (e - other)
+    total = numbers.along_path(ratios, lambda square: forms(e + span * square), rate)
+    # Y = rest · root · s · Π√(1 − s²·ratio) with root² = span/rest: the sign is that for which Y is met at s = 1
+    root = numbers.root(span / rest, Y / (rest * _root_of_product(numbers, ratios, [complex(r) for r in ratios], 1)))
+    return [2 * root * x for x in total]
+
+
+def path_sums(numbers: Any, nodes: Sequence[Any], weights: Sequence[Any], ratios: Vector, forms: Forms) -> Vector:
+    """Σ weight · forms(s²)/Π√(1 − s²·ratio) over the nodes s."""
+    rough = [complex(ratio) for ratio in ratios]
+    total: Vector | None = None
+    for s, weight in zip(nodes, weights, strict=True):
         square = s * s
-        factor = weight / _root_of_product(numbers, ratios, square)
-        total = [t + factor * f for t, f in zip(total, forms(e + span * square), strict=True)]
-    # Y = √constant · s · Π√(1 − s²·ratio): the sign of the root is that for which Y is met at s = 1
-    root = numbers.root(constant, complex(Y / _root_of_product(numbers, ratios, 1)))
-    return i, [2 * span / root * x for x in total]
+        factor = weight / _root_of_product(numbers, ratios, rough, square)
+        terms = [factor * f for f in forms(square)]
+        total = terms if total is None else [t + f for t, f in zip(total, terms, strict=True)]
+    return total or []
 
 
 def _rate(others: list[complex], start: complex, target: complex, scale: float) -> float:
@@ -152,10 +181,11 @@ def _rate(others: list[complex], start: complex, target: complex, scale: float) 
     return min((ellipse(cmath.sqrt((e - start) / (target - start))) for e in others), default=16.0)
 
 
-def _root_of_product(numbers: Any, ratios: Vector, square: Any) -> Any:
+def _root_of_product(numbers: Any, ratios: Vector, rough_ratios: Sequence[complex], square: Any) -> Any:
     """Π√(1 − s²·ratio), each root principal."""
-    product, rough, s2 = 1, 1 + 0j, float(square)
+    product, rough, s2 = numbers.convert(1), 1 + 0j, float(square.real)
     for ratio in ratios:
         product = product * (1 - square * ratio)
-        rough *= (1 - s2 * complex(ratio)) ** 0.5
+    for ratio in rough_ratios:
+        rough *= (1 - s2 * ratio) ** 0.5
     return numbers.root(product, rough)

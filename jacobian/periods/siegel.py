@@ -1,0 +1,86 @@
+"""Small period matrices moved by Sp(2g, ℤ) to where theta series converge fast (Siegel 1964; Deconinck and others
+2004, with LLL's reduction of Im τ)."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from jacobian.errors import PrecisionLoss
+from jacobian.periods.matrix import PeriodMatrix
+
+MOST_STEPS = 1000
+# Im τ is reduced as integers of so many bits
+GRAM_BITS = 40
+
+
+class SiegelReduced(NamedTuple):
+    """``tau``: (aτ + b)(cτ + d)⁻¹ as a flint acb_mat, for ``acb_mat.theta``; ``matrix``: (a b; c d), an fmpz_mat of
+    2g×2g in Sp(2g, ℤ).
+    """
+
+    tau: Any
+    matrix: Any
+
+
+def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
+    """τ of a period matrix in balls, reduced: Im τ by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, all up to the radii.
+
+    The matrix is exact, so that the ball of the result contains the reduced τ of the curve.
+    """
+    from flint import acb_mat, fmpz_mat
+
+    g = found.cover.genus
+    matrix = fmpz_mat([[int(i == j) for j in range(2 * g)] for i in range(2 * g)])
+    with found.cover.numbers.working():
+        tau = acb_mat(found.tau)
+        for _ in range(MOST_STEPS):
+            matrix = _lll(_moved(matrix, tau)) * matrix
+            matrix = _shift(_moved(matrix, tau)) * matrix
+            moved = _moved(matrix, tau)
+            if not abs(moved[0, 0]) < 0.999:
+                return SiegelReduced(moved, matrix)
+            matrix = _inversion(g) * matrix
+    raise PrecisionLoss(f"τ is not reduced in {MOST_STEPS} steps; use more digits")
+
+
+def _moved(matrix: Any, tau: Any) -> Any:
+    """(aτ + b)(cτ + d)⁻¹."""
+    from flint import acb_mat
+
+    g = tau.nrows()
+    a, b, c, d = (acb_mat([[matrix[i + p, j + q] for j in range(g)] for i in range(g)]) for p in (0, g) for q in (0, g))
+    return (a * tau + b) * (c * tau + d).inv()
+
+
+def _lll(tau: Any) -> Any:
+    from flint import fmpz_mat
+
+    g = tau.nrows()
+    scale = 2.0**GRAM_BITS / max(float(tau[i, i].imag) for i in range(g))
+    half = [[round(scale * float(tau[i, j].imag) / 2) for j in range(g)] for i in range(g)]
+    gram = fmpz_mat([[half[i][j] + half[j][i] for j in range(g)] for i in range(g)])
+    _, T = gram.lll(transform=True, rep="gram")
+    inverse = T.inv().transpose()
+    zero = [0] * g
+    upper = [[*row, *zero] for row in T.tolist()]
+    return fmpz_mat(upper + [[*zero, *(int(x.p) for x in row)] for row in inverse.tolist()])
+
+
+def _shift(tau: Any) -> Any:
+    from flint import fmpz_mat
+
+    g = tau.nrows()
+    rows = [[int(i == j) for j in range(2 * g)] for i in range(2 * g)]
+    for i in range(g):
+        for j in range(i + 1):
+            rows[i][g + j] = rows[j][g + i] = -round(float(tau[i, j].real))
+    return fmpz_mat(rows)
+
+
+def _inversion(g: int) -> Any:
+    from flint import fmpz_mat
+
+    rows = [[int(i == j) for j in range(2 * g)] for i in range(2 * g)]
+    rows[0][0] = rows[g][g] = 0
+    rows[0][g], rows[g][0] = -1, 1
+    return fmpz_mat(rows)
