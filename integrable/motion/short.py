@@ -8,13 +8,23 @@ times slower, where nothing is to be compiled. What it is not sure of is left to
 from __future__ import annotations
 
 from functools import cache
-from math import cos, pi
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point import short
-from integrable.moving_point.short_rows import CLOCK, FLOATS, GIVEN, NODES, PHYSICAL, WIDES, Request, Rule, new_room
+from integrable.moving_point.short_rows import (
+    CLOCK,
+    FINEST,
+    FLOATS,
+    GIVEN,
+    PHYSICAL,
+    SUMS,
+    WIDES,
+    Request,
+    Rule,
+    new_room,
+)
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
@@ -32,12 +42,12 @@ PANEL_COST, START_COST = 5.0, 100.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
-MOST_PANELS, MOST_TIMES = 400, 20_000
+MOST_PANELS, MOST_TIMES = 1000, 20_000
 # interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # what the clock of a run may be off by, in the units of the motion, and by what part of the way besides. Many go
 # farther than one does, with more panels: a rounding of what they are given would move their clocks as much
-DRIFT, PACE = 5e-15, 0.0
+DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
 MOST_PANELS_OF_MANY = 2000
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
@@ -185,18 +195,33 @@ class ShortFirst:
 
 @cache
 def rule() -> Rule:
-    """The Chebyshev nodes of a panel and what goes with them."""
-    count = NODES
+    """The nodes of a panel and what goes with them."""
+    places: list[float] = []
+    for first, second in SUMS:
+        begin = 0.5**first if first <= FINEST else places[first - FINEST - 1]
+        places.append(begin + (0.5**second if second > 0 else -(0.5**-second)))
+    nodes = np.array([-x for x in places] + places[::-1])
+    count, wide = len(nodes), nodes.astype(np.longdouble)
+    # Lagrange's polynomials at Chebyshev's nodes, and from there their coefficients
     k = np.arange(count)
-    # whole turns are taken off while the angles are integers
-    cosines = np.array([cos(pi / (2 * count) * m) for m in range(4 * count)])
-    matrix = 2 / count * cosines[np.outer(k, 2 * count - (2 * k + 1)) % (4 * count)]
+    angles = np.arctan(np.longdouble(1)) * 2 * (2 * k + 1) / count
+    matrix = np.cos(np.outer(k, angles)) * 2 / count
     matrix[0] /= 2
-    nodes = -cosines[2 * k + 1]
-    nodes = (nodes - nodes[::-1]) / 2
-    weights = (-1.0) ** k * cosines[(count - (2 * k + 1)) % (4 * count)]
-    ends = np.concatenate([(-1.0) ** k @ matrix, np.ones(count) @ matrix])
-    return Rule(nodes, matrix.T.ravel(), weights, ends)
+    weights = 1 / np.prod(wide[:, None] - wide + np.eye(count), axis=1)
+    matrix = matrix @ lagrange(wide, weights, np.cos(angles))
+    ends = lagrange(wide, weights, np.array([-1, 1], dtype=np.longdouble))
+    weights /= abs(weights).max()
+    parts = (matrix.T.ravel(), weights, ends.ravel())
+    return Rule(nodes, *(part.astype(float) for part in parts), np.array(SUMS, dtype=np.intp).ravel())
+
+
+def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """The values of the polynomials that are 1 at one node each, at ``places`` that are no nodes: shape (places, nodes)
+    (Berrut & Trefethen 2004, 3.3).
+    """
+    apart = places[:, None] - nodes
+    found: np.ndarray = np.prod(apart, axis=1)[:, None] * weights / apart
+    return found
 
 
 @cache

@@ -42,23 +42,19 @@ from integrable.moving_point.short_rows import (
     Rule,
     axes_of,
     curve_of,
-    unit_axes,
 )  # fmt: skip
 from integrable.moving_point.short_start import at_start, scaled, set_up
 from integrable.moving_point.short_steps import (
-    HALVINGS,
     doubled,
     moved,
     node_steps,
     node_values,
     panel_steps,
-    wide_node_steps,
     wide_values,
 )  # fmt: skip
-from integrable.moving_point.translations import power_series
 
-# half a panel, in basic half steps; steps of Newton to a float
-LENGTH, PASSES = 5.0, 4
+# half a panel, in basic half steps
+LENGTH = 5.0
 # last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
 # floats, or wide beside a panel whose nodes were not
 TAIL = 1e-14
@@ -89,13 +85,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     h = ldexp(floor(mantissa * 2**20) / 2**20, exponent)
     if too_far(room, request, h, request.most):
         return FAR
-    power_series(curve_of(numbers), -1, room.series)
-    power_series(curve_of(numbers), 1, room.roots)
-    node_steps(
-        curve_of(numbers), unit_axes(numbers), h, rule.nodes, room.series, room.roots, HALVINGS, PASSES, room.nodes
-    )
-    panel_steps(wide, h, room.wide_series, room.wide_roots, room.made[2], room.steps)
-    room.made[0], room.made[1] = 1, 0
+    panel_steps(room, h)
     status = both_ways(room, rule, request, h, False)
     if status == ROUNDING and room.made[3] * CAREFUL <= request.most:
         far = too_far(room, request, h, request.most // CAREFUL)
@@ -218,6 +208,8 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     begin = 10 * level * count
     if not room.point[OFF] <= CENTRE:
         return LOST
+    while room.made[1] <= level:
+        node_steps(room, rule, h)
     room.made[3] += 1
     if not careful:
         point = moving_point(room.point)
@@ -227,9 +219,6 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
             return 0
         if tail < before / 4 and level < LEVELS:
             return UNRESOLVED
-    if room.made[1] == 0:
-        fill_wide_nodes(room, rule, h)
-        room.made[1] = 1
     room.made[3] += CAREFUL
     wide_values(room.wide, room.points, level, room.wide_nodes, begin, sign < 0, room.values, room.rates)
     tail, before = tails(room, rule, request)
@@ -239,11 +228,6 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
         return 0
     # a step at the ends of a series that still falls, or one that the panel before has left
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
-
-
-def fill_wide_nodes(room: Room, rule: Rule, h: float) -> None:
-    """``room.wide_nodes``."""
-    wide_node_steps(room.wide, h, rule.nodes, room.wide_series, room.wide_roots, room.made[2], room.wide_nodes)
 
 
 def tails(room: Room, rule: Rule, request: Request) -> tuple[float, float]:

@@ -16,7 +16,7 @@ from integrable.moving_point.short_rows import (
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
 
-RULE = record(Rule, FLOATS, FLOATS, FLOATS, FLOATS)
+RULE = record(Rule, FLOATS, FLOATS, FLOATS, FLOATS, INTS)
 
 
 def entry(

@@ -10,12 +10,12 @@ Row = Any
 # moments, d, γ and M
 GIVEN = 10
 NODES = 28
-# panels may be halved so often
-LEVELS = 6
+# panels may be halved so often; translations by half a panel over 2^l are tabled so far down, for every level one more
+LEVELS, FINEST = 6, 9
 # translations by 2^k panels that are tabled
 DOUBLINGS = 20
-# terms of power series, in floats and wide
-TERMS, WIDE_TERMS = 20, 26
+# terms of power series
+TERMS = 26
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
@@ -30,19 +30,27 @@ RATE, BEGIN, OFF = 10, 11, 17
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
 POINTS = START + 1
 # rows of wide translations: by h/2^l, then by 2^k panels
-PANEL = LEVELS + 1
+PANEL = FINEST + LEVELS + 1
+# the positive nodes of a panel, near those of Chebyshev, each by one addition: (a, b) is 2^−a, or from the row after
+# FINEST on a node before it, and 2^−|b| more, or less where b < 0
+SUMS = (
+    (0, -9), (0, -6), (10, -5), (11, -4), (0, -3), (14, -4), (10, -2), (13, -2), (1, 4), (1, -6), (1, -3), (2, 5),
+    (17, -1), (4, -7),
+)  # fmt: skip
 
 
 class Rule(NamedTuple):
-    """Chebyshev nodes on [−1, 1], ascending, and the matrices that go with them."""
+    """Nodes on [−1, 1], ascending, and the matrices that go with them."""
 
     nodes: Row
     coefficients: Row
-    """From values to coefficients, column by column: what each node gives to all of them."""
+    """From values to Chebyshev coefficients, column by column: what each node gives to all of them."""
     weights: Row
     """Those of barycentric interpolation."""
     ends: Row
     """From values to the interpolant at −1, then at 1."""
+    sums: Row
+    """:data:`SUMS`, one after the other."""
 
 
 class Room(NamedTuple):
@@ -59,11 +67,9 @@ class Room(NamedTuple):
     """The same in floats."""
     series: Row
     roots: Row
-    wide_series: Row
-    wide_roots: Row
     made: Row
-    """How many translations by 2^k panels there are, whether there are ``wide_nodes``, steps of Newton for them, and
-    what all panels have cost, in those of floats that are not halved.
+    """How many translations by 2^k panels there are, for how many levels there are nodes, steps of Newton from a float
+    to a wide number, and what all panels have cost, in those of floats that are not halved.
     """
     point: Row
     values: Row
@@ -103,8 +109,8 @@ class Request(NamedTuple):
 
 # numbers in a room, wide and floats
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + 1 + DOUBLINGS) + NODE_STEPS + 2 * WIDE_TERMS
-FLOATS = NUMBERS + NODE_STEPS + 2 * TERMS + OFF + 1 + 9 * NODES + 1 + 21
+WIDES = WIDE + 10 * (POINTS + PANEL + 1 + DOUBLINGS) + NODE_STEPS + 2 * TERMS
+FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 21
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
@@ -114,14 +120,12 @@ def new_room(wide: Row, floats: Row, made: Row) -> Room:
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + 1 + DOUBLINGS)
     series = nodes + NODE_STEPS
-    series2 = NUMBERS + NODE_STEPS
-    point = series2 + 2 * TERMS
+    point = NUMBERS + NODE_STEPS
     values = point + OFF + 1
     ends = values + 9 * NODES + 1
     return Room(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
-        floats[NUMBERS:series2], floats[series2 : series2 + TERMS], floats[series2 + TERMS : point],
-        wide[series : series + WIDE_TERMS], wide[series + WIDE_TERMS :], made, floats[point:values],
+        floats[NUMBERS:point], wide[series : series + TERMS], wide[series + TERMS :], made, floats[point:values],
         floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
         floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : ends], floats[ends : ends + 12],
         floats[ends + 12 : ends + 18], floats[ends + 18 :],

@@ -7,25 +7,58 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.moving_point.addition import carried, moving_point, near_identity, opposite, put, rate_at, shift
-from integrable.moving_point.short_rows import LEVELS, OFF, PANEL, RATE, Row, axes_of, curve_of, unit_axes
+from integrable.moving_point.short_rows import (
+    FINEST,
+    OFF,
+    PANEL,
+    RATE,
+    Room,
+    Row,
+    Rule,
+    axes_of,
+    curve_of,
+    unit_axes,
+)  # fmt: skip
 from integrable.moving_point.translations import power_series
 from jacobian.numbers.roots import root
 
-# a translation by a panel's half is doubled so often from one by a power series
-HALVINGS, WIDE_HALVINGS = LEVELS, LEVELS + 2
 
-
-def panel_steps(wide: Row, h: float, series: Row, roots: Row, passes: int, steps: Row) -> None:
-    """The translations by h/2^l, and the first by a panel, into ``steps``."""
-    f, axes = curve_of(wide), unit_axes(wide)
-    power_series(f, -1, series)
-    power_series(f, 1, roots)
-    step = near_identity(series, roots, f[0], axes, (0 * f[0] + h) / 2.0**WIDE_HALVINGS, passes)
-    for level in range(WIDE_HALVINGS, -1, -1):
-        if level <= LEVELS:
-            put(step, steps, 10 * level)
+def panel_steps(room: Room, h: float) -> None:
+    """The translations by h/2^l as far as FINEST, and the first by a panel."""
+    f, axes, steps = curve_of(room.wide), unit_axes(room.wide), room.steps
+    power_series(f, -1, room.series)
+    power_series(f, 1, room.roots)
+    step = near_identity(room.series, room.roots, f[0], axes, (0 * f[0] + h) / 2.0**FINEST, room.made[2])
+    for level in range(FINEST, -1, -1):
+        put(step, steps, 10 * level)
         step = shift(f, axes, step, step)
     put(step, steps, 10 * PANEL)
+    room.made[0], room.made[1] = 1, 0
+
+
+def node_steps(room: Room, rule: Rule, h: float) -> None:
+    """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
+    f, axes, steps, nodes = curve_of(room.wide), unit_axes(room.wide), room.steps, room.wide_nodes
+    level, count = room.made[1], len(rule.nodes)
+    if level > 0:
+        eps = (0 * f[0] + h) / 2.0 ** (FINEST + level)
+        put(near_identity(room.series, room.roots, f[0], axes, eps, room.made[2]), steps, 10 * (FINEST + level))
+    last = level * count + count - 1
+    for j in range(count // 2):
+        first, second = rule.sums[2 * j], rule.sums[2 * j + 1]
+        if first <= FINEST:
+            origin = moving_point(steps, 10 * (level + first))
+        else:
+            origin = moving_point(nodes, 10 * (last - (first - FINEST - 1)))
+        step = moving_point(steps, 10 * (level + abs(second)))
+        if second < 0:
+            step = opposite(step)
+        there = shift(f, axes, origin, step)
+        put(there, nodes, 10 * (last - j))
+        put(opposite(there), nodes, 10 * (level * count + j))
+    for i in range(10 * level * count, 10 * (last + 1)):
+        room.nodes[i] = float(nodes[i])
+    room.made[1] += 1
 
 
 def doubled(wide: Row, steps: Row, place: int) -> None:
@@ -54,33 +87,11 @@ def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int
     point[OFF] = abs(float(x * x + y * y + z * z - 1))
 
 
-def wide_node_steps(wide: Row, h: float, nodes: Row, series: Row, roots: Row, passes: int, out: Row) -> None:
-    """:func:`node_steps` in wide numbers, with series that :func:`panel_steps` has made."""
-    node_steps(curve_of(wide), unit_axes(wide), h, nodes, series, roots, WIDE_HALVINGS, passes, out)
-
-
 def wide_values(
     wide: Row, points: Row, origin: int, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
 ) -> None:
     """:func:`node_values` in wide numbers, rounded."""
     node_values(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), steps, place, mirrored, values, rates)
-
-
-def node_steps(
-    f: Any, axes: Any, h: float, nodes: Row, series: Row, roots: Row, halvings: int, passes: int, out: Row
-) -> None:
-    """The translations by h·x/2^l for all nodes x, level by level."""
-    count = len(nodes)
-    for j in range((count + 1) // 2, count):
-        eps = (0 * f[0] + h * nodes[j]) / 2.0**halvings
-        step = near_identity(series, roots, f[0], axes, eps, passes)
-        for level in range(halvings, -1, -1):
-            if level <= LEVELS:
-                place = 10 * (level * count + j)
-                put(step, out, place)
-                put(opposite(step), out, 10 * (level * count + count - 1 - j))
-            if level > 0:
-                step = shift(f, axes, step, step)
 
 
 def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
