@@ -4,7 +4,7 @@ Each row is one prime, operation and number N of rows. "kernel" is the compiled 
 of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
 the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the most that
 the operator allocates at a time, in arrays of the result. The last rows are other curves: models of degree 6,
-genus 3 by Cantor's algorithm, tables.
+genus 3 by Cantor's algorithm, tables. "random" are ``J.random(rng, size=N)``, "single" ``J.random(rng)``.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import subprocess
 import tempfile
 import tracemalloc
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from random import Random
 from time import perf_counter
@@ -32,6 +33,7 @@ from jacobian.numbers.words import Double
 SOURCE = Path(__file__).parent / "c" / "genus2_batch.c"
 PRIMES = {"2^29-3": 2**29 - 3, "2^31-1": 2**31 - 1, "2^49-81": 2**49 - 81, "2^61-1": 2**61 - 1, "2^63-25": 2**63 - 25}
 OTHERS = {
+    "2^61-1": (GF(2**61 - 1), 2, "ramified"),
     "2^31-1, split": (GF(2**31 - 1), 2, "split"),
     "2^61-1, split": (GF(2**61 - 1), 2, "split"),
     "2^61-1, genus 3": (GF(2**61 - 1), 3, "ramified"),
@@ -106,6 +108,9 @@ def run(smoke: bool) -> list[dict[str, object]]:
             {"p": name, "operation": "A + B", "N": count, **_on_arrays(lambda A=A, B=B: A + B, A, processors, smoke)}
         )
         rows[-1]["flint"] = _flint(A, B)
+        rows.append({"p": name, "operation": "random", "N": count})
+        rows[-1] |= _on_arrays(partial(A.jacobian.random, Random(1), size=count), A, processors, smoke)
+        rows[-1] |= {"single": 1e3 * microseconds(partial(A.jacobian.random, Random(1)), 3), "flint": rows[-2]["flint"]}
     return rows
 
 

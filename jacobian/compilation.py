@@ -72,7 +72,7 @@ def batch(C: HyperellipticCurve) -> None:
     D = J.random(Random(1))
     A = DivisorArray.stack([D, J.zero(), 2 * D])
     B = DivisorArray.from_arrays(J, A.u, A.v, A.n)
-    A + B[::-1], -A, A.double(), 3 * A, A * [1, 2, 3], A.sum()
+    A + B[::-1], -A, A.double(), 3 * A, A * [1, 2, 3], A.sum(), J.random(Random(1), size=2)
 
 
 def compile_all() -> Iterator[tuple[str, float]]:

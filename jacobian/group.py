@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import Any
+from typing import TYPE_CHECKING, Any, overload
 
 from jacobian import poly
 from jacobian.addition import cantor
@@ -14,6 +14,9 @@ from jacobian.curve.points import Point
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
 from jacobian.finite.group import FiniteGroup
 from jacobian.law.divisor import Divisor
+
+if TYPE_CHECKING:
+    from jacobian.batch.array import DivisorArray
 
 
 class Jacobian(FiniteGroup):
@@ -135,12 +138,26 @@ class Jacobian(FiniteGroup):
             return self.zero() if isinstance(P, int) and P == 0 else self.from_points([P])
         return self.from_points([P, self.curve.involution(Q)])
 
-    def random(self, rng: Any) -> Divisor:
+    @overload
+    def random(self, rng: Any) -> Divisor: ...
+
+    @overload
+    def random(self, rng: Any, size: int) -> DivisorArray: ...
+
+    def random(self, rng: Any, size: int | None = None) -> Divisor | DivisorArray:
         """A random class: uniform in the group over a finite field, Σ of g random points elsewhere.
 
-        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes.
+        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes. ``size``: as many, in a
+        :class:`jacobian.batch.DivisorArray`. A single class is uniform by rejection (:mod:`jacobian.law.sampling`).
+        Those of an array are sums of so many random points that Weil's bound on character sums puts each within 2^-50
+        of the uniform distribution, in total variation (:mod:`jacobian.batch.random_rows`); over fields without
+        compiled batches, and where the curve has too few points for that, single classes.
         """
         self._check_representable()
+        if size is not None:
+            from jacobian.batch.array import DivisorArray
+
+            return DivisorArray.random(self, rng, size)
         from jacobian.law.sampling import random_divisor
 
         return random_divisor(self, rng)

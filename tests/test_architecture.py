@@ -1,7 +1,7 @@
 """Rooms, arrows and homes: no import leads in a circle, no room is a corridor, every public name has one home.
 
 Counted are all imports, those inside functions and under TYPE_CHECKING too. The one exception are the facades: the
-packages themselves, whose public names are imported when they are used, and ``C.jacobian()``.
+packages themselves, whose public names are imported when they are used, ``C.jacobian()`` and ``J.random(rng, size)``.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ OUTSIDE = {
     "integrable": {"__init__", "__main__", "extras", "reference"},
 }
 CALLED_BY_NUMBA = {"unify"}
-FACADES = {("jacobian.curve.curve", "jacobian.group")}
+FACADES = {("jacobian.curve.curve", "jacobian.group"), ("jacobian.group", "jacobian.batch.array")}
 
 
 @cache

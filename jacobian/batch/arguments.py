@@ -16,8 +16,8 @@ MOST_ROWS = 100_000_000
 
 
 def check_group(J: Any) -> Jacobian:
-    """``J``, or an ArgumentError."""
-    if not isinstance(J, Jacobian):
+    """``J``, or an ArgumentError; the classes of other groups on a curve (:mod:`jacobian.relatives`) are no rows."""
+    if type(J) is not Jacobian:
         raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J
 

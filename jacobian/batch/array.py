@@ -7,7 +7,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from jacobian.batch.arguments import check_count, check_group, degrees, elements, weights
+from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
@@ -130,6 +130,18 @@ class DivisorArray(Immutable):
                 "divide v² + hv − f"
             )
         return cls(J, rows)
+
+    @classmethod
+    def random(cls, J: Jacobian, rng: Any, size: int) -> DivisorArray:
+        """``size`` random classes, the array of :meth:`jacobian.group.Jacobian.random`."""
+        size = whole(size, "size", f"the number of classes is an int ≥ 0, {MOST_ROWS} at most", 0, MOST_ROWS)
+        run = engine(check_group(J))
+        if run.compiled:
+            from jacobian.batch.random_rows import sampler
+
+            if (found := sampler(run)).possible:
+                return cls(J, found.rows(rng, size))
+        return cls(J, run.from_divisors([J.random(rng) for _ in range(size)]))
 
     # --- reading
 

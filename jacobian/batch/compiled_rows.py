@@ -84,6 +84,7 @@ class CompiledRows:
             numbers = [self.K.balanced(c) if self.floats else self.to_word(c) for c in (*curve.f, K.zero)]
             self.formulas = Quintic(*numbers[2:5]) if curve.model == "ramified" else Sextic(*numbers[2:7])
         self.plain_negation = not curve.h and (not self.split or self.genus % 2 == 0)
+        self.sampler: Any = None
         self.moved = any(c != K.zero for c in self.equation.shift) or self.equation.scale != K.one
 
     # --- storage
@@ -127,7 +128,7 @@ class CompiledRows:
         if self.moved:
             self._shift(rows, self.equation.shift)
             self._scale(rows, self.equation.scale)
-        return self._stored(rows)
+        return self.stored(rows)
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
         """(u, v): field elements as ints, (N, g + 1) and (N, g)."""
@@ -162,7 +163,7 @@ class CompiledRows:
         """Rows in words, from what is stored."""
         return Rows(self._encoded(x.data.astype(np.int64)), x.degree, x.weight) if self.floats else x
 
-    def _stored(self, x: Rows) -> Rows:
+    def stored(self, x: Rows) -> Rows:
         """What is stored of rows in words: least residues if floats are."""
         return Rows(self.K.balanced(self._decoded(x.data)), x.degree, x.weight) if self.floats else x
 
@@ -257,7 +258,7 @@ class CompiledRows:
         parts = [self._in_words(self.take(x, rows)) for x in operands]
         found = Rows(np.empty_like(parts[0].data), np.empty_like(parts[0].degree), parts[0].weight.copy())
         kernel(self.slow_K, self.packed, *map(tuple, parts), tuple(found), np.arange(len(rows)))
-        out.data[:, rows], out.degree[rows] = self._stored(found).data, found.degree
+        out.data[:, rows], out.degree[rows] = self.stored(found).data, found.degree
         if self.split:
             out.weight[rows] = found.weight
 

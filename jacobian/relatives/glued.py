@@ -76,8 +76,10 @@ class GeneralizedJacobian(Jacobian):
         """The same group of the curve over the field K."""
         return GeneralizedJacobian(self.curve.change_ring(K))
 
-    def random(self, rng: Any) -> Divisor:
-        """The class of two random points: not uniform in the group."""
+    def random(self, rng: Any, size: int | None = None) -> Any:
+        """The class of two random points: not uniform in the group; one at a time, without ``size``."""
+        if size is not None:
+            raise NotRepresentable(f"size = {shown(size)}: the classes of a generalized Jacobian are no rows of arrays")
         return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])
 
     def points(self) -> Iterable[Divisor]:

@@ -1,0 +1,129 @@
+"""Uniform random classes by the million: sums of random points.
+
+Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), N such points and m rational ones
+at infinity. For every character χ ≠ 1 of the Jacobian |Σ χ(P)| ≤ (2g − 2)√q + m, the sum taken over the affine points:
+with those at infinity it is a coefficient of an L-function without poles, a polynomial of degree 2g − 2 whose roots are
+of size 1/√q (Weil 1948). So the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N, and by Cauchy and
+Parseval the sum is within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski,
+Tibouchi and Voloch 2013, theorem 7). As many points are taken as make this less than 2^-50: four at q = 2^61 in genus
+2, six in genus 3. Where ε is too large, as for q < 9 in genus 2, classes are drawn one by one
+(:mod:`jacobian.law.sampling`), as over other fields.
+"""
+
+from __future__ import annotations
+
+from math import log2
+from typing import Any
+
+import numpy as np
+
+from jacobian.batch import random_kernels
+from jacobian.batch.compiled_rows import CompiledRows, Rows
+from jacobian.batch.threads import in_ranges
+from jacobian.curve.points import AffinePoint
+from jacobian.fields.randomness import random_below
+
+LISTED = 1 << 12
+"""The points over a field of up to as many elements, and over fields of tables, are listed."""
+CHUNK = 1 << 13
+"""Classes that are made from one stream of random numbers."""
+MOST_SETS = 64
+"""Of g points, for one class."""
+DISTANCE = 50
+"""− log₂ of the distance from the uniform distribution."""
+
+
+class RandomRows:
+    """Random classes of a :class:`jacobian.batch.compiled_rows.CompiledRows`."""
+
+    def __init__(self, run: CompiledRows) -> None:
+        self.run, self.curve = run, run.equation.curve
+        K, g = run.field, run.genus
+        self.listed: Any = None
+        count = K.order - 1 - 2 * g * K.order**0.5
+        if K.order <= LISTED or run.word_dtype == np.uint16:
+            points = [[run.to_word(c) for c in P] for P in self.curve.points() if isinstance(P, AffinePoint)]
+            self.listed, count = np.array(points, np.int64).reshape(-1, 2).T, len(points)
+        else:
+            self.roots = _root_constants(K, run.to_word)
+            self.f = np.array([run.to_word(c) for c in self.curve.f], np.int64)
+        bias = ((2 * g - 2) * K.order**0.5 + len(self.curve.points_at_infinity())) / max(count, 1)
+        # #J ≤ (1 + √q)^2g
+        needed = g * log2(1 + K.order**0.5) - 1 + DISTANCE
+        self.sets = int(-(-needed // (-g * log2(bias)))) if bias < 1 else MOST_SETS + 1
+        self.possible = self.sets <= MOST_SETS
+
+    def rows(self, rng: Any, count: int) -> Any:
+        """``count`` random classes, on all threads; the number of threads makes no difference to them."""
+        seeds = np.random.SeedSequence(random_below(rng, 1 << 128)).spawn(-(-count // CHUNK))
+
+        def work(begin: int, end: int) -> Any:
+            sizes = [min(CHUNK, count - i * CHUNK) for i in range(begin, end)]
+            parts = zip(seeds[begin:end], sizes, strict=True)
+            return self.run.join([self._chunk(np.random.default_rng(seed), size) for seed, size in parts])
+
+        return self.run.join([self.run.empty(0), *in_ranges(len(seeds), 1, work)])
+
+    def _chunk(self, draw: np.random.Generator, count: int) -> Any:
+        total = self._set(draw, count)
+        for _ in range(self.sets - 1):
+            total = self.run.add_here(total, self._set(draw, count))
+        return total
+
+    def _set(self, draw: np.random.Generator, count: int) -> Any:
+        """P₁ + … + P_g, ``count`` times."""
+        run, g = self.run, self.run.genus
+        x, y = self._points(draw, g * count).reshape(2, g, count)
+        words, degree = np.empty((2 * g, count), np.int64), np.full(count, g, np.uint8)
+        weight = np.zeros(count if run.split else 0, np.uint8)
+        for i in np.flatnonzero(random_kernels.through_points(run.slow_K, g, x, y, words)):
+            points = [[run.slow_K.from_word(int(c)) for c in point] for point in zip(x[:, i], y[:, i], strict=True)]
+            D = self.curve.jacobian().from_points(points)
+            padded = [*D.u[:g], *[0] * (g - len(D.u)), *D.v, *[0] * (g - len(D.v))]
+            words[:, i], degree[i] = [run.to_word(c) for c in padded], D.degree
+            if D.n is not None:
+                weight[i] = D.n
+        return run.stored(Rows(words.astype(run.word_dtype), degree, weight))
+
+    def _points(self, draw: np.random.Generator, count: int) -> Any:
+        """x and y of uniform affine points, (2, count): each of two ordinates over a uniform x, where there are two."""
+        if self.listed is not None:
+            return self.listed[:, draw.integers(self.listed.shape[1], size=count)]
+        parts, missing, p = [], count, self.run.field.p
+        while missing > 0:
+            tries = 2 * missing + missing // 8 + 64
+            x = draw.integers(p, size=tries) - p // 2
+            y = np.empty_like(x)
+            second = draw.integers(2, size=tries, dtype=np.uint8)
+            found = random_kernels.lift(self.run.slow_K, self.f, *self.roots, x, y, second)
+            parts.append(np.stack([x[found], y[found]]))
+            missing -= parts[-1].shape[1]
+        return np.concatenate(parts, axis=1)[:, :count]
+
+
+def sampler(run: CompiledRows) -> RandomRows:
+    """The RandomRows of the rows of a group, kept with them."""
+    if run.sampler is None:
+        run.sampler = RandomRows(run)
+    return run.sampler
+
+
+def _root_constants(K: Any, to_word: Any) -> tuple[Any, int, int]:
+    """(windows of (m − 1)/2, an element of order 2^twos in words, twos), p − 1 = m·2^twos, m odd."""
+    p = K.p
+    twos = ((p - 1) & (1 - p)).bit_length() - 1
+    m = (p - 1) >> twos
+    non_square = next(a for a in range(2, p) if pow(a, (p - 1) // 2, p) == p - 1)
+    return windows((m - 1) // 2), to_word(pow(non_square, m, p)), twos
+
+
+def windows(exponent: int) -> Any:
+    """d, one for each bit from the top, each 0 or odd and below 16: the exponent is Σ d_i·2^i."""
+    digits = [0] * exponent.bit_length()
+    i = 0
+    while i < len(digits):
+        if exponent >> i & 1:
+            digits[i] = exponent >> i & 15
+            i += 3
+        i += 1
+    return np.array(digits[::-1], np.int64)
