@@ -26,7 +26,6 @@ LONG = {
     "integrable.moving_point.short.panel",
     "integrable.moving_point.short_compiled.entry",
     "integrable.moving_point.short_reading.state",
-    "integrable.moving_point.short_steps.node_steps",
     "jacobian.inexact.stacked._second_polynomial",
     "jacobian.numbers.tables_compiled._dot4",
     "jacobian.numbers.words.dot4",

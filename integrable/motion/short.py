@@ -211,8 +211,8 @@ def rule() -> Rule:
     matrix = matrix @ lagrange(wide, weights, np.cos(angles))
     ends = lagrange(wide, weights, np.array([-1, 1], dtype=np.longdouble))
     weights /= abs(weights).max()
-    parts = (matrix.T.ravel(), weights, ends.ravel())
-    return Rule(nodes, *(part.astype(float) for part in parts), np.array(SUMS, dtype=np.intp).ravel())
+    coefficients, weights, ends = (part.ravel().astype(float) for part in (matrix.T, weights, ends))
+    return Rule(nodes, coefficients, weights, ends, np.array(SUMS, dtype=np.intp).ravel())
 
 
 def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
