@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
+    from integrable.portrait.spectrum import Spectrum
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
@@ -175,6 +176,14 @@ class Flow(BodyMotion):
         from integrable.portrait.section import section
 
         return section(self, count, axis)
+
+    def spectrum(self) -> Spectrum:
+        """The lines of γ, M and ω with their complex amplitudes, to rounding (:mod:`integrable.portrait.spectrum`);
+        floats only, NotRepresentable for a motion on no torus of dimension two.
+        """
+        from integrable.portrait.spectrum import lines_of
+
+        return lines_of(self)
 
     def residual_growth(self, counts: Any) -> list[tuple[int, Any]]:
         """(n, |f − V² mod U| over its scale) after n successive additions of one basic step, for n in ``counts``."""

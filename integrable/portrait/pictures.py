@@ -1,4 +1,4 @@
-"""Pictures of diagrams and sections, as figures of matplotlib (the extra ``app``)."""
+"""Pictures of diagrams, sections and spectra, as figures of matplotlib (the extra ``app``)."""
 
 from __future__ import annotations
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 SIZE = (6.4, 4.8)
 COLORS = ("#1b6ca8", "#b03a2e", "#1e8449")
 CURVES = 9
+# lines that are drawn, beside the strongest, and lines that are named
+FAINT, NAMED = 1e-6, 6
 
 
 def _axes(what: str) -> tuple[Figure, Any]:
@@ -61,4 +63,29 @@ def section(of: Any) -> Figure:
     ax.plot(of.phi, of.momentum, "o", color=COLORS[0], markersize=2.5)
     ax.set(xlabel="φ of γ̃ across the axis", ylabel="M̃ along the axis / |M̃|", xlim=(-np.pi, np.pi), ylim=(-1.02, 1.02))
     ax.set_title(f"γ̃ across axis {of.axis + 1}: {len(of)} crossings")
+    return figure
+
+
+def spectrum(of: Any) -> Figure:
+    """:meth:`integrable.portrait.spectrum.Spectrum.figure`."""
+    needed("matplotlib", "the picture of a spectrum")
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(SIZE[0], 1.4 * SIZE[1]), layout="constrained")
+    every = figure.subplots(3, 1, sharex=True)
+    for ax, (name, lines) in zip(every, (("γ", of.gamma), ("M", of.M), ("ω", of.omega)), strict=True):
+        sizes = np.abs(lines)
+        floor = FAINT * sizes.max()
+        for axis, color in enumerate(COLORS):
+            seen = sizes[:, axis] > floor
+            ax.vlines(of.frequencies[seen], floor, sizes[seen, axis], color=color, linewidth=1.2)
+            ax.plot(of.frequencies[seen], sizes[seen, axis], "o", color=color, markersize=3, label=f"axis {axis + 1}")
+        for n in np.argsort(-sizes.max(axis=1))[:NAMED]:
+            text = "({}, {})".format(*of.modes[n])
+            place = of.frequencies[n], sizes[n].max()
+            ax.annotate(text, place, xytext=(3, 3), textcoords="offset points", fontsize=7)
+        ax.set(yscale="log", ylabel=f"amplitude of {name}", ylim=(floor, 3 * sizes.max()))
+    every[0].legend(fontsize=8)
+    every[0].set_title("lines at ½(m₁f₁ + m₂f₂), named (m₁, m₂)")
+    every[-1].set_xlabel("turns a unit of t")
     return figure
