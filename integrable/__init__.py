@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from integrable.deformations.hat import Hat
     from integrable.deformations.tilde import Tilde
     from integrable.ensembles.ensemble import ensemble
+    from integrable.ensembles.laboratory import laboratory_ensemble
     from integrable.laboratory.bodies import RigidBody, RollingBall
     from integrable.motion.trajectory import Trajectory
     from integrable.scene.file import load_scene
@@ -36,6 +37,7 @@ _HOME = {
     "Tilde": "integrable.deformations.tilde",
     "Trajectory": "integrable.motion.trajectory",
     "ensemble": "integrable.ensembles.ensemble",
+    "laboratory_ensemble": "integrable.ensembles.laboratory",
     "load_scene": "integrable.scene.file",
     "run": "integrable.study.run",
     "sweep": "integrable.sweeps.sweep",
@@ -52,6 +54,7 @@ __all__ = [
     "Tilde",
     "Trajectory",
     "ensemble",
+    "laboratory_ensemble",
     "load_scene",
     "run",
     "sweep",

@@ -60,6 +60,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
         [
             "integrable.ensembles.ensemble",
             "integrable.ensembles.trajectories",
+            "integrable.ensembles.laboratory",
             "integrable.sweeps.sweep",
             "integrable.files.writing",
         ],

@@ -102,17 +102,9 @@ class _Work(NamedTuple):
 
     def short_runs(self, which: np.ndarray, rolls: bool) -> np.ndarray:
         """The states of these members by short runs; which of them had one."""
-        times = self.times if len(self.times) == 1 else self.times[which]
-        count, length = len(which), times.shape[1]
-        rows, tau = np.empty((count, length, 6)), np.empty((count, length))
-        most = panels_within(length, False, 0, MOST_PANELS_OF_MANY)
-        asked = Asked(self.members[which], self.tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
-        status, _ = compiled_runs(asked, times, rows, tau)
-        had = status == 0
-        self.out[which[had], :, :6] = rows[had]
-        self.out[which[had], :, 6] = tau[had] if rolls else times[had] if len(times) > 1 else times
-        found: np.ndarray = which[had]
-        return found
+        had, rows, tau = short_runs(self.members, self.tilted, rolls, self.times, which)
+        self.out[had, :, :6], self.out[had, :, 6] = rows, tau
+        return had
 
     def one(self, member: int) -> _Said:
         """The states of one member by its flow."""
@@ -125,6 +117,22 @@ class _Work(NamedTuple):
         self.out[member, :, :6] = np.concatenate([run.gamma, run.M], axis=1)
         self.out[member, :, 6] = run.tau
         return _Said(member, WORDS.index(run.way), [run.reasons[n] for n in run.status.tolist()])
+
+
+def short_runs(
+    members: np.ndarray, tilted: bool, rolls: bool, times: np.ndarray, which: np.ndarray
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Which of the members ``which`` had a short run, their γ and M, (H, N, 6), and τ, (H, N) or what broadcasts to it;
+    ``times`` (1, N), or (K, N) as there are ``members``.
+    """
+    times = times if len(times) == 1 else times[which]
+    count, length = len(which), times.shape[1]
+    rows, tau = np.empty((count, length, 6)), np.empty((count, length))
+    most = panels_within(length, False, 0, MOST_PANELS_OF_MANY)
+    asked = Asked(members[which], tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
+    status, _ = compiled_runs(asked, times, rows, tau)
+    had = status == 0
+    return which[had], rows[had], tau[had] if rolls else times[had] if len(times) > 1 else times
 
 
 def _outcome(count: int, said: list[_Said]) -> Outcome:

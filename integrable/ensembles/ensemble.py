@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.computing import COLUMNS, computed, memory
-from integrable.ensembles.members import Members, broadcast
+from integrable.ensembles.members import Members, broadcast, time_rows
 from integrable.ensembles.trajectories import Trajectories
 from jacobian.errors import ArgumentError, flag, shown, whole
 
@@ -39,7 +39,7 @@ class Ensemble(Members):
         is written to and returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take
         :meth:`chunks`.
         """
-        given = self._times(times)
+        given = time_rows(times, len(self))
         shape = (len(self), given.shape[1], COLUMNS)
         if out is None:
             if 8 * np.prod(shape, dtype=float) > memory():
@@ -56,24 +56,10 @@ class Ensemble(Members):
 
     def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:
         """:meth:`at` for so many members at a time, in order: memory for those alone, 64 MB by default."""
-        given = self._times(times)
+        given = time_rows(times, len(self))
         if members is None:
             members = max(1, CHUNK_BYTES // (8 * COLUMNS * max(1, given.shape[1])))
         members = whole(members, "members", "an int ≥ 1 is needed", 1)
         for begin in range(0, len(self), members):
             part = slice(begin, begin + members)
             yield self[part].at(given[part] if len(given) > 1 else given[0])
-
-    def _times(self, times: Any) -> np.ndarray:
-        """Shape (1, N) or (K, N)."""
-        try:
-            found = np.array(times, dtype=np.float64)
-        except (TypeError, ValueError):
-            raise ArgumentError(f"times = {shown(times)}: numbers of shape (N,) or (K, N) are needed") from None
-        if found.ndim < 2:
-            found = found.reshape(1, -1)
-        if found.ndim != 2 or found.shape[0] not in (1, len(self)):
-            raise ArgumentError(f"times have shape {np.shape(times)}: (N,) or ({len(self)}, N) is needed")
-        if not np.isfinite(found).all():
-            raise ArgumentError(f"times = {shown(times)}: finite numbers are needed")
-        return found

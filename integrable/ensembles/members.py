@@ -71,7 +71,10 @@ class Members(Record):
 def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:
     """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for what is no number, or does not broadcast."""
     if isinstance(system, type) or not hasattr(system, "motion_through"):
-        raise ArgumentError(f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7)")
+        raise ArgumentError(
+            f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7); bodies of the laboratory "
+            "are for laboratory_ensemble"
+        )
     if system.field != RR:
         raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")
     own = {"inertia": inertia is not None, "d": d is not None}
@@ -81,22 +84,27 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
     if own["d"] and isinstance(system, EulerTop):
         raise ArgumentError(f"d = {shown(d)}: an EulerTop has d = 0; use a ChaplyginBall")
     parts = {
-        "gamma": _numbers(gamma, "gamma", 3),
-        "M": _numbers(M, "M", 3),
-        "inertia": _numbers(system.body.inertia if inertia is None else inertia, "inertia", 3),
-        "d": _numbers(system.body.d if d is None else d, "d", 0),
+        "gamma": numbers(gamma, "gamma", 3),
+        "M": numbers(M, "M", 3),
+        "inertia": numbers(system.body.inertia if inertia is None else inertia, "inertia", 3),
+        "d": numbers(system.body.d if d is None else d, "d", 0),
     }
-    counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
-    if len(set(counts.values())) > 1:
-        said = ", ".join(f"{name} has {count}" for name, count in counts.items())
-        raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
-    count = next(iter(counts.values()), 1)
+    count = common_count(parts)
     rows = [np.broadcast_to(parts[name], (count, parts[name].shape[1])) for name in ("inertia", "d", "gamma", "M")]
     return np.ascontiguousarray(np.hstack(rows))
 
 
-def _numbers(values: Any, argument: str, width: int) -> np.ndarray:
-    """Shape (members, width), (members, 1) for width 0."""
+def common_count(parts: dict[str, np.ndarray]) -> int:
+    """How many members arrays of one row or of one for each member make; ArgumentError where they do not broadcast."""
+    counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
+    if len(set(counts.values())) > 1:
+        said = ", ".join(f"{name} has {count}" for name, count in counts.items())
+        raise ArgumentError(f"members do not broadcast: {said}; give each one row, or one for every member")
+    return next(iter(counts.values()), 1)
+
+
+def numbers(values: Any, argument: str, width: int) -> np.ndarray:
+    """Numbers of the members, shape (members, width), (members, 1) for width 0."""
     wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
     try:
         found = np.asarray(values, dtype=np.float64)
@@ -106,6 +114,21 @@ def _numbers(values: Any, argument: str, width: int) -> np.ndarray:
     if found.ndim not in (1, 2) or found.shape[-1] != max(width, 1):
         raise ArgumentError(f"{argument} has shape {np.shape(values)}: {wanted} is needed")
     return found[None] if found.ndim == 1 else found
+
+
+def time_rows(times: Any, count: int) -> np.ndarray:
+    """Times of ``count`` members: shape (1, N), the same for all, or (K, N)."""
+    try:
+        found = np.array(times, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"times = {shown(times)}: numbers of shape (N,) or (K, N) are needed") from None
+    if found.ndim < 2:
+        found = found.reshape(1, -1)
+    if found.ndim != 2 or found.shape[0] not in (1, count):
+        raise ArgumentError(f"times have shape {np.shape(times)}: (N,) or ({count}, N) is needed")
+    if not np.isfinite(found).all():
+        raise ArgumentError(f"times = {shown(times)}: finite numbers are needed")
+    return found
 
 
 def system_of(system: Any, row: np.ndarray) -> Any:

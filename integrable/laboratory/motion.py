@@ -136,10 +136,7 @@ class LaboratoryRun(Record):
         """The same as unit quaternions (w, x, y, z), shape (N, 4): the first with w ≥ 0, the others nearest to the one
         before them.
         """
-        found = attitude.quaternions(self.matrices)
-        steps = np.sum(found[1:] * found[:-1], axis=1)
-        signs = np.cumprod([1, *(1 if x >= 0 else -1 for x in steps)])
-        return read_only(found * signs[:, None])
+        return read_only(going_on(attitude.quaternions(self.matrices)))
 
     @cached_property
     def omega(self) -> Any:
@@ -166,3 +163,11 @@ class LaboratoryRun(Record):
         """(x, y, z) of the centre of the ball, shape (N, 3), in m."""
         height = np.full((len(self), 1), self.motion.body.radius)
         return read_only(np.hstack([self.contact, height]))
+
+
+def going_on(quaternions: Any) -> Any:
+    """The same rotations, of shape (…, N, 4), each quaternion nearest to the one before it."""
+    steps = np.sum(quaternions[..., 1:, :] * quaternions[..., :-1, :], axis=-1)
+    turned = np.where(steps >= 0, 1, -1)
+    signs = np.cumprod(np.concatenate([np.ones_like(quaternions[..., :1, 0], dtype=int), turned], axis=-1), axis=-1)
+    return quaternions * signs[..., None]

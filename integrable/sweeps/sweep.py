@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.ensemble import Ensemble
+from integrable.ensembles.members import time_rows
 from integrable.extras import needed, without
 from integrable.files.frame import Column, version
 from integrable.files.quantities import AXES, about
@@ -151,7 +152,7 @@ class _OfEnsemble(_Source):
         self.many, self.name = many, type(many.system).__name__
         if times is None:
             raise ArgumentError("times = None: an ensemble is swept at times of shape (N,)")
-        found = many._times(times)
+        found = time_rows(times, len(many))
         if len(found) > 1 or np.ndim(times) > 1:
             raise ArgumentError(f"times have shape {np.shape(times)}: a sweep has the same for all members, (N,)")
         self.times = found[0]

@@ -12,6 +12,7 @@ from integrable import (
     RollingBall,
     Tilde,
     ensemble,
+    laboratory_ensemble,
     load_scene,
 )
 from integrable.classical.ellipsoid import Ellipsoid
@@ -105,6 +106,7 @@ def values_over(K):
         values["fit"] = OrientationFit(turned.motion(np.eye(3), (1, 2, 3)), np.array([0.5, 1.0]), 1e-3, np.eye(8))
         values["diagram"] = ball.diagram()
         values["section"] = ball.flow(state).section(3)
+        values["spectrum"] = ball.flow(state).spectrum()
         values["sensitivity"] = ball.flow(state).sensitivity([0, 1.0])
         values["conditioning"] = conditioning(ball, state, [1.0])
     for name in ("tilde", "rolling tilde", "tilde in poles", "tilde in a field", "check", "hat", "gyroscopic"):
@@ -118,4 +120,6 @@ def other_values():
     exact = ChaplyginBall((1, 2, 4), 1, field=GF(10007))
     many = ensemble(ChaplyginBall((1, 2, 4), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), d=(0.7, -1, 0.5))
     values = {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}
+    bodies = laboratory_ensemble(RollingBall((1, 2, 2), 5, 1), [np.eye(3), 2 * np.eye(3)], (1, 2, 3))
+    values |= {"ensemble in the laboratory": bodies, "runs in the laboratory": bodies.at([0, 1])}
     return values | {"ensemble": many, "trajectories": many.at([0, 1, 1e30])}

@@ -31,13 +31,14 @@ def integrated(J: Any, d: Any, R: Any, omega: Any, radius: Any, time: Any, steps
 
 def _midpoint(J: Any, d: Any, radius: Any, table: Any, step: Any, count: int) -> Any:
     h = step / count
-    before, here = table, table + h * _rates(J, d, radius, table)
+    before, here = table, table + h * rates(J, d, radius, table)
     for _ in range(count - 1):
-        before, here = here, before + 2 * h * _rates(J, d, radius, here)
-    return (before + here + h * _rates(J, d, radius, here)) / 2
+        before, here = here, before + 2 * h * rates(J, d, radius, here)
+    return (before + here + h * rates(J, d, radius, here)) / 2
 
 
-def _rates(J: Any, d: Any, radius: Any, table: Any) -> Any:
+def rates(J: Any, d: Any, radius: Any, table: Any) -> Any:
+    """Of tables (K, 14): R row by row, ω, way of the contact."""
     R, w = table[:, :9].reshape(-1, 3, 3), table[:, 9:12]
     turned = R @ J @ R.transpose(0, 2, 1)
     rolling = turned + d[:, None, None] * np.diag([1, 1, 0])

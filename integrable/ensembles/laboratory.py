@@ -1,0 +1,296 @@
+"""Many motions of one body in the laboratory: arrays of orientations and ω in, arrays of both out, on all threads."""
+
+from __future__ import annotations
+
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from integrable.ensembles.computing import MEMBERS, STATES, short_runs
+from integrable.ensembles.members import common_count, numbers, plain, time_rows
+from integrable.laboratory.bodies import NEARLY, RigidBody
+from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
+from integrable.laboratory.tensor import ORTHOGONAL
+from integrable.motion.short import MOST_TIMES
+from integrable.phase import attitude
+from integrable.phase.body import Body
+from jacobian import RR
+from jacobian.batch.threads import in_ranges
+from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, shown, whole
+from jacobian.immutable import Record, read_only, replaced
+from jacobian.numbers.compiler import interpreted
+
+if TYPE_CHECKING:
+    from scipy.spatial.transform import Rotation
+
+__all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
+
+# beside a rotation about an axis, where ω is constant
+ASIDE = 1e-8
+WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
+
+
+def laboratory_ensemble(body: Any, orientation: Any, omega: Any, contact: Any = None) -> LaboratoryEnsemble:
+    """Many motions of a RollingBall or a RigidBody over RR: orientations of shape (K, 3, 3) or SciPy's Rotation of K,
+    ω in the laboratory, shape (K, 3), in rad/s, and points of contact, shape (K, 2), in m, by default (0, 0); each may
+    also be one for all.
+
+    A member that is refused stops nobody: :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not
+    broadcast and another field.
+    """
+    if not isinstance(body, RigidBody) or body.field != RR:
+        raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
+    if contact is not None and body.radius is None:
+        raise ArgumentError("contact: a free body has none; leave it out")
+    parts = {
+        "orientation": _rotations(orientation),
+        "omega": numbers(omega, "omega", 3),
+        "contact": numbers((0, 0) if contact is None else contact, "contact", 2),
+    }
+    count = common_count(parts)
+    return LaboratoryEnsemble(body, *(np.broadcast_to(part, (count, *part.shape[1:])) for part in parts.values()))
+
+
+def _rotations(orientation: Any) -> np.ndarray:
+    given = orientation.as_matrix() if hasattr(orientation, "as_matrix") else orientation
+    try:
+        found = np.asarray(given, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise ArgumentError(f"orientation = {shown(given)}: {WANTED}") from None
+    if found.ndim not in (2, 3) or found.shape[-2:] != (3, 3):
+        raise ArgumentError(f"orientation has shape {found.shape}: {WANTED}")
+    return found.reshape(-1, 3, 3)
+
+
+class LaboratoryEnsemble(Record):
+    """What :func:`laboratory_ensemble` gives: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2) at
+    time 0.
+    """
+
+    def __init__(self, body: RigidBody, orientations: np.ndarray, omega: np.ndarray, contacts: np.ndarray) -> None:
+        self.body, self.orientations, self.omega, self.contacts = body, orientations, omega, contacts
+
+    def __len__(self) -> int:
+        return len(self.omega)
+
+    def __repr__(self) -> str:
+        return f"<LaboratoryEnsemble of {len(self)} motions of {self.body!r}>"
+
+    def __getitem__(self, which: Any) -> LaboratoryEnsemble:
+        """Those of the members that a slice, an array of numbers or of truth values chooses."""
+        which = chosen(which, len(self))
+        parts = {name: getattr(self, name)[which] for name in ("orientations", "omega", "contacts")}
+        return replaced(self, **parts)
+
+    def motion(self, member: int) -> LaboratoryMotion:
+        """The motion of one member; raises what refuses it."""
+        member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
+        place = () if self.body.radius is None else (self.contacts[member],)
+        found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
+        return found
+
+    def at(self, times: Any) -> LaboratoryRuns:
+        """Orientations and ω of all members at times in s, in any order, of any sign and size: shape (N,), the same for
+        all, or (K, N).
+
+        A few turns are short runs of compiled code, as those of :meth:`integrable.ensembles.ensemble.Ensemble.at`; the
+        rest is what :meth:`motion` gives. A member that is refused stops no other.
+        """
+        given = time_rows(times, len(self))
+        work = _Work.of(self, given)
+        size = max(1, min(MEMBERS, STATES // max(1, given.shape[1])))
+        said = [pair for found in in_ranges(len(self), size, work.part, None) for pair in found]
+        reasons: dict[str, int] = {"": 0}
+        status = np.zeros(len(self), dtype=np.intp)
+        for member, why in said:
+            status[member] = reasons.setdefault(why, len(reasons))
+        return LaboratoryRuns(self, given, work.matrices, work.omega, status, tuple(reasons))
+
+
+class _Work(NamedTuple):
+    """``members`` are moments, d, γ and M in principal axes, (K, 10), ``frames`` the rotations from the axes of
+    :mod:`integrable.phase.attitude` to the laboratory, ``quick`` which members may have short runs; ``matrices`` and
+    ``omega`` are written to.
+    """
+
+    many: LaboratoryEnsemble
+    members: np.ndarray
+    frames: np.ndarray
+    quick: np.ndarray
+    times: np.ndarray
+    matrices: np.ndarray
+    omega: np.ndarray
+
+    @staticmethod
+    def of(many: LaboratoryEnsemble, times: np.ndarray) -> _Work:
+        shape = len(many), times.shape[1]
+        with np.errstate(all="ignore"):
+            members, frames, quick = _principal(many)
+        if interpreted() or times.shape[1] > MOST_TIMES:
+            quick = np.zeros_like(quick)
+        return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
+
+    def part(self, begin: int, end: int) -> list[tuple[int, str]]:
+        """The members of a range; those that were refused, and why."""
+        left = np.ones(end - begin, dtype=bool)
+        which = begin + np.flatnonzero(self.quick[begin:end])
+        if len(which):
+            rolls = self.many.body.radius is not None
+            had, rows, _ = short_runs(self.members, rolls, rolls, self.times, which)
+            self.put(had, rows)
+            left[had - begin] = False
+        found = ((k, self.one(k)) for k in (begin + np.flatnonzero(left)).tolist())
+        return [(k, why) for k, why in found if why]
+
+    def put(self, which: np.ndarray, rows: np.ndarray) -> None:
+        """The orientations and ω of states γ and M, (H, N, 6)."""
+        inertia, d = self.members[0, :3].tolist(), float(self.members[0, 3])
+        gamma, M = rows[..., :3].reshape(-1, 3), rows[..., 3:].reshape(-1, 3)
+        axes = self.many.body.axes
+        turned = attitude.matrices(gamma, M).reshape(*rows.shape[:2], 3, 3)
+        omega, _ = attitude.angular_velocities(Body.make(inertia, d, RR), gamma, M)
+        self.matrices[which] = self.frames[which, None] @ turned @ axes.T
+        self.omega[which] = omega.reshape(*rows.shape[:2], 3) @ axes.T
+
+    def one(self, member: int) -> str:
+        """One member by its own motion; why it was refused, or nothing."""
+        try:
+            run = self.many.motion(member).at(self.times[member if len(self.times) > 1 else 0])
+            self.matrices[member], self.omega[member] = run.matrices, run.omega_body
+        except JacobianError as error:
+            self.matrices[member], self.omega[member] = np.nan, np.nan
+            return str(error)
+        return ""
+
+
+def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Moments, d, γ and M of all members in principal axes, the frames, and which of them are plain: what
+    :mod:`integrable.laboratory.bodies` says of one, in floats.
+    """
+    body, given = many.body, many.orientations
+    flipped = given.transpose(0, 2, 1)
+    off = abs(given @ flipped - np.eye(3)).max(axis=(1, 2))
+    start = given @ (3 * np.eye(3) - flipped @ given) / 2 @ body.axes
+    spin = np.einsum("kji,kj->ki", start, many.omega)
+    inertia, d = np.array(body.moments), float(body._d)
+    if body.radius is None:
+        M = inertia * spin
+        gamma = _unit(np.cross(M, np.eye(3)[abs(M).argmin(axis=1)]))
+        along = _unit(M)
+        lying = np.stack([along, np.cross(gamma, along), gamma], axis=2)
+        frames, quick = start @ lying, np.ones(len(many), dtype=bool)
+    else:
+        gamma = start[:, 2]
+        M = (inertia + d) * spin - d * np.sum(gamma * spin, axis=1)[:, None] * gamma
+        flat = M - np.sum(gamma * M, axis=1)[:, None] * gamma
+        x = _unit(np.einsum("kij,kj->ki", start, flat))
+        up = np.broadcast_to([0.0, 0.0, 1.0], x.shape)
+        frames = np.stack([x, np.cross(up, x), up], axis=2)
+        quick = np.linalg.norm(flat, axis=1) > 2 * NEARLY * np.linalg.norm(M, axis=1)
+    rows = np.hstack([np.broadcast_to([*inertia, d], (len(many), 4)), gamma, M])
+    aside = np.sort(abs(spin), axis=1)
+    quick &= (off < ORTHOGONAL / 2) & (np.linalg.det(given) > 0) & (aside[:, 1] > ASIDE * aside[:, 2])
+    return rows, frames, quick & plain(rows, body.radius is not None)
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    found: np.ndarray = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    return found
+
+
+class LaboratoryRuns(Record):
+    """Orientations and ω of K motions at N times each.
+
+    ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory, ``omega_body`` (K, N, 3) is ω
+    along the former. ``status`` (K,) is 0, or the number of what refused the member among ``reasons``: its numbers are
+    NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept` are those of status 0.
+    """
+
+    def __init__(
+        self,
+        ensemble: LaboratoryEnsemble,
+        times: np.ndarray,
+        matrices: np.ndarray,
+        omega_body: np.ndarray,
+        status: np.ndarray,
+        reasons: tuple[str, ...],
+    ) -> None:
+        self.ensemble, self._times, self.matrices, self.omega_body = ensemble, times, matrices, omega_body
+        self.status, self.reasons = status, reasons
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def __repr__(self) -> str:
+        refused = np.count_nonzero(self.status)
+        said = f", {refused} of them refused" if refused else ""
+        return f"<LaboratoryRuns of {len(self)} motions at {self._times.shape[1]} times{said}>"
+
+    @property
+    def times(self) -> np.ndarray:
+        """In s, shape (N,), or (K, N) where every member has its own."""
+        return self._times if len(self._times) > 1 else read_only(self._times[0])
+
+    @property
+    def orientation(self) -> Rotation:
+        """The ``matrices`` as one Rotation of SciPy (the extra ``app``) of K·N, member after member."""
+        from integrable.extras import needed
+
+        needed("scipy", "orientation, a Rotation,")
+        from scipy.spatial.transform import Rotation
+
+        if self.status.any():
+            raise NotRepresentable("orientation: some members were refused; take .kept.orientation")
+        return Rotation.from_matrix(self.matrices.reshape(-1, 3, 3))
+
+    @cached_property
+    def quaternion(self) -> np.ndarray:
+        """The same as unit quaternions (w, x, y, z), (K, N, 4): of each member the first with w ≥ 0, the others nearest
+        to the one before them.
+        """
+        found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
+        return read_only(going_on(found))
+
+    @cached_property
+    def omega(self) -> np.ndarray:
+        """The angular velocity in the axes of the laboratory, (K, N, 3), in rad/s."""
+        return read_only(np.einsum("knij,knj->kni", self.matrices, self.omega_body))
+
+    @cached_property
+    def contact(self) -> np.ndarray:
+        """(x, y) of the points of contact, (K, N, 2), in m; by the motion of each member."""
+        found = np.full((*self.matrices.shape[:2], 2), np.nan)
+        for k in np.flatnonzero(self.status == 0).tolist():
+            found[k] = self[k].contact
+        return read_only(found)
+
+    @property
+    def kept(self) -> LaboratoryRuns:
+        """The members with status 0."""
+        return self._some(np.flatnonzero(self.status == 0))
+
+    def __getitem__(self, which: Any) -> Any:
+        """A member as a LaboratoryRun (raises what refused it), or the LaboratoryRuns of some members."""
+        if isinstance(which, slice) or np.ndim(which):
+            return self._some(np.arange(len(self))[chosen(which, len(self))])
+        count = len(self)
+        member = whole(which, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
+        run = LaboratoryRun(self.ensemble.motion(member), self._times[member if len(self._times) > 1 else 0])
+        if self.status[member]:
+            raise ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
+        return replaced(run, _found=(self.matrices[member], self.omega_body[member]))
+
+    def _value(self) -> tuple[Any, ...]:
+        # without the NaN of what was refused, which equal nothing
+        kept = self.status == 0
+        arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status
+        return self.ensemble, self.reasons, *(part for x in arrays for part in (x.shape, tuple(x.ravel().tolist())))
+
+    def _some(self, places: np.ndarray) -> LaboratoryRuns:
+        return replaced(
+            self,
+            ensemble=self.ensemble[places],
+            _times=self._times[places] if len(self._times) > 1 else self._times,
+            **{name: getattr(self, name)[places] for name in ("matrices", "omega_body", "status")},
+        )
