@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from integrable.mumford.fields import cofactor, rates
 from integrable.mumford.translations import Translations
 from jacobian import poly
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind
 
@@ -30,7 +30,9 @@ MOST_STEPS, SMALL = 200, 256
 
 
 class Start(NamedTuple):
-    """A motion: f, the pair (u, v) at τ = 0 with the ``data`` of its ``kinds``, and the direction."""
+    """A motion: f, the pair (u, v) at τ = 0 with the ``data`` of its ``kinds``, the direction, and ``further`` ones,
+    those of other times of the same pair.
+    """
 
     f: poly.Poly
     u: poly.Poly
@@ -38,6 +40,7 @@ class Start(NamedTuple):
     direction: Sequence[Any]
     kinds: Sequence[Kind] = ()
     data: tuple[Any, ...] = ()
+    further: Sequence[Sequence[Any]] = ()
 
 
 Vectors = Sequence[Sequence[Any]]
@@ -52,27 +55,37 @@ class Placed:
         start = place(field)
         self.start = Extended(start.u, start.v, start.data)
         self.group = ExtendedGroup(field, start.f, start.kinds)
-        self._direction = start.direction
-        self._translations: Translations | None = None
+        self._directions = (start.direction, *start.further)
+        self._translations: dict[int, Translations] = {}
+        self._carried: dict[tuple[Any, ...], Extended] = {}
 
-    @property
-    def translations(self) -> Translations:
-        """Made when the first time other than 0 is asked for."""
-        if self._translations is None:
-            self._translations = Translations(self.group, self._direction)
-        return self._translations
+    def translations(self, which: int = 0) -> Translations:
+        """Those of one direction, made when its first time other than 0 is asked for."""
+        if which not in self._translations:
+            self._translations[which] = Translations(self.group, self._directions[which])
+        return self._translations[which]
 
-    def at(self, tau: Any) -> Extended:
-        """D(τ)."""
-        return self.start if tau == 0 or self._rests else self.translations.carried(self.start, tau)
+    def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
+        """D at τ, and at the times along the further directions."""
+        if self._rests:
+            return self.start
+        if further not in self._carried:
+            D = self.start
+            for which, time in enumerate(further, 1):
+                D = D if time == 0 else self.translations(which).carried(D, time)
+            # many τ come with the same further times
+            self._carried = {further: D}
+        D = self._carried[further]
+        return D if tau == 0 else self.translations().carried(D, tau)
 
     @cached_property
     def _rests(self) -> bool:
         """Whether the pair does not move: every point on a double point of the curve, where no addition is regular."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
-        size = max(abs(c) for c in (*u, *v, *w)) * max(abs(c) for c in self._direction)
-        moved = rates(K, self.group.f, u, v, self._direction)
+        direction = self._directions[0]
+        size = max(abs(c) for c in (*u, *v, *w)) * max(abs(c) for c in direction)
+        moved = rates(K, self.group.f, u, v, direction)
         return all(abs(c) <= STILL * K.eps * size for a in moved for c in a)
 
 
@@ -87,35 +100,42 @@ class MumfordMotion:
         # bits beyond those wanted that were enough so far
         self._extra = OF_START + OF_GENUS * genus
 
-    def row(self, time: Any, read: Read, digits: int, clock: Any = None) -> Vectors:
+    def row(
+        self, time: Any, read: Read, digits: int, clock: Any = None, further: tuple[Any, ...] = (), lost: int = 0
+    ) -> Vectors:
         """``read(field, D)`` at a time, as long numbers with ``digits`` digits of each vector's size.
 
-        ``clock(field, D) = (time, rate)`` tells what time it is at D; without one τ is the time. PrecisionLoss where no
+        ``clock(field, D) = (time, rate)`` tells what time it is at D; without one τ is the time. ``further`` are the
+        times along further directions, ``lost`` the bits that the way there is known to lose. PrecisionLoss where no
         precision does.
         """
-        wanted, size = _bits(digits), max(0, math.frexp(float(abs(time)))[1])
-        while wanted + self._extra < MOST_BITS:
-            bits = wanted + self._extra + OF_DOUBLING * size
+        times = (time, *further)
+        wanted, size = _bits(digits), max(0, *(math.frexp(float(abs(t)))[1] for t in times))
+        extra = self._extra
+        while wanted + lost + extra < MOST_BITS:
+            bits = wanted + lost + extra + OF_DOUBLING * size
             try:
-                rough, fine = (self._read(b, time, read, clock) for b in (bits, bits + APART))
+                rough, fine = (self._read(b, times, read, clock) for b in (bits, bits + APART))
                 if _agree(rough, fine, wanted):
+                    self._extra = extra
                     return fine
             except (PrecisionLoss, ZeroDivisionError):
                 pass
-            self._extra += self._extra // 2
+            extra += extra // 2
         raise PrecisionLoss(
-            f"time = {time}: the additions lose more than {MOST_BITS} bits; the motion passes a special position"
+            f"time = {shown(times if further else time)}: the additions lose more than {MOST_BITS} bits; "
+            "the motion passes a special position"
         )
 
-    def _read(self, bits: int, time: Any, read: Read, clock: Any) -> Vectors:
+    def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
         # precisions in steps, so that few are set up
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
             if bits not in self._placed:
                 self._placed[bits] = Placed(K, self._place)
             placed = self._placed[bits]
-            target = K.coerce(time)
-            return read(K, placed.at(target) if clock is None else _at_clock(placed, target, clock))
+            target, *further = map(K.coerce, times)
+            return read(K, placed.at(target, tuple(further)) if clock is None else _at_clock(placed, target, clock))
 
 
 def settled(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
@@ -167,7 +187,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any) -> Extended:
         if low is not None and high is not None and not low < tau + step < high:
             step = (low + high) / 2 - tau
         # where rounding is reached, steps no longer shrink as Newton's do
-        if last is not None and abs(last) < placed.translations.unit / SMALL and not 0 < 4 * abs(step) <= abs(last):
+        if last is not None and abs(last) < placed.translations().unit / SMALL and not 0 < 4 * abs(step) <= abs(last):
             return D
         tau, last = tau + step, step
         D = placed.at(tau)

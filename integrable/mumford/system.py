@@ -244,12 +244,9 @@ class MumfordFlow:
     """The motion of one state: ``at(times)``. Get it from ``system.flow(state)``."""
 
     def __init__(self, system: MumfordSystem, state: Point) -> None:
-        K = system.field
-        if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
-            raise ArgumentError(f"field = {K.name}: a flow needs real numbers, RR or MP(digits)")
+        self.digits = long_digits(system.field)
         self.system = system
         self.start = state
-        self.digits = getattr(K, "dps", ROUNDED_TO_FLOATS)
         genus = len(system.spectral(state).v)
         self._motion = MumfordMotion(self._place, genus)
         self._clock = system._clock if system.clocked else None
@@ -293,6 +290,13 @@ def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any
                 total = total + momentum * momentum / (a[i] - a[j])
         found.append(total)
     return tuple(found)
+
+
+def long_digits(K: Any) -> int:
+    """How many digits long numbers need for results in K; ArgumentError but for RR and MP(digits)."""
+    if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
+        raise ArgumentError(f"field = {K.name}: a flow needs real numbers, RR or MP(digits)")
+    return getattr(K, "dps", ROUNDED_TO_FLOATS)
 
 
 def element(K: Any, x: Any) -> Any:

@@ -16,6 +16,7 @@ from integrable import (
     load_scene,
 )
 from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.kdv import KdV
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.laboratory.fit import OrientationFit
@@ -81,6 +82,7 @@ def values_over(K):
         "flow": flow,
         "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
         "tilted flow": ball.flow(tilted),
+        "kdv": KdV((0, 1, 2), K),
         "run": flow.at([0, "1/3", 2]),
         "run in tau": flow.at_tau([1, 2]),
         "certified run": flow.certify([1]),

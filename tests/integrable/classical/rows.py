@@ -99,15 +99,25 @@ over_cases = pytest.mark.parametrize(("name", "n"), CASES)
 
 
 def integrated(system, state, time, steps, order=20):
-    """q and p by Gragg's method, extrapolated (Bulirsch & Stoer 1966), which knows the vector field only."""
-    K = system.field
-    step = K.coerce(time) / steps
-    z, size = [*state.q, *state.p], len(state.q)
+    """q and p of a system at a time, by its vector field only."""
+    K, size = system.field, len(state.q)
 
     def rate(z):
         found = system.vector_field(Point(tuple(z[:size]), tuple(z[size:])))
         return [*found.q, *found.p]
 
+    def constrained(z):
+        # off the constraints, which rounding leaves, the equations of motion of spheres are unstable
+        found = system._constrained(K, Point(tuple(z[:size]), tuple(z[size:])))
+        return [*found.q, *found.p]
+
+    z = extrapolated(K, rate, [*state.q, *state.p], K.coerce(time), steps, order, constrained)
+    return z[:size], z[size:]
+
+
+def extrapolated(K, rate, z, time, steps, order, constrained=lambda z: z):
+    """z at a time, z' = rate(z), by Gragg's method, extrapolated (Bulirsch & Stoer 1966)."""
+    step = time / steps
     for _ in range(steps):
         last: list = []
         first = rate(z)
@@ -122,10 +132,8 @@ def integrated(system, state, time, steps, order=20):
                 factor = (K.one * j / (j - m)) ** 2 - 1
                 row.append([p + (p - o) / factor for p, o in zip(row[m - 1], last[m - 1], strict=True)])
             last = row
-        # off the constraints, which rounding leaves, the equations of motion of spheres are unstable
-        found = system._constrained(K, Point(tuple(last[-1][:size]), tuple(last[-1][size:])))
-        z = [*found.q, *found.p]
-    return z[:size], z[size:]
+        z = constrained(last[-1])
+    return z
 
 
 def distance(K, found, expected):

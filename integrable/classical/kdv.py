@@ -1,0 +1,191 @@
+"""Real g-gap solutions of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx, and their soliton limits, without theta
+functions (Dubrovin, Novikov & Matveev 1976; Mumford, Tata Lectures on Theta II, ch. IIIa §10).
+
+The Schrödinger operator −ψ'' + u(x, t)ψ has the bands [e_1, e_2], [e_3, e_4], … [e_{2g+1}, ∞) at every t, and with the
+condition ψ(x) = 0 one eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
+
+    f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
+
+On the Jacobian of y² = f both x and t are straight lines, of directions −2e_{g−1} and −4Σe_i·e_{g−1} − 8e_{g−2}.
+Where a band shrinks to a point, e_{2j−1} = e_{2j}, it is the eigenvalue of a soliton; where a gap does, nothing remains
+of it.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.system import Spectral, element, long_digits
+from integrable.mumford.translations import through
+from jacobian import RR, poly
+from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import check_field
+from jacobian.immutable import Immutable
+from jacobian.inexact.long_field import LongField
+from jacobian.relatives.extended import Extended
+
+
+class Eigenvalues(NamedTuple):
+    """γ_1 … γ_g at x = t = 0, and the signs of y there: of U'(γ_j)·∂γ_j/∂x, up to a factor −1."""
+
+    gamma: tuple[Any, ...]
+    signs: tuple[int, ...]
+
+
+class KdV(Immutable):
+    """Solutions of u_t = 6uu_x − u_xxx with the band ``edges`` e_1 ≤ e_2 ≤ … ≤ e_{2g+1}, over RR, MP or an exact field.
+
+    ``KdV((0, 1, 2)).wave(kdv.state([1.5])).at(x, t)``. The unit of u is that of the edges, 1/length².
+    """
+
+    def __init__(self, edges: Any, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+        wanted = "an odd number of band edges, 3 or more, in ascending order"
+        given = entries(edges, "edges", wanted)
+        self.edges = tuple(self.field.coerce(x, f"edges[{i}]") for i, x in enumerate(given))
+        descends = not self.field.exact and any(x > y for x, y in pairwise(self.edges))
+        if len(given) < 3 or len(given) % 2 == 0 or descends:
+            raise ArgumentError(f"edges = {shown(edges)}: {wanted}")
+        self.gaps = len(given) // 2
+
+    def __repr__(self) -> str:
+        return f"KdV({self.edges}, {self.field.name})"
+
+    def state(self, gamma: Any, signs: Any = None) -> Eigenvalues:
+        """The eigenvalues γ_j of the gaps at x = t = 0, and signs ±1 of their y, all 1 unless given; over an exact
+        field, where f(γ_j) must have a root, +1 is the one that the field's ``sqrt`` returns.
+        """
+        K, wanted = self.field, f"a sequence of {self.gaps} numbers, one in each gap [edges[2j − 1], edges[2j]]"
+        values = entries(gamma, "gamma", wanted)
+        if len(values) != self.gaps:
+            raise ArgumentError(f"gamma = {shown(gamma)}: {wanted}, is needed")
+        found = tuple(K.coerce(x, f"gamma[{j}]") for j, x in enumerate(values))
+        for j, x in enumerate(found):
+            low, high = self.edges[2 * j + 1 : 2 * j + 3]
+            if not K.exact and not low <= x <= high:
+                raise ArgumentError(f"gamma[{j}] = {shown(x)}: a number in the gap [{shown(low)}, {shown(high)}]")
+            if x in found[:j]:
+                raise ArgumentError(f"gamma = {shown(gamma)}: {shown(x)} twice, where they do not determine a solution")
+        turns = [1] * self.gaps if signs is None else entries(signs, "signs", wanted := f"{self.gaps} numbers ±1")
+        if len(turns) != self.gaps or any(s not in (1, -1) for s in turns):
+            raise ArgumentError(f"signs = {shown(signs)}: {wanted} are needed")
+        return Eigenvalues(found, tuple(int(s) for s in turns))
+
+    def spectral(self, state: Eigenvalues) -> Spectral:
+        """f, u and v of a state, ascending; double edges that are eigenvalues of the state are left out."""
+        return self._spectral(self.field, state)
+
+    def _spectral(self, K: Any, state: Eigenvalues) -> Spectral:
+        edges, points = self._moving(K, state)
+        ys = []
+        for x, sign in points:
+            value = K.neg(K.one)
+            for e in edges:
+                value = K.mul(value, K.sub(x, e))
+            y = K.sqrt(value)
+            ys.append(y if sign > 0 else K.neg(y))
+        return Spectral(poly.neg(K, poly.from_roots(K, edges)), *through(K, [x for x, _ in points], ys))
+
+    def _moving(self, K: Any, state: Eigenvalues) -> tuple[list[Any], list[tuple[Any, int]]]:
+        """The edges and (γ_j, sign) but for double edges at a γ_j, which stays there for ever: u is without them."""
+        edges, points = [*map(K.coerce, self.edges)], []
+        for x, sign in zip(map(K.coerce, state.gamma), state.signs, strict=True):
+            if edges.count(x) > 1:
+                edges.remove(x)
+                edges.remove(x)
+            else:
+                points.append((x, sign))
+        return edges, points
+
+    def potential(self, spectral: Spectral) -> Any:
+        """u of a pair on its curve."""
+        return potential(self.field, spectral.f, spectral.u)
+
+    def wave(self, state: Eigenvalues) -> Wave:
+        """The solution with these eigenvalues at x = t = 0, over RR or MP(digits)."""
+        return Wave(self, state)
+
+
+class Wave:
+    """A solution: ``at(x, t)``. Get it from ``kdv.wave(state)``."""
+
+    def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
+        self.digits = long_digits(kdv.field)
+        if not isinstance(state, Eigenvalues) or len(state.gamma) != kdv.gaps:
+            raise ArgumentError(f"state = {shown(state)}: give one that state(gamma, signs) of {kdv!r} returns")
+        self.kdv = kdv
+        self.start = state
+        self._edges, points = kdv._moving(kdv.field, state)
+        self._constant = None if points else self._edges[0]
+        self._motion = MumfordMotion(self._place, len(points))
+
+    def _place(self, N: LongField) -> Start:
+        f, u, v = self.kdv._spectral(N, self.start)
+        of_x, of_t = directions(N, f)
+        return Start(f, u, v, of_x, further=(of_t,))
+
+    def at(self, x: Any, t: Any = 0) -> Any:
+        """u(x, t), an array of the shape that x and t have together (numpy's rules): ``at(x, t[:, None])`` is a table.
+
+        Right to the digits of floats, or of MP(digits), of the span of the edges, at any x and t of a g-gap solution.
+        With a double edge it takes bits in proportion to x and t: PrecisionLoss some 500 widths of a soliton away.
+        """
+        import numpy as np
+
+        K = self.kdv.field
+        kind = object if hasattr(K, "dps") else float
+        given = [np.array(values, dtype=object) for values in (x, t)]
+        try:
+            xs, ts = np.broadcast_arrays(*given)
+        except ValueError:
+            raise ArgumentError(
+                f"x, t have the shapes {given[0].shape}, {given[1].shape}: one shape fits both"
+            ) from None
+        found = np.empty(xs.shape, dtype=kind)
+        for place in np.ndindex(found.shape):
+            found[place] = self._value(K.coerce(xs[place], "x"), K.coerce(ts[place], "t"))
+        return found
+
+    def _value(self, x: Any, t: Any) -> Any:
+        if self._constant is not None:
+            return self._constant
+        rows = self._motion.row(x, self._read, self.digits, further=(t,), lost=self._lost(x, t))
+        return element(self.kdv.field, rows[0][0])
+
+    def _lost(self, x: Any, t: Any) -> int:
+        """Bits that a double edge n takes on the way to t and x, U(n) = ψ² having its size there.
+
+        From −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ: log ψ has at most the rates κ and about max|2u + 4n|κ,
+        κ² = max u − n. Near a double edge rounding keeps U(n) at the root of its unit, in all precisions alike, so that
+        comparing two of them does not tell.
+        """
+        edges = [float(e) for e in self._edges]
+        greatest, least = (sum(edges) - 2 * sum(edges[k::2]) for k in (1, 2))
+        nodes = [e for e, following in pairwise(edges) if e == following]
+        rates = ((greatest - n, max(abs(2 * u + 4 * n) for u in (greatest, least))) for n in nodes)
+        sizes = [2 * math.sqrt(square) * (abs(x) + speed * abs(t)) for square, speed in rates]
+        return math.ceil(2 * float(max(sizes, default=0)) / math.log(2))
+
+    def _read(self, N: LongField, D: Extended) -> list[list[Any]]:
+        f, _, _ = self.kdv._spectral(N, self.start)
+        # u beside the span of the edges, which decides how many of its digits count
+        return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
+
+
+def directions(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+    """(c, c'): Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
+    gaps = len(f) // 2 - 1
+    of_x, of_t = [K.zero] * gaps, [K.zero] * gaps
+    of_x[-1] = poly.integer(K, -2)
+    of_t[-1] = K.mul(poly.integer(K, -4), f[-2])
+    if gaps > 1:
+        of_t[-2] = poly.integer(K, -8)
+    return tuple(of_x), tuple(of_t)
+
+
+def potential(K: Any, f: poly.Poly, u: poly.Poly) -> Any:
+    """Σe_i − 2Σγ_j."""
+    return K.add(f[-2], K.mul(poly.integer(K, 2), u[-2]))
