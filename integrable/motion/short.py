@@ -37,9 +37,9 @@ if TYPE_CHECKING:
     from jacobian.native.library import Packed
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
-# between ascending ones, and before that the torus itself (python -m benchmarks peers)
-PANEL_COST, START_COST = 5.0, 100.0
-TORUS_COST, DENSE_COST, TORUS_SET_UP = 8.0, 0.3, 5000.0
+# between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short)
+PANEL_COST, START_COST = 2.5, 130.0
+TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 5000.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
 MOST_PANELS, MOST_TIMES = 1000, 20_000
@@ -67,7 +67,7 @@ class ShortRuns:
         self._given = np.array([[*system.inertia, d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, bool(system.body.rolls), kernel
         # panels of this flow: a torus would have been paid for by as many
-        self._panels = 0
+        self.panels = 0
 
     def at(self, times: np.ndarray, torus: bool = False) -> Found | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -91,7 +91,7 @@ class ShortRuns:
         if self._kernel == "python" or interpreted():
             if len(times) < INTERPRETED_TIMES:
                 status, rows, other = self._interpreted(times, physical, clock)
-        elif (most := panels_within(len(times), torus, self._panels)) > 0:
+        elif (most := panels_within(len(times), torus, self.panels)) > 0:
             status, rows, other = self._compiled(times, physical, clock, most)
         return None if status else (rows, other if physical or clock else times)
 
@@ -102,7 +102,7 @@ class ShortRuns:
         status, panels = compiled_runs(
             Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE), times[None], rows, other
         )
-        self._panels += int(panels[0])
+        self.panels += int(panels[0])
         return int(status[0]), rows[0], other[0]
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:

@@ -1,0 +1,91 @@
+"""What "auto" takes, a short run or a torus, beside what costs less; and the costs that it decides by.
+
+The first rows are the constants of the cost model of :mod:`integrable.motion.short`, as they are ``kept`` there and as
+they are here: ``measured`` on each scene (those of ``python -m benchmarks peers``), in microseconds of processor time,
+and their medians. The rows after them are fresh flows with so many times up to T: the milliseconds of a short run of
+any length (a dash where it is not sure of itself), of the torus, what "auto" takes, and ``lost``, what it takes longer
+than the cheaper of the two: the model is right where that is little.
+"""
+
+from __future__ import annotations
+
+from statistics import median
+from time import thread_time
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+
+from benchmarks.bench_peers import fresh, problem
+from integrable.motion import short
+from integrable.motion.short import ShortRuns
+
+SCENES = ("S1", "S2", "S4a", "S6")
+TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001)
+# the times that the costs are measured at: few panels and many, and far from the start
+NEAR, FAR, TORUS, DENSE = 1.0, 60.0, 1e4, 100.0
+CONSTANTS = ("PANEL_COST", "START_COST", "TORUS_COST", "DENSE_COST", "TORUS_SET_UP")
+REPEATS = 15
+Row = dict[str, Any]
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """Rows (scene, constant, kept, measured), then rows (scene, T, outputs, short run, torus, auto, lost)."""
+    scenes, repeats = (SCENES[:1], 1) if smoke else (SCENES, REPEATS)
+    found = {name: costs(name, repeats) for name in scenes}
+    rows: list[Row] = []
+    for place, constant in enumerate(CONSTANTS):
+        kept = getattr(short, constant)
+        rows += [{"scene": name, "constant": constant, "kept": kept, "measured": found[name][place]} for name in scenes]
+        middle = median(found[name][place] for name in scenes)
+        rows.append({"scene": "median", "constant": constant, "kept": kept, "measured": middle})
+    for name in scenes:
+        for outputs in OUTPUTS[: 1 if smoke else None]:
+            rows += [chosen(name, outputs, T, repeats) for T in TIMES[: 1 if smoke else None]]
+    return rows
+
+
+def costs(name: str, repeats: int) -> tuple[float, ...]:
+    """The constants, in their order, on one scene."""
+    near, far = np.array([NEAR]), np.array([FAR])
+    with patch.object(short, "panels_within", lambda *_: 10**6):
+        first, last = (least(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))
+        panels = [_panels(name, t) for t in (near, far)]
+    panel = (last - first) / (panels[1] - panels[0])
+    set_up = least(lambda: fresh(name, "compiled").at(np.array([TORUS])), min(repeats, 5))
+    flow, rng = fresh(name, "compiled"), np.random.default_rng(1)
+    few, dense = rng.uniform(0, TORUS, 100), np.linspace(0, DENSE, 4 * short.DENSE_FROM)
+    flow.at(few), flow.at(dense)
+    each = least(lambda: flow.at(few), repeats) / len(few)
+    between = least(lambda: flow.at(dense), min(repeats, 5)) / len(dense)
+    return panel, first - panel * panels[0], each, between, set_up - each
+
+
+def _panels(name: str, times: np.ndarray) -> int:
+    runs = ShortRuns(*problem(name))
+    runs.at(times)
+    return runs.panels
+
+
+def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
+    """What "auto" takes for so many times up to T."""
+    times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
+    auto = fresh(name, "auto").at(times).way
+    torus = least(lambda: fresh(name, "compiled").at(times), min(repeats, 3)) / 1e3
+    with patch.object(short, "panels_within", lambda *_: 10**6):
+        sure = fresh(name, "auto").at(times).way == "short run"
+        near = least(lambda: fresh(name, "auto").at(times), min(repeats, 5)) / 1e3 if sure else None
+    row: Row = {"scene": name, "T": T, "outputs": outputs, "short run ms": near, "torus ms": torus, "auto": auto}
+    row["lost"] = (near if auto == "short run" else torus) / min(torus, near) if near else None  # type: ignore[operator]
+    return row
+
+
+def least(action: Any, repeats: int) -> float:
+    """Microseconds of the processor, the least of some runs after one that loads what it calls."""
+    action()
+    best = float("inf")
+    for _ in range(repeats):
+        begun = thread_time()
+        action()
+        best = min(best, thread_time() - begun)
+    return 1e6 * best
