@@ -9,6 +9,7 @@ from jacobian.inexact.long_field import LongField
 from jacobian.models.richelot import RichelotIsogeny, Splitting
 from jacobian.models.standard import move_to_infinity
 from jacobian.periods.abel import AbelMap
+from jacobian.periods.abel_balls import AbelBalls
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative
 from jacobian.relatives.extended import ExtendedGroup, Lift, SecondKind
@@ -61,6 +62,8 @@ def values_over(K):
     elif not getattr(K, "complex", K is CC):
         ovals = real_periods(HyperellipticCurve(K, [0, 4, 0, -5, 0, 1]))
         values |= {"Abel map": AbelMap(C), "periods": periods(C), "oval": ovals[0]}
+    if K is QQ:
+        values["Abel map in balls"] = AbelBalls(C, 10)
     if K.characteristic != 2:
         values["split curve"] = HyperellipticCurve(K, [1, 2, 0, 0, 0, 0, 1])
         values["split divisor"] = values["split curve"].jacobian().from_points([(0, 1)])

@@ -194,7 +194,7 @@ def test_abels_theorem(K, genus, degree, with_h):
     total = [0] * genus
     norm = poly.sub(F, poly.mul(F, p, poly.add(F, p, C.h)), C.f)
     size = degree if C.model == "ramified" else 2 * genus + 2
-    zeros = simple_roots(A._cover.numbers, [A._cover.numbers.convert(c) for c in norm[: size + 1]])
+    zeros = simple_roots(A.cover.numbers, [A.cover.numbers.convert(c) for c in norm[: size + 1]])
     J = C.jacobian()
     for x in zeros:
         x = F.coerce(x)
@@ -219,9 +219,9 @@ def test_the_point_at_infinity_plus(K, genus):
     norm = poly.sub(K, poly.mul(K, plus, poly.add(K, plus, C.h)), C.f)[: g + 1]
     total = [(2 * g + 2 - g) * a for a in A._from_infinity()]
     points = []
-    for x in simple_roots(A._cover.numbers, [A._cover.numbers.convert(c) for c in norm]):
-        points.append((x, poly.evaluate(K, plus, x) + A._half_h(x)))
-    total = [s + t for s, t in zip(total, A._image(points, 0), strict=True)]
+    for x in simple_roots(A.cover.numbers, [A.cover.numbers.convert(c) for c in norm]):
+        points.append((x, poly.evaluate(K, plus, x) + A.half_h(x)))
+    total = [s + t for s, t in zip(total, A.image_of(points, 0), strict=True)]
     _whole(A.periods.coordinates(total), 1e7 * K.eps)
 
 

@@ -1,0 +1,184 @@
+"""The Abel–Jacobi map and its inverse in balls: proven errors there, a proven divisor back.
+
+The image is that of :mod:`jacobian.periods.image`, with the quadratures of :mod:`jacobian.periods.balls`. The inverse
+starts from the floats of :class:`jacobian.periods.abel.AbelMap`; Newton's method in the midpoints of balls sharpens
+them, and the interval Newton operator on a box of x-coordinates (Moore 1966) proves that there is one divisor above the
+box, and no other, with the image asked for.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cached_property
+from typing import Any, NamedTuple, TypeVar
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import Infeasible, NotRepresentable, PrecisionLoss
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor
+from jacobian.periods.abel import AbelMap, complexified
+from jacobian.periods.ball_cover import ball_roots, exact_polynomial
+from jacobian.periods.image import AbelImage, Point, full_weight, plus
+from jacobian.periods.matrix import PeriodMatrix, solve
+from jacobian.periods.proven import TRIALS, is_within, largest, period_balls
+from jacobian.periods.quadrature import Vector
+from jacobian.periods.roots import horner
+
+Result = TypeVar("Result")
+
+# Newton's method in midpoints, from the digits of doubles on; precisions at which a proof is tried
+MOST_STEPS, PROOFS = 20, 3
+
+
+class BallDivisor(NamedTuple):
+    """g points (x, y) as pairs of balls, and Mumford's pair of their divisor, ascending: u monic, v interpolates."""
+
+    points: tuple[Point, ...]
+    u: tuple[Any, ...]
+    v: tuple[Any, ...]
+
+
+class AbelBalls(Immutable):
+    """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over QQ, RR, CC or MP(dps), in balls.
+
+    Radii are at most 10^−digits of the largest period. Conventions as those of AbelMap, which gives the same in floats.
+    Raises as :func:`jacobian.periods.proven.period_balls`.
+    """
+
+    def __init__(self, curve: HyperellipticCurve, digits: int = 30) -> None:
+        self.curve, self.digits = curve, digits
+        self.periods = period_balls(curve, digits)
+        self._images = [_Image(curve, self.periods)]
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.curve, self.digits
+
+    def __reduce__(self) -> Any:
+        return AbelBalls, self._value()
+
+    def __repr__(self) -> str:
+        return f"Abel–Jacobi map of {self.curve!r} in balls"
+
+    def __call__(self, D: Divisor) -> tuple[Any, ...]:
+        """The image of a divisor class of ``curve``: g balls, reduced modulo periods to coordinates in [−½, ½].
+
+        Over RR, CC and MP the image of the exact divisor whose x are the roots of u, each on the sheet that v is nearer
+        to; PrecisionLoss where u has nearly equal roots there.
+        """
+        D = self._images[0].check_divisor(D)
+
+        def image(at: _Image) -> tuple[Any, ...] | None:
+            found = at.periods.reduce(at.image_of(at.points_of(D), at.weight_of(D)))
+            return tuple(found) if is_within([found], self._radius()) else None
+
+        return self._at_some_precision(image, "the image")
+
+    def inverse(self, z: Sequence[Any]) -> BallDivisor:
+        """The divisor of weight g with the image z, proven: for every z in the balls given there is one in the result.
+
+        ``z``: g balls or numbers, which are exact, modulo periods. PrecisionLoss where the class has less weight or may
+        have it, where points nearly coincide with each other, with a branch point or with infinity, or where z is not
+        known well enough; NotRepresentable on an inert model of odd genus.
+        """
+        given = self._images[0].check_image(z)
+        if self.curve.model == "inert" and self.curve.genus % 2:
+            raise NotRepresentable(f"{self.curve!r} is inert of odd genus: there is no class of g points")
+        first = self._images[0]
+        with first.cover.numbers.working():
+            target = first.target(given)
+            if all(abs(x).contains(0) for x in target):
+                raise PrecisionLoss("z may be a period, whose class has no points; use more digits")
+            near = [complex(x) for x in target]
+        floats = self._floats
+        rough = floats.rough_inverse([floats.cover.numbers.convert(x) for x in near])
+        return self._at_some_precision(lambda at: at.proven(given, rough), "the divisor", PROOFS)
+
+    @cached_property
+    def _floats(self) -> AbelMap:
+        from jacobian.fields import MP
+
+        return AbelMap(complexified(self.curve, MP(40, complex=True)))
+
+    def _radius(self) -> Any:
+        return self.periods.cover.numbers.ten(-self.digits) * largest(self.periods)
+
+    def _at_some_precision(self, work: Callable[[_Image], Result | None], what: str, trials: int = TRIALS) -> Result:
+        """The result of ``work`` at the first precision at which it has one."""
+        failure = "the radii are too large"
+        for trial in range(trials):
+            if trial == len(self._images):
+                self._images.append(_Image(self.curve, period_balls(self.curve, self.digits * 2**trial)))
+            at = self._images[trial]
+            try:
+                with at.cover.numbers.working():
+                    found = work(at)
+            except (PrecisionLoss, Infeasible, ZeroDivisionError) as error:
+                failure = str(error)
+                continue
+            if found is not None:
+                return found
+        raise PrecisionLoss(f"{what} is not proven to {self.digits} digits ({failure})")
+
+
+class _Image(AbelImage):
+    """The map at one precision, inside that of its numbers."""
+
+    def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
+        self.periods, self.given, self.curve = periods, curve, curve
+
+    def points_of(self, D: Divisor) -> list[Point]:
+        numbers = self.cover.numbers
+        if len(D.u) == 1:
+            return []
+        v = [numbers.convert(c) for c in D.v or (0,)]
+        return [self._above(x, horner(v, x) + self.half_h(x)) for x in ball_roots(numbers, *exact_polynomial(D.u))]
+
+    def _above(self, x: Any, rough: Any) -> Point:
+        """(x, Y) with the Y on the side of ``rough``."""
+        return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
+
+    def target(self, z: Sequence[Any]) -> Vector:
+        """z as balls, reduced modulo periods."""
+        return self.periods.reduce([self.cover.numbers.convert(x) for x in z])
+
+    def proven(self, z: Sequence[Any], rough: Sequence[Point]) -> BallDivisor:
+        """:meth:`AbelBalls.inverse`, from points near those of the divisor."""
+        numbers, target = self.cover.numbers, self.target(z)
+        exact = [self._above(numbers.convert(x).mid(), numbers.convert(Y)) for x, Y in rough]
+        points = self._sharpened(exact, target)
+        gap = self._gap(points, target)
+        radii = [2 * abs(step) + numbers.ten(-2 * numbers.digits) for step in self._steps(points, gap)]
+        box = [self._above(numbers.widened(x, r), Y) for (x, Y), r in zip(points, radii, strict=True)]
+        found = [x + step for (x, _), step in zip(points, self._steps(box, gap), strict=True)]
+        if not all(x.contains_interior(y) for (x, _), y in zip(box, found, strict=True)):
+            raise PrecisionLoss("no divisor is proven to lie there")
+        return self._divisor([self._above(x, Y) for x, (_, Y) in zip(found, points, strict=True)])
+
+    def _sharpened(self, points: list[Point], target: Vector) -> list[Point]:
+        last = None
+        for _ in range(MOST_STEPS):
+            steps = self._steps(points, self._gap(points, target))
+            size = max(float(abs(step).mid()) for step in steps)
+            points = [self._above((x + step).mid(), Y) for (x, Y), step in zip(points, steps, strict=True)]
+            if last is not None and not size < last / 2:
+                return points
+            last = size
+        return points
+
+    def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
+        """target − image of the points, less the nearest period."""
+        return self.periods.reduce(plus(target, self.image_of(points, full_weight(self.given)), -1))
+
+    def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
+        """dx with Σ x_i^k dx_i/Y_i = gap_k."""
+        return solve([[x**k / Y for x, Y in points] for k in range(self.given.genus)], gap)
+
+    def _divisor(self, points: Sequence[Point]) -> BallDivisor:
+        numbers = self.cover.numbers
+        xs, ys = [x for x, _ in points], [Y - self.half_h(x) for x, Y in points]
+        acb_poly = numbers.flint.acb_poly
+        v = acb_poly.interpolate(xs, ys)
+        if not all(c.is_finite() for c in (*xs, *ys, *v.coeffs())):
+            raise PrecisionLoss("points of the divisor nearly coincide")
+        u = acb_poly.from_roots(xs)
+        return BallDivisor(tuple(zip(xs, ys, strict=True)), tuple(u.coeffs()), tuple(v.coeffs()))
