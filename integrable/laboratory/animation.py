@@ -1,4 +1,4 @@
-"""A run as a moving picture: the body as it turns, and for a ball the way of its point of contact."""
+"""A run as a moving picture: the body as it turns, the vertical as it sees it, and the way of its point of contact."""
 
 from __future__ import annotations
 
@@ -35,14 +35,18 @@ def animate(run: Any, path: Any, fps: int) -> None:
     if len(run) < 2:
         raise ArgumentError(f"a run of {len(run)} times has nothing that moves: give two times or more")
     rolls = run.motion._contact is not None
-    figure = Figure(figsize=(8.0 if rolls else 4.0, 4.0), layout="constrained")
+    panels = [_body, _vertical, *([_path] if rolls else [])]
+    figure = Figure(figsize=(4.0 * len(panels), 4.0), layout="constrained")
     FigureCanvasAgg(figure)
-    axes = figure.subplots(1, 2 if rolls else 1, squeeze=False)[0]
-    updates = [_body(axes[0], run)] + ([_path(axes[1], run)] if rolls else [])
+    updates = [panel(ax, run) for panel, ax in zip(panels, figure.subplots(1, len(panels)), strict=True)]
 
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
+    # laid out once: every frame would be again, and that takes longer than to draw it
+    update(0)
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
     moving = FuncAnimation(figure, update, frames=len(run), init_func=list, blit=False)
     with whole_file(target, wanted) as unfinished:
         moving.save(unfinished, writer=PillowWriter(fps) if target.suffix == ".gif" else FFMpegWriter(fps))
@@ -53,9 +57,7 @@ def _body(ax: Any, run: Any) -> Any:
     angles = np.linspace(0, 2 * np.pi, POINTS)
     c, s, zero = np.cos(angles), np.sin(angles), 0 * angles
     circles = np.array([[zero, c, s], [c, zero, s], [c, s, zero]])
-    ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
-    ax.set_axis_off()
-    ax.plot(c, s, color="0.5", linewidth=1)
+    _sphere(ax)
     lines = [ax.plot([], [], color=color, linewidth=2)[0] for color in COLORS]
     (spin,) = ax.plot([], [], "k-", linewidth=1.5)
     title = ax.set_title("")
@@ -71,6 +73,35 @@ def _body(ax: Any, run: Any) -> Any:
         spin.set_data([0, 1.1 * x], [0, 1.1 * y])
         title.set_text(f"t = {times[frame]:.2f} s")
         return [*lines, spin, title]
+
+    return update
+
+
+def _sphere(ax: Any) -> None:
+    """Room for a unit sphere, and its outline."""
+    angles = np.linspace(0, 2 * np.pi, POINTS)
+    ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
+    ax.set_axis_off()
+    ax.plot(np.cos(angles), np.sin(angles), color="0.5", linewidth=1)
+
+
+def _vertical(ax: Any, run: Any) -> Any:
+    """γ, the vertical, on the sphere of directions in the axes of the tensor: where it has been, the near half bold."""
+    _sphere(ax)
+    for axis, color in zip(VIEW.T, COLORS, strict=True):
+        ax.plot([0, axis[0]], [0, axis[1]], color=color, linewidth=1)
+    x, y, depth = VIEW @ np.asarray(run.matrices)[:, 2].astype(float).T
+    (far,) = ax.plot([], [], color="0.75", linewidth=0.8)
+    (near,) = ax.plot([], [], "k-", linewidth=1.2)
+    (point,) = ax.plot([], [], "o", color=COLORS[1])
+    ax.set_title("γ")
+
+    def update(frame: int) -> list[Any]:
+        gone = slice(frame + 1)
+        far.set_data(x[gone], y[gone])
+        near.set_data(np.where(depth[gone] >= 0, x[gone], np.nan), y[gone])
+        point.set_data(x[frame : frame + 1], y[frame : frame + 1])
+        return [far, near, point]
 
     return update
 

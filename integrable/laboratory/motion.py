@@ -86,8 +86,8 @@ class LaboratoryRun(Record):
 
     def animate(self, path: Any, fps: int = 25) -> None:
         """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or .mp4 (which takes ffmpeg):
-        the body as it turns, ω, and the way of a ball's point of contact. The extra ``app``; the file appears when it
-        is complete.
+        the body as it turns with ω, γ on its sphere in the axes of the tensor, and the way of a ball's point of
+        contact. The extra ``app``; the file appears when it is complete.
         """
         from integrable.laboratory.animation import animate
 

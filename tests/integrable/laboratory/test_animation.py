@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shutil
+
 import numpy as np
 import pytest
 
@@ -26,6 +28,34 @@ def test_a_frame_for_each_time(motion, tmp_path):
             frames.append(np.array(picture.convert("L"), dtype=int))
     assert all(abs(x - frames[0]).max() > 50 for x in frames[1:])
     assert [p.name for p in tmp_path.iterdir()] == ["run.gif"]
+
+
+def test_the_vertical_goes_on_its_sphere(tmp_path):
+    """The second panel: its trail grows."""
+    path = tmp_path / "run.gif"
+    BALL.at(np.linspace(0, 3, 9)).animate(path)
+    inked = []
+    with Image.open(path) as picture:
+        for k in (1, 4, 8):
+            picture.seek(k)
+            frame = np.array(picture.convert("RGB"), dtype=int)
+            inked.append((frame[:, frame.shape[1] // 3 : 2 * frame.shape[1] // 3].max(axis=2) < 200).sum())
+    assert inked[0] < inked[1] < inked[2]
+
+
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg")
+def test_films(tmp_path):
+    path = tmp_path / "run.mp4"
+    BALL.at(np.linspace(0, 1, 4)).animate(path)
+    assert path.read_bytes()[4:8] == b"ftyp"
+    assert [p.name for p in tmp_path.iterdir()] == ["run.mp4"]
+
+
+def test_a_film_without_ffmpeg_is_refused_at_once(tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", "")
+    with pytest.raises(ArgumentError, match=r"\.mp4 needs ffmpeg, which is not there; \.gif does without"):
+        BALL.at([0, 1]).animate(tmp_path / "run.mp4")
+    assert list(tmp_path.iterdir()) == []
 
 
 def test_bad_calls(tmp_path):
