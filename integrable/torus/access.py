@@ -59,7 +59,7 @@ class TorusFlow(Corners):
         super().__init__(setup, loops, most)
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if not confirmed(setup, self.frequencies, self._rows_at_tau, loops.reached):
+        if not confirmed(setup, self.frequencies, self._rows_at_tau, loops):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         if setup.problem.d != 0:
             self.clock = TorusClock(self, self._rates())

@@ -124,7 +124,7 @@ _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
-        "reached": (witness.reached, (FLOATS, FLOATS, FLOATS, FLOAT, FLOATS, FLOATS, FLOATS)),
+        "reached": (witness.reached, (WIDES, WIDES, WIDES, FLOAT, WIDES, WIDES, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
         "directions": (

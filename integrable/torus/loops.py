@@ -100,7 +100,11 @@ class ReadableLoops:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
     panel_values = staticmethod(panel_values)
-    reached = staticmethod(witness.reached)
+
+    def reached(self, *args: Any) -> None:
+        """:func:`integrable.torus.witness.reached`."""
+        with self.reals:
+            witness.reached(*args)
 
     def about_centre(self, motion: Any, out: Any) -> None:
         """:func:`integrable.torus.survey.about_centre` about the origin."""

@@ -26,47 +26,46 @@ if TYPE_CHECKING:
 TURNS = (1.23, -1.38)
 # no more turns than this of the faster phase
 FAR = 2.0**48
-# a difference that floats may make on the way; beyond it digits decide
+# a difference that double-double numbers may make on the way; beyond it digits decide
 ROUGH = 1e-6
 # and one that a right torus may: the states themselves are held to less, here it is about signs and places
 RIGHT = 1e-8
-# steps are halved so often that so few terms and passes of Newton make a float
-HALVINGS, TERMS, NEWTON_PASSES = 2, 16, 3
+# steps are halved so often that so few terms and passes of Newton make a double-double number
+HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
 def confirmed(
-    setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], reached: Callable[..., None]
+    setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], loops: Any
 ) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
-    sign that a period changes has been changed, in both directions. ``reached`` is :func:`reached` or its compiled
-    version.
+    sign that a period changes has been changed, in both directions. First in the numbers of the ``loops``; where these
+    do not suffice, digits decide.
     """
     rates = [float(nu) for nu in frequencies]
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
-    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
-    found = states(tau)
-    momentum = setup.floats.momentum
-    matrix = setup.problem.matrix and tuple(map(float, setup.problem.matrix))
-    floats, points, room = setup.floats, np.empty(10 * len(tau)), np.empty(2 * TERMS)
-    f, axes, start = (np.array(row) for row in (floats.f, floats.axes, floats.start))
-    reached(f, axes, start, floats.half_step, tau * float(setup.time_scale), room, points)
-    quick = [vectors(point, momentum, matrix) for point in points.reshape(-1, 10).tolist()]
+    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest).tolist()
+    found, problem = states(np.array(tau)), setup.problem
+    momentum, matrix = float(problem.momentum), problem.matrix and tuple(map(float, problem.matrix))
+    points, room = loops.room(10 * len(tau)), loops.room(2 * TERMS)
+    f, axes, start, times = map(loops.row, (problem.f, problem.axes, problem.start, [t * setup.time_scale for t in tau]))
+    loops.reached(f, axes, start, float(problem.half_step), times, room, points)
+    quick = [vectors(point, momentum, matrix) for point in loops.floats(points).reshape(-1, 10).tolist()]
     if _difference(found, quick) <= ROUGH:
         return True
-    return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau.tolist()]) <= RIGHT
+    return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau]) <= RIGHT
 
 
 def reached(f: Row, axes: Row, start: Row, half_step: float, times: Row, room: Row, out: Row) -> None:
-    """The moving points at some times of the flow in floats, one after the other into ``out``; what their additions
-    lose is not known. ``room`` is for two series.
+    """The moving points at some times of the flow, one after the other into ``out``; what their additions lose is not
+    known. ``room`` is for two series.
     """
     series, roots = room[:TERMS], room[TERMS:]
     unit_axes = (axes[0], axes[1], axes[2], 1.0, 1.0, 1.0, 1.0, 0.0)
     power_series(f, -1, series)
     power_series(f, 1, roots)
     for i in range(len(times)):
-        doublings = max(0, ceil(log2(abs(times[i]) / half_step)) + HALVINGS)
+        doublings = max(0, ceil(log2(abs(float(times[i])) / half_step)) + HALVINGS)
         step = near_identity(series, roots, f[0], unit_axes, times[i] / 2.0**doublings, NEWTON_PASSES)
         for _ in range(doublings):
             step = shift(f, unit_axes, step, step)
