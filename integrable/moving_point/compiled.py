@@ -6,7 +6,7 @@ from typing import Any
 
 from integrable.moving_point import addition
 from jacobian.native.expressions import Expressions
-from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, TupleKind, Value
+from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, TupleKind, Value, single
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL as SPECIAL_NUMBERS
 
@@ -33,9 +33,9 @@ addition_centre, addition_terms = addition.centre, addition.FLOAT_TERMS
 
 def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
     """:func:`integrable.moving_point.addition.estimate` for the kinds of these values."""
-    if eps.kind is not WIDE:
+    if single(eps.kind) is not WIDE:
         return b.call(estimate, [series, f0, eps])
-    high = [Value(FLOAT, x.parts[:1]) for x in (f0, eps)]
+    high = [b.rounded(x) for x in (f0, eps)]
     return b.call(estimate_in_floats, [Value(HIGHS, series.parts), *high])
 
 

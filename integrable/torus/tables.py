@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 from integrable.moving_point.addition import near_identity, put
 from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -69,7 +70,7 @@ def directions(
         f0, axes = room.numbers[0], (room.numbers[6], room.numbers[7], room.numbers[8])
         about = Expansion(room.series, room.roots, f0, axes, passes)
         reach = chart.reaches[k] / unit + 0 * f0
-        for n in range(2):
+        for n in abreast(0, 2):
             x = parts[2 * k + n] * (0.5 / chart.cells[n])
             put(recentred(near_centre(about, reach * x), axes, centre, unit), halves, 20 * n + 10 * k)
         direction(about, reach, unit, nodes, room.numbers, 4 * len(nodes) * k, tables)
@@ -115,7 +116,7 @@ def direction(about: Expansion, reach: Real, unit: float, nodes: Row, room: Row,
     for nine numbers more than there are nodes.
     """
     size = len(nodes)
-    for n in range(size):
+    for n in abreast(0, size):
         x = root(nodes[n] + 0 * reach)
         step = near_centre(about, reach * x)
         m = -step[1] / 2

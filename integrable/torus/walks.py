@@ -21,6 +21,7 @@ from integrable.moving_point.addition import (
     shift,
 )
 from integrable.torus.tables import SmallSteps, small_translation
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -89,18 +90,20 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     across, lower, parts1 = step_over(curve, walk, 1)
     stride = Stride(down, across, lower)
     left = moving_point(start)
-    for i in range(rows):
-        point = left
+    for k in range(rows):
+        put(left, states, place_of(walk, stride, k, 0))
+        left = moved(curve, left, walk.steps, 0, parts0, False)
+    put(left, ends, 0)
+    for i in abreast(0, rows):
+        point = moving_point(states, place_of(walk, stride, i, 0))
         for j in range(walk.forward):
             put(point, states, place_of(walk, stride, i, j))
             point = moved(curve, point, walk.steps, 20, parts1, False)
         put(point, ends, 10 * (i + 1))
-        point = left
+        point = moving_point(states, place_of(walk, stride, i, 0))
         for j in range(-1, walk.forward - columns - 1, -1):
             point = moved(curve, point, walk.steps, 20, parts1, True)
             put(point, states, place_of(walk, stride, i, j))
-        left = moved(curve, left, walk.steps, 0, parts0, False)
-    put(left, ends, 0)
     put(moving_point(start), known, 0)
     turn(known, 0, walk.turns, 0)
     with_signs(walk, stride, states, ends, known)
@@ -223,21 +226,21 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     height, width = rows * finer[0], columns * finer[1]
     for i in range(rows):
-        for j in range(columns):
-            corner = moving_point(states, (i * columns + j) * 10)
-            n = -1
-            for a in range(-above, finer[0] - above):
-                row, over = i * finer[0] + a, False
-                if row < 0:
-                    row, over = row + height, fine.odd[0]
-                for b in range(-left, finer[1] - left):
-                    n += 1
-                    if fine.counts[n] == KNOWN:
-                        continue
+        n = -1
+        for a in range(-above, finer[0] - above):
+            row, over = i * finer[0] + a, False
+            if row < 0:
+                row, over = row + height, fine.odd[0]
+            for b in range(-left, finer[1] - left):
+                n += 1
+                if fine.counts[n] == KNOWN:
+                    continue
+                for j in abreast(0, columns):
+                    corner = moving_point(states, (i * columns + j) * 10)
+                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n, fine.counts[n])
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != fine.odd[1]
-                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n, fine.counts[n])
                     if flipped:
                         rate, other = other, rate
                     rates[row * width + column] = rate

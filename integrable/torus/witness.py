@@ -16,6 +16,7 @@ import numpy as np
 from integrable.moving_point.addition import moving_point, near_identity, put, shift
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.translations import power_series
+from jacobian.numbers.abreast import abreast
 
 Row = Any
 
@@ -34,9 +35,7 @@ RIGHT = 1e-8
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
-def confirmed(
-    setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], loops: Any
-) -> bool:
+def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], loops: Any) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
     sign that a period changes has been changed, in both directions. First in the numbers of the ``loops``; where these
     do not suffice, digits decide.
@@ -48,7 +47,9 @@ def confirmed(
     found, problem = states(np.array(tau)), setup.problem
     momentum, matrix = float(problem.momentum), problem.matrix and tuple(map(float, problem.matrix))
     points, room = loops.room(10 * len(tau)), loops.room(2 * TERMS)
-    f, axes, start, times = map(loops.row, (problem.f, problem.axes, problem.start, [t * setup.time_scale for t in tau]))
+    f, axes, start, times = map(
+        loops.row, (problem.f, problem.axes, problem.start, [t * setup.time_scale for t in tau])
+    )
     loops.reached(f, axes, start, float(problem.half_step), times, room, points)
     quick = [vectors(point, momentum, matrix) for point in loops.floats(points).reshape(-1, 10).tolist()]
     if _difference(found, quick) <= ROUGH:
@@ -64,8 +65,11 @@ def reached(f: Row, axes: Row, start: Row, half_step: float, times: Row, room: R
     unit_axes = (axes[0], axes[1], axes[2], 1.0, 1.0, 1.0, 1.0, 0.0)
     power_series(f, -1, series)
     power_series(f, 1, roots)
-    for i in range(len(times)):
-        doublings = max(0, ceil(log2(abs(float(times[i])) / half_step)) + HALVINGS)
+    farthest = half_step
+    for time in times:
+        farthest = max(farthest, abs(float(time)))
+    doublings = ceil(log2(farthest / half_step)) + HALVINGS
+    for i in abreast(0, len(times)):
         step = near_identity(series, roots, f[0], unit_axes, times[i] / 2.0**doublings, NEWTON_PASSES)
         for _ in range(doublings):
             step = shift(f, unit_axes, step, step)

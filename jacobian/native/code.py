@@ -3,10 +3,32 @@
 from __future__ import annotations
 
 import struct
+from typing import NamedTuple
 
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
+# rounds of a loop that are done at once (:func:`jacobian.numbers.abreast.abreast`)
+LANES = 8
+
+
+class Types(NamedTuple):
+    """What LLVM calls a float, an integer and a bit, or :data:`LANES` of them, and what names of functions end in."""
+
+    double: str
+    word: str
+    bit: str
+    suffix: str
+    mark: str
+
+
+SINGLE = Types("double", "i64", "i1", "f64", "")
+ABREAST = Types(*(f"<{LANES} x {leaf}>" for leaf in SINGLE[:3]), f"v{LANES}f64", ".abreast")
+
+
+def repeated(leaf: str, literal: str) -> str:
+    """A constant in all lanes."""
+    return f"<{', '.join([f'{leaf} {literal}'] * LANES)}>"
 
 
 def constant(x: float) -> str:
@@ -15,11 +37,13 @@ def constant(x: float) -> str:
 
 
 class Code:
-    """Instructions of one function: ``lines``, in the order in which they are written, and ``slots`` before them."""
+    """Instructions of one function: ``lines``, in the order in which they are written, and ``slots`` before them.
 
-    one = ONE
+    ``types`` are those of what floats, integers and bits are while they are written.
+    """
 
-    def __init__(self) -> None:
+    def __init__(self, types: Types = SINGLE) -> None:
+        self.types = types
         self.lines: list[str] = []
         self.slots: list[str] = []
         self._count = 0
@@ -35,6 +59,14 @@ class Code:
         self.lines.append(f"  {name} = {text}")
         return name
 
+    def literal(self, leaf: str, text: str) -> str:
+        """A constant of a scalar type, or in all lanes."""
+        return text if self.types is SINGLE else repeated(leaf, text)
+
+    @property
+    def one(self) -> str:
+        return self.literal("double", ONE)
+
     def slot(self, leaf: str) -> str:
         """Room for a scalar."""
         name = self.fresh()
@@ -42,41 +74,52 @@ class Code:
         return name
 
     def fadd(self, x: str, y: str) -> str:
-        return self.write(f"fadd double {x}, {y}")
+        return self.write(f"fadd {self.types.double} {x}, {y}")
 
     def fsub(self, x: str, y: str) -> str:
-        return self.write(f"fsub double {x}, {y}")
+        return self.write(f"fsub {self.types.double} {x}, {y}")
 
     def fmul(self, x: str, y: str) -> str:
-        return self.write(f"fmul double {x}, {y}")
+        return self.write(f"fmul {self.types.double} {x}, {y}")
 
     def fdiv(self, x: str, y: str) -> str:
-        return self.write(f"fdiv double {x}, {y}")
+        return self.write(f"fdiv {self.types.double} {x}, {y}")
 
     def fneg(self, x: str) -> str:
-        return self.write(f"fneg double {x}")
+        return self.write(f"fneg {self.types.double} {x}")
 
     def fma(self, x: str, y: str, z: str) -> str:
-        return self.write(f"call double @llvm.fma.f64(double {x}, double {y}, double {z})")
+        return self.intrinsic("fma", x, y, z)
 
     def fsqrt(self, x: str) -> str:
-        return self.write(f"call double @llvm.sqrt.f64(double {x})")
+        return self.intrinsic("sqrt", x)
+
+    def intrinsic(self, name: str, *arguments: str) -> str:
+        """One of LLVM's functions of floats."""
+        double = self.types.double
+        given = ", ".join(f"{double} {x}" for x in arguments)
+        return self.write(f"call {double} @llvm.{name}.{self.types.suffix}({given})")
 
     def unless_zero(self, x: str, y: str) -> str:
         """y, but x where x = 0."""
-        zero = self.write(f"fcmp oeq double {x}, {ZERO}")
-        return self.write(f"select i1 {zero}, double {x}, double {y}")
+        double, bit = self.types.double, self.types.bit
+        zero = self.write(f"fcmp oeq {double} {x}, {self.literal('double', ZERO)}")
+        return self.write(f"select {bit} {zero}, {double} {x}, {double} {y}")
 
 
 def wide_functions() -> str:
-    """The :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles as a module has them."""
+    """The :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles, and of several abreast, as a module
+    has them.
+    """
     texts = []
-    for name, (emit, count) in FUNCTIONS.items():
-        code = Code()
-        high, low = emit(code, *(f"%a{i}" for i in range(count)))
-        pair = code.write(f"insertvalue {{double, double}} undef, double {high}, 0")
-        pair = code.write(f"insertvalue {{double, double}} {pair}, double {low}, 1")
-        arguments = ", ".join(f"double %a{i}" for i in range(count))
-        head = f"define internal {{double, double}} @wide.{name}({arguments}) noinline nounwind"
-        texts.append("\n".join([f"{head} {{", *code.lines, f"  ret {{double, double}} {pair}", "}"]))
+    for types in (SINGLE, ABREAST):
+        double, pairs = types.double, f"{{{types.double}, {types.double}}}"
+        for name, (emit, count) in FUNCTIONS.items():
+            code = Code(types)
+            high, low = emit(code, *(f"%a{i}" for i in range(count)))
+            pair = code.write(f"insertvalue {pairs} undef, {double} {high}, 0")
+            pair = code.write(f"insertvalue {pairs} {pair}, {double} {low}, 1")
+            arguments = ", ".join(f"{double} %a{i}" for i in range(count))
+            head = f"define internal {pairs} @wide.{name}{types.mark}({arguments}) noinline nounwind"
+            texts.append("\n".join([f"{head} {{", *code.lines, f"  ret {pairs} {pair}", "}"]))
     return "\n".join(texts)

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+from jacobian.native.code import LANES
 from jacobian.native.kinds import (
     BOOL,
     INT,
@@ -16,7 +17,10 @@ from jacobian.native.kinds import (
     CompileError,
     TupleKind,
     Value,
+    abreast,
+    is_abreast,
     meeting,
+    single,
     together,
 )  # fmt: skip
 from jacobian.native.operators import BUILTINS, Operators, integer, real
@@ -45,6 +49,13 @@ class Expressions(Operators):
     def go(self, label: str) -> None:
         """To a block."""
         self.lines.append(f"  br label %{label}")
+
+    def condition(self, node: ast.expr) -> str:
+        """Whether an expression is true, as an i1."""
+        test = self.value(node)
+        if is_abreast(test.kind):
+            raise CompileError("a condition that differs from lane to lane, outside of if")
+        return self.truth(test)
 
     def split(self, condition: str, true: str, false: str) -> None:
         """To either block."""
@@ -158,6 +169,8 @@ class Expressions(Operators):
 
     def of_compare(self, node: ast.Compare) -> Value:
         left, holds = self.value(node.left), ""
+        if len(node.ops) == 1 and not isinstance(node.ops[0], ast.In):
+            return self.compare(type(node.ops[0]).__name__, left, self.value(node.comparators[0]))
         for op, right in zip(node.ops, map(self.value, node.comparators), strict=True):
             found = self.related(op, left, right)
             holds = self.write(f"and i1 {holds}, {found}") if holds else found
@@ -181,17 +194,22 @@ class Expressions(Operators):
         ways: list[tuple[str, str]] = []
         for other in others:
             on = self.labels("on")[0]
-            condition = self.truth(self.value(other))
+            condition = self.condition(other)
             ways.append(("0" if both else "1", self.label))
             self.split(condition, *((on, end) if both else (end, on)))
             self.begin(on)
-        ways.append((self.truth(self.value(last)), self.label))
+        ways.append((self.condition(last), self.label))
         self.go(end)
         self.begin(end)
         return Value(BOOL, (self.write("phi i1 " + ", ".join(f"[{x}, %{label}]" for x, label in ways)),))
 
     def of_ifexp(self, node: ast.IfExp) -> Value:
-        return self.joined(self.truth(self.value(node.test)), node.body, node.orelse)
+        test = self.value(node.test)
+        if not is_abreast(test.kind):
+            return self.joined(self.truth(test), node.body, node.orelse)
+        yes, no = self.value(node.body), self.value(node.orelse)
+        kind = abreast(meeting(yes.kind, no.kind))
+        return self.blended(self.truth(test), self.cast(yes, kind), self.cast(no, kind))
 
     def of_attribute(self, node: ast.Attribute) -> Value:
         x = self.value(node.value)
@@ -210,7 +228,8 @@ class Expressions(Operators):
         if isinstance(row.kind, ArrayKind):
             if row.kind.ndim == 2 and not isinstance(node.slice, ast.Tuple):
                 place = self.binary("Mult", self.value(node.slice), Value(INT, (row.parts[2],)))
-                return Value(ArrayKind(row.kind.item, 1, row.kind.parts), (self.offset(row, place), row.parts[2]))
+                row_there = self.offset(row, place).parts[0]
+                return Value(ArrayKind(row.kind.item, 1, row.kind.parts), (row_there, row.parts[2]))
             return self.element(row, self.address(row, node.slice))
         index = self.value(node.slice)
         if not isinstance(row.kind, TupleKind):
@@ -218,47 +237,81 @@ class Expressions(Operators):
         if index.is_known:
             return row.item(index.known())
         # of a tuple whose items are alike
-        found = row.item(0)
+        found, choose = row.item(0), self.chosen
+        if is_abreast(index.kind):
+            found, choose = self.cast(found, abreast(found.kind)), self.blended
         for k in range(1, len(row.kind.items)):
             same = self.compare("Eq", index, integer(k)).parts[0]
-            found = self.chosen(same, self.cast(row.item(k), found.kind), found)
+            found = choose(same, self.cast(row.item(k), found.kind), found)
         return found
 
-    def address(self, row: Value, index: ast.expr) -> str:
-        """Where the item of an array is."""
+    def address(self, row: Value, index: ast.expr) -> Value:
+        """Where the item of an array is: a pointer of the index's kind, abreast if that is."""
         indices = [self.value(x) for x in (index.elts if isinstance(index, ast.Tuple) else [index])]
-        if len(indices) != row.kind.ndim or any(x.kind is not INT for x in indices):
+        if len(indices) != row.kind.ndim or any(single(x.kind) is not INT for x in indices):
             raise CompileError(f"{len(indices)} indices of an array of {row.kind.ndim} axes, integers are needed")
         place = indices[0]
         for x, size in zip(indices[1:], row.parts[2:], strict=True):
             place = self.binary("Add", self.binary("Mult", place, Value(INT, (size,))), x)
         return self.offset(row, place)
 
-    def offset(self, row: Value, place: Value) -> str:
+    def offset(self, row: Value, place: Value) -> Value:
         """The pointer to an item of a flat array."""
         if place.is_known and place.known() < 0:
             raise CompileError("negative indices of arrays are not compiled")
         place = self.binary("Mult", place, integer(row.kind.parts))
-        return self.write(f"getelementptr inbounds {row.kind.memory}, ptr {row.parts[0]}, i64 {place.parts[0]}")
+        index = f"{place.kind.leaves[0]} {place.parts[0]}"
+        return Value(
+            place.kind, (self.write(f"getelementptr inbounds {row.kind.memory}, ptr {row.parts[0]}, {index}"),)
+        )
 
-    def element(self, row: Value, address: str) -> Value:
+    def element(self, row: Value, address: Value) -> Value:
         """What is there."""
         item = row.kind.item
         leaf = item.leaves[0]
-        parts = [self.write(f"load {leaf}, ptr {address}")]
+        lanes = [self.element_of_lane(row, address, k) for k in range(LANES)] if is_abreast(address.kind) else []
+        if lanes:
+            return self.gathered(lanes)
+        parts = [self.write(f"load {leaf}, ptr {address.parts[0]}")]
         if len(item.leaves) == 2:
-            beside = self.write(f"getelementptr inbounds {leaf}, ptr {address}, i64 1")
+            beside = self.write(f"getelementptr inbounds {leaf}, ptr {address.parts[0]}, i64 1")
             parts.append(self.write(f"load {leaf}, ptr {beside}"))
         return Value(item, tuple(parts))
 
-    def put(self, row: Value, address: str, value: Value) -> None:
+    def element_of_lane(self, row: Value, address: Value, k: int) -> Value:
+        """What is where a lane points to."""
+        return self.element(row, self.lane(address, "ptr", k))
+
+    def lane(self, value: Value, leaf: str, k: int) -> Value:
+        """What a lane holds."""
+        parts = (self.write(f"extractelement <{LANES} x {leaf}> {part}, i64 {k}") for part in value.parts)
+        return Value(single(value.kind), tuple(parts))
+
+    def gathered(self, lanes: list[Value]) -> Value:
+        """Values of one kind abreast."""
+        parts = []
+        for n, leaf in enumerate(lanes[0].kind.leaves):
+            row = "poison"
+            for k, value in enumerate(lanes):
+                row = self.write(f"insertelement <{LANES} x {leaf}> {row}, {leaf} {value.parts[n]}, i64 {k}")
+            parts.append(row)
+        return Value(abreast(lanes[0].kind), tuple(parts))
+
+    def put(self, row: Value, address: Value, value: Value) -> None:
         """A value to there."""
         item = row.kind.item
+        if is_abreast(address.kind):
+            value = self.cast(value, abreast(item))
+            for k in range(LANES):
+                parts = (self.lane(Value(value.kind, (part,)), leaf, k).parts[0]
+                         for leaf, part in zip(item.leaves, value.parts, strict=True))  # fmt: skip
+                self.put(row, self.lane(address, "ptr", k), Value(item, tuple(parts)))
+            return
         if meeting(item, value.kind) != item:
             raise CompileError(f"{value.kind} into an array of {item}")
         for k, part in enumerate(self.cast(value, item).parts):
-            leaf = item.leaves[k]
-            there = self.write(f"getelementptr inbounds {leaf}, ptr {address}, i64 1") if k else address
+            leaf, there = item.leaves[k], address.parts[0]
+            there = self.write(f"getelementptr inbounds {leaf}, ptr {there}, i64 1") if k else there
             self.lines.append(f"  store {leaf} {part}, ptr {there}")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
@@ -268,7 +321,7 @@ class Expressions(Operators):
         size = Value(INT, (row.parts[1],))
         end = size if part.upper is None else self.extremum("Lt", [self.value(part.upper), size])
         begin = integer(0) if part.lower is None else self.value(part.lower)
-        return Value(row.kind, (self.offset(row, begin), self.binary("Sub", end, begin).parts[0]))
+        return Value(row.kind, (*self.offset(row, begin).parts, self.binary("Sub", end, begin).parts[0]))
 
     def of_call(self, node: ast.Call) -> Value:
         called = self.value(node.func)

@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
+from jacobian.native.code import LANES
+
 
 class CompileError(TypeError):
     """A loop has what cannot be compiled, or is called with kinds of values that it does not take."""
@@ -23,6 +25,8 @@ class Kind:
     leaves: tuple[str, ...]
     rank: int = -1
     """Kinds of numbers meet in the one of higher rank."""
+    single: Any = None
+    """What every lane holds, of a kind of values abreast."""
 
 
 BOOL = Kind("bool", ("i1",), 0)
@@ -30,6 +34,31 @@ INT = Kind("int", ("i64",), 1)
 FLOAT = Kind("float", ("double",), 2)
 WIDE = Kind("double-double", ("double", "double"), 3)
 NONE = Kind("None", ())
+_ABREAST = {
+    kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
+    for kind in (BOOL, INT, FLOAT, WIDE)
+}
+
+
+def abreast(kind: Any) -> Any:
+    """The kind of as many values as there are lanes; of a tuple, of all that is in it."""
+    if isinstance(kind, TupleKind):
+        return TupleKind(tuple(map(abreast, kind.items)), kind.named)
+    if is_abreast(kind):
+        return kind
+    if kind not in _ABREAST:
+        raise CompileError(f"no {kind} abreast")
+    return _ABREAST[kind]
+
+
+def is_abreast(kind: Any) -> bool:
+    """Whether it is one of values abreast."""
+    return getattr(kind, "single", None) is not None
+
+
+def single(kind: Any) -> Any:
+    """What every lane holds, or the kind itself."""
+    return kind.single if is_abreast(kind) else kind
 
 
 @dataclass(frozen=True)
@@ -134,6 +163,8 @@ def meeting(first: Any, second: Any) -> Any:
     if first == second:
         return first
     if is_number(first) and is_number(second):
+        if is_abreast(first) or is_abreast(second):
+            return abreast(meeting(single(first), single(second)))
         return first if first.rank > second.rank else second
     if isinstance(first, TupleKind) and isinstance(second, TupleKind) and len(first.items) == len(second.items):
         named = first.named if first.named is second.named else None

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from functools import wraps
 from typing import Any
 
-from jacobian.native.code import ZERO, Code, constant
+from jacobian.native.code import ABREAST, LANES, SINGLE, ZERO, Code, constant, repeated
 from jacobian.native.kinds import (
     BOOL,
     FLOAT,
@@ -15,8 +16,11 @@ from jacobian.native.kinds import (
     CompileError,
     TupleKind,
     Value,
+    abreast,
+    is_abreast,
     is_number,
     meeting,
+    single,
 )  # fmt: skip
 
 ARITHMETIC = {"Add": "add", "Sub": "sub", "Mult": "mul"}
@@ -40,6 +44,29 @@ def real(x: float) -> Value:
     return Value(FLOAT, (constant(x),))
 
 
+def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
+    """The method, also for values of which some are abreast: the same instructions on all lanes."""
+
+    @wraps(method)
+    def done(self: Operators, *given: Any) -> Value:
+        values = [x for item in given for x in (item if isinstance(item, list) else [item]) if isinstance(x, Value)]
+        if not any(is_abreast(x.kind) for x in values):
+            return method(self, *given)
+        arguments = [
+            [self.lanes(x) for x in item] if isinstance(item, list)
+            else self.lanes(item) if isinstance(item, Value) else item
+            for item in given
+        ]  # fmt: skip
+        self.types = ABREAST
+        try:
+            found = method(self, *arguments)
+        finally:
+            self.types = SINGLE
+        return Value(abreast(found.kind), found.parts)
+
+    return done
+
+
 class Operators(Code):
     """Instructions with kinds: ``contract`` is the fast-math flag of floats, as LLVM writes it."""
 
@@ -51,21 +78,54 @@ class Operators(Code):
         """The value in a kind that its own meets in."""
         if value.kind == kind:
             return value
+        if is_abreast(kind):
+            return self.cast_lanes(value, kind)
         if isinstance(kind, TupleKind) and isinstance(value.kind, TupleKind):
             items = [self.cast(value.item(i), item) for i, item in enumerate(kind.items)]
             return Value(kind, tuple(part for item in items for part in item.parts))
         if not (is_number(value.kind) and is_number(kind)):
             raise CompileError(f"{value.kind} for {kind}")
+        types = self.types
         if kind is INT:
-            return Value(INT, (self.write(f"zext i1 {value.parts[0]} to i64"),))
+            return Value(INT, (self.write(f"zext {types.bit} {value.parts[0]} to {types.word}"),))
         if value.kind in (INT, BOOL):
             if value.is_known:
-                high = constant(float(int(value.parts[0])))
+                high = self.literal("double", constant(float(int(value.parts[0]))))
             else:
-                high = self.write(f"{'sitofp' if value.kind is INT else 'uitofp'} {value.kind.leaves[0]} "
-                                  f"{value.parts[0]} to double")  # fmt: skip
+                name, leaf = ("sitofp", types.word) if value.kind is INT else ("uitofp", types.bit)
+                high = self.write(f"{name} {leaf} {value.parts[0]} to {types.double}")
             value = Value(FLOAT, (high,))
-        return value if kind is FLOAT else Value(WIDE, (value.parts[0], ZERO))
+        return value if kind is FLOAT else Value(WIDE, (value.parts[0], self.literal("double", ZERO)))
+
+    def cast_lanes(self, value: Value, kind: Any) -> Value:
+        """The value in a kind of values abreast."""
+        if not is_abreast(value.kind):
+            value = self.cast(value, kind.single)
+            parts = (self.repeat(leaf, part) for leaf, part in zip(kind.single.leaves, value.parts, strict=True))
+            return Value(kind, tuple(parts))
+        self.types = ABREAST
+        found = self.cast(Value(single(value.kind), value.parts), kind.single)
+        self.types = SINGLE
+        return Value(kind, found.parts)
+
+    def lanes(self, value: Value) -> Value:
+        """A number in all lanes, as a value of the kind that every lane holds."""
+        if not is_number(value.kind):
+            raise CompileError(f"{value.kind} with numbers abreast")
+        return Value(single(value.kind), self.cast(value, abreast(value.kind)).parts)
+
+    def repeat(self, leaf: str, part: str) -> str:
+        """A scalar in all lanes."""
+        if not part.startswith("%"):
+            return repeated(leaf, {"0": "false", "1": "true"}[part] if leaf == "i1" else part)
+        many = f"<{LANES} x {leaf}>"
+        first = self.write(f"insertelement {many} poison, {leaf} {part}, i64 0")
+        return self.write(f"shufflevector {many} {first}, {many} poison, <{LANES} x i32> zeroinitializer")
+
+    def some(self, condition: str) -> str:
+        """Whether a condition holds in any lane, as an i1."""
+        bits = self.write(f"bitcast {ABREAST.bit} {condition} to i{LANES}")
+        return self.write(f"icmp ne i{LANES} {bits}, 0")
 
     def float_of(self, value: Value) -> str:
         """The operand of a float, an integer or the high part of a double-double."""
@@ -73,22 +133,29 @@ class Operators(Code):
 
     def truth(self, value: Value) -> str:
         """Whether it is not zero, as an i1."""
-        if value.kind is BOOL:
+        if single(value.kind) is BOOL:
             return str(value.parts[0])
         return str(self.compare("NotEq", value, integer(0)).parts[0])
 
     def wide(self, name: str, parts: tuple[Any, ...]) -> Value:
         """A call of one of :data:`jacobian.numbers.double_double_steps.FUNCTIONS`."""
-        arguments = ", ".join(f"double {part}" for part in parts)
-        pair = self.write(f"call {{double, double}} @wide.{name}({arguments})")
-        return Value(WIDE, tuple(self.write(f"extractvalue {{double, double}} {pair}, {k}") for k in range(2)))
+        double, pairs = self.types.double, f"{{{self.types.double}, {self.types.double}}}"
+        arguments = ", ".join(f"{double} {part}" for part in parts)
+        pair = self.write(f"call {pairs} @wide.{name}{self.types.mark}({arguments})")
+        return Value(WIDE, tuple(self.write(f"extractvalue {pairs} {pair}, {k}") for k in range(2)))
 
+    @in_lanes
     def negative(self, x: Value) -> Value:
         """−x."""
         if x.kind is INT:
-            return integer(-x.known()) if x.is_known else Value(INT, (self.write(f"sub i64 0, {x.parts[0]}"),))
+            return (
+                integer(-x.known())
+                if x.is_known
+                else Value(INT, (self.int_binary("Sub", self.literal("i64", "0"), x.parts[0]),))
+            )
         return Value(x.kind, tuple(self.fneg(part) for part in x.parts))
 
+    @in_lanes
     def binary(self, name: str, x: Value, y: Value) -> Value:
         """x and y under the operator of that class of ``ast``."""
         if isinstance(x.kind, TupleKind) and isinstance(y.kind, TupleKind) and name == "Add":
@@ -125,32 +192,35 @@ class Operators(Code):
     def float_binary(self, name: str, x: str, y: str) -> str:
         """The same of floats."""
         if name == "Pow":
-            return self.write(f"call double @llvm.pow.f64(double {x}, double {y})")
+            return self.intrinsic("pow", x, y)
         operation = {"Add": "fadd", "Sub": "fsub", "Mult": "fmul", "Div": "fdiv"}.get(name)
         if operation is None:
             raise CompileError(f"{name} of floats")
-        return self.write(f"{operation} {self.contract} double {x}, {y}")
+        return self.write(f"{operation} {self.contract} {self.types.double} {x}, {y}")
 
     def int_binary(self, name: str, x: str, y: str) -> str:
         """The same of integers; quotients are rounded down."""
+        word, bit = self.types.word, self.types.bit
         if name in ARITHMETIC:
             # what leaves 64 bits is no index: loops over indices are made vectors then
-            return self.write(f"{ARITHMETIC[name]} nsw i64 {x}, {y}")
+            return self.write(f"{ARITHMETIC[name]} nsw {word} {x}, {y}")
         if name in BITS:
-            return self.write(f"{BITS[name]} i64 {x}, {y}")
+            return self.write(f"{BITS[name]} {word} {x}, {y}")
         if name not in ("FloorDiv", "Mod"):
             raise CompileError(f"{name} of integers")
-        rest = self.write(f"srem i64 {x}, {y}")
-        signs = self.write(f"xor i64 {rest}, {y}")
-        below = self.write(f"icmp slt i64 {signs}, 0")
-        some = self.write(f"icmp ne i64 {rest}, 0")
-        off = self.write(f"and i1 {below}, {some}")
+        zero = self.literal("i64", "0")
+        rest = self.write(f"srem {word} {x}, {y}")
+        signs = self.write(f"xor {word} {rest}, {y}")
+        below = self.write(f"icmp slt {word} {signs}, {zero}")
+        some = self.write(f"icmp ne {word} {rest}, {zero}")
+        off = self.write(f"and {bit} {below}, {some}")
         if name == "Mod":
-            more = self.write(f"select i1 {off}, i64 {y}, i64 0")
-            return self.write(f"add i64 {rest}, {more}")
-        quotient, less = self.write(f"sdiv i64 {x}, {y}"), self.write(f"zext i1 {off} to i64")
-        return self.write(f"sub i64 {quotient}, {less}")
+            more = self.write(f"select {bit} {off}, {word} {y}, {word} {zero}")
+            return self.write(f"add {word} {rest}, {more}")
+        quotient, less = self.write(f"sdiv {word} {x}, {y}"), self.write(f"zext {bit} {off} to {word}")
+        return self.write(f"sub {word} {quotient}, {less}")
 
+    @in_lanes
     def compare(self, name: str, x: Value, y: Value) -> Value:
         """Whether the relation holds."""
         kind = meeting(x.kind, y.kind)
@@ -158,28 +228,43 @@ class Operators(Code):
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
+        double, word, bit = self.types[:3]
         if kind is not WIDE:
-            relation = f"fcmp {of_floats} double" if kind is FLOAT else f"icmp {of_integers} {kind.leaves[0]}"
+            relation = (
+                f"fcmp {of_floats} {double}" if kind is FLOAT else f"icmp {of_integers} {word if kind is INT else bit}"
+            )
             return Value(BOOL, (self.write(f"{relation} {x.parts[0]}, {y.parts[0]}"),))
         strict = {"ole": "olt", "oge": "ogt"}.get(of_floats, of_floats)
-        first = self.write(f"fcmp {strict} double {x.parts[0]}, {y.parts[0]}")
-        second = self.write(f"fcmp {of_floats} double {x.parts[1]}, {y.parts[1]}")
+        first = self.write(f"fcmp {strict} {double} {x.parts[0]}, {y.parts[0]}")
+        second = self.write(f"fcmp {of_floats} {double} {x.parts[1]}, {y.parts[1]}")
         if name in ("Eq", "NotEq"):
-            return Value(BOOL, (self.write(f"{'and' if name == 'Eq' else 'or'} i1 {first}, {second}"),))
-        same = self.write(f"fcmp oeq double {x.parts[0]}, {y.parts[0]}")
-        both = self.write(f"and i1 {same}, {second}")
-        return Value(BOOL, (self.write(f"or i1 {first}, {both}"),))
+            return Value(BOOL, (self.write(f"{'and' if name == 'Eq' else 'or'} {bit} {first}, {second}"),))
+        same = self.write(f"fcmp oeq {double} {x.parts[0]}, {y.parts[0]}")
+        both = self.write(f"and {bit} {same}, {second}")
+        return Value(BOOL, (self.write(f"or {bit} {first}, {both}"),))
 
     def chosen(self, condition: str, x: Value, y: Value) -> Value:
-        """x where the i1 holds, else y: both are computed."""
+        """x where the condition holds, else y: both are computed."""
+        if self.types is ABREAST:
+            return self.blended(condition, x, y)
         parts = tuple(
             p if p == q else self.write(f"select i1 {condition}, {leaf} {p}, {leaf} {q}")
             for leaf, p, q in zip(x.kind.leaves, x.parts, y.parts, strict=True)
         )
         return Value(x.kind, parts)
 
+    def blended(self, condition: str, x: Value, y: Value) -> Value:
+        """The same in every lane, of a condition in lanes."""
+        kind = abreast(x.kind)
+        parts = tuple(
+            p if p == q else self.write(f"select {ABREAST.bit} {condition}, {leaf} {p}, {leaf} {q}")
+            for leaf, p, q in zip(kind.leaves, x.parts, y.parts, strict=True)
+        )
+        return Value(x.kind, parts)
+
     # --- builtin functions
 
+    @in_lanes
     def extremum(self, relation: str, values: list[Value]) -> Value:
         """The first of the least or the largest."""
         kind = values[0].kind
@@ -191,20 +276,28 @@ class Operators(Code):
             best = self.chosen(self.compare(relation, value, best).parts[0], value, best)
         return best
 
+    @in_lanes
     def absolute(self, x: Value) -> Value:
         """|x|."""
         if x.kind is FLOAT:
-            return Value(FLOAT, (self.write(f"call double @llvm.fabs.f64(double {x.parts[0]})"),))
+            return Value(FLOAT, (self.intrinsic("fabs", x.parts[0]),))
         head = Value(FLOAT, x.parts[:1]) if x.kind is WIDE else x
         return self.chosen(self.compare("Lt", head, integer(0)).parts[0], self.negative(x), x)
 
+    @in_lanes
     def root(self, x: Value) -> Value:
         """√x."""
         return self.wide("root", x.parts) if x.kind is WIDE else self.function("sqrt", x)
 
+    @in_lanes
     def function(self, name: str, x: Value) -> Value:
         """One of LLVM's functions of a float."""
-        return Value(FLOAT, (self.write(f"call double @llvm.{name}.f64(double {self.float_of(x)})"),))
+        return Value(FLOAT, (self.intrinsic(name, self.float_of(x)),))
+
+    @in_lanes
+    def rounded(self, x: Value) -> Value:
+        """The float of a number, of a double-double its high part."""
+        return Value(FLOAT, (self.float_of(x),))
 
     def whole(self, x: Value) -> Value:
         """The float cut to an integer; not-a-number becomes 0."""
@@ -234,7 +327,7 @@ def length(b: Operators, x: Value) -> Value:
 BUILTINS: dict[Any, Callable[..., Value]] = {
     len: length,
     abs: Operators.absolute,
-    float: lambda b, x: Value(FLOAT, (b.float_of(x),)),
+    float: Operators.rounded,
     int: Operators.whole,
     bool: lambda b, x: Value(BOOL, (b.truth(x),)),
     max: lambda b, *xs: b.extremum("Gt", list(xs)),
@@ -246,16 +339,23 @@ BUILTINS: dict[Any, Callable[..., Value]] = {
     math.ldexp: Operators.ldexp,
     **{getattr(math, name): (lambda b, x, n=name: b.function(n, x)) for name in ("sin", "cos", "log", "log2", "exp")},
 }
-# their declarations, as a module has them
+# LLVM's own, by the number of their arguments
+FUNCTIONS_OF_LLVM = {
+    1: ("sqrt", "fabs", "floor", "ceil", "sin", "cos", "log", "log2", "exp"),
+    2: ("pow",),
+    3: ("fma",),
+}
+# the declarations of all, as a module has them
 DECLARED = "\n".join(
     [
-        *(f"declare double @llvm.{name}.f64(double)" for name in (
-            "sqrt", "fabs", "floor", "ceil", "sin", "cos", "log", "log2", "exp",
-        )),
-        "declare double @llvm.fma.f64(double, double, double)",
-        "declare double @llvm.pow.f64(double, double)",
+        *(
+            f"declare {types.double} @llvm.{name}.{types.suffix}({', '.join([types.double] * count)})"
+            for types in (SINGLE, ABREAST)
+            for count, names in FUNCTIONS_OF_LLVM.items()
+            for name in names
+        ),
         "declare i64 @llvm.fptosi.sat.i64.f64(double)",
         "declare double @frexp(double, ptr)",
         "declare double @ldexp(double, i32)",
     ]
-)  # fmt: skip
+)

@@ -6,9 +6,23 @@ import ast
 from collections.abc import Callable
 from typing import Any
 
+from jacobian.native.code import LANES
 from jacobian.native.expressions import Expressions
-from jacobian.native.kinds import INT, NONE, OBJECT, ArrayKind, CompileError, TupleKind, Value, meeting
+from jacobian.native.kinds import (
+    BOOL,
+    INT,
+    NONE,
+    OBJECT,
+    ArrayKind,
+    CompileError,
+    TupleKind,
+    Value,
+    abreast,
+    is_abreast,
+    meeting,
+)  # fmt: skip
 from jacobian.native.operators import integer
+from jacobian.numbers.abreast import abreast as rounds_abreast
 
 
 class _Wider(Exception):
@@ -20,6 +34,9 @@ class Statements(Expressions):
 
     A name has one kind, in which all its values meet. Where a later value shows that it is wider than the first, all
     is begun again.
+
+    Where a condition is one of values abreast, either branch is run for all lanes if any needs it, and changes those:
+    ``mask``, None for all, are the lanes that go on.
     """
 
     def __init__(self, program: Any, function: Any, contract: str) -> None:
@@ -29,6 +46,10 @@ class Statements(Expressions):
         self.loops: list[list[str]] = []
         """Where continue and break lead, and a third entry where a break has been seen."""
         self.open = True
+        self.mask: str | None = None
+        self.branches = 0
+        self.results: list[str] = []
+        """Where lanes that have returned keep what they return."""
 
     def compiled(self, name: str, tree: ast.FunctionDef, kinds: tuple[Any, ...], attributes: str) -> str:
         """The function in LLVM."""
@@ -38,6 +59,7 @@ class Statements(Expressions):
         while True:
             self.lines, self.slots, self.variables, self.loops, self.open = [], [], {}, [], True
             self.label, self._count = "entry", 0
+            self.mask, self.branches, self.results = None, 0, []
             parameters = []
             try:
                 for argument, kind in zip(names, kinds, strict=True):
@@ -47,6 +69,8 @@ class Statements(Expressions):
                 self.block(tree.body)
                 if self.open:
                     self.give_back(Value(NONE, ()))
+                if self.results:
+                    self.end_of_lanes()
                 break
             except _Wider:
                 continue
@@ -76,6 +100,8 @@ class Statements(Expressions):
         """A value into a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
+        if self.mask is not None and not isinstance(value.kind, ArrayKind):
+            value = self.cast(value, abreast(value.kind))
         kind = self.kinds.setdefault(name, value.kind)
         wider = meeting(kind, value.kind)
         if wider != kind:
@@ -83,6 +109,8 @@ class Statements(Expressions):
             raise _Wider
         if name not in self.variables:
             self.variables[name] = kind, [self.slot(leaf) for leaf in kind.leaves]
+        elif self.mask is not None:
+            value = self.blended(self.mask, value, self.loaded(*self.variables[name]))
         self.keep(self.cast(value, kind), self.variables[name][1])
 
     def assign(self, target: ast.expr, value: Value) -> None:
@@ -136,7 +164,16 @@ class Statements(Expressions):
             first, self.result = self.result is None, result
             if not first:
                 raise _Wider
-        value, returned = self.cast(value, result), returned_type(result)
+        value = self.cast(value, result)
+        self.open = False
+        if self.mask is not None:
+            self.give_back_lanes(value)
+        else:
+            self.end(value)
+
+    def end(self, value: Value) -> None:
+        """The last instruction: the result is this."""
+        result, returned = value.kind, returned_type(value.kind)
         if len(value.parts) < 2:
             self.lines.append(f"  ret {returned} {value.parts[0]}" if value.parts else "  ret void")
         else:
@@ -144,11 +181,31 @@ class Statements(Expressions):
             for k, (leaf, part) in enumerate(zip(result.leaves, value.parts, strict=True)):
                 row = self.write(f"insertvalue {returned} {row}, {leaf} {part}, {k}")
             self.lines.append(f"  ret {returned} {row}")
-        self.open = False
+
+    def give_back_lanes(self, value: Value) -> None:
+        """What the lanes of the mask return, kept until all have."""
+        if value.kind is NONE or value.kind != abreast(value.kind):
+            self.result = abreast(value.kind)
+            raise _Wider
+        if self.results:
+            value = self.blended(str(self.mask), value, self.loaded(value.kind, self.results))
+        else:
+            self.results = [self.slot(leaf) for leaf in value.kind.leaves]
+        self.keep(value, self.results)
+
+    def end_of_lanes(self) -> None:
+        """What all lanes have returned."""
+        self.go("returned")
+        self.begin("returned")
+        self.end(self.loaded(self.result, self.results))
 
     def do_if(self, node: ast.If) -> None:
+        test = self.value(node.test)
+        if is_abreast(test.kind):
+            self.in_lanes(node, self.truth(test))
+            return
         yes, no, end = self.labels("then", "else", "end")
-        self.split(self.truth(self.value(node.test)), yes, no)
+        self.split(self.truth(test), yes, no)
         ended = []
         for label, body in ((yes, node.body), (no, node.orelse)):
             self.begin(label)
@@ -161,15 +218,48 @@ class Statements(Expressions):
         if self.open:
             self.begin(end)
 
+    def in_lanes(self, node: ast.If, condition: str) -> None:
+        """Both branches, each for the lanes that take it, if any do; where lanes return, the others go on."""
+        bits, outer = abreast(BOOL).leaves[0], self.mask
+        other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")
+        left = []
+        for lanes, body in ((condition, node.body), (other, node.orelse)):
+            mask = lanes if outer is None else self.write(f"and {bits} {lanes}, {outer}")
+            run, end = self.labels("lanes", "end")
+            self.split(self.some(mask), run, end)
+            self.begin(run)
+            self.mask, self.open, self.branches = mask, True, self.branches + 1
+            self.block(body)
+            self.branches -= 1
+            if self.open:
+                left.append(mask)
+            self.go(end)
+            self.begin(end)
+        self.mask, self.open = outer, bool(left)
+        if len(left) == 1:
+            if self.loops or self.branches:
+                raise CompileError("some lanes return in a loop, or in a branch of some")
+            self.mask = left[0]
+            (rest,) = self.labels("rest")
+            self.split(self.some(self.mask), rest, "returned")
+            self.begin(rest)
+
     def do_pass(self, node: ast.Pass) -> None:
         pass
 
     def do_break(self, node: ast.Break) -> None:
+        self.all_lanes()
         self.go(self.loops[-1][1])
         self.loops[-1].append("broken")
         self.open = False
 
+    def all_lanes(self) -> None:
+        """CompileError where only some lanes are here."""
+        if self.mask is not None:
+            raise CompileError("some lanes leave a round of a loop")
+
     def do_continue(self, node: ast.Continue) -> None:
+        self.all_lanes()
         self.go(self.loops[-1][0])
         self.open = False
 
@@ -181,7 +271,7 @@ class Statements(Expressions):
         if forever:
             self.go(body)
         else:
-            self.split(self.truth(self.value(node.test)), body, end)
+            self.split(self.condition(node.test), body, end)
         self.open = self.around(node.body, body, again, end) or not forever
         if self.open:
             self.begin(end)
@@ -202,6 +292,10 @@ class Statements(Expressions):
             start, stop = (integer(0), given[0]) if len(given) == 1 else (given[0], given[1])
             self.counted(node, start, stop, given[2] if len(given) == 3 else integer(1), lambda i: i)
             return
+        if isinstance(node.iter, ast.Call) and self.value(node.iter.func).parts == (rounds_abreast,):
+            start, stop = map(self.value, node.iter.args)
+            self.counted(node, start, stop, integer(LANES), lambda i: self.lanes_from(i, stop))
+            return
         row = self.value(node.iter)
         if isinstance(row.kind, ArrayKind) and row.kind.ndim == 1:
             stop = Value(INT, (row.parts[1],))
@@ -221,6 +315,12 @@ class Statements(Expressions):
             self.begin(again)
         self.go(end)
         self.begin(end)
+
+    def lanes_from(self, first: Value, stop: Value) -> Value:
+        """first, first + 1, …, none beyond the one before ``stop``."""
+        numbers = ", ".join(f"i64 {k}" for k in range(LANES))
+        places = self.binary("Add", first, Value(abreast(INT), (f"<{numbers}>",)))
+        return self.extremum("Lt", [places, self.binary("Sub", stop, integer(1))])
 
     def counted(self, node: ast.For, start: Value, stop: Value, step: Value, item: Any) -> None:
         """A loop over integers."""
