@@ -49,22 +49,25 @@ class TorusSeries:
         columns = grid.shape[1]
         half = half_plane(grid)
         self._first = -(columns // 2)
-        largest = float(np.abs(grid).max())
-        kept = np.abs(half) > rounding * largest
+        self._slope = half.astype(complex)
+        # those beside k = 0 are counted with their conjugates
+        sizes = np.abs(self._slope)
+        largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
+        kept = sizes > rounding * largest
         # the conjugate half of the row k = 0 is counted with its other half
         kept[0, : columns // 2 + 1] = False
-        self._slope = half.astype(complex)
         self._kept = kept
         turns = self._turns(kept)
         self._swing = np.zeros_like(self._slope)
         self._swing[kept] = half[kept] / (2j * pi * turns[kept])
-        kept &= (np.abs(half) > noise * largest) | (np.abs(self._swing) > least)
+        swings = np.abs(self._swing)
+        kept &= (sizes > noise * largest) | (swings > least)
         self._swing[~kept] = 0
         self._fine = half
         # S + origin has the mean 0
         self.origin = float(self._swing[kept].real.sum())
         # |S| is below
-        self.bound = float(np.abs(self._swing[kept]).sum()) + abs(self.origin)
+        self.bound = float(swings[kept].sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:
         """k·ν₁ + m·ν₂, from wide numbers where floats cancel."""
@@ -86,7 +89,8 @@ class TorusSeries:
         real and imaginary parts of their coefficients likewise, in long doubles.
         """
         sizes = np.abs(self._swing)
-        chosen = [int(n) for n in np.argsort(sizes, axis=None)[::-1][:most] if sizes.flat[n] >= least]
+        loud = np.flatnonzero(sizes >= least)
+        chosen = loud[np.argsort(sizes.flat[loud])[::-1][:most]].tolist()
         modes, coefficients = [], []
         nu1, nu2 = self.frequencies
         for n in chosen:
@@ -107,21 +111,22 @@ class TorusSeries:
         kept[left_out] = False
         # a difference of sums would have the rounding of the largest modes
         origin = float(self._swing[kept].real.sum()) if len(without) else self.origin
+        used, columns = kept.any(axis=1), np.arange(kept.shape[1])
         modes = np.flatnonzero(kept.any(axis=0))
         least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
-        lines, swings, slopes, place = [], [], [], 0
-        for k in range(int(np.flatnonzero(kept.any(axis=1)).max(initial=0)) + 1):
-            chosen = np.flatnonzero(kept[k])
-            begin, end = (int(chosen[0]), int(chosen[-1]) + 1) if len(chosen) else (least, least)
-            lines += [begin - least, place, place + end - begin]
-            place += end - begin
-            swings.append(np.where(kept[k, begin:end], self._swing[k, begin:end], 0))
-            slopes.append(np.where(kept[k, begin:end], self._slope[k, begin:end], 0))
-        swing, slope = np.concatenate(swings), np.concatenate(slopes)
+        height = int(np.flatnonzero(used).max(initial=0)) + 1
+        kept, used = kept[:height], used[:height]
+        # of every row what lies between its first mode and its last
+        begin = np.where(used, kept.argmax(axis=1), least)
+        end = np.where(used, len(columns) - kept[:, ::-1].argmax(axis=1), least)
+        inside = (columns >= begin[:, None]) & (columns < end[:, None])
+        places = np.concatenate([[0], np.cumsum(end - begin)])
+        lines = np.column_stack([begin - least, places[:-1], places[1:]]).ravel()
+        swing, slope = (np.where(kept, table[:height], 0)[inside] for table in (self._swing, self._slope))
         s, t, u, v = (np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag))
         nu1, nu2 = map(float, self.frequencies)
         least += self._first
-        return Series(np.array(lines), s, t, u, v, least, count, (nu1, nu2), self.bound, -origin, self.mean)
+        return Series(lines, s, t, u, v, least, count, (nu1, nu2), self.bound, -origin, self.mean)
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """S at arrays of phases, in turns."""
@@ -246,7 +251,12 @@ def long_double(x: Any) -> Any:
 
 def spectrum(samples: np.ndarray) -> np.ndarray:
     """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
-    grid: np.ndarray = np.fft.fft2(samples) / samples.size
+    half = np.fft.rfft2(samples, axes=(1, 0)) / samples.size
+    rows = len(samples)
+    # the others are conjugate
+    other = half[1 : rows - rows // 2][::-1].conj()
+    other[:, 1:] = other[:, :0:-1].copy()
+    grid: np.ndarray = np.concatenate([half, other])
     return grid
 
 
@@ -280,7 +290,7 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
     """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
     (relative), else a larger one where their decay leads, or the number of samples that averages their rounding.
     """
-    grid = np.abs(grid).astype(float)
+    grid = np.abs(grid.astype(complex))
     grid /= grid.max()
     rows, columns = (_needed(np.maximum.reduce(grid, axis=1 - k), noise[k]) for k in range(2))
     return rows, columns

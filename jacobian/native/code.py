@@ -23,7 +23,8 @@ class Types(NamedTuple):
 
 
 SINGLE = Types("double", "i64", "i1", "f64", "")
-ABREAST = Types(*(f"<{LANES} x {leaf}>" for leaf in SINGLE[:3]), f"v{LANES}f64", ".abreast")
+_DOUBLE, _WORD, _BIT = (f"<{LANES} x {leaf}>" for leaf in SINGLE[:3])
+ABREAST = Types(_DOUBLE, _WORD, _BIT, f"v{LANES}f64", ".abreast")
 
 
 def repeated(leaf: str, literal: str) -> str:
@@ -108,7 +109,7 @@ class Code:
 
 
 def wide_functions() -> str:
-    """The :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles, and of several abreast, as a module
+    """The :data:`~jacobian.numbers.double_double_steps.FUNCTIONS` of double-doubles, single and abreast, as a module
     has them.
     """
     texts = []
