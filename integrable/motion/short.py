@@ -39,7 +39,7 @@ if TYPE_CHECKING:
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
 # between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short)
 PANEL_COST, START_COST = 2.5, 130.0
-TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 5000.0
+TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2800.0
 DENSE_FROM = 5000
 # panels at most, whose errors grow like their number; times at most
 MOST_PANELS, MOST_TIMES = 1000, 20_000
