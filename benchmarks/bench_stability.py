@@ -1,8 +1,8 @@
 """How errors grow over 10 … 10⁸ additions of one divisor, for each way of stepping: error and residual of the curve.
 
 ``python -m benchmarks.bench_stability --figure docs/figures/stability`` also draws it, as .png and .svg. The start is
-the divisor D of scene S1 (or S2), the step D' a conjugate pair at x = ±iη; truth is D + [n]D' at 60 digits. Errors are
-those of the coefficients of (U, V), the residual is |f − V² mod U| over the size of f.
+the divisor D of the ball (or the top), the step D' a conjugate pair at x = ±iη; truth is D + [n]D' at 60 digits.
+Errors are those of the coefficients of (U, V), the residual is |f − V² mod U| over the size of f.
 """
 
 from __future__ import annotations
@@ -354,7 +354,9 @@ def draw(table: list[dict[str, Any]], stem: Path) -> None:
                     )  # fmt: skip
             grid = np.array([1e1, 1e8])
             if key == "error":
-                panel.loglog(grid, 1e-16 * grid, color="0.6", linewidth=0.9, linestyle="--", label="1e-16·n")
+                panel.loglog(
+                    grid, 1e-16 * grid, color="0.6", linewidth=0.9, linestyle="--", label="10⁻¹⁶·n, to compare"
+                )
                 panel.set_title(title, fontsize=11)
             else:
                 panel.set_xlabel("additions n")
