@@ -7,6 +7,7 @@ Sphinx makes HTML of all of them. A warning is an error, and so is what a cell r
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import re
 import shutil
@@ -29,7 +30,7 @@ OTHERS = {
     "tests/data/README.md": "test_data.md",
 }
 # of this folder, those that are no pages, or not as they are
-LEFT_OUT = {"site", "build.py", "README.md", "__pycache__", "error_against_run_time.md"}
+LEFT_OUT = {"site", "build.py", "README.md", "__pycache__", "error_against_run_time.md", "error_against_run_time.json"}
 # those with a place of their own or in no page as they are; the rest is "How it works"
 PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 
@@ -53,7 +54,7 @@ def lay_out(source: Path) -> None:
         shutil.copy(DOCS / "site" / name, static)
     shutil.copytree(ROOT / "integrable" / "schemas", static / "schemas")
     shutil.copytree(ROOT / "integrable" / "certified", static / "certified")
-    results = measured.write(source, (DOCS / "error_against_run_time.md").read_text(encoding="utf-8"))
+    results = measured.write(source, json.loads((DOCS / "error_against_run_time.json").read_text(encoding="utf-8")))
     gallery.write(source, results)
     reference.write(source)
     _how_it_works(source)

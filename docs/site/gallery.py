@@ -44,19 +44,18 @@ def write(source: Path, results: dict[str, Any]) -> None:
     )
 
 
-def _page(scene: Any, content: dict[str, Any] | None, best: Any) -> str:
+def _page(scene: Any, content: dict[str, Any] | None, found: Any) -> str:
     parts = [f"# {scene.title}\n\n{' '.join(scene.description.split())}\n"]
     commands = f"integrable run {scene.name}\n" + (f"integrable view {scene.name}\n" if content else "")
     parts.append(f"```console\n{commands}```\n")
-    if best is not None and best.flow:
-        from integrable.scene.tables import duration
+    if found is not None and found.best:
+        from integrable.scene.tables import duration, figure
 
-        label, seconds, error = best.flow
         parts.append(
-            f"**Time it took.** {label.split(',')[0].capitalize()}: {duration(seconds)} with set-up, largest error of γ {error:.1e} "
-            f"([all methods](../measured/{scene.name}.md)).\n"
+            f"**Time it took.** {found.flow[0]['row']['method'].capitalize()}: {duration(found.best['total'])} with set-up, largest error "
+            f"of γ {figure(found.best['error_gamma'])} ([all methods](../measured/{scene.name}.md)).\n"
         )
-    elif best is not None:
+    elif found is not None:
         parts.append(f"[What was measured](../measured/{scene.name}.md)\n")
     if content:
         parts.append(

@@ -1,166 +1,90 @@
-"""The pages of error against run time: one screen, a page a scene, tables that can be sorted; from the report's page."""
+"""The pages of error against run time: one screen, a page a scene, tables that can be sorted; from the report's JSON."""
 
 from __future__ import annotations
 
-import io
+import html
 import re
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+from integrable.scene.file import load_scene
+from integrable.scene.tables import duration, figure
+from integrable.study.columns import horizon_name, ratio_cell
+from integrable.study.findings import SceneFindings, Standing, Study, study_from
+from integrable.study.page import introduction, scene_section, sections
+
+FIGURES = Path(__file__).parents[1] / "figures" / "report"
 INTRO = """\
 # Error against run time
 
 How near the truth does a method get, in how much time? Every scene was run by every method at several settings; the truth is
-the same motion at 40 digits or more, held against an integrator that shares no code with the flow. Less of both is better.
+the same motion at 40 digits or more, held against an integrator that shares no code with the flow.
 
-![For each scene, how many times longer than the divisor flow the fastest other method takes that is as accurate](one_screen.svg)
-
-*How to read it.* A row is a scene, the longest motions at the top. A filled mark says how many times the run time of the divisor flow
-the fastest other method takes among those that are **at least as accurate as the flow**; an arrow: none that was tried is, at any
-setting. An open mark asks for less: an error below what **rounding the inputs to doubles** does anyway, so that nobody who
-knows the body to sixteen digits sees a difference. Right of the line (blue) the flow is ahead, left of it (orange) the other. Run times include
-set-up.
+A cell says **how many times the run time of the divisor flow the fastest other method takes** among those that are near enough: their error
+is at most the flow's, or at most what rounding the inputs to doubles does anyway, so that nobody who knows the body to sixteen digits sees a
+difference. Above 1 (<span class="ahead">blue</span>) the flow is ahead, below (<span class="behind">orange</span>) the other; *none*: no setting of any
+method is so near. T is one time, in time scales of the motion (in one the body turns by about a radian), at which the state is asked for; *all its
+times* are those that the scene lists, up to its last. Run times include set-up. A click on a heading sorts; a cell says which method it is about.
 """
+CLAIMS = "Each is measured; [details](details.md) and the pages of the scenes have the figures."
+# from this ratio on, a cell looks like that
+LOOKS = ((100.0, "far-ahead"), (1.0, "ahead"), (0.01, "behind"), (0.0, "far-behind"))
 
 
-class Best(NamedTuple):
-    """Of a scene: the flow's fastest row, the fastest other row that is as accurate and the fastest that
-    reaches the floor; each (method, seconds, error)."""
-
-    title: str
-    flow: tuple[str, float, float] | None
-    peer: tuple[str, float, float] | None
-    to_the_floor: tuple[str, float, float] | None
-
-
-def write(source: Path, text: str) -> dict[str, Best]:
-    """Write the pages from the report's page ``text`` into ``source``/measured; what was measured of each scene."""
+def write(source: Path, data: dict[str, Any]) -> dict[str, SceneFindings]:
+    """Write the pages of a report.json into ``source``/measured; what was found of each scene."""
     folder = source / "measured"
     folder.mkdir()
-    sections = re.split(r"^## ", text, flags=re.M)
-    head, general, scenes = sections[0], {}, {}
-    for section in sections[1:]:
-        title, _, body = section.partition("\n")
-        name = title.partition(":")[0]
-        if re.fullmatch(r"\w+", name) and ": " in title:
-            scenes[name] = (title.partition(": ")[2], body)
-        else:
-            general[title] = body
-    floors = {row["scene"]: row["floor γ"] for row in _rows(general["The flow's error and the floor"])}
-    results = {name: _best(title, body, floors.get(name, "–")) for name, (title, body) in scenes.items()}
-    (folder / "one_screen.svg").write_bytes(_one_screen(results))
-    lost = next(title for title in general if "not ahead" in title)
-    pages = {"claims": ("Claims", general.pop("Claims"))}
-    pages["rows"] = (lost, general.pop(lost))
-    pages["details"] = ("Details", "".join(f"\n## {title}\n{body}" for title, body in general.items()))
-    for name, (title, body) in pages.items():
-        _page(folder / f"{name}.md", title, body)
-    for name, (title, body) in scenes.items():
-        _page(folder / f"{name}.md", title, body, name)
-    _index(folder, head, text, pages["claims"][1], scenes)
-    return results
-
-
-def _index(folder: Path, head: str, text: str, claims: str, scenes: dict[str, tuple[str, str]]) -> None:
-    about = "\n".join(head.splitlines()[2:])
-    names = "\n".join(scenes)
-    table = "\n".join(f"| [{name}]({name}.md) | {title} |" for name, (title, _) in scenes.items())
-    (folder / "index.md").write_text(
-        f"{INTRO}\n## Claims\n\n{_sortable(claims)}\n"
-        "[All rows where the flow is not ahead](rows.md), in a table that can be sorted. [Details](details.md): long runs, floors, "
-        f"first use, orders, additions, rows without a figure.\n\n## A page a scene\n\n| scene | |\n|---|---|\n{table}\n\n"
-        f"## How it was measured\n{about}\n\n"
-        f"```{{toctree}}\n:hidden:\n\nclaims\nrows\ndetails\n{names}\n```\n",
-        encoding="utf-8",
+    study = study_from(data, [load_scene(name) for name in data["scenes"]])
+    study.figures.update({path.stem: f"../figures/report/{path.name}" for path in FIGURES.glob("*.svg")})
+    parts = sections(study)
+    claims = "\n".join(line for line in parts["claims"].splitlines() if line.startswith("|")) + "\n"
+    lost, _, rows = parts["rows"].removeprefix("## ").partition("\n")
+    details = [part for name, part in parts.items() if name not in ("claims", "rows", "horizons")]
+    _write(folder / "rows.md", f"# {lost}\n{rows}")
+    _write(folder / "details.md", "# Details\n\n" + "\n".join(details))
+    for found in study.findings:
+        name = found.scene.name
+        title, _, body = scene_section(study, found).removeprefix(f"## {name}: ").partition("\n")
+        _write(folder / f"{name}.md", f"# {title}\n\n[The scene in the gallery](../gallery/{name}.md)\n{body}")
+    names = "\n".join(found.scene.name for found in study.findings)
+    others = ", ".join(f"[{f.scene.name}]({f.scene.name}.md)" for f in study.findings if not f.standings)
+    _write(
+        folder / "index.md",
+        f"{INTRO}\n```{{raw}} html\n{_chart(study)}```\n\nNot in it, for nothing is timed there against others or no divisors move them: {others}.\n\n"
+        f"[All rows where the flow is not ahead](rows.md), in a table that can be sorted. [Details](details.md): long runs, floors, first use, orders, "
+        f"additions, rows without a figure.\n\n## Claims\n\n{CLAIMS}\n\n{claims}\n"
+        f"## How it was measured\n\n{introduction(study)}\n```{{toctree}}\n:hidden:\n\nrows\ndetails\n{names}\n```\n",
     )
+    return {found.scene.name: found for found in study.findings}
 
 
-def _page(path: Path, title: str, body: str, name: str = "") -> None:
-    also = f"\n[The scene in the gallery](../gallery/{name}.md)\n" if name else ""
-    text = f"# {title}\n{also}{_sortable(body)}".replace("](figures/", "](../figures/").replace("](docs/", "](../")
+def _write(path: Path, text: str) -> None:
+    """A page: its tables inside an element that site/sort.js looks for, its links those of the site."""
+    text = re.sub(r"((?:^\|.*\n)+)", r"::::{div} sortable\n\1::::\n", text + "\n", flags=re.M)
     path.write_text(re.sub(r"\(docs/(\w+\.md)\)", r"([\1](../\1))", text), encoding="utf-8")
 
 
-def _sortable(body: str) -> str:
-    """Tables inside an element that site/sort.js looks for."""
-    return re.sub(r"((?:^\|.*\n)+)", r"::::{div} sortable\n\1::::\n", body + "\n", flags=re.M)
+def _chart(study: Study) -> str:
+    columns = study.horizons
+    heads = "".join(f"<th>{head}</th>" for head in ("scene", *map(horizon_name, columns)))
+    lines = [_line(found, columns) for found in study.motions if found.standings]
+    table = f"<table><thead><tr>{heads}</tr></thead><tbody>\n{''.join(lines)}</tbody></table>"
+    return f'<div class="sortable chart">{table}</div>\n'
 
 
-def _rows(body: str) -> list[dict[str, str]]:
-    lines = [line for line in body.splitlines() if line.startswith("|")]
-    if len(lines) < 3:
-        return []
-    cells = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
-    return [dict(zip(cells[0], row, strict=True)) for row in cells[2:] if len(row) == len(cells[0])]
+def _line(found: SceneFindings, columns: list[float | None]) -> str:
+    name, standings = found.scene.name, {standing.T: standing for standing in found.standings}
+    cells = "".join(_cell(standings.get(T)) for T in columns)
+    return f'<tr><td><a href="{name}.html" title="{html.escape(found.scene.title)}">{name}</a></td>{cells}</tr>\n'
 
 
-def seconds(text: str) -> float:
-    value, unit = text.split()
-    return float(value) * {"s": 1.0, "ms": 1e-3, "µs": 1e-6, "ns": 1e-9}[unit]
-
-
-def _best(title: str, body: str, floor: str) -> Best:
-    rows = [row for row in _rows(body) if "run time" in row and row["error γ"] not in ("–", "")]
-    entries = [(f"{row['method']}, {row['setting']}", seconds(row["run time"]), float(row["error γ"])) for row in rows]
-    own = ("divisor flow", "integrated")
-    flow = [e for e in entries if e[0].startswith(own) and not re.search(r"\d+ digits$", e[0])]
-    peers = [e for e in entries if not e[0].startswith((*own, "Bäcklund"))]
-    if not flow:
-        return Best(title, None, None, None)
-    best = min(flow, key=lambda e: e[1])
-    bound = best[2] if floor == "–" else max(best[2], float(floor))
-    as_good, enough = ([e for e in peers if e[2] <= most] for most in (best[2], bound))
-    fastest = [min(those, key=lambda e: e[1]) if those else None for those in (as_good, enough)]
-    return Best(title, best, *fastest)
-
-
-def _marks(axes: Any, k: int, best: Best, far: float) -> None:
-    assert best.flow
-    if best.peer is None:
-        axes.annotate("", (far, k), (far / 4, k), arrowprops={"arrowstyle": "-|>", "color": "#0072B2", "lw": 1.6})
-    for entry, filled in ((best.peer, True), (best.to_the_floor, False)):
-        if entry is None or (not filled and entry == best.peer):
-            continue
-        ratio = entry[1] / best.flow[1]
-        colour, marker = ("#0072B2", "o") if ratio > 1 else ("#D55E00", "s")
-        axes.plot([1, ratio], [k, k], color=colour, linewidth=1 if filled else 0.5, zorder=2)
-        axes.plot(
-            ratio, k, color=colour, marker=marker, markersize=6, markerfacecolor=colour if filled else "white", zorder=3
-        )
-        x, side = (7, "left") if ratio > 1 else (-7, "right")
-        words = {"xytext": (x, 0), "textcoords": "offset points", "ha": side, "va": "center", "fontsize": 7.5}
-        axes.annotate(entry[0].rpartition(",")[0], (ratio, k), **words)
-
-
-def _one_screen(results: dict[str, Best]) -> bytes:
-    from matplotlib import rc_context
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
-    from matplotlib.figure import Figure
-
-    from integrable.scene.file import load_scene
-    from integrable.study.plot import INK, STYLE, plain_power
-
-    shown = [(name, best) for name, best in results.items() if best.flow]
-    length = {name: max(load_scene(name).times.floats()) for name, _ in shown}
-    shown.sort(key=lambda entry: (length[entry[0]], entry[0]))
-    ratios = [e[1] / b.flow[1] for _, b in shown for e in (b.peer, b.to_the_floor) if b.flow and e]
-    far = max(ratios) * 25
-    with rc_context(STYLE):
-        figure = Figure(figsize=(7.6, 1.1 + 0.23 * len(shown)), layout="constrained")
-        FigureCanvasSVG(figure)
-        axes = figure.add_subplot()
-        for k, (_, best) in enumerate(shown):
-            _marks(axes, k, best, far)
-        axes.axvline(1, color=INK, linewidth=1)
-        axes.set(xscale="log", xlabel="run time of the fastest other method ÷ run time of the flow")
-        axes.set_xlim(min(ratios) / 80, far * 1.6)
-        axes.set_yticks(
-            range(len(shown)), [f"{name}, T = {plain_power(length[name])}" for name, _ in shown], fontsize=8
-        )
-        axes.set_ylim(-0.7, len(shown) - 0.3)
-        axes.grid(True, axis="x", color="#e3e3e3", linewidth=0.6)
-        axes.set_axisbelow(True)
-        axes.spines[["top", "right"]].set_visible(False)
-        content = io.BytesIO()
-        figure.savefig(content, format="svg", metadata={"Date": None})
-    return content.getvalue()
+def _cell(standing: Standing | None) -> str:
+    if standing is None:
+        return "<td>–</td>"
+    flow, peer, ratio = standing.flow, standing.peer, standing.ratio
+    said = f"the flow: {duration(flow['total'])}, error {figure(flow['error_gamma'])}"
+    if peer is not None:
+        said = f"{peer['method']}, {peer['setting']}: {duration(peer['total'])}, error {figure(peer['error_gamma'])}; {said}"
+    look = "unmatched" if peer is None else next(name for least, name in LOOKS if ratio >= least)
+    return f'<td class="{look}" title="{html.escape(said)}">{ratio_cell(ratio)}</td>'

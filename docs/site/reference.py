@@ -142,7 +142,9 @@ def _commands() -> str:
 
     parser = _parser()
     parts = [
-        "# Commands\n\nAs `integrable --help` and `integrable COMMAND --help` print them. `python -m integrable` is the same.\n"
+        "# Commands\n\nAs `integrable --help` and `integrable COMMAND --help` print them. `python -m integrable` is the same. With the extra "
+        "`completion` (`pip install 'jacobian-integrable[completion]'`) and `eval \"$(register-python-argcomplete integrable)\"` in its start-up "
+        "file, bash or zsh completes commands, options and scenes.\n"
     ]
     parts.append(f"```text\n{_help(parser)}```\n")
     for action in parser._actions:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-__all__ = ["DOP853", "aligned", "duration", "figure"]
+__all__ = ["DOP853", "aligned", "duration", "figure", "plain_power"]
 
 DOP853 = "SciPy DOP853"
 
@@ -34,3 +34,13 @@ def duration(seconds: float | None) -> str:
 def figure(value: float | None, digits: int = 2) -> str:
     """A small number with so many digits."""
     return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
+
+
+def plain_power(value: float) -> str:
+    """A number as it is written in words: 10¹² instead of 1e+12."""
+    text = f"{value:g}"
+    mantissa, found, exponent = text.partition("e")
+    if not found:
+        return text
+    power = "10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return power if mantissa == "1" else f"{mantissa}·{power}"

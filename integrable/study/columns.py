@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from math import isinf
 from typing import Any
 
-from integrable.scene.tables import duration, figure
+from integrable.scene.tables import duration, figure, plain_power
 from integrable.study.findings import Behind, SceneFindings, Study
 
 __all__ = [
-    "BEHIND", "LONG", "ORBITS", "SCENES", "behind_cells", "long_cells", "named", "orbit_cells", "scene_cells",
-    "shortened", "words",
+    "BEHIND", "LONG", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "long_cells", "named",
+    "orbit_cells", "ratio_cell", "scene_cells", "shortened", "words",
 ]  # fmt: skip
 
 SHORT = 110
@@ -58,6 +60,21 @@ def _how_far(behind: Behind) -> str:
     if behind.overtaken is None:
         return "more accurate than any row of the flow"
     return f"more accurate: the flow needs {behind.overtaken / row['total']:.2g} × its time"
+
+
+def horizon_name(T: float | None) -> str:
+    """The head of a column of standings."""
+    return "all its times" if T is None else f"T = {plain_power(T)}"
+
+
+def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tuple[str, ...]:
+    ratios = {standing.T: standing.ratio for standing in found.standings}
+    return (found.scene.name, *(ratio_cell(ratios.get(T)) for T in columns))
+
+
+def ratio_cell(ratio: float | None) -> str:
+    """Of a standing; None where there is none."""
+    return "–" if ratio is None else "none" if isinf(ratio) else f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"
 
 
 LONG = (

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Any
 from integrable.extras import without
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene, scene_names
-from integrable.scene.output import OutputFolder, portable
+from integrable.scene.output import OutputFolder, as_json, portable
 from integrable.scene.progress import going, often
-from integrable.study.findings import Study, gather
+from integrable.study.findings import Study, study_from
 from integrable.study.page import answer, page
 from integrable.study.plan import Task, compile_tasks, tasks_of
 from integrable.study.runner import run_tasks
@@ -24,7 +24,7 @@ from jacobian.numbers.compiler import look_for_a_place
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["QUICK", "study_of"]
+__all__ = ["QUICK", "report_data", "study_of"]
 
 QUICK = ("chaplygin", "euler_top", "thin_ball", "equal_moments", "hat_turning_point", "finite_field")
 """Scenes of a quick study that names none: one of each kind, whose truths take seconds."""
@@ -40,7 +40,8 @@ def study_of(
     jobs: int | None = None,
     progress: bool = False,
 ) -> Study:
-    """Run a study in the folder ``out``, or go on with it, and return it with ``report.md`` and its figures written.
+    """Run a study in the folder ``out``, or go on with it, and return it with ``report.md``, its figures
+    and ``report.json`` written.
 
     ``sources``: names of scenes or paths of scene files; none: all that ship, or with ``quick`` a few of them. Rows
     that ``out`` holds and that no change of code, scene or library has made stale are not measured again. ``formats``
@@ -64,8 +65,9 @@ def study_of(
     store = Store(out)
     with _bar(progress, rows) as tick:
         contents = run_tasks(rows, store, jobs or os.cpu_count() or 1, tick)
-    study = _study(scenes, rows, contents, chosen, quick)
-    _write(study, Path(out), formats)
+    data = report_data([contents[row.key] for row in rows], chosen, quick)
+    study = study_from(data, scenes)
+    _write(study, data, Path(out), formats)
     return study
 
 
@@ -77,30 +79,33 @@ def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[
     return sorted(rows, key=lambda row: row.kind != "truth")
 
 
-def _study(
-    scenes: Sequence[Scene],
-    rows: Sequence[Task],
-    contents: dict[str, dict[str, Any]],
-    chosen: Sequence[str],
-    quick: bool,
-) -> Study:
-    first = contents[rows[0].key]
+def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick: bool) -> dict[str, Any]:
+    """What report.json holds (integrable/schemas/report.json): all rows but the states of truths."""
     usual = set(chosen) == set(QUICK if quick else scene_names())
-    command = " ".join(["integrable report", *(() if usual else chosen)])
-    return Study(
-        findings=gather(scenes, rows, contents),
-        mode="quick" if quick else "full",
-        command=command + (" --quick" if quick else ""),
-        versions=first["versions"],
-        machine=first["machine"],
-        figures={},
-        seconds=sum(content["seconds"] for content in contents.values()),
-        missing=tuple(name for name in scene_names() if name not in {scene.name for scene in scenes}),
-    )
+    command = " ".join(["integrable report", *(() if usual else chosen), *(["--quick"] if quick else [])])
+    states = ("gamma", "M", "tau")
+    rows = [
+        {
+            **{key: content[key] for key in ("row", "status", "error", "stopped", "seconds")},
+            "result": content["result"]
+            and {key: value for key, value in content["result"].items() if key not in states},
+        }
+        for content in contents
+    ]
+    return {
+        "schema": 1,
+        "command": command,
+        "mode": "quick" if quick else "full",
+        "scenes": list(chosen),
+        "versions": contents[0]["versions"],
+        "machine": contents[0]["machine"],
+        "seconds": sum(content["seconds"] for content in contents),
+        "rows": rows,
+    }
 
 
-def _write(study: Study, out: Path, formats: tuple[str, ...]) -> None:
-    """Figures, page, and the contents of all rows in one file."""
+def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
+    """Figures, page, and all rows in one file."""
     if formats:
         from integrable.study.figures import as_bytes, error_against_run_time, floors
 
@@ -114,6 +119,7 @@ def _write(study: Study, out: Path, formats: tuple[str, ...]) -> None:
     with OutputFolder(out) as folder:
         folder.write_text("report.md", page(study))
         folder.write_text("report.txt", answer(study) + "\n")
+        folder.write_text("report.json", as_json(data))
 
 
 @contextmanager

@@ -9,6 +9,7 @@ from typing import Any
 from matplotlib import rc_context
 from matplotlib.lines import Line2D
 
+from integrable.scene.tables import plain_power
 from integrable.study.findings import SCENE_FLOOR_FACTOR, SceneFindings
 from integrable.study.plan import FLOW, INTEGRATED
 from integrable.study.plot import (
@@ -22,7 +23,6 @@ from integrable.study.plot import (
     decades,
     look_of,
     new_figure,
-    plain_power,
 )
 
 __all__ = ["as_bytes", "error_against_run_time", "floors"]

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from math import log
+from math import inf, log
 from typing import Any
 
 from integrable.oracles.methods import METHODS, time_scale
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.study.plan import FLOW, Task
+from integrable.scene.file import scene_names
+from integrable.study.plan import FLOW
 
-__all__ = ["LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "Study", "fitted_slope", "gather"]
+__all__ = [
+    "LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "Standing", "Study", "fitted_slope", "gather",
+    "study_from",
+]  # fmt: skip
 
 LONG = 1000.0
 """From this last time on, in the scene's units or in time scales of its motion, the divisor flow is to be ahead."""
@@ -49,6 +53,23 @@ class Behind:
         return self.flow_error is None and self.first is not None
 
 
+@dataclass(frozen=True)
+class Standing:
+    """Where the flow in floats stands beside the fastest other method whose error is at most its own or the floor."""
+
+    T: float | None
+    """The time, in time scales of the motion; None: all times of the scene."""
+    flow: dict[str, Any]
+    """Its "total" run time in seconds with set-up, and "error_gamma"."""
+    peer: dict[str, Any] | None
+    """The same of the other, with its "method" and "setting"; None where no setting of any is so near."""
+
+    @property
+    def ratio(self) -> float:
+        """The run time of the other over that of the flow."""
+        return inf if self.peer is None else float(self.peer["total"] / self.flow["total"])
+
+
 @dataclass
 class SceneFindings:
     """The contents of a scene's rows, by what they are, and what follows from them. ``total`` counts set-up."""
@@ -65,6 +86,7 @@ class SceneFindings:
     left_out: dict[str, Any] | None = None
     additions: dict[str, Any] | None = None
     compiled: list[dict[str, Any]] = field(default_factory=list)
+    horizons: list[dict[str, Any]] = field(default_factory=list)
 
     @property
     def moved_by_divisors(self) -> bool:
@@ -141,6 +163,19 @@ class SceneFindings:
         return min(rows, key=lambda content: float(content["result"]["total"]), default=None)
 
     @property
+    def standings(self) -> list[Standing]:
+        """At single times, the shortest first, and then over the times of the scene."""
+        rows = [(content["row"]["value"], content["result"]) for content in self.horizons]
+        found = [
+            Standing(T, result["flow"], result["peer"]) for T, result in sorted(rows, key=lambda row: float(row[0]))
+        ]
+        if self.best is None or not self.moved_by_divisors:
+            return found
+        enough = max(self.best["error_gamma"], self.floor["floor_gamma"] if self.floor else 0.0)
+        peers = [c["result"] | c["row"] for c in self.comparators if c["result"]["error_gamma"] <= enough]
+        return [*found, Standing(None, self.best, min(peers, key=lambda peer: float(peer["total"]), default=None))]
+
+    @property
     def before(self) -> dict[str, Any] | None:
         """The most accurate comparator that is done before :attr:`best`; None where none is."""
         if self.best is None:
@@ -197,6 +232,12 @@ class Study:
         return [f for f in self.findings if f.scene.steps is None]
 
     @property
+    def horizons(self) -> list[float | None]:
+        """The single times that flows were held against others at, the shortest first, and None: all of a scene's."""
+        every = [standing.T for f in self.motions for standing in f.standings]
+        return [*sorted({T for T in every if T is not None}), *([None] if None in every else [])]
+
+    @property
     def orbits(self) -> list[SceneFindings]:
         """The findings of scenes that step, where they have any."""
         return [f for f in self.findings if f.orbit is not None]
@@ -225,19 +266,28 @@ class Study:
         return next(f for f in self.findings if f.scene.name == name)
 
 
-def gather(scenes: Sequence[Scene], rows: Sequence[Task], contents: dict[str, dict[str, Any]]) -> list[SceneFindings]:
+def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[SceneFindings]:
     """The findings of each scene, from the contents of the files of its rows."""
     found = {scene.name: SceneFindings(scene) for scene in scenes}
-    for row in rows:
-        content, scene = contents[row.key], found[row.scene.name]
+    lists = {"comparator": "comparators", "compile": "compiled", "horizon": "horizons"}
+    for content in contents:
+        kind, scene = content["row"]["kind"], found[content["row"]["scene"]]
         if content["status"] != "done":
             scene.failures.append(content)
-        elif row.kind in ("flow", "comparator", "backlund", "compile"):
-            names = {"flow": scene.flow, "comparator": scene.comparators, "backlund": scene.backlund}
-            names.get(row.kind, scene.compiled).append(content)
+        elif kind in (*lists, "flow", "backlund"):
+            getattr(scene, lists.get(kind, kind)).append(content)
         else:
-            setattr(scene, row.kind.replace(" ", "_"), content["result"])
+            setattr(scene, kind.replace(" ", "_"), content["result"])
     return list(found.values())
+
+
+def study_from(data: dict[str, Any], scenes: Sequence[Scene]) -> Study:
+    """The study that a report.json holds, ``scenes`` being those that it names."""
+    taken = ("mode", "command", "versions", "machine", "seconds")
+    missing = [name for name in scene_names() if name not in {scene.name for scene in scenes}]
+    return Study(
+        findings=gather(scenes, data["rows"]), figures={}, missing=tuple(missing), **{key: data[key] for key in taken}
+    )
 
 
 def fitted_slope(steps: Sequence[float], errors: Sequence[float]) -> float | None:

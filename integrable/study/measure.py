@@ -7,6 +7,8 @@ Run times are medians of ``time.perf_counter``, set-up included; every run start
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -14,7 +16,7 @@ from typing import Any
 from integrable.oracles.methods import METHODS, time_scale
 from integrable.oracles.reference import dop853
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.scene.data import Scene
+from integrable.scene.data import Scene, Times
 from integrable.study.additions import near_additions
 from integrable.study.fresh import compilation, first_use, left_out
 from integrable.study.plan import Task
@@ -246,6 +248,35 @@ def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any
     return timed(once, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
 
+def _horizon(task: Task, _: Data | None, tick: Tick) -> Data:
+    """The state at one time T, in time scales of the motion: the flow as it comes, and the fastest other method whose
+    error is at most the flow's or that of rounding the inputs, None where no setting of any is.
+    """
+    scale = time_scale(*task.scene.start(FLOAT_DIGITS))
+    scene = replace(task.scene, times=Times(given=(Fraction((task.value or 1.0) * scale),)))
+    task = replace(task, scene=scene, value=None, limits=replace(task.limits, check=0.0))
+    truth, floor = _truth(task, None, tick), _floor(task, None, tick)["floor_gamma"]
+    flow = _flow(task, truth, tick)
+    found: Data = {"time": scene.times.floats()[0], "flow": flow, "floor_gamma": floor, "peer": None}
+    system, state = scene.start(FLOAT_DIGITS)
+    for method in sorted(METHODS.values(), key=lambda method: not method.compiled):
+        for setting in method.ladder(system, state) if method.takes(system) else ():
+            row = replace(task, method=method.name, value=setting)
+            try:
+                if found["peer"] is not None and _pilot(row, scene.times.at(FLOAT_DIGITS)) > found["peer"]["total"]:
+                    break  # and so would be what is more accurate
+                result = _comparator(row, truth, tick)
+            except TooLong:
+                break
+            except (JacobianError, ArithmeticError, RuntimeError):
+                continue
+            if result["error_gamma"] <= max(flow["error_gamma"], floor):
+                result |= {"method": method.name, "setting": f"{method.parameter} {setting:.3g}"}
+                found["peer"] = min(found["peer"] or result, result, key=lambda one: float(one["total"]))
+                break
+    return found
+
+
 def _orbit(task: Task, _: Data | None, __: Tick) -> Data:
     from integrable.study.orbits import measure_orbit
 
@@ -268,6 +299,7 @@ _KINDS: dict[str, Callable[[Task, Data | None, Tick], Data]] = {
     "tolerance": _tolerance,
     "growth": _growth,
     "left out": lambda task, _, __: left_out(task.source),
+    "horizon": _horizon,
     "additions": lambda task, _, __: near_additions(task.scene),
     "orbit": _orbit,
 }

@@ -14,6 +14,8 @@ from integrable.study.columns import (
     ORBITS,
     SCENES,
     behind_cells,
+    horizon_cells,
+    horizon_name,
     long_cells,
     named,
     orbit_cells,
@@ -24,7 +26,7 @@ from integrable.study.columns import (
 from integrable.study.findings import SceneFindings, Study
 from integrable.study.plan import LIMITS
 
-__all__ = ["answer", "page"]
+__all__ = ["answer", "introduction", "page", "scene_section", "sections"]
 
 ORDER_TOLERANCE = 0.5
 """An observed order this near the order in theory agrees with it: step ladders reach few points of the asymptotics."""
@@ -46,8 +48,13 @@ def answer(study: Study) -> str:
 
 def page(study: Study) -> str:
     """The study as Markdown."""
-    parts = [
-        "# Error against run time\n\n"
+    scenes = (scene_section(study, f) for f in study.findings)
+    return "\n".join([f"# Error against run time\n\n{introduction(study)}", *sections(study).values(), *scenes])
+
+
+def introduction(study: Study) -> str:
+    """How it was measured, and on which machine."""
+    return (
         f"Written by `{study.command}`. Every row is one scene × method × setting, measured in a process of its own; "
         "run times are medians and include set-up, not the compilation that the first use of a machine does once. "
         "Errors are the largest over components and times, of M relative to |M|, against the divisor flow at 40 digits "
@@ -59,23 +66,27 @@ def page(study: Study) -> str:
         "has 45 digits. What computes in doubles starts from the doubles as they are. The floor is eps·conditioning: "
         "what a change of every input in its last digit does to the state (`integrable.motion.conditioning`). "
         "An error below "
-        "the floor is that of a method whose inputs are taken as exact.\n",
-        _machine(study),
-        _section(
-            "Claims", "Each is measured by the command above; the sections below have the figures.", claims(study)
-        ),
-        _not_ahead(study),
-        _long(study),
-        _floor(study),
-        _startup(study),
-        _leaves_out(study),
-        _orders(study),
-        _orbits(study),
-        _additions(study),
-        _failed(study),
-        *(_scene(study, f) for f in study.findings),
-    ]
-    return "\n".join(part for part in parts if part)
+        f"the floor is that of a method whose inputs are taken as exact.\n\n{_machine(study)}"
+    )
+
+
+def sections(study: Study) -> dict[str, str]:
+    """What is shown of all scenes, by name, each with its heading; without those that have nothing to show."""
+    text = "Each is measured by the command above; the sections below have the figures."
+    found = {
+        "claims": _section("Claims", text, claims(study)),
+        "horizons": _horizons(study),
+        "rows": _not_ahead(study),
+        "long": _long(study),
+        "floor": _floor(study),
+        "startup": _startup(study),
+        "left out": _leaves_out(study),
+        "orders": _orders(study),
+        "orbits": _orbits(study),
+        "additions": _additions(study),
+        "failed": _failed(study),
+    }
+    return {name: section for name, section in found.items() if section}
 
 
 def _machine(study: Study) -> str:
@@ -102,6 +113,17 @@ def _not_ahead(study: Study) -> str:
     )
     rows = [behind_cells(study, *entry) for entry in study.behind_by_method]
     return _section(title, text, [BEHIND, *rows]) or f"## {title}\n\n{text}\n\nNone.\n"
+
+
+def _horizons(study: Study) -> str:
+    text = (
+        "How many times the run time of the flow in floats the fastest other method takes among those whose error is "
+        "at most the flow's, or at most what rounding the inputs does: above 1 the flow is ahead; none: no setting of "
+        "any method is so near. At one time T, in time scales of the motion, and at all times of the scene."
+    )
+    columns = study.horizons
+    rows = [("scene", *map(horizon_name, columns)), *(horizon_cells(f, columns) for f in study.motions if f.standings)]
+    return _section("The flow beside the fastest method that is near enough", text, rows)
 
 
 def _long(study: Study) -> str:
@@ -232,7 +254,8 @@ def _failed(study: Study) -> str:
     return _section("Rows without a figure", text, rows)
 
 
-def _scene(study: Study, found: SceneFindings) -> str:
+def scene_section(study: Study, found: SceneFindings) -> str:
+    """A scene: its figure and its rows."""
     scene = found.scene
     lines = [f"## {scene.name}: {scene.title}\n", " ".join(scene.description.split()) + "\n"]
     if scene.name in study.figures:

@@ -26,7 +26,18 @@ from integrable.scene.tables import DOP853
 from integrable.study.store import code_stamp
 from integrable.study.truth import DIGITS, INTEGRATED, moved_by, parts
 
-__all__ = ["BACKLUND", "FLOW", "INTEGRATED", "LIMITS", "Limits", "Task", "compile_tasks", "tasks_of", "tasks_of_run"]
+__all__ = [
+    "BACKLUND",
+    "FLOW",
+    "HORIZONS",
+    "INTEGRATED",
+    "LIMITS",
+    "Limits",
+    "Task",
+    "compile_tasks",
+    "tasks_of",
+    "tasks_of_run",
+]
 
 FLOW = "divisor flow"
 BACKLUND = "Bäcklund steps"
@@ -50,6 +61,8 @@ class Limits:
     """About how many of the scene's times the conditioning is the largest of."""
 
 
+HORIZONS = {"quick": (1, 100, 10_000), "full": (1, 10, 100, 1000, 10_000, 100_000, 1_000_000)}
+"""The single times, in time scales of the motion, at which the flow is held against the fastest that is good enough."""
 LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(6, 90, 240, 5, 8.0)}
 
 
@@ -95,7 +108,7 @@ class Task:
     @property
     def limit(self) -> float:
         """Seconds after which the task is given up."""
-        return self.limits.truth if self.kind in ("truth", "floor") else self.limits.task
+        return self.limits.truth if self.kind in ("truth", "floor", "horizon") else self.limits.task
 
 
 def _plain(word: str) -> str:
@@ -126,6 +139,8 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
         if not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):  # of three moments, not of two
             tasks.append(task("additions", BACKLUND, "near D and near −D"))
     tasks += _comparators(scene, task, mode, truth.key)
+    if name == FLOW:
+        tasks += [task("horizon", name, f"T = {T}", T) for T in HORIZONS[mode]]
     if all(map(installed, APP)):
         tasks.append(task("left out", name, "what the scene leaves out"))
     return tasks

@@ -18,7 +18,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from integrable.scene.tables import DOP853
+from integrable.scene.tables import DOP853, plain_power
 from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
 from jacobian.errors import ArgumentError
 
@@ -157,16 +157,6 @@ def _more_room_left(rows: list[Row], floor: float) -> bool:
     times = [row.total for row in rows if row.total]
     near = [row.total for row in rows if row.total and abs(np.log10((row.error_gamma or 1) / floor)) < NEAR_THE_FLOOR]
     return bool(near) and min(near) * max(near) > min(times) * max(times)
-
-
-def plain_power(value: float) -> str:
-    """A number as it is written in words: 10¹² instead of 1e+12."""
-    text = f"{value:g}"
-    mantissa, found, exponent = text.partition("e")
-    if not found:
-        return text
-    power = "10" + str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return power if mantissa == "1" else f"{mantissa}·{power}"
 
 
 def _series(axes: Any, rows: list[Row], side: int) -> None:

@@ -11,16 +11,19 @@ import time
 from contextlib import contextmanager, suppress
 from dataclasses import replace
 from fractions import Fraction
+from importlib.util import module_from_spec, spec_from_file_location
+from math import inf
+from pathlib import Path
 
 import pytest
 from numpy import format_float_positional
 
 from integrable.__main__ import main
-from integrable.oracles.methods import METHODS
+from integrable.oracles.methods import METHODS, time_scale
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
 from integrable.study import plan, runner
-from integrable.study.command import planned, study_of
+from integrable.study.command import planned, report_data, study_of
 from integrable.study.findings import Study, fitted_slope, gather
 from integrable.study.measure import measured
 from integrable.study.page import answer, page
@@ -32,6 +35,7 @@ from jacobian import MP
 from jacobian.errors import ArgumentError
 from tests.integrable.scene_texts import EXACT, ORBIT, TOP
 
+ROOT = Path(__file__).parents[3]
 # the same few rows as the fixture `rows`, run by a process of its own that says which it has written
 SCRIPT = """
 import sys
@@ -440,7 +444,7 @@ def test_slopes_leave_the_plateau_out():
 def studied(done, **changes):
     rows, contents, _ = done
     scene = rows[0].scene
-    study = Study(gather([scene], rows, contents), "quick", "integrable report", {"python": "3"},
+    study = Study(gather([scene], [contents[row.key] for row in rows]), "quick", "integrable report", {"python": "3"},
                   {"processor": "p", "cores": 2, "system": "s"}, {}, 1.0)  # fmt: skip
     return replace(study, **changes)
 
@@ -510,6 +514,81 @@ def test_a_miss_of_the_floor_is_told_with_its_cause_and_silent_errors_are_found(
     assert judged(1e-3, 1e-6)[2].startswith("on the level set, in the phase")
 
 
+def test_at_one_time_the_fastest_that_is_near_enough_stands_beside_the_flow(done, monkeypatch):
+    """Multiprecision is near enough and slow, the midpoint rule never near enough."""
+    from integrable.study import measure
+
+    row = replace(done[0][0], kind="horizon", method=FLOW, setting="T = 10", value=10)
+    for names, peer in (
+        (("implicit midpoint", "closed elliptic form"), "closed elliptic form"),
+        (("implicit midpoint",), None),
+    ):
+        monkeypatch.setattr(measure, "METHODS", {name: METHODS[name] for name in names})
+        found = measured(row, None)
+        assert found["time"] == 10 * time_scale(*row.scene.start(15))
+        assert found["flow"]["error_gamma"] < 100 * found["floor_gamma"]
+        if peer is None:
+            assert found["peer"] is None
+        else:
+            assert found["peer"]["method"] == peer
+            assert found["peer"]["error_gamma"] <= max(found["flow"]["error_gamma"], found["floor_gamma"])
+
+
+def horizon(scene, T, ratio):
+    flow = {"total": 0.5, "error_gamma": 1e-15}
+    peer = ratio and {
+        "total": 0.5 * ratio,
+        "error_gamma": 1e-14,
+        "method": "SciPy DOP853",
+        "setting": "tolerance 1e-12",
+    }
+    row = {"scene": scene.name, "kind": "horizon", "method": FLOW, "setting": f"T = {T}", "value": T}
+    return {"row": row, "result": {"time": 1.0, "flow": flow, "floor_gamma": 1e-13, "peer": peer}}
+
+
+def test_standings_say_how_many_times_the_flows_time_another_takes(done):
+    study = studied(done)
+    (found,) = study.findings
+    found = replace(
+        found, horizons=[horizon(found.scene, 100, None), horizon(found.scene, 1, 0.25), horizon(found.scene, 10, 3)]
+    )
+    assert [standing.ratio for standing in found.standings[:3]] == [0.25, 3, inf]
+    last = found.standings[3]
+    near = [
+        c
+        for c in found.comparators
+        if c["result"]["error_gamma"] <= max(last.flow["error_gamma"], found.floor["floor_gamma"])
+    ]
+    assert last.T is None
+    assert last.peer["total"] == min(c["result"]["total"] for c in near)
+    text = page(replace(study, findings=[found]))
+    assert "| scene | T = 1 | T = 10 | T = 100 | all its times |" in text
+    assert "| top | 0.25 | 3 | none | " in text
+
+
+def test_the_sites_pages_are_made_of_the_report_alone(done, tmp_path):
+    """What report.json holds is enough for the one screen, the lost rows and a page a scene."""
+    spec = spec_from_file_location("measured_pages", ROOT / "docs" / "site" / "measured.py")
+    pages = module_from_spec(spec)
+    spec.loader.exec_module(pages)
+    rows, contents, _ = done
+    scene = rows[0].scene
+    more = {"status": "done", "error": "", "stopped": False, "seconds": 1.0}
+    every = [contents[row.key] for row in rows] + [horizon(scene, 1, 0.25) | more, horizon(scene, 10, None) | more]
+    data = json.loads(json.dumps(report_data(every, [rows[0].source], True)))
+    assert not any("gamma" in row["result"] for row in data["rows"]), "states of truths are left out"
+    assert pages.write(tmp_path, data)["top"].floor is not None
+    chart = (tmp_path / "measured" / "index.md").read_text(encoding="utf-8")
+    assert '<td class="behind" title="SciPy DOP853, tolerance 1e-12: 125 ms, error 1.0e-14; the flow: 500 ms' in chart
+    assert '<td class="unmatched"' in chart
+    assert '<a href="top.html"' in chart
+    assert "| The truth agrees with an independent integrator. | 1 of 1 scenes | holds |" in chart
+    for name in ("rows", "top"):
+        text = (tmp_path / "measured" / f"{name}.md").read_text(encoding="utf-8")
+        assert text.startswith("# ")
+        assert "{div} sortable" in text
+
+
 def test_the_page_lists_rows_behind_before_scenes(done):
     study = studied(done)
     text, said = page(study), answer(study)
@@ -563,6 +642,27 @@ def test_an_exact_orbit_has_error_zero(tmp_path):
     assert found.orbit["jump"] == 0
     assert not any(found.orbit["rows"][0]["drift"].values())
     assert "Orbits over finite fields are exact. | 1 of 1 orbits" in (tmp_path / "out" / "report.md").read_text("utf-8")
+
+
+def test_the_report_goes_to_stdout_as_the_schema_says(tmp_path, capsys):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads((ROOT / "integrable" / "schemas" / "report.json").read_text(encoding="utf-8"))
+    jsonschema.Draft202012Validator.check_schema(schema)
+    valid = jsonschema.Draft202012Validator(schema).is_valid
+    path, out = tmp_path / "orbit.toml", tmp_path / "out"
+    path.write_text(EXACT, encoding="utf-8")
+    assert main(["report", str(path), "--quick", "--json", "--no-plots", "--jobs", "1", "--out", str(out)]) == 0
+    captured = capsys.readouterr()
+    content = json.loads(captured.out)
+    assert captured.err == ""
+    assert captured.out == (out / "report.json").read_text(encoding="utf-8")
+    published = json.loads((ROOT / "docs" / "error_against_run_time.json").read_text(encoding="utf-8"))
+    assert valid(content)
+    assert valid(published)
+    timed = next(row for row in published["rows"] if row["row"]["kind"] == "comparator")
+    for wrong in ({**content, "schema": 2}, {**content, "rows": [{}]},
+                  {**published, "rows": [{**timed, "result": {"total": "long"}}]}):  # fmt: skip
+        assert not valid(wrong)
 
 
 def test_an_orbit_over_the_reals_is_held_against_its_floor(tmp_path):
