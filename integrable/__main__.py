@@ -87,7 +87,17 @@ def _parser() -> argparse.ArgumentParser:
 
 
 def _add_scene(command: argparse.ArgumentParser) -> None:
-    command.add_argument("scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file")
+    scene: Any = command.add_argument(
+        "scene", metavar="NAME_OR_FILE", help="a name from `integrable scenes`, or a .toml file"
+    )
+    scene.completer = _scenes_and_files
+
+
+def _scenes_and_files(prefix: str, **_: Any) -> list[str]:
+    """What a scene may be, for the shell's completion."""
+    from argcomplete.completers import FilesCompleter
+
+    return [*scene_names(), *FilesCompleter(["toml"])(prefix)]
 
 
 def _add_quiet(command: argparse.ArgumentParser) -> None:
@@ -171,9 +181,10 @@ def _add_report(commands: Any) -> None:
         description="Measure error against run time of the divisor flow, the Bäcklund steps and every comparator. Rows "
         "are kept one by one: killed and started again, the study goes on; two at once on one folder share the work.",
     )
-    report.add_argument(
+    scenes: Any = report.add_argument(
         "scenes", metavar="NAME_OR_FILE", nargs="*", help="scenes (default: all that ship; with --quick a few of them)"
     )
+    scenes.completer = _scenes_and_files
     report.add_argument("--quick", action="store_true", help="fewer scenes, settings and repeats: under two minutes")
     report.add_argument("--out", metavar="DIR", help="folder of the study (default: runs/report, runs/report-quick)")
     report.add_argument(
@@ -185,6 +196,11 @@ def _add_report(commands: Any) -> None:
         type=int,
         metavar="N",
         help="rows measured at a time (default: the cores; 1: quietest timings)",
+    )
+    report.add_argument(
+        "--json",
+        action="store_true",
+        help="what report.json in the folder holds (integrable/schemas/report.json) as JSON on stdout too",
     )
     _add_quiet(report)
 
@@ -263,16 +279,23 @@ def _report(arguments: argparse.Namespace) -> None:
         quick=arguments.quick,
         formats=() if arguments.no_plots else _formats(arguments),
         jobs=arguments.jobs,
-        progress=not arguments.quiet,
+        progress=not (arguments.quiet or arguments.json),
     )
-    if not arguments.quiet:
+    if arguments.json:
+        print((out / "report.json").read_text(encoding="utf-8"), end="")
+    elif not arguments.quiet:
         print(f"{answer(study)}\n\nfiles written to {out}")
 
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command; the exit code is 0, 2 for an argument or scene that is wrong, 130 when interrupted."""
     write_anything()
-    arguments = _parser().parse_args(argv)
+    parser = _parser()
+    if "_ARGCOMPLETE" in os.environ:  # a shell asks what could be written here
+        import argcomplete
+
+        argcomplete.autocomplete(parser)
+    arguments = parser.parse_args(argv)
     with warnings.catch_warnings():
         warnings.showwarning = _silent if getattr(arguments, "quiet", False) else _one_line
         return _obey(arguments)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -231,3 +232,20 @@ def test_the_first_row_is_what_people_will_use(here, capsys):
     head = next(k for k, line in enumerate(lines) if line.startswith("method"))
     assert lines[head + 1].split()[:3] == ["divisor", "flow", "compiled"]
     assert "in the scene's unit of time" in "".join(lines[:head])
+
+
+@pytest.mark.parametrize(
+    ("line", "offered"),
+    [
+        ("integrable vi", ["view"]),
+        ("integrable run euler", ["euler_top"]),
+        ("integrable run ba", ["ball.toml"]),
+        ("integrable report chaplygin --qui", ["--quick", "--quiet"]),
+    ],
+)
+def test_a_shell_completes_commands_options_and_scenes(here, line, offered):
+    pytest.importorskip("argcomplete")
+    asked = {"_ARGCOMPLETE": "1", "COMP_LINE": line, "COMP_POINT": str(len(line)), "_ARGCOMPLETE_IFS": "\n"}
+    asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": str(here / "offered")}
+    subprocess.run([sys.executable, "-m", "integrable"], env={**os.environ, **asked}, cwd=here, check=True)
+    assert sorted(word.strip() for word in (here / "offered").read_text(encoding="utf-8").split("\n")) == offered
