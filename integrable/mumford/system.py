@@ -54,10 +54,13 @@ class Path(Record):
 
 
 class MumfordSystem(Immutable):
-    """The base of systems: ``field``, ``constants`` (elements of it) and ``size``, how many q there are."""
+    """The base of systems: ``field``, ``constants`` (elements of it), which are different where they are axes, other
+    ``parameters`` and ``size``, how many q there are.
+    """
 
     field: Any
     constants: tuple[Any, ...]
+    parameters: tuple[Any, ...] = ()
     size: int
 
     def _set_up(self, field: Any, values: Any, argument: str, least: int) -> None:
@@ -125,8 +128,9 @@ class MumfordSystem(Immutable):
         return JetField(K, 0) if K.exact and not isinstance(K, JetField) else K
 
     def over(self, field: Any) -> Any:
-        """The same system over another field, its constants as elements of that."""
-        return replaced(self, field=field, constants=tuple(map(field.coerce, self.constants)))
+        """The same system over another field, its constants and parameters as elements of that."""
+        own = {name: tuple(map(field.coerce, getattr(self, name))) for name in ("constants", "parameters")}
+        return replaced(self, field=field, **own)
 
     def state(self, q: Any, p: Any) -> Point:
         """The state with these q and p; ArgumentError where it does not meet the constraints of the system."""
@@ -229,6 +233,9 @@ class MumfordSystem(Immutable):
 
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
         return tuple(map(N.coerce, self.constants))
+
+    def _parameters_in(self, N: Any) -> tuple[Any, ...]:
+        return tuple(map(N.coerce, self.parameters))
 
     def _sums(self, N: Any, weights: Sequence[Any]) -> poly.Poly:
         """Π(x − a_i)·Σ weight_i/(x − a_i), a the constants, all coefficients."""

@@ -16,6 +16,8 @@ from integrable import (
     load_scene,
 )
 from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
@@ -48,6 +50,8 @@ def systems_over(K):
         "hat": Hat(inertia, field=K),
         "gyroscopic": Gyroscopic(inertia, 1, field=K),
         "ellipsoid": Ellipsoid(inertia, K),
+        "garnier": Garnier(inertia, field=K),
+        "henon heiles": HenonHeiles(inertia, field=K),
         "neumann": Neumann(inertia, K),
         "toda": TodaLattice(3, K),
     }

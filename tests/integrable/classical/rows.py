@@ -7,6 +7,8 @@ from random import Random
 import pytest
 
 from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import Point
@@ -56,6 +58,41 @@ def exact_ellipsoid(K, rng, n):
     return attempt(make)
 
 
+def exact_garnier(K, rng, n):
+    system = Garnier(different(K, rng, n), *different(K, rng, 2), field=K)
+    return system, system.state(different(K, rng, n), [K.random(rng) for _ in range(n)])
+
+
+def exact_henon_heiles(K, rng, n, barriers=None):
+    alpha, beta, gamma = different(K, rng, 3)
+    system = HenonHeiles(different(K, rng, n), alpha, beta, gamma, barriers, K)
+    return system, system.state(different(K, rng, n + 1), [K.random(rng) for _ in range(n + 1)])
+
+
+def exact_barriers(K, rng, n):
+    """The first axis has none."""
+    return exact_henon_heiles(K, rng, n, [K.zero, *different(K, rng, n - 1)])
+
+
+def garnier(K, n):
+    system = Garnier([i * i for i in range(n)], "1/2", "-1/4", K)
+    rng = Random(n)
+    q, p = ([K.coerce(rng.randint(-9, 9)) / 8 for _ in range(n)] for _ in range(2))
+    return system, system.state(q, p)
+
+
+def henon_heiles(K, n, barriers=None):
+    """Small and bounded."""
+    system = HenonHeiles([i * i + 1 for i in range(n)], "-1/2", "-1/4", 0, barriers, K)
+    rng = Random(n)
+    q, p = ([K.coerce(rng.randint(-9, 9) or 1) / 128 for _ in range(n + 1)] for _ in range(2))
+    return system, system.state(q, p)
+
+
+def barriers(K, n):
+    return henon_heiles(K, n, [0, *["1/512"] * (n - 1)])
+
+
 def ellipsoid(K, n):
     system = Ellipsoid([i * i + 2 for i in range(n + 1)], K)
     rng = Random(n)
@@ -81,12 +118,31 @@ def toda(K, n):
     return TodaLattice(n, K), TodaLattice(n, K).state(q, p)
 
 
-EXACT = {"ellipsoid": exact_ellipsoid, "neumann": exact_neumann, "toda": exact_toda}
-REAL = {"ellipsoid": ellipsoid, "neumann": neumann, "toda": toda}
+EXACT = {
+    "barriers": exact_barriers,
+    "ellipsoid": exact_ellipsoid,
+    "garnier": exact_garnier,
+    "henon_heiles": exact_henon_heiles,
+    "neumann": exact_neumann,
+    "toda": exact_toda,
+}
+REAL = {
+    "barriers": barriers,
+    "ellipsoid": ellipsoid,
+    "garnier": garnier,
+    "henon_heiles": henon_heiles,
+    "neumann": neumann,
+    "toda": toda,
+}
 # (system, size) with genus 1 to 4, both parities of the model and of the genus
 CASES = [
+    ("barriers", 2),
     ("ellipsoid", 2),
     ("ellipsoid", 3),
+    ("garnier", 1),
+    ("garnier", 3),
+    ("henon_heiles", 1),
+    ("henon_heiles", 2),
     ("neumann", 1),
     ("neumann", 2),
     ("neumann", 3),

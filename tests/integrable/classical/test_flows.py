@@ -4,11 +4,13 @@ import numpy as np
 import pytest
 
 from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow, Point
-from jacobian import GF, MP, RR, ArgumentError, FieldError
-from tests.integrable.classical.rows import REAL, distance, integrated, over_cases
+from jacobian import CC, GF, MP, RR, ArgumentError, FieldError
+from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
 
 
 def error_in_many_digits(name, n, time, steps, order):
@@ -25,7 +27,9 @@ def test_thirty_digits_against_an_integration(name, n) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "n"), [("ellipsoid", 2), ("neumann", 3), ("toda", 4)])
+@pytest.mark.parametrize(
+    ("name", "n"), [("ellipsoid", 2), ("garnier", 2), ("henon_heiles", 1), ("neumann", 3), ("toda", 4)]
+)
 def test_thirty_digits_at_ten_periods(name, n) -> None:
     assert error_in_many_digits(name, n, 30, 160, 18) < 1e-30
 
@@ -37,7 +41,7 @@ def test_floats_against_forty_digits(name, n, time) -> None:
     system, state = REAL[name](RR, n)
     path = system.flow(state).at([time])
     K = MP(40)
-    fine = type(system)(system.constants or n, K)
+    fine = system.over(K)
     # the same floats, which meet |q| = 1 to the digits of floats only
     exact = MumfordFlow(fine, fine._inside(K, state)).at([time])
     for a, b in ((path.q, exact.q), (path.p, exact.p)):
@@ -85,6 +89,50 @@ def test_special_positions_of_neumann(q, p) -> None:
     fine = Neumann((1, 2, 4, 7), MP(30))
     expected = integrated(fine, fine.state(q, p), 1.5, 12, 10)
     assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+@pytest.mark.parametrize(
+    ("system", "q", "p"),
+    [
+        (Garnier((0, 1, 3)), (0, 0, 0), (0, 0, 0)),  # at rest, which is unstable here
+        (Garnier((0, 1, 3), 1, -4), (0, 0.5, 0), (0.25, 0, 0)),  # on two coordinate planes
+        (Garnier((-1, -2), 2, 1), (0.5, 0), (0, 0)),  # along one axis for ever
+        (HenonHeiles((1,)), (0, 0), (0, 0)),
+        (HenonHeiles((1,), "-1/2", "-1/4"), (0.125, 0), (0, 0)),  # along q_0 for ever
+        (HenonHeiles((1,), "-1/2", "-1/4"), (0.125, 0), (0, 0.25)),
+        (HenonHeiles((1, 2), "-1/2", "-1/4", 0, (0, "1/8")), (0, 0, -0.5), (0.1, 0, 0)),
+    ],
+)
+def test_special_positions_in_quartic_and_cubic_potentials(system, q, p) -> None:
+    path = system.flow(system.state(q, p)).at([1.5, 3.0])
+    fine = system.over(MP(30))
+    expected = integrated(fine, fine.state(q, p), 1.5, 12, 10)
+    assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+def test_a_cubic_potential_is_left_and_entered_again() -> None:
+    """Over the saddle q_0 runs to infinity in a finite time, and comes back: around that, in complex time."""
+    system = HenonHeiles((1,), "-1/2", "-1/4")
+    state = system.state((-1, 0.25), (-0.5, 0.25))
+    path = system.flow(state).at([3.0])
+    around = system.over(CC)
+
+    def rate(z):
+        found = around.vector_field(Point(tuple(z[:2]), tuple(z[2:])))
+        return [*found.q, *found.p]
+
+    z = [complex(x) for x in (*state.q, *state.p)]
+    for leg in (1.5 + 1j, 1.5 - 1j):
+        z = extrapolated(RR, rate, z, leg, 40, 8)
+    expected = np.array(z)
+    assert np.abs(expected.imag).max() < 1e-9
+    assert np.abs([*path.q[0], *path.p[0]] - expected).max() < 1e-9 * np.abs(expected).max()
+
+
+def test_frequencies_are_those_of_small_motions() -> None:
+    system = HenonHeiles.with_frequencies(1.5, 0.75)
+    path = system.flow(system.state((1e-9, -1e-9), (0, 0))).at([2.0])
+    assert np.abs(path.q[0] - [1e-9 * np.cos(3), -1e-9 * np.cos(1.5)]).max() < 1e-16
 
 
 def test_a_coordinate_ellipse_closes() -> None:
@@ -157,6 +205,12 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Ellipsoid((1, 2)).state((1, 1), (0, 1)), "Σq_i²/a_i = 1"),
         (lambda: Ellipsoid((1, 2)).state((1, 0), (1, 1)), "Σq_i p_i/a_i = 0"),
         (lambda: Ellipsoid((1, 2)).state((1, 0), (0, 0)), "p ≠ 0"),
+        (lambda: Garnier((0, 1), 0), "alpha = 0"),
+        (lambda: Garnier(()), "a = ()"),
+        (lambda: HenonHeiles((1, 2), barriers=(1,)), "barriers = (1,)"),
+        (lambda: HenonHeiles((1,), 0), "alpha = 0"),
+        (lambda: HenonHeiles((1,), barriers=(1,)).state((1, 0), (0, 0)), "q_i ≠ 0"),
+        (lambda: HenonHeiles((1,), barriers=(1,)).step(Point((1.0, 1.0), (0.0, 0.0)), (1, 1)), "barriers"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
         (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),

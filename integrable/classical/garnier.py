@@ -1,0 +1,58 @@
+"""Garnier's system: a point in a quartic potential of any dimension (Garnier 1919).
+
+q_i'' = (αa_i + β − 2α|q|²)q_i, H = ½|p|² − ½Σ(αa_i + β)q_i² + ½α|q|⁴: an anisotropic oscillator, the frequencies of
+which are arbitrary, with the quartic term of a sphere. In the terms of :mod:`integrable.mumford.quadrics`
+
+    u₀ = 1,   w₀ = αx + β − α|q|²
+
+of genus n, the number of axes. For α > 0 all motions are bounded.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.mumford.quadrics import QuadricSystem, Shape
+from integrable.mumford.system import Point
+from jacobian import RR
+from jacobian.errors import ArgumentError, shown
+
+
+class Garnier(QuadricSystem):
+    """n = len(a) ≥ 1 axes, the a_i different, α ≠ 0: ``Garnier((0, 1, 3)).flow(system.state(q, p)).at(times)``.
+
+    With −αa_i − β the squares of the frequencies at rest.
+    """
+
+    def __init__(self, a: Any, alpha: Any = 1, beta: Any = 0, field: Any = RR) -> None:
+        self._set_up(field, a, "a", 1)
+        self.parameters = (self.field.coerce(alpha, "alpha"), self.field.coerce(beta, "beta"))
+        if self.parameters[0] == self.field.zero:
+            raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
+
+    def __repr__(self) -> str:
+        return f"Garnier({self.constants}, *{self.parameters}, {self.field.name})"
+
+    def _shape(self, N: Any, state: Point) -> Shape:
+        alpha, beta = self._parameters_in(N)
+        return Shape((N.one,), (), (beta - alpha * N.dot(state.q, state.q), alpha))
+
+    def _genus(self) -> int:
+        return self.size
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        alpha, beta = self._parameters_in(N)
+        common = beta - 2 * alpha * N.dot(state.q, state.q)
+        return Point(
+            state.p, tuple((alpha * e + common) * x for e, x in zip(self._constants_in(N), state.q, strict=True))
+        )
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """H, and the coefficients of f."""
+        alpha, beta = self._parameters_in(N)
+        square = N.dot(state.q, state.q)
+        linear = N.dot([(alpha * e + beta) * x for e, x in zip(self._constants_in(N), state.q, strict=True)], state.q)
+        return {
+            "H": (N.dot(state.p, state.p) - linear + alpha * square * square) / 2,
+            "curve": self._spectral(N, state).f,
+        }

@@ -1,0 +1,106 @@
+"""The system of Hénon and Heiles with the ratio 1:6, any frequencies, any number of axes and inverse-square terms
+(Fordy 1991; Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
+
+    H = ½(p_0² + |p|²) − 4αq_0³ − 2αq_0|q|² − β(2q_0² + ½|q|²) − ½αΣa_i q_i² − γq_0 + ½Σl_i²/q_i²
+    q_0'' = 12αq_0² + 2α|q|² + 4βq_0 + γ,   q_i'' = (4αq_0 + β + αa_i)q_i + l_i²/q_i³
+
+With α = −½ and one axis it has the potential 2q_0³ + q_0q_1² beside any quadratic one. In the terms of
+:mod:`integrable.mumford.quadrics` u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0,
+c = γ + 2βq_0 + 4αq_0² + α|q|²; genus n + 1. Where q_0 runs to infinity in a finite time it comes back, and so do the
+formulas.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.quadrics import QuadricSystem, Shape
+from integrable.mumford.system import Point
+from jacobian import RR, poly
+from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import check_field
+
+
+class HenonHeiles(QuadricSystem):
+    """q = (q_0, q_1 … q_n), n = len(a) ≥ 1, the a_i different, α ≠ 0; ``barriers``: the l_i, all 0 unless given."""
+
+    sign = -1
+    before = 1
+    _constraint_names = ("q_i ≠ 0 where l_i ≠ 0",)
+
+    def __init__(
+        self,
+        a: Any,
+        alpha: Any = "-1/2",
+        beta: Any = 0,
+        gamma: Any = 0,
+        barriers: Any = None,
+        field: Any = RR,
+    ) -> None:
+        self._set_up(field, a, "a", 1)
+        axes = len(self.constants)
+        wanted = f"a sequence of {axes} numbers"
+        given = [0] * axes if barriers is None else entries(barriers, "barriers", wanted)
+        if len(given) != axes:
+            raise ArgumentError(f"barriers = {shown(barriers)}: {wanted} is needed")
+        names = ("alpha", "beta", "gamma", *(f"barriers[{i}]" for i in range(axes)))
+        values = (alpha, beta, gamma, *given)
+        self.parameters = tuple(self.field.coerce(x, name) for x, name in zip(values, names, strict=True))
+        if self.parameters[0] == self.field.zero:
+            raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
+        self.size = axes + 1
+
+    @classmethod
+    def with_frequencies(cls, first: Any, second: Any, field: Any = RR) -> HenonHeiles:
+        """H = ½(p_0² + p_1² + ω_0²q_0² + ω_1²q_1²) + 2q_0³ + q_0q_1² for the frequencies ω_0, ω_1."""
+        K = check_field(field, "field")
+        A, B = (K.mul(x, x) for x in (K.coerce(first, "first"), K.coerce(second, "second")))
+        quarter = K.div(A, poly.integer(K, 4))
+        # −2β = ½A, −½β + ¼a = ½B
+        a = K.sub(K.mul(poly.integer(K, 2), B), K.add(quarter, quarter))
+        return cls((a,), K.div(K.neg(K.one), poly.integer(K, 2)), K.neg(quarter), field=K)
+
+    def __repr__(self) -> str:
+        alpha, beta, gamma, *barriers = self.parameters
+        return f"HenonHeiles({self.constants}, {alpha}, {beta}, {gamma}, {tuple(barriers)}, {self.field.name})"
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        stands = any(x == N.zero and length != N.zero for x, length in zip(state.q[1:], self._barriers(N), strict=True))
+        return (N.one if stands else N.zero,)
+
+    def _barriers(self, N: Any) -> Sequence[Any]:
+        return self._parameters_in(N)[3:]
+
+    def _shape(self, N: Any, state: Point) -> Shape:
+        alpha, beta, gamma, *_ = self._parameters_in(N)
+        first, *q = state.q
+        b = beta + 2 * alpha * first
+        c = gamma + 2 * beta * first + 4 * alpha * first * first + alpha * N.dot(q, q)
+        return Shape((-2 * first, N.one), (-state.p[0],), (c, b, alpha))
+
+    def _genus(self) -> int:
+        return self.size
+
+    def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
+        return Point((-(sum(self._constants_in(N), u[-2])) / 2,), (-v[-1],))
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        alpha, beta, gamma, *_ = self._parameters_in(N)
+        first, *q = state.q
+        common = 4 * alpha * first + beta
+        rates = [12 * alpha * first * first + 2 * alpha * N.dot(q, q) + 4 * beta * first + gamma]
+        for e, x, pull in zip(self._constants_in(N), q, self._pull(N, state), strict=True):
+            rates.append((common + alpha * e) * x + (pull / x if pull != N.zero else pull))
+        return Point(state.p, tuple(rates))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """H, and the coefficients of f."""
+        alpha, beta, gamma, *_ = self._parameters_in(N)
+        first, *q = state.q
+        square = N.dot(q, q)
+        energy = (N.dot(state.p, state.p) + sum(self._pull(N, state), N.zero)) / 2
+        energy = energy - 4 * alpha * first**3 - 2 * alpha * first * square - gamma * first
+        energy = energy - beta * (2 * first * first + square / 2)
+        energy = energy - alpha * N.dot([e * x for e, x in zip(self._constants_in(N), q, strict=True)], q) / 2
+        return {"H": energy, "curve": self._spectral(N, state).f}

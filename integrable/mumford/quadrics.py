@@ -1,0 +1,143 @@
+"""What Neumann's, Garnier's and Hénon and Heiles's systems share: points in elliptic and parabolic coordinates, in a
+potential that these separate (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
+
+With f₁ = Π(x − a_i), a the constants, positions q_i and momenta p_i on the axes, ε = ±1 and polynomials u₀, w₀:
+
+    U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
+
+and the direction is −2e_{g−1}. With l_i = 0 a_i is a branch point and (q_i, p_i) the lift there, so that signs, and
+axes that the motion crosses, take care of themselves; with l_i ≠ 0 q_i does not vanish and keeps its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from integrable.mumford.fields import padded
+from integrable.mumford.maps import plus_point
+from integrable.mumford.motion import Start
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from jacobian import poly
+from jacobian.errors import ArgumentError
+from jacobian.relatives.extended import Extended, Lift
+
+
+class Shape(NamedTuple):
+    """u₀, ½u₀' and w₀ at a state."""
+
+    u: poly.Poly
+    v: poly.Poly
+    w: poly.Poly
+
+
+class QuadricSystem(MumfordSystem):
+    """The base of these systems; ``constants`` are the a_i."""
+
+    sign = 1
+    """ε."""
+    before = 0
+    """How many q come before those of the axes."""
+
+    def _shape(self, N: Any, state: Point) -> Shape:
+        """Table: u₀, ½u₀' and w₀ of a state."""
+        raise NotImplementedError
+
+    def _genus(self) -> int:
+        """Table: the degree of U."""
+        raise NotImplementedError
+
+    def _first(self, N: Any, u: poly.Poly, v: poly.Poly) -> Point:
+        """Table, where there are q before those of the axes: they and their p, of a pair."""
+        return Point((), ())
+
+    def _barriers(self, N: Any) -> Sequence[Any]:
+        """Table: the l_i."""
+        return [N.zero] * len(self.constants)
+
+    # --- what follows
+
+    def _axes(self, state: Point) -> Point:
+        return Point(state.q[self.before :], state.p[self.before :])
+
+    def _signed(self, N: Any, x: Any) -> Any:
+        return x if self.sign > 0 else -x
+
+    def _pull(self, N: Any, state: Point) -> list[Any]:
+        """l_i²/q_i² of the axes."""
+        q, _ = self._axes(state)
+        return [
+            length * length / (x * x) if length != N.zero else N.zero
+            for length, x in zip(self._barriers(N), q, strict=True)
+        ]
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        (q, p), shape = self._axes(state), self._shape(N, state)
+        f1 = poly.from_roots(N, self._constants_in(N))
+
+        def with_poles(over: poly.Poly, weights: Sequence[Any]) -> poly.Poly:
+            return poly.add(N, poly.mul(N, f1, over), self._sums(N, [self._signed(N, x) for x in weights]))
+
+        u = with_poles(shape.u, [x * x for x in q])
+        v = with_poles(shape.v, [x * y for x, y in zip(q, p, strict=True)])
+        w = with_poles(shape.w, [-(y * y + pull) for y, pull in zip(p, self._pull(N, state), strict=True)])
+        # the coefficients that the constraints fix are as these say
+        u, v = (*padded(N, u, self._genus()), N.one), padded(N, v, self._genus())
+        f = poly.add(N, poly.mul(N, v, v), poly.mul(N, u, w))
+        return all_of(N, (f, u, v), self._genus())
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -2)))
+
+    def _start(self, N: Any, state: Point) -> Start:
+        f, u, v = self._spectral(N, state)
+        kinds, data = [], []
+        # U(a_i) = εd_i q_i², V(a_i) = εd_i q_i p_i with d_i = f₁'(a_i)
+        for e, slope, length, x, y in self._along_axes(N, state):
+            if length == N.zero:
+                kinds.append(Lift(e))
+                data.append((slope, x, y))
+        return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
+
+    def _along_axes(self, N: Any, state: Point) -> Iterator[tuple[Any, ...]]:
+        """(a_i, εd_i, l_i, q_i, p_i)."""
+        a = self._constants_in(N)
+        slopes = poly.derivative(N, poly.from_roots(N, a))
+        signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
+        return zip(a, signed, self._barriers(N), *self._axes(state), strict=True)
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        data, (q, p) = iter(D.data), self._first(N, D.u, D.v)
+        for e, slope, length, before, _ in self._along_axes(N, start):
+            if length == N.zero:
+                _, x, y = next(data)
+            else:
+                x = N.sqrt(poly.evaluate(N, D.u, e) / slope)
+                x = x if before > 0 else -x
+                y = poly.evaluate(N, D.v, e) / (slope * x)
+            q, p = (*q, x), (*p, y)
+        return Point(q, p)
+
+    def step(self, state: Point, point: Sequence[Any], roots: Sequence[Any] | None = None) -> Point:
+        """The state of D + (λ, μ) − ∞, a canonical map that commutes with the motion, where no l_i stands.
+
+        ``point`` = (λ, μ) with μ² = f(λ); on the axes q̃ = A⁻¹(p + cq), p̃ = −Aq + cq̃, A = diag√(−ℓ(a_i − λ)), ℓ the
+        leading coefficient of f, ``roots`` over an exact field if other ones are to be taken; c = (μ − V(λ))/U(λ). For
+        λ far away it is a step of about 1/√(ℓλ) in time, or back, by the sign of μ. ArgumentError for a point that is
+        not on the curve, NotASquare for a missing root.
+        """
+        if any(length != self.numbers.zero for length in self._barriers(self.numbers)):
+            raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
+
+        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+            f, u, v = self._spectral(N, here)
+            given = [f[-1] * (x - e) for e in self._constants_in(N)]
+            a = [*map(N.sqrt, given)] if roots is None else [*map(N.coerce, roots)]
+            c = (y - poly.evaluate(N, v, x)) / poly.evaluate(N, u, x)
+            old = self._axes(here)
+            q = tuple((p + c * q) / r for q, p, r in zip(*old, a, strict=True))
+            p = tuple(c * new - r * old for new, old, r in zip(q, old.q, a, strict=True))
+            first = self._first(N, *plus_point(N, f, (u, v), (x, y))) if self.before else Point((), ())
+            return Point((*first.q, *q), (*first.p, *p))
+
+        return self._mapped(state, point, formula)
