@@ -20,12 +20,14 @@ J = HyperellipticCurve(GF(2**61 - 1), [1, 2, 0, 0, 0, 1]).jacobian()
 D = J.from_points([(0, 1), (1, 2)])
 """
 COMPILED = f"{ADDITION}\nJ.compile()\nD + D"
+ORDER = "from jacobian import GF, HyperellipticCurve\nHyperellipticCurve(GF({}), [7, 2, 0, 3, 0, 1]).jacobian().order()"
 STARTS = {
     "Python itself": "pass",
     "import jacobian": "import jacobian",
     "and one addition": f"{ADDITION}\nD + D",
     "and one compiled addition, from the cache": COMPILED,
     "import numba": "import numba",
+    **{f"the order of a group at p = {p}": ORDER.format(p) for p in (10007, 100003, 1000003)},
 }
 
 

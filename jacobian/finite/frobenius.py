@@ -8,7 +8,7 @@ from typing import Any
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import FieldError
 from jacobian.fields.extension import ExtensionField
-from jacobian.finite import counting, weil
+from jacobian.finite import complex_multiplication, counting, weil
 from jacobian.finite.search import counting_is_quick, search
 
 
@@ -20,14 +20,16 @@ def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
         return tuple(weil.extend(list(_cached_polynomial(descended)), K.characteristic, K.degree))
     if K.order**C.genus <= counting_is_quick(C):
         return tuple(counting.frobenius_polynomial(C))
-    return tuple(search(C))
+    return tuple(complex_multiplication.frobenius_polynomial(C) or search(C))
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g.
 
     Had from GF(p) when all coefficients lie there; by counting points where that is quick
-    (:mod:`jacobian.finite.counting`); else by :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
+    (:mod:`jacobian.finite.counting`); for y² = x⁵ + a and x⁷ + a over GF(p) of any size by complex multiplication
+    (:mod:`jacobian.finite.complex_multiplication`); else by :func:`jacobian.finite.search.search`, whose limits raise
+    Infeasible.
     """
     if C.field.order is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")

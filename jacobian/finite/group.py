@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import CurveMismatch
+from jacobian.errors import CurveMismatch, FieldError
 from jacobian.law.divisor import GroupLaw, check_divisor
 
 if TYPE_CHECKING:
@@ -52,8 +52,8 @@ class FiniteGroup(GroupLaw):
     def frobenius_polynomial(self) -> list[int]:
         """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
 
-        By counting, or by a search that reaches prime fields up to 10^7 in genus 2 and 3; Infeasible beyond
-        (:mod:`jacobian.finite.frobenius`).
+        By counting, or by a search that reaches prime fields up to 10^7 in genus 2 and 3; for y² = x⁵ + a and x⁷ + a
+        over GF(p) of any size; Infeasible beyond (:mod:`jacobian.finite.frobenius`). Each way proves what it returns.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 
@@ -85,8 +85,16 @@ class FiniteGroup(GroupLaw):
         return bad_primes(self.curve)
 
     def order(self) -> int:
-        """#J over a finite field, the value of :meth:`frobenius_polynomial` at 1."""
+        """#J over a finite field, proven: the value of :meth:`frobenius_polynomial` at 1, with its limits."""
         return sum(self.frobenius_polynomial())
+
+    def order_bounds(self) -> tuple[int, int]:
+        """The least and the largest #J that Weil's theorem leaves over this field, which may be of any size."""
+        from jacobian.finite.weil import order_bounds
+
+        if self.field.order is None:
+            raise FieldError(f"field = {self.field.name}: a Jacobian has an order over finite fields")
+        return order_bounds(self.field.order, self.curve.genus)
 
     def order_of(self, D: Divisor, multiple: int | None = None, primes: Iterable[int] | None = None) -> int | float:
         """The order of D, from a multiple of it (default #J) and its primes

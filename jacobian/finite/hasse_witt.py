@@ -8,7 +8,6 @@ matrix (Harvey and Sutherland 2016).
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import cache
 from typing import Any
 
@@ -92,8 +91,10 @@ def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
     if K.order == p and COMPILED_FROM < p < _INT64_SAFE and not interpreted():
         import numpy as np
 
-        last = _compiled_recurrence()(np.array(ratios, dtype=np.int64), p, start, g)
-        return [int(c) for c in last]
+        window = np.zeros(max(len(ratios), g), np.int64)
+        window[0] = start
+        _library().recurrence_on_words(np.array(ratios, np.int64), p, np.ones(p, np.int64), window)
+        return [int(c) for c in window[:g]]
     return _recurrence(K, ratios, start, g)
 
 
@@ -113,32 +114,32 @@ def _recurrence(K: Any, ratios: list[Any], start: Any, g: int) -> list[Any]:
     return (window + [K.zero] * g)[:g]
 
 
+def recurrence_on_words(ratios: Any, p: int, inverse: Any, window: Any) -> None:
+    """:func:`_recurrence` over GF(p) on machine integers: products of two residues, p < 2^29, stay below 2^63.
+
+    ``window`` begins with the start and ends with the coefficients; ``inverse`` has p ones and ends with 1/k.
+    """
+    half = (p + 1) // 2
+    for k in range(1, p):
+        if k > 1:
+            inverse[k] = (p - p // k) * inverse[p % k] % p
+        total = 0
+        for i in range(len(ratios)):
+            weight = (half * (i + 1) + p - k) % p * ratios[i] % p
+            total = (total + weight * window[i]) % p
+        for i in range(len(window) - 1, 0, -1):
+            window[i] = window[i - 1]
+        window[0] = total * inverse[k] % p
+
+
 @cache
-def _compiled_recurrence() -> Callable[..., Any]:
-    """:func:`_recurrence` over GF(p) on machine integers: products of two residues, p < 2^29, stay below 2^63."""
-    import numba
-    import numpy as np
+def _library() -> Any:
+    from jacobian.native.kinds import INT, INTS
+    from jacobian.native.library import Library
+    from jacobian.native.special import SPECIAL
 
-    def recurrence(ratios, p, start, g):  # type: ignore[no-untyped-def]
-        size = len(ratios)
-        half = (p + 1) // 2
-        inverse = np.ones(p, dtype=np.int64)
-        window = np.zeros(max(size, g), dtype=np.int64)
-        window[0] = start
-        for k in range(1, p):
-            if k > 1:
-                inverse[k] = (p - p // k) * inverse[p % k] % p
-            total = 0
-            for i in range(size):
-                weight = (half * (i + 1) - k) % p * ratios[i] % p
-                total = (total + weight * window[i]) % p
-            for i in range(len(window) - 1, 0, -1):
-                window[i] = window[i - 1]
-            window[0] = total * inverse[k] % p
-        return window[:g]
-
-    compiled: Callable[..., Any] = numba.njit(recurrence)
-    return compiled
+    entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS))}
+    return Library("Cartier-Manin", entries, SPECIAL)
 
 
 # --- small matrices over a field

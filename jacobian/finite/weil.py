@@ -6,7 +6,7 @@ at most 2√q in size (Weil 1948). #J = χ(1) = R(1 + q), and χ(−1) is the or
 
 from __future__ import annotations
 
-from math import comb
+from math import comb, isqrt
 
 from jacobian.curve.zeta import power_sums
 
@@ -48,3 +48,10 @@ def leading(excess: list[int]) -> list[int]:
     for i in range(1, len(excess) + 1):
         a.append(sum(excess[j - 1] * a[i - j] for j in range(1, i + 1)) // i)
     return a
+
+
+def order_bounds(q: int, g: int) -> tuple[int, int]:
+    """The least and the largest int from (√q − 1)^2g = a − b√q to (√q + 1)^2g = a + b√q: #J is one of them."""
+    a, b = (sum(comb(2 * g, 2 * k + odd) * q**k for k in range(g + 1 - odd)) for odd in (0, 1))
+    size = isqrt(b * b * q)
+    return a - size, a + size

@@ -1,0 +1,119 @@
+"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose groups are of known order.
+
+The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
+element π of it with ππ̄ = p (Weil 1952), and its ideal is that of α₁·…·α_g, the conjugates ζ → ζ^(1/t), t = 1 … g, of a
+generator α of a prime ideal over p (Stickelberger; Shimura and Taniyama 1961). As Z[ζ] is principal and its units of
+absolute value 1 are ±ζ^i, π is one of 2ℓ known elements; α is had by lattice reduction (Buhler and Koblitz 1998).
+Random classes D decide which: the value at 1 of the right characteristic polynomial annihilates each, and a candidate
+whose value does not is none. So what is left alone is proven.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from math import comb
+from random import Random
+from typing import Any
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.fields.prime import PrimeField
+
+Element = tuple[int, ...]
+"""Σ c_i ζ^i, i < ℓ: one of many ways to write it."""
+DEGREES = (5, 7)
+DRAWS = 20
+
+
+def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
+    """The characteristic polynomial of Frobenius, ascending; None for other curves, and where no class decides."""
+    K: Any = C.field
+    degree = 2 * C.genus + 1
+    if type(K) is not PrimeField or degree not in DEGREES or C.h or len(C.f) != degree + 1 or any(C.f[1:-1]):
+        return None
+    p, g = K.p, C.genus
+    if p % degree == degree - 1:
+        # over GF(p²) a is an ℓ-th power and a square, and the curve a quotient of the Hermitian one: maximal
+        return [comb(g, k // 2) * p ** (g - k // 2) * (1 - k % 2) for k in range(2 * g + 1)]
+    if all(pow(p, i, degree) != 1 for i in range(1, degree - 1)):
+        # x → x^ℓ is bijective on GF(p^i) for all i < 2g
+        return [p**g, *[0] * (2 * g - 1), 1]
+    return _decided(C, list(_candidates(p, degree))) if p % degree == 1 else None
+
+
+def _decided(C: HyperellipticCurve, candidates: list[list[int]]) -> list[int] | None:
+    """The candidate whose value at 1 annihilates random classes, if that is one alone."""
+    J, rng = C.jacobian(), Random(0)
+    for _ in range(DRAWS):
+        D = J.random(rng)
+        candidates = [chi for chi in candidates if not sum(chi) * D]
+        if len(candidates) == 1:
+            return candidates[0]
+    return None
+
+
+def _candidates(p: int, degree: int) -> Iterator[list[int]]:
+    alpha = _generator(p, degree)
+    pi: Element = (1, *[0] * (degree - 1))
+    for t in range(1, (degree + 1) // 2):
+        pi = _times(pi, _conjugate(alpha, pow(t, -1, degree)))
+    for i in range(degree):
+        turned = _times(pi, tuple(int(j == i) for j in range(degree)))
+        chi = _characteristic_polynomial(turned)
+        yield chi
+        yield [c * (-1) ** k for k, c in enumerate(chi)]
+
+
+def _generator(p: int, degree: int) -> Element:
+    """An element of norm p, p ≡ 1 modulo ℓ: one of the shortest in the lattice of a prime ideal over p."""
+    from flint import fmpz_mat
+
+    root = next(r for r in (pow(a, (p - 1) // degree, p) for a in range(2, p)) if r != 1)
+    size = degree - 1
+    rows = [[p, *[0] * (size - 1)]]
+    rows += [[-pow(root, i, p), *[int(j == i) for j in range(1, size)]] for i in range(1, size)]
+    basis = [[int(c) for c in row] for row in fmpz_mat(rows).lll().tolist()]
+    for multiples in sorted(product((0, 1, -1, 2, -2), repeat=size), key=lambda m: sum(map(abs, m))):
+        found = (*(sum(m * row[j] for m, row in zip(multiples, basis, strict=True)) for j in range(size)), 0)
+        if _norm(found) == p:
+            return found
+    raise AssertionError(f"no generator of an ideal over {p} beside its reduced basis")
+
+
+def _times(a: Element, b: Element) -> Element:
+    size = len(a)
+    return tuple(sum(a[j] * b[(i - j) % size] for j in range(size)) for i in range(size))
+
+
+def _conjugate(a: Element, t: int) -> Element:
+    """The image under ζ → ζ^t."""
+    size = len(a)
+    found = [0] * size
+    for i, c in enumerate(a):
+        found[i * t % size] = c
+    return tuple(found)
+
+
+def _integer(a: Element) -> int:
+    """The int that a is: all coefficients but the first are equal."""
+    return a[0] - a[1]
+
+
+def _norm(a: Element) -> int:
+    total = a
+    for t in range(2, len(a)):
+        total = _times(total, _conjugate(a, t))
+    return _integer(total)
+
+
+def _characteristic_polynomial(a: Element) -> list[int]:
+    """Π (T − σ(a)) over the conjugates, ascending, by Newton's identities from the traces of powers."""
+    size = len(a) - 1
+    traces, power = [], a
+    for _ in range(size):
+        traces.append(size * power[0] - sum(power[1:]))
+        power = _times(power, a)
+    descending = [1]
+    for k in range(1, size + 1):
+        descending.append(-sum(traces[i] * descending[k - 1 - i] for i in range(k)) // k)
+    return descending[::-1]
