@@ -25,20 +25,24 @@ def write(source: Path, results: dict[str, Any]) -> None:
     for name in scene_names():
         scene = load_scene(name)
         content = None
-        if not scene.finite_field:
+        if scene.classical:
+            (folder / f"{name}.png").write_bytes(_drawn(scene))
+        elif not scene.finite_field:
             content = shown(scene, frames=FRAMES)
             html = page(content, '<script src="plotly.js"></script>')
             (moving / f"{name}.html").write_text(html, encoding="utf-8")
             (folder / f"{name}.png").write_bytes(_thumbnail(content))
         (folder / f"{name}.md").write_text(_page(scene, content, results.get(name)), encoding="utf-8")
-        picture = f":img-top: {name}.png\n:img-alt: γ on the sphere, {scene.title}\n" if content else ""
+        what = "Coordinates against time" if scene.classical else "γ on the sphere"
+        drawn = content or scene.classical
+        picture = f":img-top: {name}.png\n:img-alt: {what}, {scene.title}\n" if drawn else ""
         cards.append(
             f"::::{{grid-item-card}} {scene.title}\n:link: {name}\n:link-type: doc\n{picture}\n`{name}`\n::::\n"
         )
     names = "\n".join(scene_names())
     (folder / "index.md").write_text(
         "# Gallery\n\nEvery scene that ships. The picture is the curve that γ, the direction “up” seen from the body, draws on a "
-        "sphere. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
+        "sphere; of a system without a body its coordinates against time. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
         f":::::{{grid}} 1 2 3 3\n:gutter: 3\n\n{''.join(cards)}:::::\n\n```{{toctree}}\n:hidden:\n\n{names}\n```\n",
         encoding="utf-8",
     )
@@ -70,6 +74,14 @@ def _page(scene: Any, content: dict[str, Any] | None, found: Any) -> str:
             f"## Error against run time\n\n![Error against run time: {scene.title}](../figures/report/{scene.name}.svg)\n"
         )
     return "\n".join(parts)
+
+
+def _drawn(scene: Any) -> bytes:
+    """The coordinates of a system without a body against time."""
+    from integrable.study.plot import draw
+
+    system, state = scene.start(15)
+    return draw("coordinates", "png", scene, None, system.motion_through(state).at(scene.sphere.floats()[::2]))
 
 
 def _thumbnail(content: dict[str, Any]) -> bytes:

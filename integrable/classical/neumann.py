@@ -51,10 +51,20 @@ class Neumann(QuadricSystem):
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
         a = self._constants_in(N)
-        m = N.dot(a, [x * x for x in q]) - N.dot(p, p)
+        # over |q|², 1 at a state: an integrator that leaves the sphere by rounding is not driven away from it
+        m = (N.dot(a, [x * x for x in q]) - N.dot(p, p)) / N.dot(q, q)
         return Point(p, tuple((m - e) * x for e, x in zip(a, q, strict=True)))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """Uhlenbeck's F_i = q_i² + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), ΣF_i = 1, and H = ½|p|² + ½Σa_i q_i²."""
         a, squares = self._constants_in(N), [x * x for x in state.q]
         return {"F": uhlenbeck(a, state, squares), "H": (N.dot(state.p, state.p) + N.dot(a, squares)) / 2}
+
+    def discrete(self, state: Point, h: Any) -> Point:
+        """A :meth:`step` of ``h`` in time to second order, by the point λ = −1/h²; h < 0 is a step back."""
+        genus = self.size - 1
+        h = self.field.coerce(h, "h")
+        sign = 1 if (h > 0) == (genus % 2 == 0) else -1
+        new = self.step(state, self.curve_point(state, -1 / (h * h), sign))
+        # back, the roots of the step are the negative ones
+        return new if h > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

@@ -126,6 +126,13 @@ class TodaLattice(MumfordSystem):
                 above, below = below, poly.monic(N, rest[: size - 1 - k])
         return p, links
 
+    def discrete(self, state: Point, h: Any) -> Point:
+        """A :meth:`step` of ``h`` in time to first order, by the point λ = 1/h, with the centre where time takes it."""
+        h = self.field.coerce(h, "h")
+        new = self.step(state, self.curve_point(state, 1 / h))
+        shift = (sum(state.q) + h * sum(state.p) - sum(new.q)) / self.size
+        return Point(tuple(x + shift for x in new.q), new.p)
+
     def step(self, state: Point, point: Sequence[Any], sheet: int = 1) -> Point:
         """The state of D + P − ∞₊, with ``sheet`` −1 of D + P − ∞₋, P = (λ, μ): discrete time (Suris 2003).
 

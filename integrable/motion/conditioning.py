@@ -58,7 +58,7 @@ def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion
     move, wanted = motion or flow_motion, list(times)
     names, values = _inputs(system, state)
     base = move(*_problem(system, state, names, values), wanted)
-    size = float(field.sqrt(field.dot(state.M, state.M)))
+    size = float(field.sqrt(field.dot(state.M, state.M))) or 1.0
     gamma, M, parts = np.zeros(len(wanted)), np.zeros(len(wanted)), {}
     for k, name in enumerate(names):
         if values[k] == 0:
@@ -89,6 +89,9 @@ def flow_motion(system: Any, state: State, times: Any) -> tuple[np.ndarray, np.n
 
 def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
     """Names and values of all that a motion is given."""
+    if hasattr(system, "inputs"):
+        found = system.inputs(state)
+        return list(found), list(found.values())
     named = [(f"I{i + 1}", x) for i, x in enumerate(system.body.inertia)]
     accepted = inspect.signature(type(system)).parameters
     named += [(name, getattr(system, name)) for name in ("d", "c") if name in accepted]
@@ -102,6 +105,9 @@ def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
 def _problem(system: Any, state: State, names: list[str], values: list[Any]) -> tuple[Any, State]:
     """The system and the state of these inputs, γ made a unit vector and M, unless tilted, orthogonal to it."""
     field, given = system.field, dict(zip(names, values, strict=True))
+    if hasattr(system, "inputs"):
+        changed, moved = system.problem(given)
+        return changed, moved
     options: dict[str, Any] = {name: given[name] for name in ("d", "c") if name in given}
     if "potential 1" in given:
         options["potential"] = tuple(given[f"potential {i}"] for i in range(1, 6))

@@ -1,4 +1,5 @@
-"""heyoka's Taylor integrator (Biscani and Izzo 2021) on balls and tops, in double or extended precision.
+"""heyoka's Taylor integrator (Biscani and Izzo 2021) in double or extended precision, on balls and tops and on
+systems that give their equations in any numbers, here heyoka's expressions.
 
 heyoka compiles the equations when the integrator is built: that belongs to the set-up. It is an optional dependency,
 ``pip install 'jacobian-integrable[peers]'``, imported on first use.
@@ -11,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.oracles.reference import Solution, body_equations
+from integrable.oracles.reference import Solution, body_equations, is_body
 from integrable.oracles.stepping import by_sign
 
 __all__ = ["heyoka_run"]
@@ -28,11 +29,13 @@ def heyoka_run(
     import heyoka
 
     number: Any = _long_double if extended else float
-    moments, d = [number(x) for x in system.inertia], number(system.d)
     kind: Any = np.longdouble if extended else float
     start = np.array([number(x) for x in (*state.gamma, *state.M)], dtype=kind)
-    variables = heyoka.make_vars("x1", "x2", "x3", "m1", "m2", "m3")
-    rates = body_equations(moments, d)(variables)
+    variables = heyoka.make_vars(*(f"y{i}" for i in range(len(start))))
+    if is_body(system):
+        rates = body_equations([number(x) for x in system.inertia], number(system.d))(variables)
+    else:
+        rates = system.rates_in(_Expressions(heyoka, number), variables)
     integrator = heyoka.taylor_adaptive(
         list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=kind, time=number(0)
     )
@@ -47,6 +50,24 @@ def heyoka_run(
         return values[1:][back], int(count)
 
     return lambda times: by_sign(start, np.array([number(t) for t in times], dtype=kind), reach)
+
+
+class _Expressions:
+    """heyoka's expressions as the numbers of a system's formulas."""
+
+    exact = False
+
+    def __init__(self, heyoka: Any, number: Callable[[Any], Any]) -> None:
+        self.context, self._number = heyoka, number
+        self.zero, self.one = number(0), number(1)
+
+    def coerce(self, x: Any) -> Any:
+        """A number as a constant, an expression as it is."""
+        return x if isinstance(x, self.context.expression) else self._number(x)
+
+    def dot(self, xs: Iterable[Any], ys: Iterable[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
 
 def _long_double(x: Any) -> Any:

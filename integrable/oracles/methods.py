@@ -5,7 +5,8 @@
 Every :class:`Method` says which systems it takes, what its one setting means (a step, a tolerance, a number of digits),
 and what has to be installed; ``prepare`` keeps its set-up (compilation included) apart from the run. A system is an
 object of :mod:`integrable.systems`: a body with ``inertia`` and ``d`` (ball, top), or one with a ``vector_field`` alone
-(the deformations). Nothing of :mod:`jacobian`'s arithmetic is used.
+(the deformations) or with ``rates_in`` any numbers (those of :mod:`integrable.classical`). Nothing of
+:mod:`jacobian`'s arithmetic is used.
 """
 
 from __future__ import annotations
@@ -37,9 +38,10 @@ class Method:
     """One integrator.
 
     ``parameter`` is what the setting means: "step" (a time), "tolerance" or "digits"; ``settings`` are sensible values,
-    cheapest first, steps in units of the motion's own time scale (:meth:`ladder`). ``only``: "any" system, "body" (ball
-    or top) or "top" (d = 0). ``number``: "float", or "any" for methods that also run in the mpf of a system over
-    MP(digits). ``compiled``: numba compiles at first use and keeps the result on disk.
+    cheapest first, steps in units of the motion's own time scale (:meth:`ladder`). ``only``: "any" system, "formulas"
+    (a body, or a system that gives its equations in any numbers), "body" (ball or top) or "top" (d = 0). ``number``:
+    "float", or "any" for methods that also run in the mpf of a system over MP(digits). ``compiled``: numba compiles at
+    first use and keeps the result on disk.
     """
 
     name: str
@@ -69,7 +71,7 @@ class Method:
 
     def refusal(self, system: Any) -> str | None:
         """Why the method does not take a system, or None."""
-        if self.only != "any" and not is_body(system):
+        if self.only != "any" and not (is_body(system) or (self.only == "formulas" and hasattr(system, "rates_in"))):
             return f"{self.name} is for the ball and the top: {system!r} has other equations"
         if self.only == "top" and system.d:
             return f"d = {system.d}: {self.name} is for the Euler top, d = 0"
@@ -113,9 +115,10 @@ def time_scale(system: Any, state: Any) -> float:
     """1/max(|γ̇|, |Ṁ|/|M|) at a state, 1 where nothing moves: the time in which γ or M turns by about a radian."""
     rates = [float(x) for x in equations(system, state)([*state.gamma, *state.M])]
     size = sum(float(m) ** 2 for m in state.M) ** 0.5
+    half = len(state.gamma)
     rate = max(
-        sum(x * x for x in rates[:3]) ** 0.5,
-        sum(x * x for x in rates[3:]) ** 0.5 / size if size else 0.0,
+        sum(x * x for x in rates[:half]) ** 0.5,
+        sum(x * x for x in rates[half:]) ** 0.5 / size if size else 0.0,
     )
     return 1 / rate if rate else 1.0
 
@@ -126,7 +129,7 @@ def _scipy(method: str) -> Prepare:
 
         relative = float(tolerance)
         size = sum(float(m) ** 2 for m in state.M) ** 0.5 or 1.0
-        absolute = [relative] * 3 + [relative * size] * 3
+        absolute = [relative] * len(state.gamma) + [relative * size] * len(state.M)
         return lambda times: scipy_solution(system, state, times, method=method, rtol=relative, atol=absolute)
 
     return prepare
@@ -145,6 +148,8 @@ def _fixed(make: Callable[[Any, Any], Advance]) -> Prepare:
 
 def _gauss16(parameter: str) -> Prepare:
     def prepare(system: Any, state: Any, setting: Any) -> Run:
+        if not is_body(system):
+            return _fixed(lambda system, state: collocation(system, state, 8))(system, state, setting)
         from integrable.oracles.gauss16 import gauss16
 
         return lambda times: gauss16(system, state, times, **{parameter: float(setting)})
@@ -218,8 +223,8 @@ _TABLE = (
         _fixed(lambda system, _: hirota_kimura(_moments(system))), only="top", number="any", order=2,
     ),
     Method(
-        "Gauss-Legendre 16", "Hairer, McLachlan & Razakarivony (2008), compiled", "step", (2.0, 1.4, 1.0, 0.7, 0.5),
-        _gauss16("step"), only="body", compiled=True, order=16,
+        "Gauss-Legendre 16", "Hairer, McLachlan & Razakarivony (2008), compiled for bodies", "step",
+        (2.0, 1.4, 1.0, 0.7, 0.5), _gauss16("step"), only="formulas", compiled=True, order=16,
     ),
     Method(
         "Gauss-Legendre 16, adaptive", "the same with a chosen step, compiled", "tolerance",
@@ -231,11 +236,11 @@ _TABLE = (
     ),
     Method(
         "heyoka", "Biscani & Izzo (2021)", "tolerance", (1e-6, 1e-9, 1e-12, 1e-15, 1e-18),
-        _heyoka(extended=False), only="body", module="heyoka", extra="peers",
+        _heyoka(extended=False), only="formulas", module="heyoka", extra="peers",
     ),
     Method(
         "heyoka, long double", "Biscani & Izzo (2021)", "tolerance", (1e-15, 1e-17, 1e-19, 1e-21),
-        _heyoka(extended=True), only="body", module="heyoka", extra="peers", guard=10,
+        _heyoka(extended=True), only="formulas", module="heyoka", extra="peers", guard=10,
     ),
     Method(
         "closed elliptic form", "Jacobi (1850); floats by SciPy, above 15 digits mpmath", "digits", (15, 30, 50),

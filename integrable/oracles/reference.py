@@ -93,11 +93,13 @@ def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], 
 def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
     """y ↦ ẏ for any system of this package, in the numbers of its field.
 
-    A body's are written out (:func:`body_equations`); any other system gives its ``vector_field``, called with copies
-    of ``state``.
+    A body's are written out (:func:`body_equations`); any other system gives ``rates_in`` any numbers, or its
+    ``vector_field``, called with copies of ``state``.
     """
     if is_body(system):
         return body_equations(system.inertia, system.d)
+    if hasattr(system, "rates_in"):
+        return lambda y: system.rates_in(system.field, y)
 
     def rates(y: Sequence[Any]) -> list[Any]:
         rate = system.vector_field(dataclasses.replace(state, gamma=tuple(y[:3]), M=tuple(y[3:])))
@@ -124,7 +126,7 @@ def dop853(body: Body, state: Start, times: Iterable[float], *, rtol: float, ato
 def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: str, rtol: float, atol: Any) -> Solution:
     """The motion of any system by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
 
-    ``atol`` may be six numbers, one for each component.
+    ``atol`` may be one number for each component.
     """
     needed("scipy", f"SciPy's {method}")
     from scipy.integrate import solve_ivp
@@ -136,7 +138,7 @@ def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: s
     else:
         field = equations(system, state)
         rates = lambda _time, y: field(y.tolist())  # noqa: E731
-    rows = np.empty((len(wanted), 6))
+    rows = np.empty((len(wanted), len(start)))
     evaluations = 0
     for sign in (1.0, -1.0):
         mask = wanted * sign > 0
@@ -152,7 +154,8 @@ def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: s
         rows[mask] = solution.y.T[back]
         evaluations += int(solution.nfev)
     rows[wanted == 0] = start
-    return Solution(rows[:, :3], rows[:, 3:], evaluations)
+    half = len(start) // 2
+    return Solution(rows[:, :half], rows[:, half:], evaluations)
 
 
 def taylor(body: Body, state: Start, times: Iterable[Any], *, digits: int) -> Solution:

@@ -64,10 +64,11 @@ def split_times(times: list[Any], step: Any, sign: int) -> list[tuple[int, int, 
 
 
 def solution_of(rows: list[list[Any]], evaluations: int) -> Solution:
-    """Rows of six numbers as a Solution: float64 arrays for floats, object arrays for mpf."""
+    """Rows of γ and M, or q and p, as a Solution: float64 arrays for floats, object arrays for mpf."""
     kind = np.float64 if all(isinstance(x, float) for row in rows for x in row) else object
-    table = np.array(rows, dtype=kind).reshape(len(rows), 6)
-    return Solution(table[:, :3], table[:, 3:], evaluations)
+    table = np.array(rows, dtype=kind).reshape(len(rows), -1 if rows else 6)
+    half = table.shape[1] // 2
+    return Solution(table[:, :half], table[:, half:], evaluations)
 
 
 def by_sign(
@@ -77,7 +78,7 @@ def by_sign(
 
     ``reach(sign, distances)`` gives the rows at ascending positive distances from 0, and the work: once for each sign.
     """
-    rows = np.empty((len(wanted), 6))
+    rows = np.empty((len(wanted), len(start)))
     work = 0
     for sign in (1.0, -1.0):
         chosen = np.flatnonzero(sign * wanted > 0)
@@ -86,4 +87,5 @@ def by_sign(
             rows[chosen], cost = reach(sign, np.abs(wanted[chosen]))
             work += cost
     rows[wanted == 0] = start
-    return Solution(rows[:, :3], rows[:, 3:], work)
+    half = len(start) // 2
+    return Solution(rows[:, :half], rows[:, half:], work)

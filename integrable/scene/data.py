@@ -9,7 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib import import_module
-from typing import Any
+from typing import Any, NamedTuple
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian.errors import ArgumentError, whole
@@ -19,15 +19,27 @@ __all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Time
 MOST_STEPS = 10_000_000
 """Of an orbit, whose states are all kept."""
 
+
+class Kind(NamedTuple):
+    """A system of scenes: the room of its module, its class in it, and the keys of ``[body]``, its arguments."""
+
+    room: str
+    name: str
+    keys: tuple[str, ...]
+
+
 SYSTEMS = {
-    "chaplygin_ball": ("systems", "ChaplyginBall"),
-    "euler_top": ("systems", "EulerTop"),
-    "tilde": ("deformations", "Tilde"),
-    "check": ("deformations", "Check"),
-    "hat": ("deformations", "Hat"),
-    "gyroscopic": ("deformations", "Gyroscopic"),
+    "chaplygin_ball": Kind("systems", "ChaplyginBall", ("inertia", "d", "mass", "radius")),
+    "euler_top": Kind("systems", "EulerTop", ("inertia",)),
+    "tilde": Kind("deformations", "Tilde", ("inertia", "d", "potential")),
+    "check": Kind("deformations", "Check", ("inertia", "potential")),
+    "hat": Kind("deformations", "Hat", ("inertia", "potential")),
+    "gyroscopic": Kind("deformations", "Gyroscopic", ("inertia", "c")),
+    "ellipsoid": Kind("classical", "Ellipsoid", ("a",)),
+    "neumann": Kind("classical", "Neumann", ("a",)),
+    "toda": Kind("classical", "TodaLattice", ("n",)),
 }
-"""The systems of scenes, each a module; its room, and its class in it."""
+"""The systems of scenes, each a module. One of ``classical`` needs no more than its line here."""
 
 
 @dataclass(frozen=True)
@@ -122,6 +134,7 @@ class Scene:
     radius: Fraction | None
     gamma: tuple[Fraction, ...]
     M: tuple[Fraction, ...]
+    """Of a system of ``classical`` the q and p of the start."""
     times: Times = Times()
     digits: int = FLOAT_DIGITS
     report: Comparison | None = None
@@ -137,6 +150,8 @@ class Scene:
     """An orbit of a map instead of a motion: ``times`` is empty then."""
     finite_field: str = ""
     """The field of an exact orbit, such as ``"GF(2^61-1)"``; empty: floats or multiprecision."""
+    constants: tuple[tuple[str, Any], ...] = ()
+    """The arguments of a system of ``classical``."""
     place: str = "scene"
     """What error messages call the scene: the file it came from."""
 
@@ -144,6 +159,11 @@ class Scene:
     def rolls_or_spins(self) -> bool:
         """Whether the system is the ball or the top, not a deformation."""
         return self.system in ("chaplygin_ball", "euler_top")
+
+    @property
+    def classical(self) -> bool:
+        """Whether the system is one of :mod:`integrable.classical`, with q and p for γ and M."""
+        return SYSTEMS[self.system].room == "classical"
 
     def body(self, digits: int) -> Any:
         """The system, in floats up to 15 digits, in multiprecision above; over a finite field whatever the digits.
@@ -157,8 +177,13 @@ class Scene:
             shape["potential"] = tuple(map(number, self.potential))
         with self._placed("[body]"):
             field = self._field(digits)
-            room, kind = SYSTEMS[self.system]
-            make = getattr(import_module(f"integrable.{room}.{self.system}"), kind)
+            kind = SYSTEMS[self.system]
+            make = getattr(import_module(f"integrable.{kind.room}.{self.system}"), kind.name)
+            if self.classical:
+                from integrable.scene.classical import ClassicalSystem
+
+                given = {key: _argument(value, number) for key, value in self.constants}
+                return ClassicalSystem(make(**given, field=field))
             return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
 
     def start(self, digits: int) -> tuple[Any, Any]:
@@ -189,6 +214,9 @@ class Scene:
         """The scene as plain data: fractions as strings such as "7/10"."""
         content = dataclasses.asdict(self)
         del content["place"]
+        if self.classical:
+            content = {{"gamma": "q", "M": "p"}.get(key, key): value for key, value in content.items()}
+            content["constants"] = dict(self.constants)
         if self.steps is not None:
             content["steps"]["maps"] = [{"kind": one.kind, **dict(one.arguments)} for one in self.steps.maps]
         return {key: _plain(value) for key, value in content.items()}
@@ -234,6 +262,13 @@ def _as_numbers(value: Any, number: Callable[[Fraction], Any]) -> Any:
     if isinstance(value, Fraction):
         return number(value)
     return [_as_numbers(item, number) for item in value] if isinstance(value, tuple) else value
+
+
+def _argument(value: Any, number: Callable[[Fraction], Any]) -> Any:
+    """An argument of a system of ``classical``; a whole number by itself is an int, such as a number of particles."""
+    if isinstance(value, Fraction) and value.denominator == 1:
+        return int(value)
+    return _as_numbers(value, number)
 
 
 def _field(digits: int) -> Any:

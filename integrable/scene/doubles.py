@@ -29,6 +29,8 @@ class SceneInDoubles(Scene):
             return super().start(digits)
         system, number = self.body(digits), self._numbers(digits)
         gamma, M = (tuple(map(number, vector)) for vector in (self.gamma, self.M))
+        if self.classical:
+            return system, system.onto_constraints(State(gamma, M))
         return system, onto_constraints(system, State(gamma, M, tilted=self.tilted))
 
 
@@ -40,7 +42,7 @@ def in_doubles(scene: Scene) -> Scene:
     if scene.finite_field or isinstance(scene, SceneInDoubles):
         return scene
     rounded: dict[str, Any] = {
-        name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential")
+        name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential", "constants")
     }
     if scene.mass is not None:
         # d = m r² as the ball in doubles has it

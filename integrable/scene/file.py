@@ -20,14 +20,7 @@ __all__ = ["load_scene", "scene_names"]
 _PICTURES = ("work_precision", "sphere", "residual_growth")
 _OF_THE_REPORT = ("work_precision", "residual_growth")
 _ORBIT_PICTURES = ("sphere", "orbit_error")
-_BODY = {
-    "chaplygin_ball": ("inertia", "d", "mass", "radius"),
-    "euler_top": ("inertia",),
-    "tilde": ("inertia", "d", "potential"),
-    "check": ("inertia", "potential"),
-    "hat": ("inertia", "potential"),
-    "gyroscopic": ("inertia", "c"),
-}
+_CLASSICAL_PICTURES = ("work_precision", "coordinates")
 _SMALLEST_TOLERANCE = Fraction("2.3e-14")  # SciPy raises anything below 100 eps to that, with a warning
 
 
@@ -71,7 +64,9 @@ def _read(name: str, place: str, text: str) -> Scene:
     known = ("title", "description", "system", "field", "body", "start", "run", "steps", "report", "output")
     top = Table(f"{place}:", content, known)
     system = top.choice("system", SYSTEMS)
-    body = _section(top, place, "body", _BODY[system])
+    body = _section(top, place, "body", SYSTEMS[system].keys)
+    if SYSTEMS[system].room == "classical":
+        return _read_classical(name, place, top, system, body)
     plain = system in ("chaplygin_ball", "euler_top")
     start = _section(top, place, "start", ("gamma", "M", "tilted") if plain else ("gamma", "M"))
     return Scene(
@@ -91,8 +86,31 @@ def _read(name: str, place: str, text: str) -> Scene:
     )
 
 
-def _read_motion(top: Table, place: str, plain: bool) -> dict[str, Any]:
-    """What ``[run]``, ``[report]`` and ``[output]`` say of a motion."""
+def _read_classical(name: str, place: str, top: Table, system: str, body: Table) -> Scene:
+    """A scene of a system of :mod:`integrable.classical`, a motion."""
+    if "steps" in top:
+        top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
+    start = _section(top, place, "start", ("q", "p"))
+    keys = ((key, isinstance(body.content.get(key), list)) for key in SYSTEMS[system].keys)
+    return Scene(
+        name=name,
+        title=top.text("title", name),
+        description=top.text("description", "").strip(),
+        system=system,
+        inertia=(),
+        d=None,
+        mass=None,
+        radius=None,
+        constants=tuple((key, body.numbers(key) if several else body.number(key)) for key, several in keys),
+        gamma=start.numbers("q"),
+        M=start.numbers("p"),
+        **_read_motion(top, place, False, _CLASSICAL_PICTURES),
+        place=place,
+    )
+
+
+def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
+    """What ``[run]``, ``[report]`` and ``[output]`` say of a motion; the second of the ``pictures`` shows its curve."""
     if "field" in top:
         top.fail("field", "given, but a motion runs over real numbers; a finite field needs [steps] instead of [run]")
     runs = _section(top, place, "run", ("times", "digits"))
@@ -100,9 +118,9 @@ def _read_motion(top: Table, place: str, plain: bool) -> dict[str, Any]:
     if "report" in top:
         keys = _COMPARISON if plain else tuple(key for key in _COMPARISON if key != "steps")
         report = _read_comparison(_section(top, place, "report", keys))
-    pictures, sphere = _read_output(_section(top, place, "output", ("pictures", "sphere")), report)
+    drawn, curve = _read_output(_section(top, place, "output", ("pictures", pictures[1])), report, pictures)
     times, digits = _read_times(runs, "times"), runs.integer("digits", 1, FLOAT_DIGITS)
-    return {"times": times, "digits": digits, "report": report, "pictures": pictures, "sphere": sphere}
+    return {"times": times, "digits": digits, "report": report, "pictures": drawn, "sphere": curve}
 
 
 def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
@@ -251,11 +269,13 @@ def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
     return digits, truth_digits
 
 
-def _read_output(table: Table, report: Comparison | None) -> tuple[tuple[str, ...], Times | None]:
-    pictures = table.choices("pictures", _PICTURES, ())
+def _read_output(
+    table: Table, report: Comparison | None, known: tuple[str, ...]
+) -> tuple[tuple[str, ...], Times | None]:
+    pictures = table.choices("pictures", known, ())
     for picture in pictures:
         if picture in _OF_THE_REPORT and report is None:
             table.fail("pictures", f'"{picture}" given, which shows the report; a [report] table is needed')
     if "residual_growth" in pictures and report is not None and not report.steps:
         table.fail("pictures", '"residual_growth" given; steps in [report] are needed')
-    return pictures, _read_times(table, "sphere") if "sphere" in table else None
+    return pictures, _read_times(table, known[1]) if known[1] in table else None

@@ -85,19 +85,20 @@ def _unwritable(path: Path, error: OSError) -> ArgumentError:
 
 
 def result(scene: Scene, digits: int, trajectory: Any, curve: Any) -> dict[str, Any]:
-    """Everything a run found, ready for JSON: the trajectory, the report, the curve on the sphere, and where it ran.
+    """Everything a run found, ready for JSON: the trajectory, the report, the curve that is drawn, and where it ran.
 
     Floats stay numbers; multiprecision numbers are decimal strings.
     """
+    names = ("q", "p") if scene.classical else ("gamma", "M")
     return {
         "schema": SCHEMA,
         "scene": scene.describe(),
         "versions": versions(),
         "machine": machine(),
         "digits": digits,
-        "trajectory": _arrays(trajectory, ("times" if scene.steps is None else "steps", "gamma", "M")),
+        "trajectory": _arrays(trajectory, ("times" if scene.steps is None else "steps", *names)),
         "report": trajectory.report.as_dict() if trajectory.report is not None else None,
-        "sphere": _arrays(curve, ("times", "gamma")) if curve is not None and scene.steps is None else None,
+        "sphere": _arrays(curve, ("times", names[0])) if curve is not None and scene.steps is None else None,
     }
 
 

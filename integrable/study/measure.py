@@ -127,28 +127,28 @@ def flow_measured(task: Task, kept: Data | None, tick: Tick) -> tuple[Data, Any]
 
 
 def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
-    """Successive additions of the pair {±iη}, the H1 flow to second order in η, between the τ of the scene's times.
+    """Successive additions of the pair {±iη}, the H1 flow to second order in η, between the τ of the scene's times;
+    of another system steps of its own discretization between the times.
 
     The τ are those of the truth: the map knows no physical time, and its error is that of the points alone.
     """
     truth = _truth_of(task, kept)
-    if truth.tau is None:
+    if truth.tau is None and not task.scene.classical:
         raise Unjudged("not run: the truth is that of an integrator, which knows no τ")
-    targets = [float(t) for t in truth.tau]
+    targets = task.scene.times.floats() if truth.tau is None else [float(t) for t in truth.tau]
     count = int(task.value or 0)
 
     def once() -> Timed:
         system, state = task.scene.start(FLOAT_DIGITS)
         begun = perf_counter()
-        a1, a2, a3 = system.a
-        scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
+        step_of = _classical_step if task.scene.classical else _imaginary_pair
+        step_in = step_of(system, state)
         ready = perf_counter()
         now, rows, done = 0.0, [], 0
         for target in targets:
             steps = max(1, round(count * (target - now) / targets[-1])) if target > now else 0
             if steps:
-                eta = scale * (target - now) / steps
-                step = system.translation(points=[complex(0, eta), complex(0, -eta)])
+                step = step_in((target - now) / steps)
                 for _ in range(steps):
                     state = step(state)
                     done += 1
@@ -162,6 +162,18 @@ def _backlund(task: Task, kept: Data | None, tick: Tick) -> Data:
 
     result, rows = _timed(once, task, tick)
     return result | truth.judge([x.gamma for x in rows], [x.M for x in rows])
+
+
+def _imaginary_pair(system: Any, state: Any) -> Callable[[float], Any]:
+    """h ↦ the addition of {±iη} that is a step of h in τ."""
+    a1, a2, a3 = system.a
+    scale = (a1 * a2 * a3 * system.integrals(state).H1) ** 0.5
+    return lambda h: system.translation(points=[complex(0, scale * h), complex(0, -scale * h)])
+
+
+def _classical_step(system: Any, _: Any) -> Callable[[float], Any]:
+    """h ↦ a step of about h in time of the system's discretization."""
+    return lambda h: lambda state: system.step(state, h)
 
 
 def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:

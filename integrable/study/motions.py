@@ -1,12 +1,13 @@
 """The report of one motion: the tasks of the scene's own ``[report]``, measured in process.
 
-The ball and the top move by the divisor flow, the deformations by their elliptic curves or, where none are known, by
-Taylor series of their equations; beside them SciPy's DOP853 on the same start and times. Errors are against the same
-motion at ``truth_digits`` digits, which is itself held once against another integrator at a short time: the Taylor
-series of :mod:`integrable.oracles.reference`, for a deformation the same at 10 more digits. Errors of M are
-relative to |M|; drifts are the largest departures, over the requested times, of |γ|², (γ, M)/|M| and the two integrals,
-relative, from their values at the exact start. Run times are medians of ``time.perf_counter``; set-up begins with a new
-body each time. The floor is eps·conditioning: what rounding the inputs to doubles does to the states by itself.
+The ball and the top move by the divisor flow, systems of any genus by additions, the deformations by their elliptic
+curves or, where none are known, by Taylor series of their equations; beside them SciPy's DOP853 on the same start and
+times. Errors are against the same motion at ``truth_digits`` digits, which is itself held once against another
+integrator at a short time: the Taylor series of :mod:`integrable.oracles.reference`, for a system of any genus Gauss's
+collocation, for a deformation the same at 10 more digits. Errors of M are relative to |M|; drifts are the largest
+departures, over the requested times, of |γ|², (γ, M)/|M| and the two integrals, relative, from their values at the
+exact start. Run times are medians of ``time.perf_counter``; set-up begins with a new body each time. The floor is
+eps·conditioning: what rounding the inputs to doubles does to the states by itself.
 """
 
 from __future__ import annotations
@@ -62,6 +63,7 @@ def measure(scene: Scene, digits: int, tick: Tick) -> tuple[Report, Any]:
         integrals=tuple(rows[0].drift or ()),
         against=truth.method,
         floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
+        letters=("q", "p") if scene.classical else ("γ", "M"),
     )
     return report, found["trajectory"]
 

@@ -133,11 +133,12 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
         tasks.append(task("flow", name, "compiled", FLOAT_DIGITS, truth.key, kernel="compiled"))
     tasks.append(task("flow", name, "30 digits", 30, truth.key))
     tasks.append(task("first use", name, "first use"))
-    if scene.rolls_or_spins:
+    if scene.rolls_or_spins or getattr(scene.start(FLOAT_DIGITS)[0], "discretized", False):
         counts = (30, 100) if mode == "quick" else (100, 1000, 3000)
         tasks += [task("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
-        if not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):  # of three moments, not of two
-            tasks.append(task("additions", BACKLUND, "near D and near −D"))
+    # of three moments, not of two
+    if scene.rolls_or_spins and not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):
+        tasks.append(task("additions", BACKLUND, "near D and near −D"))
     tasks += _comparators(scene, task, mode, truth.key)
     if name == FLOW:
         tasks += [task("horizon", name, f"T = {T}", T) for T in HORIZONS[mode]]

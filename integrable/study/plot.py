@@ -1,4 +1,5 @@
-"""Pictures of a run: error against run time, γ on the sphere, growth of the residual, error along an orbit.
+"""Pictures of a run: error against run time, γ on the sphere, coordinates against time, growth of the residual, error
+along an orbit.
 
 Figures are made with matplotlib's objects, without pyplot and without any global state, and returned as the bytes of a
 PNG or SVG file. A method has one colour and one marker in all figures (:data:`LOOKS`), and no two methods share them;
@@ -12,7 +13,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from matplotlib import rc_context
+from matplotlib import colormaps, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
@@ -20,6 +21,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 from integrable.scene.tables import DOP853, plain_power
 from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
+from integrable.study.truth import ADDITIONS
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -27,7 +29,7 @@ if TYPE_CHECKING:
     from integrable.study.orbits import OrbitReport
     from integrable.study.report import Report, Row
 
-__all__ = ["FORMATS", "draw", "orbit_error", "residual_growth", "sphere", "work_precision"]
+__all__ = ["FORMATS", "coordinates", "draw", "orbit_error", "residual_growth", "sphere", "work_precision"]
 
 FORMATS = ("png", "svg")
 FAINT = "#8a8a8a"
@@ -39,6 +41,7 @@ FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, 
 LOOKS: dict[str, tuple[str, str, bool]] = {
     FLOW: (BLUE, "o", True),
     INTEGRATED: ("#004A73", "H", True),
+    ADDITIONS: ("#0072B3", "8", True),
     BACKLUND: ("#56B4E9", "P", True),
     "SciPy DOP853": (ORANGE, "s", True),
     "SciPy LSODA": ("#E69F00", "v", True),
@@ -57,9 +60,12 @@ LOOKS: dict[str, tuple[str, str, bool]] = {
     "Moser-Veselov, order 4": ("#AA3377", "s", False),
     "Hirota-Kimura": ("#E7298A", "D", False),
 }
+UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
+"""Runs of these, in floats or more digits, are not joined."""
 _OTHER = ("#666666", "p", False)
 
 STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
+LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
 WIDTH = 7.2  # inches: the text width of a page
 CROWDED = 4.0
 """Marks of one error whose run times differ by less than this factor have their labels at two heights."""
@@ -70,7 +76,7 @@ NEAR_THE_FLOOR = 3.0
 def look_of(method: str) -> dict[str, Any]:
     """What matplotlib's ``plot`` takes to draw a method; the flow's marks are not joined, they are unlike runs."""
     colour, marker, filled = LOOKS.get(method, _OTHER)
-    look: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in (FLOW, INTEGRATED) else 1.0}
+    look: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
     if not filled:
         look["markerfacecolor"] = "white"
     if colour == "#F0E442":  # yellow on white
@@ -80,7 +86,7 @@ def look_of(method: str) -> dict[str, Any]:
 
 def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
     """The picture of that name as the bytes of a file of that format; ``curve`` is a trajectory or orbit for the
-    sphere.
+    sphere, or for coordinates.
     """
     if suffix not in FORMATS:
         raise ArgumentError(f'format: "{suffix}" given; one of {", ".join(FORMATS)} is needed')
@@ -88,6 +94,8 @@ def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> by
         if picture == "sphere":
             gamma, times = np.asarray(curve.gamma, dtype=float), np.asarray(curve.times, dtype=float)
             figure = sphere(gamma, times, scene.title, dots=curve.times.dtype.kind == "i")
+        elif picture == "coordinates":
+            figure = coordinates(np.asarray(curve.q, dtype=float), np.asarray(curve.times, dtype=float), scene.title)
         elif report is None:
             raise ArgumentError(f'pictures: "{picture}" given, which shows the report; there is none')
         else:
@@ -105,7 +113,7 @@ def new_figure(width: float, height: float) -> Figure:
 
 
 def work_precision(report: Report) -> Figure:
-    """Run time against the error of γ, both logarithmic: down and left is better.
+    """Run time against the error of γ or q, both logarithmic: down and left is better.
 
     Filled marks are whole runs; an open mark is the same run without its set-up.
     """
@@ -120,7 +128,7 @@ def work_precision(report: Report) -> Figure:
     first, last, count = report.times
     if report.floor and report.floor[0]:
         _mark_floor(axes, rows, report.floor[0])
-    axes.set(xscale="log", yscale="log", xlabel="run time, seconds", ylabel="largest error of γ")
+    axes.set(xscale="log", yscale="log", xlabel="run time, seconds", ylabel=f"largest error of {report.letters[0]}")
     axes.margins(x=0.16, y=0.1)
     decades(axes)
     if rows:
@@ -248,6 +256,20 @@ def sphere(gamma: np.ndarray, times: np.ndarray, title: str, dots: bool = False)
     figure.colorbar(image, ax=[left, right], shrink=0.72, aspect=24, pad=0.02).ax.set_title(
         "step" if dots else "t", fontsize=10
     )
+    return figure
+
+
+def coordinates(q: np.ndarray, times: np.ndarray, title: str) -> Figure:
+    """Every q_i against time, ``q`` of shape (N, n)."""
+    figure = new_figure(WIDTH, 3.6)
+    axes = figure.add_subplot()
+    for i, row in enumerate(q.T):
+        shade = 0.85 * i / max(1, len(q.T) - 1)
+        axes.plot(times, row, color=colormaps["cividis"](shade), linewidth=1.1, label=f"q{i + 1}".translate(LOWER))
+    axes.set(xlabel="t", ylabel="q", xlim=(float(times[0]), float(times[-1])))
+    axes.spines[["top", "right"]].set_visible(False)
+    figure.legend(loc="outside right upper", frameon=False, fontsize=9)
+    axes.set_title(title, fontsize=10.5, loc="left", wrap=True)
     return figure
 
 

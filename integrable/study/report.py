@@ -73,6 +73,8 @@ class Report:
     """What inputs rounded to doubles alone do to γ and to M/|M| (:mod:`integrable.motion.conditioning`); None where the
     motion itself is integrated.
     """
+    letters: tuple[str, str] = ("γ", "M")
+    """What the two halves of a state are called."""
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""
@@ -89,8 +91,9 @@ def _at_most(difference: float, digits: int) -> str:
     return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
 
 
-def _head(integrals: Sequence[str]) -> tuple[str, ...]:
-    return ("method", "setting", "error γ", "error M", *(f"Δ{x}" for x in integrals), "set-up", "evaluate", "total")
+def _head(letters: tuple[str, str], integrals: Sequence[str]) -> tuple[str, ...]:
+    errors = (f"error {letter}" for letter in letters)
+    return ("method", "setting", *errors, *(f"Δ{x}" for x in integrals), "set-up", "evaluate", "total")
 
 
 def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
@@ -102,6 +105,7 @@ def _cells(row: Row, integrals: Sequence[str]) -> tuple[str, ...]:
 
 _ORACLES = {
     "divisor flow": "a Taylor-series integrator",
+    "additions": "Gauss's collocation",
     "elliptic curves": "the equations of motion",
     "integrated": "the same at 10 more",
 }
@@ -120,14 +124,30 @@ def _floor(report: Report) -> list[str]:
     if report.floor is None:
         return []
     gamma, M = map(figure, report.floor)
-    return [f"Rounding the inputs to doubles alone, eps·conditioning: {gamma} in γ, {M} in M."]
+    first, second = report.letters
+    return [f"Rounding the inputs to doubles alone, eps·conditioning: {gamma} in {first}, {M} in {second}."]
+
+
+def _words(report: Report) -> list[str]:
+    """What errors and drifts are."""
+    if report.letters == ("q", "p"):
+        names = ", ".join(report.integrals)
+        return [
+            "error q: largest over components and times, relative to the largest q at the start; error p: the same,",
+            f"relative to |p|; Δ: largest relative drift of {names} from the exact start.",
+        ]
+    first_of, second_of = report.integrals[2:]
+    return [
+        "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
+        f"|γ|², (γ,M)/|M|, {first_of} and {second_of} (relative) from the exact start.",
+    ]
 
 
 def _table(report: Report) -> str:
     """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
     first, last, count = report.times
     check = report.truth
-    first_of, second_of = report.integrals[2:]
+    gamma, M = report.letters
     # first what people will use: the compiled loops
     rows = sorted(report.rows, key=lambda row: row.setting != "compiled")
     verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
@@ -136,16 +156,15 @@ def _table(report: Report) -> str:
         f"{count} times from {first:g} to {last:g} in the scene's unit of time; run times are medians of up to "
         f"{report.repeat} runs",
         "",
-        *aligned([_head(report.integrals), *(_cells(row, report.integrals) for row in rows)], left=2),
+        *aligned([_head(report.letters, report.integrals), *(_cells(row, report.integrals) for row in rows)], left=2),
         *_notes(report),
         "",
-        "error γ: largest over components and times; error M: the same, relative to |M|; Δ: largest drift of",
-        f"|γ|², (γ,M)/|M|, {first_of} and {second_of} (relative) from the exact start.",
+        *_words(report),
         *_floor(report),
         f"Errors are against the {report.against} at {check.digits} digits, held once against "
         f"{_ORACLES[report.against]}",
-        f"at t = {check.time:g}: they differ by {_at_most(check.error_gamma, check.digits)} in γ and "
-        f"{_at_most(check.error_M, check.digits)} in M.{verdict}",
+        f"at t = {check.time:g}: they differ by {_at_most(check.error_gamma, check.digits)} in {gamma} and "
+        f"{_at_most(check.error_M, check.digits)} in {M}.{verdict}",
     ]
     if report.residual_growth:
         counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]

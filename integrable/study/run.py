@@ -124,7 +124,7 @@ def _write(scene: Scene, digits: int, trajectory: Any, folder: OutputFolder, for
 
     report = trajectory.report
     curve = None
-    if "sphere" in scene.pictures and formats:
+    if formats and ("sphere" in scene.pictures or "coordinates" in scene.pictures):
         curve = trajectory
         if scene.steps is None:
             shown = scene.sphere or scene.times

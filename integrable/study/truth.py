@@ -10,21 +10,28 @@ from fractions import Fraction
 from time import perf_counter
 from typing import Any
 
+from integrable.oracles.collocation import collocation
 from integrable.oracles.methods import time_scale
 from integrable.oracles.reference import is_body, taylor
+from integrable.oracles.stepping import follow
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
+from integrable.scene.classical import ClassicalSystem
 from integrable.scene.data import Scene
 from integrable.study.timing import Tick, silent
 from jacobian.errors import JacobianError, PrecisionLoss
 
-__all__ = ["CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
+__all__ = ["ADDITIONS", "CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
 
 DIGITS = (40, 60, 100)
 """Digits of the truth of a study: the first of these that carries the motion."""
 CHECK_DIGITS = 30
 PART = 20
 """States of the truth that are computed between two steps of the progress bar."""
+ADDITIONS = "additions"
+"""What the systems of :mod:`integrable.classical` move by."""
+COLLOCATED, STEPS_OF_A_SCALE = "Gauss collocation", 4
+"""What they are held against, with half as many stages as digits, and its steps in a time scale of the motion."""
 INTEGRATED = "integrated"
 """What the package moves by where no divisor flow is known."""
 
@@ -82,7 +89,7 @@ def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]
 def parts(scene: Scene, digits: int) -> list[list[Any]]:
     """The scene's times as pieces of work: what has to integrate up to each time does it once."""
     times = scene.times.at(digits)
-    size = PART if scene.rolls_or_spins else len(times)
+    size = PART if scene.rolls_or_spins or scene.classical else len(times)
     return [times[first : first + size] for first in range(0, len(times), size)]
 
 
@@ -106,7 +113,7 @@ def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fr
     system = flow.system
     context = system.field.context
     last = context.mpf(max(scene.times.at(digits)))
-    by = "Taylor series" if is_body(system) else INTEGRATED
+    by = "Taylor series" if is_body(system) else COLLOCATED if moved_by(system) == ADDITIONS else INTEGRATED
     if time is None:
         by = "mpmath.odefun" if moved_by(system) == INTEGRATED else by
         moment = min(context.mpf(time_scale(*scene.start(FLOAT_DIGITS))), last)
@@ -127,6 +134,8 @@ def moved_by(system: Any) -> str:
     """What gives the motion of a system: divisors on one curve, or on two elliptic ones, or its equations."""
     if is_body(system):
         return "divisor flow"
+    if isinstance(system, ClassicalSystem):
+        return ADDITIONS
     return "elliptic curves" if system.separates or system.repels else INTEGRATED
 
 
@@ -139,7 +148,12 @@ def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tu
     system, state = scene.start(digits + 10)
     if by == INTEGRATED:
         return _states(IntegratedMotion(system, state).at([time]))
-    rate, context = rates(system), system.field.context
+    context = system.field.context
+    if by == COLLOCATED:
+        step = time_scale(*scene.start(FLOAT_DIGITS)) / STEPS_OF_A_SCALE
+        advance = collocation(system, state, digits // 2)
+        return _states(follow(advance, [*state.gamma, *state.M], [context.mpf(time)], context.mpf(step)))
+    rate = rates(system)
     row = context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])(context.mpf(time))
     return [row[:3]], [row[3:]]
 
@@ -156,28 +170,35 @@ class Judge:
         self.context = system.field.context
         self.gamma, self.M = self._rows(gamma), self._rows(M)
         self.integrals = system.integrals(state)
-        self.size_of_M = self.context.sqrt(sum(m * m for m in state.M))
+        self.size_of_M = self.context.sqrt(sum(m * m for m in state.M)) or self.context.one
+        # γ is a unit vector
+        classical = isinstance(system, ClassicalSystem)
+        self.size_of_gamma = max(abs(x) for x in state.gamma) if classical else self.context.one
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
         """:meth:`errors`, and the "drift" of each integral from the start, the largest over the rows.
 
         Drifts are relative to the value at the start, that of (γ, M) to |M|.
         """
+        start = {name: _several(value) for name, value in self.integrals._asdict().items()}
         scales = {
-            name: self.size_of_M if name == "C2" else abs(value) or self.context.one
-            for name, value in zip(self.integrals._fields, self.integrals, strict=True)
+            name: self.size_of_M if name == "C2" else max(map(abs, values)) or self.context.one
+            for name, values in start.items()
         }
         drift = dict.fromkeys(scales, self.context.zero)
         for x, m in zip(self._rows(gamma), self._rows(M), strict=True):
-            now = self.system.integrals(State((x[0], x[1], x[2]), (m[0], m[1], m[2])))
-            for name, start, value in zip(drift, self.integrals, now, strict=True):
-                drift[name] = max(drift[name], abs(value - start) / scales[name])
+            now = self.system.integrals(State(tuple(x), tuple(m)))
+            for name, values in now._asdict().items():
+                gaps = (abs(a - b) for a, b in zip(_several(values), start[name], strict=True))
+                drift[name] = max(drift[name], max(gaps) / scales[name])
         return {**self.errors(gamma, M), "drift": {name: float(value) for name, value in drift.items()}}
 
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
-        """The errors of γ and of M (relative to |M|), the largest over the rows."""
+        """The errors of γ (q relative to the largest at the start) and of M (relative to |M|), the largest over the
+        rows.
+        """
         return {
-            "error_gamma": float(max(self.distances(gamma, self.gamma))),
+            "error_gamma": float(max(self.distances(gamma, self.gamma)) / self.size_of_gamma),
             "error_M": float(max(self.distances(M, self.M)) / self.size_of_M),
         }
 
@@ -192,6 +213,11 @@ class Judge:
         if not all(self.context.isfinite(x) for row in rows for x in row):
             raise ArithmeticError("the method returned a number that is not finite, and said nothing")
         return rows
+
+
+def _several(value: Any) -> tuple[Any, ...]:
+    """The components of an integral."""
+    return value if isinstance(value, tuple) else (value,)
 
 
 class Truth(Judge):

@@ -74,6 +74,8 @@ class Grid:
 
 
 def _base(scene: Scene) -> np.ndarray:
+    if scene.classical:
+        raise ArgumentError(f"{scene.place}: {scene.system} has no body; sweeps are of balls, tops and their relatives")
     row = np.full(PLACES, np.nan)
     row[INERTIA], row[4:7], row[M] = ([float(x) for x in part] for part in (scene.inertia, scene.gamma, scene.M))
     if scene.mass is not None and scene.radius is not None:

@@ -40,6 +40,11 @@ def shown(given: Scene | str | Path, until: float | None = None, frames: int = F
         raise ArgumentError(
             f"{scene.place}: over {scene.finite_field} there is no picture; a scene over the reals is needed"
         )
+    if scene.classical:
+        raise ArgumentError(
+            f"{scene.place}: there is no picture that moves of {scene.system}, which has no body; "
+            "`integrable run` draws its coordinates"
+        )
     system, state = scene.start(FLOAT_DIGITS)
     if scene.steps is not None:
         run: Any = orbit(scene.step(system, FLOAT_DIGITS), state, min(scene.steps.count, frames - 1))

@@ -314,7 +314,7 @@ def test_every_method_is_described() -> None:
     for name, method in METHODS.items():
         assert method.name == name
         assert method.parameter in ("step", "tolerance", "digits")
-        assert method.only in ("any", "body", "top")
+        assert method.only in ("any", "formulas", "body", "top")
         assert (method.order is not None) == (method.parameter == "step")
         assert (method.module == "") == (method.extra == "")
         assert method.source

@@ -76,7 +76,7 @@ SLOW = {"separatrix"}  # its states take more digits than floats have
 @pytest.mark.parametrize("name", [pytest.param(n, marks=[pytest.mark.slow] * (n in SLOW)) for n in scene_names()])
 def test_every_scene_has_a_page_or_is_refused_by_name(name):
     scene = load_scene(name)
-    if scene.finite_field:
+    if scene.finite_field or scene.classical:
         with pytest.raises(ArgumentError, match="no picture"):
             shown(scene)
         return

@@ -1,0 +1,117 @@
+"""Systems of :mod:`integrable.classical` as scenes, studies and integrators take a system: q stands where a body has γ,
+p where it has M.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Sequence
+from itertools import islice
+from typing import Any
+
+from integrable.mumford.system import MumfordSystem, Path, Point
+from integrable.phase.state import State
+from jacobian.immutable import replaced
+
+__all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
+
+
+class ClassicalRun(Path):
+    """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is what a scene's run found, or None."""
+
+    way = "additions"
+    report: Any = None
+    tau = None
+
+    @property
+    def gamma(self) -> Any:
+        """q."""
+        return self.q
+
+    @property
+    def M(self) -> Any:
+        """p."""
+        return self.p
+
+
+class ClassicalSystem:
+    """A :class:`MumfordSystem` whose states are (q, p) as ``gamma`` and ``M``."""
+
+    def __init__(self, system: MumfordSystem) -> None:
+        self.system, self.field = system, system.field
+
+    def __repr__(self) -> str:
+        return repr(self.system)
+
+    @property
+    def discretized(self) -> bool:
+        """Whether the system has a discretization of its own."""
+        return hasattr(self.system, "discrete")
+
+    def state(self, q: Any, p: Any) -> State:
+        """The state with these q and p."""
+        return _state(self.system.state(q, p))
+
+    def motion_through(self, state: State) -> ClassicalMotion:
+        """The motion of a state."""
+        return ClassicalMotion(self, state)
+
+    def integrals(self, state: State) -> Any:
+        """The integrals by name, numbers or tuples of them."""
+        found = self.system.integrals(_point(state))
+        return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
+
+    def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
+        """(q', p') at y = (q, p) in other numbers that have operators, such as another library's expressions."""
+        size = len(y) // 2
+        rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
+        return [*rate.q, *rate.p]
+
+    def step(self, state: State, time: Any) -> State:
+        """A step of about ``time`` of the system's own discretization."""
+        return _state(self.system.discrete(_point(state), time))  # type: ignore[attr-defined]
+
+    def onto_constraints(self, state: State) -> State:
+        """The state with its constraints met to all digits of the field."""
+        return _state(self.system._constrained(self.field, self.system._inside(self.field, _point(state))))
+
+    def inputs(self, state: State) -> dict[str, Any]:
+        """All numbers that a motion is given, by name."""
+        system = self.system
+        parts = (("constant ", system.constants), ("parameter ", system.parameters), ("q", state.gamma), ("p", state.M))
+        return {f"{name}{i + 1}": x for name, values in parts for i, x in enumerate(values)}
+
+    def problem(self, inputs: dict[str, Any]) -> tuple[ClassicalSystem, State]:
+        """The system and the state of such numbers, the constraints met."""
+        values, system = iter(inputs.values()), self.system
+        constants, parameters, q, p = (
+            tuple(islice(values, size))
+            for size in (len(system.constants), len(system.parameters), system.size, system.size)
+        )
+        changed = ClassicalSystem(replaced(system, constants=constants, parameters=parameters))
+        return changed, changed.onto_constraints(State(q, p))
+
+
+class ClassicalMotion:
+    """The flow of one state: ``at(times)``."""
+
+    def __init__(self, system: ClassicalSystem, state: State) -> None:
+        self.system, self.state = system, state
+        self._flow = system.system.flow(_point(state))
+
+    def _prepare(self, times: Any) -> None:
+        """Sets up what the last of the times needs."""
+        self._flow.at(times[-1:])
+
+    def at(self, times: Any) -> ClassicalRun:
+        """The states at times."""
+        found = self._flow.at(times)
+        return ClassicalRun(found.times, found.q, found.p)
+
+
+def _point(state: State) -> Point:
+    return Point(tuple(state.gamma), tuple(state.M))
+
+
+def _state(point: Point) -> State:
+    return State(point.q, point.p)
