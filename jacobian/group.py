@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, overload
 
 from jacobian import poly
 from jacobian.addition import cantor
-from jacobian.addition.choice import Kernel, compiled_kernel, kernel
+from jacobian.addition.choice import Kernel, compiled_kernel, explained, kernel
 from jacobian.addition.ladder import multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.curve.points import Point
@@ -58,8 +58,20 @@ class Jacobian(FiniteGroup):
         if chosen is not None:
             self._adopt(chosen)
 
+    def explain(self) -> str:
+        """Which kernel adds here now, why, and what may replace it, in words (:mod:`jacobian.addition.choice`)."""
+        if not self.field.exact:
+            return f"the stacked orthogonal system of jacobian.inexact.composition: {self.field.name} rounds"
+        return explained(self._model, self._sum_of)
+
     def __repr__(self) -> str:
         return f"Jacobian of {self.curve!r}"
+
+    def _latex_(self) -> str:
+        return rf"\mathrm{{Jac}}\left({self.curve._latex_()}\right)"
+
+    def _repr_latex_(self) -> str:
+        return f"${self._latex_()}$"
 
     def _value(self) -> tuple[Any, ...]:
         return (self.curve,)

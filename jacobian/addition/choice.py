@@ -165,3 +165,48 @@ class Counted:
         if chosen is not None:
             self._sum_of, self._double, self._multiple = chosen
             self._adopt(chosen)
+
+
+# --- in words
+
+WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
+
+
+def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
+    """Which kernel the addition ``sum_of`` of C, an arithmetic model, is, why it was chosen, and what may replace it:
+    a line each.
+    """
+    runner = getattr(sum_of, "__self__", sum_of)
+    if isinstance(runner, Counted):
+        return f"{explained(C, runner._sum_of)}\n{_prospects()}"
+    if isinstance(runner, partial):
+        limit = NUCOMP_GENUS[C.model]
+        if runner.func is nucomp.sum_of:
+            return f"NUCOMP in Python: from genus {limit} on it is faster than Cantor on {C.model} models"
+        return f"Cantor in Python: below genus {limit} it is faster than NUCOMP on {C.model} models"
+    if isinstance(runner, cantor_flint.FlintCantor):
+        return f"Cantor on python-flint's polynomials: over {C.field.name} in genus {C.genus} faster than Python"
+    if isinstance(runner, GmpFormulas):
+        return f"explicit formulas on gmpy2's integers: genus 2 over GF(p), p of {GMP_BITS} bits or more"
+    if isinstance(runner, PrimeFormulas):
+        return f"explicit formulas on ints: genus 2 over GF(p), p of less than {GMP_BITS} bits"
+    if isinstance(runner, ExplicitFormulas):
+        return f"explicit formulas: genus 2 over {C.field.name}"
+    return f"compiled code, for {WORDS}: {_compiled(C)}"
+
+
+def _compiled(C: HyperellipticCurve) -> str:
+    if C.genus != 2:
+        return "Cantor, as explicit formulas are for genus 2"
+    if C.h or (C.model == "ramified" and C.f[-1] != C.field.one):
+        return "Cantor, as explicit formulas want h = 0 and in degree 5 a monic f"
+    return "explicit formulas, and Cantor in special positions"
+
+
+def _prospects() -> str:
+    if math.isinf(PROCESS.additions):
+        return "compiled code could not be had in this process: the logger jacobian has said why"
+    return (
+        f"compiled code after {READY} additions in this process if it is on disk already, else after {COLD} "
+        f"({round(PROCESS.additions)} so far); J.compile() changes over now"
+    )

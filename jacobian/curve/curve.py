@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, Literal, overload
 
 from jacobian import poly
+from jacobian.curve import latex
 from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
 from jacobian.curve.questions import CurveQuestions
 from jacobian.errors import (
@@ -316,6 +317,12 @@ class HyperellipticCurve(CurveQuestions):
 
     def __repr__(self) -> str:
         return f"{self._formula()} over {self.field.name}"
+
+    def _latex_(self) -> str:
+        return rf"{latex.equation(self.field, self.f, self.h)} \text{{ over }} {latex.field(self.field)}"
+
+    def _repr_latex_(self) -> str:
+        return f"${self._latex_()}$"
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named

@@ -11,6 +11,7 @@ from operator import index
 from typing import Any, Literal, SupportsIndex
 
 from jacobian import poly
+from jacobian.curve import latex
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import Point
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, shown, whole
@@ -215,6 +216,14 @@ class Divisor(Immutable):
         K = self.jacobian.curve.field
         weight = "" if self.n is None else f", n={self.n}"
         return f"({poly.text(K, self.u)}, {poly.text(K, self.v)}{weight})"
+
+    def _latex_(self) -> str:
+        K = self.jacobian.curve.field
+        parts = [latex.polynomial(K, self.u), latex.polynomial(K, self.v)]
+        return rf"\left({', '.join(parts if self.n is None else [*parts, f'n = {self.n}'])}\right)"
+
+    def _repr_latex_(self) -> str:
+        return f"${self._latex_()}$"
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named

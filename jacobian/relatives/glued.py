@@ -41,6 +41,10 @@ class GeneralizedJacobian(Jacobian):
     def __reduce__(self) -> Any:
         return GeneralizedJacobian, (self.curve,)
 
+    def explain(self) -> str:
+        """What adds here."""
+        return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
+
     def _check_representable(self) -> None:
         """Every curve that the constructor takes will do."""
 

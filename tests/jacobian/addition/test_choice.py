@@ -1,6 +1,7 @@
 """Which kernel a group runs, and when it changes over to compiled code."""
 
 import logging
+import math
 from random import Random
 
 import pytest
@@ -176,3 +177,42 @@ def test_gmp_gives_the_same_ints(p, model, with_h):
         assert {type(c) for c in (*total[0], *total[1], *found[0], *found[1])} == {int}
         assert on_gmp.sum_of(a, zero) == a
         a, b = b, total
+
+
+EXPLAINED = [
+    (GF(2**89 - 1), [1, 2, 0, 0, 0, 1], "gmpy2's integers: genus 2"),
+    (GF(10007), [1, 2, 0, 0, 0, 1], "explicit formulas on ints: genus 2 over GF(p), p of less than 32 bits"),
+    (GF(2**89 - 1, 2), [1, 2, 0, 0, 0, 1], "over GF("),
+    (QQ, [1, 2, 0, 0, 0, 1], "python-flint's polynomials: over QQ in genus 2"),
+    (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 1], "python-flint's polynomials"),
+    (RR, [1, 2, 0, 0, 0, 1], "stacked orthogonal system"),
+]
+
+
+@pytest.mark.parametrize(("K", "f", "said"), EXPLAINED)
+def test_a_group_says_what_it_runs(K, f, said):
+    assert said in HyperellipticCurve(K, f).jacobian().explain()
+
+
+def test_what_a_group_says_follows_what_it_runs(fresh):
+    J = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1]).jacobian()
+    before = J.explain()
+    assert "after 1000 additions" in before
+    assert "(0 so far); J.compile() changes over now" in before
+    J.compile()
+    assert J.explain().startswith("compiled code")
+    assert J.explain().endswith("explicit formulas, and Cantor in special positions")
+    for f, h in (([3, 1, 4, 1, 5, 2], ()), ([3, 1, 4, 1, 5, 1], [1, 1])):
+        J = HyperellipticCurve(GF(10007), f, h).jacobian()
+        J.compile()
+        assert type(J._sum_of.__self__) is WordKernel
+        assert "want h = 0" in J.explain()
+    fresh.setattr(choice.PROCESS, "additions", -math.inf)
+    assert "could not be had" in HyperellipticCurve(GF(10007), [5, 1, 4, 1, 5, 1]).jacobian().explain()
+
+
+def test_kernels_in_python_by_genus():
+    K = GF(2, 127, (1, 1, *[0] * 125, 1))
+    for genus, said in ((3, "Cantor in Python: below genus 5"), (5, "NUCOMP in Python: from genus 5")):
+        C = HyperellipticCurve(K, [1] + [0] * (2 * genus) + [1], [1])
+        assert choice.explained(C, python_kernel(C).sum_of).startswith(said)
