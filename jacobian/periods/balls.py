@@ -71,9 +71,9 @@ class BallNumbers(Numbers):
 
     def root(self, square: Any, approximation: Any) -> Any:
         """The square root of ``square`` on the side of a rough value or ball of it; PrecisionLoss if it has none."""
-        root = self.sqrt(square)
         if square.contains(0):
-            return self.widened(0 * root, abs(square).sqrt())
+            return self.widened(self.convert(0), square.abs_upper().sqrt())
+        root = self.sqrt(square)
         rough = complex(approximation)
         if isinstance(approximation, self.flint.acb) and not 4 * approximation.rad() < abs(approximation.mid()):
             raise PrecisionLoss("the sheet of a point is undecided; use more digits")

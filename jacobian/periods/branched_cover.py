@@ -20,7 +20,7 @@ from jacobian.periods.roots import check_separated, conjugated, simple_roots
 
 
 class Edge(NamedTuple):
-    """Branch points i → j, ∫ x^k dx/Y along the edge, and the directions of its cycle at i and j (in Y/√F')."""
+    """Branch points i → j, ∫ x^k dx/Y along the edge, and the unit directions of its cycle at i and j (in Y/√F')."""
 
     i: int
     j: int
@@ -107,8 +107,8 @@ class BranchedCover:
         ]
         # Y/√(x − e) at both ends, against the fixed root of F' there
         rough = [(complex(u), u.real > 0) for u in others]
-        start = _unit(c) * rough_root(rough, -1) / self._slope_root(i)
-        end = -_unit(c) * rough_root(rough, 1) / self._slope_root(j)
+        start = _unit(_unit(c) * rough_root(rough, -1) / self._slope_root(i))
+        end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
         return Edge(i, j, integrals, (start, end))
 
     def _moments(self, others: Vector) -> Vector:

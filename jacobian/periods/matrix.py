@@ -222,7 +222,12 @@ def nearest(c: Any) -> int:
     """The integer nearest to a working real number, or to the middle of a ball."""
     if isinstance(c, float):
         return round(c)
-    return int(c.context.nint(c)) if hasattr(c, "context") else int((c.mid() + 0.5).floor().unique_fmpz())
+    if hasattr(c, "context"):
+        return int(c.context.nint(c))
+    if not c.is_finite():
+        raise PrecisionLoss("a coordinate is not known; use more digits")
+    middle = c.mid().fmpq()
+    return int((2 * middle + 1).floor() // 2)
 
 
 def solve(rows: Matrix, right: Vector) -> Vector:

@@ -15,6 +15,7 @@ from random import Random
 from typing import Any
 
 from tests.fuzz import exact_sums as exact
+from tests.fuzz.balls import balls
 from tests.fuzz.case import Case, Complaint, Undecided
 from tests.fuzz.distributions import magnitude
 from tests.fuzz.run import Suite
@@ -323,5 +324,6 @@ KINDS: dict[str, Callable[[Random], Case]] = {
     "from points": from_points,
     "batch": batch,
     "abel": abel,
+    "balls": balls,
 }
 SUITE = Suite("inexact", KINDS, {"moderate": 2, "mixed": 4, "large": 4}, {"batch": WARM})

@@ -48,6 +48,16 @@ def test_riemann_s_relations_hold_as_balls(g, kind):
         assert all(minor > 0 for minor in minors)
 
 
+def test_edges_of_very_different_length_cross_too():
+    # directions at a common end were compared without their lengths: 2 and 2e-5 here
+    roots = [Fraction(x, 10**6) for x in (122288, 465101, 465104, 465107)]
+    P = period_balls(HyperellipticCurve(QQ, poly.from_roots(QQ, roots)), 15)
+    Q = periods(HyperellipticCurve(MP(30), poly.from_roots(MP(30), [MP(30).coerce(e) for e in roots])))
+    with P.cover.numbers.working():
+        found = [c for column in zip(*Q.big, strict=True) for c in P.coordinates(column)]
+        assert max(abs(float(c - round(float(c)))) for c in found) < 1e-12
+
+
 def test_the_cycles_are_a_symplectic_basis():
     P = period_balls(HyperellipticCurve(QQ, [3, 1, 4, 1, -5, 9, 2, 6]), 20)
     cycles, crossing = fmpz_mat([list(c) for c in P.cycles]), fmpz_mat(crossings(P.edges))
