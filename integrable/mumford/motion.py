@@ -12,12 +12,12 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import cofactor, rates
+from integrable.mumford.fields import cofactor, multiplier, rates
 from integrable.mumford.translations import Translations
 from jacobian import poly
 from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
-from jacobian.relatives.extended import Extended, ExtendedGroup, Kind
+from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, PointLift
 
 # bits between the two precisions, and those that each genus and each doubling is first given
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
@@ -68,7 +68,7 @@ class Placed:
     def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
         """D at τ, and at the times along the further directions."""
         if self._rests:
-            return self.start
+            return self._resting(tau)
         if further not in self._carried:
             D = self.start
             for which, time in enumerate(further, 1):
@@ -77,6 +77,20 @@ class Placed:
             self._carried = {further: D}
         D = self._carried[further]
         return D if tau == 0 else self.translations().carried(D, tau)
+
+    def _resting(self, tau: Any) -> Extended:
+        """The pair as it is; lifts at points turn, σ'/σ = ½n(x)y/U(x)."""
+        import gmpy2
+
+        K, (u, _, data) = self.field, self.start
+        n, turned = multiplier(K, u, self._directions[0]), []
+        for kind, datum in zip(self.group.kinds, data, strict=True):
+            if isinstance(kind, PointLift):
+                kappa, sigma, bar = datum
+                turn = gmpy2.exp(poly.evaluate(K, n, kind.x) / poly.evaluate(K, u, kind.x) * kind.y * tau / 2)
+                datum = (kappa, sigma * turn, bar / turn)
+            turned.append(datum)
+        return self.start._replace(data=tuple(turned))
 
     @cached_property
     def _rests(self) -> bool:

@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, rates, second_kind_rate
+from integrable.mumford.fields import Poly, multiplier, rates, second_kind_rate
+from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BallReals
@@ -41,7 +42,8 @@ class SeriesField(InexactField):
 
 
 class Series:
-    """A motion near a pair: coefficients of U, V and of the second-kind datum Ω (0 at the pair), ascending in time.
+    """A motion near a pair: coefficients of U, V, of the second-kind datum Ω and of the third-kind integrals
+    ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair), ascending in time.
 
     ``radius``: about that of convergence, a float.
     """
@@ -63,8 +65,8 @@ class Series:
                 found.append(float((earlier / last) ** (self.field.one.real / between)))
         return min(found, default=1.0)
 
-    def at(self, time: Any) -> tuple[Poly, Poly, Any]:
-        """(U, V, Ω) at a time well inside the radius."""
+    def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
+        """(U, V, Ω, the third-kind integrals) at a time well inside the radius."""
         values = []
         for row in self.rows:
             total = self.field.zero
@@ -72,34 +74,50 @@ class Series:
                 total = total * time + c
             values.append(total)
         size = self.size
-        return (*values[:size], self.field.one), tuple(values[size:-1]), values[-1]
+        return (
+            (*values[:size], self.field.one),
+            tuple(values[size : 2 * size]),
+            values[2 * size],
+            values[2 * size + 1 :],
+        )
 
 
-def taylor(field: LongField, f: Poly, pair: tuple[Poly, Poly], direction: Sequence[Any], order: int) -> Series:
-    """``order`` coefficients of the motion from a pair along a direction."""
+def taylor(
+    field: LongField,
+    f: Poly,
+    pair: tuple[Poly, Poly],
+    direction: Sequence[Any],
+    order: int,
+    points: Sequence[Any] = (),
+) -> Series:
+    """``order`` coefficients of the motion from a pair along a direction, with the third-kind integrals of points."""
     from flint import ctx
 
     u, v = pair
     size = len(v)
     with BallReals(field.bits + GUARD):
-        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero))]
-        curve, turning = field.balls(f), field.balls(direction)
+        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero, *[field.zero for _ in points]))]
+        curve, turning, places = field.balls(f), field.balls(direction), field.balls(points)
         cap = ctx.cap
         try:
             for k in range(1, order):
                 ctx.cap = k
-                _extend(SeriesField(field.complex), rows, size, curve, turning)
+                _extend(SeriesField(field.complex), rows, size, curve, turning, places)
         finally:
             ctx.cap = cap
     return Series(field, rows, size)
 
 
-def _extend(K: SeriesField, rows: list[list[Any]], size: int, f: list[Any], direction: list[Any]) -> None:
+def _extend(
+    K: SeriesField, rows: list[list[Any]], size: int, f: list[Any], direction: list[Any], points: list[Any]
+) -> None:
     """One more coefficient to every row."""
     k = len(rows[0])
-    moving = tuple(map(K.coerce, rows[:-1]))
+    moving = tuple(map(K.coerce, rows[: 2 * size]))
     whole = (*moving[:size], K.one)
     n = tuple(map(K.coerce, direction))
     of_u, of_v = rates(K, tuple(map(K.coerce, f)), whole, moving[size:], n)
-    for row, rate in zip(rows, (*of_u[:-1], *of_v, second_kind_rate(K, whole, n)), strict=True):
+    turning = multiplier(K, whole, n)
+    thirds = [poly.evaluate(K, turning, x) / poly.evaluate(K, whole, x) for x in map(K.coerce, points)]
+    for row, rate in zip(rows, (*of_u[:-1], *of_v, second_kind_rate(K, whole, n), *thirds), strict=True):
         row.append(rate[k - 1] / k)

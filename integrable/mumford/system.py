@@ -112,6 +112,9 @@ class MumfordSystem(Immutable):
         """Table: dt/dτ at a pair; 1 where time is linear."""
         return N.one
 
+    complex_data = False
+    """Whether what the motion carries is complex; then ``_start`` and ``_back`` get complex numbers."""
+
     clocked = False
     """Whether time is not linear; then the motion carries it, and ``_clock`` reads it."""
 
@@ -255,7 +258,7 @@ class MumfordFlow:
         self.system = system
         self.start = state
         genus = len(system.spectral(state).v)
-        self._motion = MumfordMotion(self._place, genus)
+        self._motion = MumfordMotion(self._place, genus, system.complex_data)
         self._clock = system._clock if system.clocked else None
 
     def _inner(self, N: LongField) -> Point:

@@ -15,7 +15,7 @@ from integrable.mumford.series import Series, taylor
 from jacobian import poly
 from jacobian.errors import ArgumentError
 from jacobian.inexact.long_field import LongField
-from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, SecondKind, ThirdKind
+from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
 # h is about the radius of the series over 2^FRACTION, and a coefficient gives so many bits: few terms, and more bits
 # for the doublings up to the radius
@@ -38,7 +38,8 @@ class Translations:
         rough = taylor(self.field, group.f, pair, direction, ROUGH_ORDER)
         self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
         order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 2) + 8)
-        self._series: Series = taylor(self.field, group.f, pair, direction, order)
+        points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
+        self._series: Series = taylor(self.field, group.f, pair, direction, order, points)
         self._start = pair[0]
         zero = self.field.zero
         # what is added with every divisor, and what is taken away
@@ -92,7 +93,7 @@ class Translations:
             return D
         c = 1 / group.f[-1]
         data = [
-            kind.scaled(group, x, c) if isinstance(kind, Lift) else x
+            kind.scaled(group, x, c) if isinstance(kind, (Lift, PointLift)) else x
             for kind, x in zip(group.kinds, D.data, strict=True)
         ]
         return D._replace(data=tuple(data))
@@ -108,17 +109,23 @@ class Translations:
 
     def _near(self, time: Any) -> Extended:
         """E(time)."""
-        return self._placed(*self._series.at(time), self._start)
+        u, v, omega, thirds = self._series.at(time)
+        return self._placed(u, v, omega, self._start, thirds)
 
-    def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly) -> Extended:
+    def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly, thirds: Sequence[Any] = ()) -> Extended:
         """A pair with its data, each continued from the pair with the U of ``start``, where lifts are 1."""
         import gmpy2
 
-        K, data = self.field, []
+        K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:
             if isinstance(kind, Lift):
                 value, first = (poly.evaluate(K, a, kind.e) for a in (u, start))
                 data.append(kind.of(self.group, u, v, K.sqrt(value / first)))
+            elif isinstance(kind, PointLift):
+                # σ'/σ = ½U'(x)/U(x) + ½n(x)y/U(x), and with −y for σ̄
+                value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
+                root, turn = K.sqrt(value / first), gmpy2.exp(kind.y * next(integrals, K.zero) / 2)
+                data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))
             elif isinstance(kind, SecondKind):
                 data.append(omega)
             else:

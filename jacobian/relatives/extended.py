@@ -293,6 +293,11 @@ class PointLift(NamedTuple):
     x: Any
     y: Any
 
+    def scaled(self, group: ExtendedGroup, datum: Any, c: Any) -> Any:
+        """The same datum as (κ/c², cσ, cσ̄)."""
+        K, (kappa, sigma, bar) = group.field, datum
+        return K.div(kappa, K.mul(c, c)), K.mul(c, sigma), K.mul(c, bar)
+
     def zero(self, group: ExtendedGroup) -> Any:
         one = group.field.one
         return one, one, one

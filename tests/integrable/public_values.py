@@ -19,7 +19,9 @@ from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
+from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.laboratory.fit import OrientationFit
 from integrable.motion.conditioning import conditioning
@@ -52,7 +54,9 @@ def systems_over(K):
         "ellipsoid": Ellipsoid(inertia, K),
         "garnier": Garnier(inertia, field=K),
         "henon heiles": HenonHeiles(inertia, field=K),
+        "lagrange": LagrangeTop("3/4", K),
         "neumann": Neumann(inertia, K),
+        "pendulum": SphericalPendulum(K),
         "toda": TodaLattice(3, K),
     }
 

@@ -9,7 +9,9 @@ import pytest
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import Point
 from tests.integrable.exact_points import attempt
@@ -22,18 +24,28 @@ def different(K, rng, count):
             return found
 
 
+def on_sphere(K, rng, size):
+    """A random point with Σq² = 1, the last coordinate of which is a root, and a random tangent there."""
+    q = [K.random(rng) for _ in range(size - 1)]
+    q.append(K.sqrt(K.sub(K.one, K.dot(q, q))))
+    p = [K.random(rng) for _ in range(size)]
+    along = K.dot(q, p)
+    return q, [K.sub(y, K.mul(along, x)) for x, y in zip(q, p, strict=True)]
+
+
 def exact_neumann(K, rng, n):
-    """A random system on S^n and a random state, the last coordinate of which is a root."""
     system = Neumann(different(K, rng, n + 1), K)
+    return system, attempt(lambda: system.state(*on_sphere(K, rng, n + 1)))
 
-    def make():
-        q = [K.random(rng) for _ in range(n)]
-        q.append(K.sqrt(K.sub(K.one, K.dot(q, q))))
-        p = [K.random(rng) for _ in range(n + 1)]
-        along = K.dot(q, p)
-        return system.state(q, [K.sub(y, K.mul(along, x)) for x, y in zip(q, p, strict=True)])
 
-    return system, attempt(make)
+def exact_pendulum(K, rng, n):
+    system = SphericalPendulum(K)
+    return system, attempt(lambda: system.state(*on_sphere(K, rng, n)))
+
+
+def exact_lagrange(K, rng, n):
+    system = LagrangeTop(K.random(rng), K)
+    return system, attempt(lambda: system.state(on_sphere(K, rng, n)[0], [K.random(rng) for _ in range(n)]))
 
 
 def exact_toda(K, rng, n):
@@ -93,6 +105,16 @@ def barriers(K, n):
     return henon_heiles(K, n, [0, *["1/512"] * (n - 1)])
 
 
+def lagrange(K, n):
+    system = LagrangeTop("3/4", K)
+    return system, system.state(("12/25", "3/5", "16/25"), ("1/4", "-3/8", "9/8"))
+
+
+def pendulum(K, n):
+    system = SphericalPendulum(K)
+    return system, system.state(("12/25", "3/5", "-16/25"), ("3/4", "-3/5", 0))
+
+
 def ellipsoid(K, n):
     system = Ellipsoid([i * i + 2 for i in range(n + 1)], K)
     rng = Random(n)
@@ -123,7 +145,9 @@ EXACT = {
     "ellipsoid": exact_ellipsoid,
     "garnier": exact_garnier,
     "henon_heiles": exact_henon_heiles,
+    "lagrange": exact_lagrange,
     "neumann": exact_neumann,
+    "pendulum": exact_pendulum,
     "toda": exact_toda,
 }
 REAL = {
@@ -131,7 +155,9 @@ REAL = {
     "ellipsoid": ellipsoid,
     "garnier": garnier,
     "henon_heiles": henon_heiles,
+    "lagrange": lagrange,
     "neumann": neumann,
+    "pendulum": pendulum,
     "toda": toda,
 }
 # (system, size) with genus 1 to 4, both parities of the model and of the genus
@@ -143,6 +169,8 @@ CASES = [
     ("garnier", 3),
     ("henon_heiles", 1),
     ("henon_heiles", 2),
+    ("lagrange", 3),
+    ("pendulum", 3),
     ("neumann", 1),
     ("neumann", 2),
     ("neumann", 3),

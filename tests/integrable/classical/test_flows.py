@@ -6,7 +6,9 @@ import pytest
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow, Point
 from jacobian import CC, GF, MP, RR, ArgumentError, FieldError
@@ -129,6 +131,31 @@ def test_a_cubic_potential_is_left_and_entered_again() -> None:
     assert np.abs([*path.q[0], *path.p[0]] - expected).max() < 1e-9 * np.abs(expected).max()
 
 
+@pytest.mark.parametrize(
+    ("system", "q", "p"),
+    [
+        (LagrangeTop("7/10"), (0, 0, 1), (0.25, 0.5, 1.5)),  # through the vertical
+        (LagrangeTop("7/10"), (0, 0, -1), (0.25, 0.5, 1.5)),
+        (LagrangeTop("7/10"), (0, 0, 1), (0, 0, 1.5)),  # asleep
+        (LagrangeTop("7/10"), (0, 0, 1), (1e-9, 0, 1.5)),  # nearly, where that is unstable
+        (LagrangeTop("7/10"), (1, 0, 0), (1, 0, 1)),  # a steady precession: the pair rests, γ turns
+        (LagrangeTop("7/10"), (1, 0, 0), (1, 1e-12, 1)),
+        (LagrangeTop(2), ("3/5", 0, "4/5"), (0, 0, 0)),  # in a vertical plane, to the vertical
+        (SphericalPendulum(), (0, 0, -1), (0.5, 1, 0)),
+        (SphericalPendulum(), (0, 0, 1), (0.5, 1, 0)),
+        (SphericalPendulum(), ("3/5", 0, "4/5"), (0, 0, 0)),
+        (SphericalPendulum(), ("3/5", 0, "-4/5"), (0, 0.6 * 1.25**0.5, 0)),  # a cone, to the digits of floats
+        (SphericalPendulum(), (0, 0, 1), (0, 0, 0)),
+    ],
+)
+def test_special_positions_of_axes(system, q, p) -> None:
+    path = system.flow(system.state(q, p)).at([1.5, 3.0])
+    fine = system.over(MP(30))
+    start = fine._constrained(fine.field, fine._inside(fine.field, system.state(q, p)))
+    expected = integrated(fine, start, 1.5, 12, 10)
+    assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 2e-14
+
+
 def test_frequencies_are_those_of_small_motions() -> None:
     system = HenonHeiles.with_frequencies(1.5, 0.75)
     path = system.flow(system.state((1e-9, -1e-9), (0, 0))).at([2.0])
@@ -211,6 +238,9 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: HenonHeiles((1,), 0), "alpha = 0"),
         (lambda: HenonHeiles((1,), barriers=(1,)).state((1, 0), (0, 0)), "q_i ≠ 0"),
         (lambda: HenonHeiles((1,), barriers=(1,)).step(Point((1.0, 1.0), (0.0, 0.0)), (1, 1)), "barriers"),
+        (lambda: LagrangeTop("x"), "j = 'x'"),
+        (lambda: LagrangeTop().state((1, 1, 0), (0, 0, 0)), "|γ| = 1"),
+        (lambda: SphericalPendulum().state((1, 0, 0), (1, 0, 0)), "(q, p) = 0"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
         (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),

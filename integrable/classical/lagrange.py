@@ -1,0 +1,63 @@
+"""Lagrange's top: a heavy symmetric body with its centre of mass on its axis (Lagrange 1788).
+
+M' = M×Ω + γ×e_3, γ' = γ×Ω, Ω = (M_1, M_2, jM_3), in units where the moments are 1, 1, 1/j and the weight times the
+distance of the centre is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3; with z = γ_3
+
+    f = 2(1 − x²)(h − x) − (L − cx)²,   U = x − z,   V = z' = γ_1M_2 − γ_2M_1,   m = (L − c, L + c),   w = (1 − j)c
+
+in the terms of :mod:`integrable.mumford.axial`, g = γ_1 + iγ_2, and M_1 + iM_2 = g((L − cz) + iz')/(1 − z²).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.mumford.axial import AxialSystem, Axis
+from integrable.mumford.system import Point
+from jacobian import RR, poly
+from jacobian.fields.protocol import check_field
+
+
+class LagrangeTop(AxialSystem):
+    """A state has q = γ, the vertical, and p = M, the angular momentum, both in the body; ``j``: I_1/I_3."""
+
+    _constraint_names = ("|γ| = 1",)
+
+    def __init__(self, j: Any = 1, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+        self.parameters = (self.field.coerce(j, "j"),)
+
+    def __repr__(self) -> str:
+        return f"LagrangeTop({self.parameters[0]}, {self.field.name})"
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        (x, y, z), (a, b, c) = state
+        turn = self._parameters_in(N)[0] * c
+        return Point(
+            (y * turn - z * b, z * a - x * turn, x * b - y * a), (b * turn - c * b + y, c * a - a * turn - x, N.zero)
+        )
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """h, L = (M, γ), c = M_3, |γ|²."""
+        (_, _, z), (a, b, c) = state
+        return {"h": (a * a + b * b) / 2 + z, "L": N.dot(*state), "c": c, "gamma squared": N.dot(state.q, state.q)}
+
+    def _axis(self, N: Any, state: Point) -> Axis:
+        (x, y, z), (_, _, c) = state
+        rates, along = self._vector_field(N, state).q, N.dot(*state)
+        return Axis(z, rates[2], (x, y), rates[:2], (along - c, along + c), (1 - self._parameters_in(N)[0]) * c)
+
+    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+        found = self._integrals(N, state)
+        height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (found["h"], -N.one))
+        rest = (found["L"], -found["c"])
+        return poly.sub(N, height, poly.mul(N, rest, rest))
+
+    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
+        c, along, i = start.p[2], N.dot(*start), N.coerce(1j)
+        if abs(z) > 0.5:
+            # g' = −ijcg + iz(M_1 + iM_2), regular at the vertical
+            M = (g_rate + i * self._parameters_in(N)[0] * c * g) / (i * z)
+        else:
+            M = g * (along - c * z + i * rate) / (1 - z * z)
+        return Point((g.real, g.imag, z), (M.real, M.imag, c.real))

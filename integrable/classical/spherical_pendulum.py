@@ -1,0 +1,62 @@
+"""The spherical pendulum: a heavy point on the sphere (Lagrange 1788).
+
+q'' = −e_3 + (q_3 − |q'|²)q, |q| = 1, (q, q') = 0, in units where the length and the acceleration are 1.
+h = ½|q'|² + q_3, L = q_1q_2' − q_2q_1'; with z = q_3
+
+    f = 2(1 − x²)(h − x) − L²,   U = x − z,   V = z',   m = (L, −L),   w = 0
+
+in the terms of :mod:`integrable.mumford.axial`, g = q_1 + iq_2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.axial import AxialSystem, Axis
+from integrable.mumford.system import Point
+from jacobian import RR, poly
+from jacobian.fields.protocol import check_field
+
+
+class SphericalPendulum(AxialSystem):
+    """A state has q, a point of the unit sphere with e_3 upwards, and p = q'."""
+
+    _constraint_names = ("|q| = 1", "(q, p) = 0")
+
+    def __init__(self, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+
+    def __repr__(self) -> str:
+        return f"SphericalPendulum({self.field.name})"
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        return *super()._constraints(N, state), N.dot(*state)
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        q, p = super()._constrained(N, state)
+        along = N.dot(q, p)
+        return Point(q, tuple(y - along * x for x, y in zip(q, p, strict=True)))
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        q, p = state
+        tension = q[2] - N.dot(p, p)
+        return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """h and L."""
+        q, p = state
+        return {"h": N.dot(p, p) / 2 + q[2], "L": q[0] * p[1] - q[1] * p[0]}
+
+    def _axis(self, N: Any, state: Point) -> Axis:
+        (x, y, z), (a, b, rate) = state
+        along = self._integrals(N, state)["L"]
+        return Axis(z, rate, (x, y), (a, b), (along, -along), N.zero)
+
+    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+        found = self._integrals(N, state)
+        height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (found["h"], -N.one))
+        return poly.sub(N, height, (found["L"] * found["L"],))
+
+    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
+        return Point((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate))

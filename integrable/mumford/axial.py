@@ -1,0 +1,125 @@
+"""What Lagrange's top and the spherical pendulum share: an axis of height z, y² = f(z) of genus 1, and what turns about
+the vertical, carried as lifts at z = ±1.
+
+With U = x − z, V = z', f cubic of leading coefficient 2, f(1) = −m₁², f(−1) = −m₂², the horizontal part of the axis is
+
+    g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
+
+Where m_k = 0 the axis can pass the vertical: there ±1 is a branch point, and its lift changes its sign.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from integrable.mumford.fields import cofactor
+from integrable.mumford.motion import Start
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from jacobian import poly
+from jacobian.relatives.extended import Extended, Lift, PointLift
+
+
+class Axis(NamedTuple):
+    """z, z', the horizontal part (g₁, g₂) and its rate, (m₁, m₂), w."""
+
+    z: Any
+    rate: Any
+    g: tuple[Any, Any]
+    g_rate: tuple[Any, Any]
+    m: tuple[Any, Any]
+    w: Any
+
+
+class AxialSystem(MumfordSystem):
+    """The base of the two."""
+
+    size = 3
+    constants = ()
+    complex_data = True
+    _constraint_names: tuple[str, ...] = ("|q| = 1",)
+
+    def _axis(self, N: Any, state: Point) -> Axis:
+        """Table: the axis of a state."""
+        raise NotImplementedError
+
+    def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
+        """Table: f."""
+        raise NotImplementedError
+
+    def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
+        """Table: the state with this axis, z and z' real, g and g' complex, in the motion of ``start``."""
+        raise NotImplementedError
+
+    # --- what follows
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        return (N.dot(state.q, state.q) - N.one,)
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        size = N.sqrt(N.dot(state.q, state.q))
+        return Point(tuple(x / size for x in state.q), state.p)
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        axis = self._axis(N, state)
+        return all_of(N, (self._curve(N, state), (-axis.z, N.one), (axis.rate,)), 1)
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return (N.one,)
+
+    def _ends(self, N: Any, axis: Axis) -> list[tuple[Any, Any]]:
+        """((1, −im₁), (−1, −im₂))."""
+        i = N.coerce(1j)
+        return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
+
+    def _carrier(self, axis: Axis) -> int | None:
+        """The end whose lift is g itself at the start: the nearer one, where that is a branch point."""
+        near = 0 if axis.z.real > 0 else 1
+        return near if axis.m[near] == 0 else None
+
+    def _start(self, N: Any, state: Point) -> Start:
+        f, u, v = self._spectral(N, state)
+        axis, i = self._axis(N, state), N.coerce(1j)
+        carrier, ends = self._carrier(axis), self._ends(N, axis)
+        kinds: list[Any] = []
+        data: list[Any] = []
+        for k, (e, y) in enumerate(ends):
+            if axis.m[k] != 0:
+                kinds.append(PointLift(e, y))
+                data.append((axis.z - e, N.one, N.one))
+            elif k != carrier:
+                kinds.append(Lift(e))
+                data.append((e - axis.z, N.one, -axis.rate / (axis.z - e)))
+            else:
+                g, g_rate = (a + i * b for a, b in (axis.g, axis.g_rate))
+                other, y = ends[1 - k]
+                # g' = (iw + σ'/σ of the other)g − ½ν
+                nu = -2 * (g_rate - g * (i * axis.w + (axis.rate + y) / (2 * (axis.z - other))))
+                kinds.append(Lift(e))
+                data.append((self._unit(N, f, e, axis, g, nu), g, nu))
+        return Start(f, u, v, self._direction(N, 1), kinds, tuple(data))
+
+    def _unit(self, N: Any, f: Any, e: Any, axis: Axis, g: Any, nu: Any) -> Any:
+        """κ with κg² = U(e), κν² = −W(e)."""
+        if abs(g) ** 2 > abs(nu) ** 2:
+            return (e - axis.z) / (g * g)
+        if nu == 0:
+            return N.one
+        w = poly.evaluate(N, cofactor(N, f, (-axis.z, N.one), (axis.rate,)), e)
+        return -w / (nu * nu)
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        import gmpy2
+
+        axis, i = self._axis(N, start), N.coerce(1j)
+        z, rate = (-D.u[0]).real, D.v[0].real
+        lifts = []
+        for (e, y), m, datum in zip(self._ends(N, axis), axis.m, D.data, strict=True):
+            _, sigma, last = datum
+            lifts.append((sigma, -last / 2 if m == 0 else sigma * (rate + y) / (2 * (z - e))))
+        (first, of_first), (second, of_second) = lifts
+        turn = gmpy2.exp(i * axis.w * time)
+        if self._carrier(axis) is None:
+            turn = turn * (axis.g[0] + i * axis.g[1])
+        g = turn * first * second
+        return self._from_axis(N, start, z, rate, g, i * axis.w * g + turn * (of_first * second + first * of_second))
