@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
     from integrable.motion.enclosure import Enclosure
     from integrable.motion.integral import TorusIntegral
-    from integrable.motion.precise import RoundedRows
+    from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.motion.rotation import PrincipalRotation
-    from integrable.motion.short import ShortRuns
+    from integrable.motion.short import GuardedRuns, ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.body import Body
@@ -226,7 +226,13 @@ class Flow(BodyMotion):
     @property
     def _far(self) -> Way:
         """What computes the states at any times."""
-        return self._torus or self._precise
+        if self._torus:
+            return self._torus
+        if self.kernel == "python" or interpreted():
+            return self._precise
+        from integrable.motion.short import ShortFirst
+
+        return ShortFirst(self._guarded, False, lambda: self._precise)
 
     @cached_property
     def _short(self) -> ShortRuns:
@@ -235,19 +241,29 @@ class Flow(BodyMotion):
         return ShortRuns(self.system, self.state, self.kernel)
 
     @cached_property
+    def _guarded(self) -> GuardedRuns:
+        from integrable.motion.short import GuardedRuns
+
+        return GuardedRuns(self.system, self.state, self._many)
+
+    @cached_property
     def _precise(self) -> RoundedRows:
         """The flow to as many digits as it takes."""
-        from integrable.motion.precise import PreciseFlow, RoundedRows
+        from integrable.motion.precise import RoundedRows
+
+        return RoundedRows(self.system.field, self._many, "multiprecision")
+
+    @cached_property
+    def _many(self) -> PreciseFlow:
+        from integrable.motion.precise import PreciseFlow
         from integrable.motion.precise_clock import Limits
 
         field, body = self.system.field, self.system.body
-        if field == RR:
-            compiled = self.kernel != "python" and not interpreted()
-            limits = Limits(MOST_RATES, CLOCK_DIGITS, compiled)
-            many = PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
-        else:
-            many = PreciseFlow(body, self.state, field.dps, self.setup)
-        return RoundedRows(field, many, "multiprecision")
+        if field != RR:
+            return PreciseFlow(body, self.state, field.dps, self.setup)
+        compiled = self.kernel != "python" and not interpreted()
+        limits = Limits(MOST_RATES, CLOCK_DIGITS, compiled)
+        return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
 
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseClosedForm | None:

@@ -16,6 +16,7 @@ import numpy as np
 
 from integrable.motion.precise_clock import NONE, Limits, PanelClock
 from integrable.moving_point import addition
+from integrable.moving_point.centres import Centres
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.setup import GUARD_DIGITS, Setup
@@ -355,6 +356,8 @@ class PreciseFlow(ManyDigits):
     ``limits`` are those of its clock.
     """
 
+    carrier: BodyCarrier
+
     def __init__(
         self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: Limits = NONE
     ) -> None:
@@ -363,7 +366,27 @@ class PreciseFlow(ManyDigits):
         # what leaves the torus in floats loses digits: a set-up of some more costs less than a second one
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
+        self._centres: dict[int, Centres] = {}
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
 
-    def carrier_of(self, digits: int) -> Carrier:
+    def centres(self, half: float, count: int, sign: int) -> np.ndarray:
+        """The moving points ±(2n + 1)·``half`` from the start, n < ``count``, as double-doubles of shape (10·count, 2)
+        and in the units of the set-up: right to the digits of the flow, as all points are.
+        """
+        if count == 0:
+            return np.empty((0, 2))
+        while True:
+            setup = self.carrier.setup
+            last = setup.wide.coerce(sign * (2 * count - 1) * half)
+            if self._enough(last) is None:
+                continue
+            found = self._centres.get(sign)
+            if found is None or found.setup is not setup:
+                found = self._centres[sign] = Centres(setup, half, sign)
+            missing = self._missing([last], [found.last(count)])
+            if missing <= 0:
+                return found.packed(count)
+            self.add_digits(min(missing, self.carrier.digits) + WIDER)
+
+    def carrier_of(self, digits: int) -> BodyCarrier:
         return BodyCarrier(Setup(*self._problem, digits=digits), self._problem, self._limits, self._scouts)

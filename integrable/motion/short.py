@@ -8,11 +8,13 @@ times slower, where nothing is to be compiled. What it is not sure of is left to
 from __future__ import annotations
 
 from functools import cache
+from math import ceil
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point import short
+from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_rows import (
     CLOCK,
     FINEST,
@@ -25,12 +27,14 @@ from integrable.moving_point.short_rows import (
     Rule,
     new_room,
 )
+from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    from integrable.motion.precise import PreciseFlow
     from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
@@ -50,6 +54,10 @@ INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
 MOST_PANELS_OF_MANY = 2000
+# centres in many digits at most, and what the panels about them may cost, in those in floats
+MOST_CENTRES, MOST_CARE = 400, 10_000
+# digits that an addition loses, twice those that errors grow by, from which on panels in floats round less than inputs
+SENSITIVE = 16
 # bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
 BITS, PASSES = 160, 2
 
@@ -109,7 +117,7 @@ class ShortRuns:
         reals, count = BareReals(BITS), len(times)
         request = Request(
             physical, clock, INTERPRETED_PANELS, DRIFT, PACE, times.tolist(), np.argsort(times, kind="stable").tolist(),
-            [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count,
+            [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count, 0.0, 0, [],
         )  # fmt: skip
         with reals:
             room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [1, 0, PASSES, 0])
@@ -124,6 +132,44 @@ class ShortRuns:
         return status, rows, other
 
 
+class GuardedRuns(ShortRuns):
+    """Short runs beside a separatrix: the centres of their panels are made in as many digits as errors may grow by, and
+    compared with more (:meth:`integrable.motion.precise.PreciseFlow.centres`).
+    """
+
+    def __init__(self, system: PhaseSpace, state: State, many: PreciseFlow) -> None:
+        super().__init__(system, state)
+        self._many = many
+
+    def _run(self, times: np.ndarray, torus: bool, physical: bool, clock: bool) -> Found | None:
+        setup = self._many.carrier.setup
+        half = short.panel_half(float(setup.problem.half_step))
+        rate = float(abs(rate_at(setup.problem.axes, setup.problem.start))) if physical else 1.0
+        turns = times * (float(setup.time_scale) / (2 * half * rate))
+        # the panels that lead to the last time in either direction, at the first rate
+        counts = [ceil(max(abs(way))) + 1 if len(way) else 0 for way in (turns[turns >= 0], turns[turns < 0])]
+        rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
+        near = self._many.carrier.lost(2 * max(counts) * half) < SENSITIVE
+        while not near and len(times) <= MOST_TIMES and sum(counts) <= MOST_CENTRES:
+            try:
+                made = [self._many.centres(half, count, sign) for count, sign in zip(counts, (1, -1), strict=True)]
+            except PrecisionLoss:
+                break
+            asked = Asked(self._given, self._tilted, physical, clock, MOST_CARE, DRIFT, PACE, half, counts[0])
+            status, _ = compiled_runs(asked, times[None], rows, other, np.concatenate(made))
+            if status[0] == 0:
+                found = rows[0], other[0] if physical or clock else times
+                return found if self._sensitive(found[1] if physical else times) else None
+            if status[0] != short.FAR:
+                break
+            counts = [count + ceil(count / 4) for count in counts]
+        return None
+
+    def _sensitive(self, tau: np.ndarray) -> bool:
+        carrier = self._many.carrier
+        return carrier.lost(carrier.scaled(max(abs(tau)))) >= SENSITIVE
+
+
 class Asked(NamedTuple):
     """What :func:`compiled_runs` are of: moments, d, γ and M of each, shape (K, 10), and as
     :class:`integrable.moving_point.short_rows.Request` has it.
@@ -136,10 +182,16 @@ class Asked(NamedTuple):
     most: int
     drift: float
     pace: float
+    half: float = 0.0
+    ahead: int = 0
+
+
+# none of them
+NO_CENTRES = np.empty((0, 2))
 
 
 def compiled_runs(
-    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray
+    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray, centres: np.ndarray = NO_CENTRES
 ) -> tuple[np.ndarray, np.ndarray]:
     """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
     (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
@@ -152,7 +204,7 @@ def compiled_runs(
     order, made = times.argsort(axis=1, kind="stable"), np.empty(4, dtype=np.intp)
     wide, floats = np.empty((GIVEN + WIDES, 2)), np.empty(FLOATS + 2 * length)
     LIBRARY.entry(
-        asked.given, asked.tilted, _packed(), asked[2:], times, order,
+        asked.given, asked.tilted, _packed(), asked[2:], centres, times, order,
         (rows.reshape(count, 6 * length), other, status, panels), floats[FLOATS:], wide, floats[:FLOATS], made,
     )  # fmt: skip
     return status, panels

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from math import floor, frexp, ldexp, log
 
-from integrable.moving_point.addition import moving_point
+from integrable.moving_point.addition import moving_point, put
 from integrable.moving_point.short_reading import drift, read_off
 from integrable.moving_point.short_rows import (
     BEGIN,
@@ -46,6 +46,7 @@ from integrable.moving_point.short_rows import (
 from integrable.moving_point.short_start import at_start, scaled, set_up
 from integrable.moving_point.short_steps import (
     doubled,
+    looked_at,
     moved,
     node_steps,
     node_values,
@@ -80,9 +81,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
-    # of few digits: places of panels are exact in floats
-    mantissa, exponent = frexp(LENGTH * numbers[REACH])
-    h = ldexp(floor(mantissa * 2**20) / 2**20, exponent)
+    h = request.half if request.half > 0 else panel_half(numbers[REACH])
     if too_far(room, request, h, request.most):
         return FAR
     panel_steps(room, h)
@@ -94,6 +93,12 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
         status = LOST
     at_start(given, tilted, request.times, request.out)
     return status
+
+
+def panel_half(reach: float) -> float:
+    """Half a panel, of few digits: places of panels are exact in floats."""
+    mantissa, exponent = frexp(LENGTH * reach)
+    return ldexp(floor(mantissa * 2**20) / 2**20, exponent)
 
 
 def too_far(room: Room, request: Request, h: float, most: int) -> bool:
@@ -130,11 +135,12 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         # a panel that is halved costs more than one
         if n >= most or room.made[3] > 2 * request.most:
             return FAR
-        sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
-        grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
-        if not grown + log(1 + 2 * h * n) < SPARE or (sequence and n >= SEQUENCE):
-            return LOST
-        place = centre_of(room, n, sequence, sign)
+        if len(request.centres) > 0:
+            status, place = centre_given(room, request, n, sign)
+        else:
+            status, place = centre_of(room, h, n, sign)
+        if status != 0:
+            return status
         for c in range(10):
             room.points[10 * (FIRST + place) + c] = room.points[c]
         status, level, i = panel(room, rule, request, h, careful, n, level, i, sign)
@@ -146,16 +152,30 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
 
-def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:
-    """The centre of the n-th panel into the first row of points, by one addition to an ancestor; which of those rows
-    it is to be kept in.
+def centre_given(room: Room, request: Request, n: int, sign: int) -> tuple[int, int]:
+    """The centre of the n-th panel, of those that are given, into the first row of points: 0 or why there is none, and
+    which of those rows it is to be kept in.
     """
+    first, last = (n, request.ahead) if sign > 0 else (request.ahead + n, len(request.centres) // 10)
+    if first >= last:
+        return FAR, DOUBLINGS
+    put(moving_point(request.centres, 10 * first), room.points, 0)
+    looked_at(room.wide, room.points, 0, room.point)
+    return 0, DOUBLINGS
+
+
+def centre_of(room: Room, h: float, n: int, sign: int) -> tuple[int, int]:
+    """The same by one addition to an ancestor: LOST where wide numbers have too few digits for that."""
+    sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
+    grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
+    if not grown + log(1 + 2 * h * n) < SPARE or (sequence and n >= SEQUENCE):
+        return LOST, DOUBLINGS
     if n == 0:
         moved(room.wide, room.points, START, room.steps, 0, sign, 0, room.point)
-        return DOUBLINGS
+        return 0, DOUBLINGS
     if sequence:
         moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
-        return DOUBLINGS
+        return 0, DOUBLINGS
     k, above, j = 0, n & (n - 1), DOUBLINGS
     while (n >> k) & 1 == 0:
         k += 1
@@ -167,7 +187,7 @@ def centre_of(room: Room, n: int, sequence: bool, sign: int) -> int:
         while (above >> j) & 1 == 0:
             j += 1
     moved(room.wide, room.points, FIRST + j, room.steps, PANEL + k, sign, 0, room.point)
-    return k
+    return 0, k
 
 
 def panel(

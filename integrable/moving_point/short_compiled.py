@@ -20,13 +20,13 @@ RULE = record(Rule, FLOATS, FLOATS, FLOATS, FLOATS, INTS)
 
 
 def entry(
-    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float], times: Row, order: Row,
-    found: tuple[Row, Row, Row, Row], scaled: Row, wide: Row, floats: Row, made: Row,
+    given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float, float, int], centres: Row,
+    times: Row, order: Row, found: tuple[Row, Row, Row, Row], scaled: Row, wide: Row, floats: Row, made: Row,
 ) -> None:  # fmt: skip
     """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); the last four are
-    room. ``asked`` begins a :class:`Request`. ``found`` are γ and M, shape (K, 6N), the other times, (K, N), why a run
-    was given up, or 0, and what it has cost in panels, (K,). ``times`` and ``order`` have a row for each, or one for
-    all.
+    room. ``asked`` and ``centres`` are those of a :class:`Request`. ``found`` are γ and M, shape (K, 6N), the other
+    times, (K, N), why a run was given up, or 0, and what it has cost in panels, (K,). ``times`` and ``order`` have a
+    row for each, or one for all.
     """
     count = times.shape[1]
     out, other, status, panels = found
@@ -38,7 +38,7 @@ def entry(
         room = new_room(wide[GIVEN:], floats, made)
         request = Request(
             asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at], scaled[:count], scaled[count:],
-            out[member], other[member],
+            out[member], other[member], asked[5], asked[6], centres,
         )  # fmt: skip
         status[member] = run(room, rule, request, wide[:GIVEN], tilted)
         panels[member] = made[3]
@@ -56,7 +56,8 @@ LIBRARY = Library(
         "entry": (
             entry,
             (
-                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT)), _ROWS, _INT_ROWS,
+                _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT, FLOAT, INT)), WIDES, _ROWS,
+                _INT_ROWS,
                 TupleKind((_ROWS, _ROWS, INTS, INTS)), FLOATS, WIDES, FLOATS, INTS,
             ),
         )

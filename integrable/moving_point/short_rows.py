@@ -105,6 +105,13 @@ class Request(NamedTuple):
     """γ and M."""
     other: Row
     """τ where times are physical, physical time where they are not; in the units of the motion."""
+    half: float
+    """Half a panel where ``centres`` are given, else 0."""
+    ahead: int
+    centres: Row
+    """Moving points at the centres of panels, wide, where they take more digits than that: so many in the direction of
+    time, then those against it; or none.
+    """
 
 
 # numbers in a room, wide and floats

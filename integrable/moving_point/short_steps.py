@@ -68,14 +68,20 @@ def doubled(wide: Row, steps: Row, place: int) -> None:
 
 
 def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
-    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and in floats, with 1/g and how
-    far off H2 is there, into ``point``.
+    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and into ``point`` what
+    :func:`looked_at` sees there.
     """
     step = moving_point(steps, 10 * place)
     if sign < 0:
         step = opposite(step)
     there = carried(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), step)
     put(there, points, 10 * target)
+    looked_at(wide, points, target, point)
+
+
+def looked_at(wide: Row, points: Row, target: int, point: Row) -> None:
+    """Row ``target`` of ``points`` in floats, with 1/g and how far off H2 is there, into ``point``."""
+    there = moving_point(points, 10 * target)
     for i in range(10):
         point[i] = float(points[10 * target + i])
     point[RATE] = float(rate_at(axes_of(wide), there))

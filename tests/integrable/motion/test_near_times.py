@@ -97,6 +97,30 @@ def test_an_ordinary_ball_does_not_wait_for_a_torus(kernel) -> None:
     assert not {"_torus", "_precise", "setup"} & set(vars(flow))
 
 
+# H1/H2 = a₂, to a rounding or all digits
+SEPARATRIX = {
+    "ball": (ChaplyginBall((1, 2, 5), 1.0), (2 / 3, -1 / 3, 2 / 3), (1, -0.5, -1.25), 100.0),
+    "both points at the node": (ChaplyginBall((1, 1.5, 3), 0.5), (0.5**0.5, 0.0, 0.5**0.5), (0.5, 1.0, -0.5), 60.0),
+    "top": (EulerTop((2, 3, 6)), (0.5**0.5, 0.0, -(0.5**0.5)), (1.0, 0.7, 1.0), -90.0),
+}
+
+
+@pytest.mark.parametrize("name", SEPARATRIX)
+def test_a_separatrix_is_a_short_run_about_centres_of_more_digits(name) -> None:
+    system, gamma, M, t = SEPARATRIX[name]
+    state = system.state(gamma, M)
+    flow = system.flow(state)
+    times, tau = np.array([t, 0.1 * t, -0.3 * t]), np.array([0.5 * t, -0.2 * t])
+    # what takes as many digits as errors may grow by, without panels
+    precise, size = flow._precise, float(np.linalg.norm(state.M))
+    for run, true in ((flow.at(times), precise.at(times)[0]), (flow.at_tau(tau), precise.at_tau(tau))):
+        assert run.way == "short run"
+        assert abs(run.gamma - true[:, :3]).max() < 3e-14
+        assert abs(run.M - true[:, 3:]).max() < 3e-14 * size
+    if system.body.rolls:
+        assert flow.physical_time(tau) == pytest.approx(precise.times(tau), rel=1e-14)
+
+
 def random_motion(rng):
     inertia = [10 ** rng.uniform(-2, 2) if rng.random() < 0.5 else rng.uniform(0.3, 3) for _ in range(3)]
     d = rng.choice([0.0, 10 ** rng.uniform(-6, 0), 10 ** rng.uniform(0, 5)])

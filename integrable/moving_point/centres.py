@@ -1,0 +1,42 @@
+"""Centres of panels in as many digits as it takes, for short runs beside a separatrix
+(:mod:`integrable.moving_point.short`).
+
+There translations grow as errors do, and an addition of a far one loses the digits of both. Each centre is one panel
+after the one before: errors grow once, and a panel's translation loses nothing.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from integrable.moving_point.addition import shift
+from integrable.moving_point.setup import Setup
+
+
+class Centres:
+    """The moving points ±(2n + 1)·``half`` from the start of a motion, of bare reals, as far as they are asked for."""
+
+    def __init__(self, setup: Setup, half: float, sign: int) -> None:
+        self.setup, translations = setup, setup.translations
+        self._step = translations.near(2 * sign * half)
+        self._points = [self._after(setup.bare.start, translations.near(sign * half))]
+
+    def last(self, count: int) -> tuple[Any, ...]:
+        """That of panel ``count`` − 1."""
+        while len(self._points) < count:
+            self._points.append(self._after(self._points[-1], self._step))
+        return self._points[count - 1]
+
+    def packed(self, count: int) -> np.ndarray:
+        """The first of them as double-doubles, shape (10·count, 2)."""
+        self.last(count)
+        with self.setup.reals:
+            pairs = [(float(x), float(x - float(x))) for point in self._points[:count] for x in point]
+        return np.array(pairs)
+
+    def _after(self, point: tuple[Any, ...], step: tuple[Any, ...]) -> tuple[Any, ...]:
+        bare, reals = self.setup.bare, self.setup.reals
+        with reals:
+            return reals.plain_row(shift(bare.f, bare.axes, point, step))
