@@ -18,13 +18,12 @@ Poly = tuple[Any, ...]
 
 
 def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool = False) -> Poly:
-    """The polynomial of ascending coefficients or of a ``galois.Poly`` (which is descending); FieldError names
+    """The polynomial of ascending coefficients, or of a polynomial of galois, python-flint or PARI; FieldError names
     ``argument``.
 
     ``constant`` takes a single number too. Exact zeros at the top are cut off over an exact field only.
     """
-    if type(values).__module__.startswith("galois") and hasattr(values, "coeffs"):
-        values = values.coeffs[::-1]
+    values = _ascending(values)
     if not isinstance(values, (list, tuple)):
         single = not isinstance(values, Iterable) or getattr(values, "ndim", 1) == 0
         if isinstance(values, (str, bytes, Mapping)) or (single and not constant):
@@ -33,6 +32,16 @@ def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool 
             values = [K.coerce(values, argument)]
     a = tuple([K.coerce(value, f"{argument}[{i}]") for i, value in enumerate(entries(values, argument))])
     return trim(K, a) if K.exact else a
+
+
+def _ascending(values: Any) -> Any:
+    """The ascending coefficients of a polynomial of galois (which is descending), python-flint or PARI; what is none of
+    these as it is.
+    """
+    system = type(values).__module__.split(".")[0]
+    if system in ("galois", "flint") and hasattr(values, "coeffs"):
+        return values.coeffs[::-1] if system == "galois" else values.coeffs()
+    return list(values.Vecrev()) if system.startswith("cypari") and values.type() == "t_POL" else values
 
 
 def to_galois(K: Any, a: Poly) -> Any:

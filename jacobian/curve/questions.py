@@ -92,6 +92,27 @@ class CurveQuestions(Immutable):
         b, c = (K.one, d) if K.characteristic == 2 else (K.zero, d)
         return bool(K.is_zero(d)) or len(quadratic_roots(K, b, c)) > 0
 
+    # --- for other systems
+
+    def to_flint(self) -> tuple[Any, Any]:
+        """(f, h) as python-flint's polynomials (finite fields and QQ)."""
+        from jacobian.curve.export import to_flint
+
+        f, h = to_flint(self.field, self.f, self.h)
+        return f, h
+
+    def to_pari(self) -> str:
+        """[f, h] as text for PARI, what its ``hyperellcharpoly`` takes: ``cypari.pari(C.to_pari())``."""
+        from jacobian.curve.export import to_pari
+
+        return to_pari(self.field, self.f, self.h)
+
+    def to_sage(self) -> str:
+        """Two lines of Sage that make the ring R of polynomials and the curve C."""
+        from jacobian.curve.export import to_sage
+
+        return to_sage(self.field, self.f, self.h)
+
     # --- over finite fields
 
     def count_points(self, n: int = 1) -> list[int]:

@@ -3,6 +3,8 @@
 :func:`rational` reads ints (numpy's, gmpy2's and flint's too, and truth values as 0 and 1), fractions, Decimals and
 strings: "3", "-1/3", "0.25", "1e3". What it reads is taken by every field alike. Floats it leaves to the inexact
 fields: 0.1 is not 1/10, and an exact field is not told which of the two is meant.
+
+:func:`residue` reads residues of python-flint and PARI (cypari), known by their types: neither is imported for that.
 """
 
 from __future__ import annotations
@@ -34,11 +36,32 @@ def rational(value: Any, argument: str = "value") -> int | Fraction | None:
         return None
     if isinstance(value, Rational):
         return Fraction(int(value.numerator), int(value.denominator))
+    if _is_pari(value):
+        return _of_pari(value)
+    if type(value).__name__ == "fmpq":
+        return Fraction(int(value.p), int(value.q))
     try:
         return index(value)
     except Exception:
         # numpy's truth values, which have no index
         return int(value) if type(value).__name__ in ("bool", "bool_") else None
+
+
+def _is_pari(value: Any) -> bool:
+    return type(value).__name__ == "Gen" and type(value).__module__.startswith("cypari")
+
+
+def _of_pari(value: Any) -> Fraction | None:
+    return Fraction(int(value.numerator()), int(value.denominator())) if value.type() in ("t_INT", "t_FRAC") else None
+
+
+def residue(value: Any) -> tuple[int, int] | None:
+    """(a, m) for a residue a modulo m of python-flint or PARI; None for anything else."""
+    if _is_pari(value):
+        return (int(value.lift()), int(value.mod())) if value.type() == "t_INTMOD" else None
+    if type(value).__name__ in ("nmod", "fmpz_mod"):
+        return int(value), int(-(value**0)) + 1
+    return None
 
 
 def _of_text(text: str, argument: str) -> Fraction | None:

@@ -8,7 +8,7 @@ from operator import mul
 from typing import Any
 
 from jacobian.errors import ArgumentError, FieldError, NotASquare, shown, whole
-from jacobian.fields.coercion import rational
+from jacobian.fields.coercion import rational, residue
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import is_prime, prime_power
 
@@ -37,13 +37,18 @@ class PrimeField(FiniteField):
         return prime_field, (self.p,)
 
     def coerce(self, value: Any, argument: str = "value") -> int:
-        """The residue of a rational number, as in :meth:`Field.coerce`, or of a galois scalar of this field."""
+        """The residue of a rational number, as in :meth:`Field.coerce`, or an element of this field from galois,
+        python-flint or PARI.
+        """
         if type(value) is int:
             return value % self.p
         order = getattr(type(value), "order", None)
         if order is not None and hasattr(type(value), "irreducible_poly") and order != self.p:
             raise FieldError(f"{argument} = {value} lies in {type(value).name}, not in {self.name}")
-        x = rational(value, argument)
+        found = residue(value)
+        if found is not None and found[1] != self.p:
+            raise FieldError(f"{argument} = {value} lies in GF({found[1]}), not in {self.name}")
+        x = rational(value, argument) if found is None else found[0]
         if x is None:
             hint = "give an int, a Fraction or a string like '3/4'"
             raise FieldError(f"{argument} = {shown(value)} is not an element of {self.name}: {hint}")

@@ -149,6 +149,13 @@ class Divisor(Immutable):
         K = self.jacobian.curve.field
         return poly.to_galois(K, self.u), poly.to_galois(K, self.v)
 
+    def to_flint(self) -> tuple[Any, Any]:
+        """(u, v) as python-flint's polynomials, of a finite field or QQ."""
+        from jacobian.curve.export import to_flint
+
+        u, v = to_flint(self.jacobian.curve.field, self.u, self.v)
+        return u, v
+
     def __add__(self, other: Divisor | Literal[0]) -> Divisor:
         if not isinstance(other, Divisor):
             return self if is_zero_int(other) else NotImplemented

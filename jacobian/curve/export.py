@@ -1,0 +1,63 @@
+"""Curves for other systems: python-flint's polynomials, and texts that PARI and Sage read.
+
+The way back needs nothing here: fields and polynomials read numbers and polynomials of python-flint and PARI
+(:mod:`jacobian.poly`, :mod:`jacobian.fields.coercion`).
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian import poly
+from jacobian.errors import FieldError
+from jacobian.fields.flint_polynomials import conversions
+
+
+def to_flint(K: Any, *polynomials: poly.Poly) -> tuple[Any, ...]:
+    """python-flint's polynomials; FieldError over an inexact field."""
+    into, _ = conversions(_exact(K))
+    return tuple(map(into, polynomials))
+
+
+def to_pari(K: Any, *polynomials: poly.Poly) -> str:
+    """The vector of polynomials in x, as text for GP or ``cypari.pari``; over GF(p^k) the generator a before it."""
+    vector = ", ".join(_pari_polynomial(_exact(K), a) for a in polynomials)
+    if K.order is None or K.degree == 1:
+        return f"[{vector}]"
+    modulus = " + ".join(f"{c}*x^{i}" for i, c in enumerate(K.modulus) if c)
+    return f"a = ffgen(Mod(1, {K.characteristic})*({modulus}), 'a); [{vector}]"
+
+
+def _pari_polynomial(K: Any, a: poly.Poly) -> str:
+    terms = [f"{_pari_element(K, c)}*x^{i}" for i, c in enumerate(a) if c != K.zero]
+    return " + ".join(terms) or _pari_element(K, K.zero)
+
+
+def _pari_element(K: Any, c: Any) -> str:
+    if K.order is None:
+        return f"({c})"
+    if K.degree == 1:
+        return f"Mod({c}, {K.p})"
+    return f"({' + '.join(f'{part}*a^{i}' for i, part in enumerate(K.coefficients(c)))})"
+
+
+def to_sage(K: Any, f: poly.Poly, h: poly.Poly) -> str:
+    """Two lines of Sage that make R, the polynomials over the field, and C, the curve."""
+    if _exact(K).order is None:
+        field = "QQ"
+    elif K.degree == 1:
+        field = f"GF({K.p})"
+    else:
+        field = f"GF({K.characteristic}^{K.degree}, 'a', modulus=GF({K.characteristic})['x']({list(K.modulus)}))"
+    parts = (f"R([{', '.join(_sage_element(K, c) for c in a)}])" for a in (f, h))
+    return f"R = PolynomialRing({field}, 'x')\nC = HyperellipticCurve({', '.join(parts)})"
+
+
+def _sage_element(K: Any, c: Any) -> str:
+    return str(c) if K.order is None or K.degree == 1 else f"R.base_ring()({list(K.coefficients(c))})"
+
+
+def _exact(K: Any) -> Any:
+    if not K.exact:
+        raise FieldError(f"field = {K.name}: finite fields and QQ are written for other systems, not floats")
+    return K
