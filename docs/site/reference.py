@@ -7,6 +7,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+CLASSICAL = Path(__file__).parents[2] / "integrable" / "classical"
 # page: what it is about, and modules whose public names it lists
 PAGES: dict[str, tuple[str, str, list[str]]] = {
     "jacobian": (
@@ -30,6 +31,9 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "jacobian.models.richelot",
             "jacobian.periods.matrix",
             "jacobian.periods.abel",
+            "jacobian.periods.proven",
+            "jacobian.periods.abel_balls",
+            "jacobian.periods.siegel",
         ],
     ),
     "integrable": (
@@ -44,6 +48,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
         [
             "integrable.motion.flow",
             "integrable.portrait.portrait",
+            "integrable.portrait.spectrum",
             "integrable.laboratory.motion",
             "integrable.motion.enclosure",
             "integrable.phase.state",
@@ -52,6 +57,16 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "integrable.phase.recursion",
             "integrable.steps.step",
             "integrable.steps.translation",
+        ],
+    ),
+    "genus": (
+        "Motions of any genus",
+        "Systems on y² = f(x) of any genus, one file each, and what they share ([how](../mumford.md)).",
+        [
+            *(f"integrable.classical.{path.stem}" for path in sorted(CLASSICAL.glob("[a-z]*.py"))),
+            "integrable.mumford.system",
+            "integrable.mumford.fields",
+            "integrable.mumford.maps",
         ],
     ),
     "many": (
