@@ -30,6 +30,8 @@ def opened(width: int = 1280, height: int = 900) -> Iterator[tuple[Any, list[str
         browser = driver.chromium.launch(executable_path=path, args=OPTIONS)
         try:
             page = browser.new_page(viewport={"width": width, "height": height})
+            # a busy machine without a graphics card draws a scene in a minute
+            page.set_default_timeout(180_000)
             complaints: list[str] = []
             page.on("pageerror", lambda error: complaints.append(f"error: {error}"))
             page.on("console", lambda m: complaints.append(f"console: {m.text}") if m.type == "error" else None)

@@ -20,7 +20,7 @@ from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import TorusSeries, long_double, spectrum
-from integrable.torus.witness import confirmed
+from integrable.torus.witness import confirmed, seamless
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -61,6 +61,8 @@ class TorusFlow(Corners):
         self._lengths: dict[str, float] = {}
         if not confirmed(setup, self.frequencies, self._rows_at_tau, loops):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
+        if self.compiled and not seamless(self.sizes, self.at_phases):
+            raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
         if setup.problem.d != 0:
             self.clock = TorusClock(self, self._rates())
 

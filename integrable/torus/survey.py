@@ -30,6 +30,9 @@ REMOTE = 1e4
 # at half the least distance of two branch points
 FEW_CELLS = 1 << 12
 INNER = 8
+# or at this part of all distances, and in no gap so narrow: translations about a centre lose twice the digits of its
+# distance to a branch point, which double-doubles have to spare
+NEAREST = 2.0**-30
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
 
@@ -218,8 +221,8 @@ def centre_of(i: int, points: Row, ends: Row, origin: float) -> float:
     if end > 1:
         first, last = high, points[4] if len(points) > 4 else high + 2 * farthest
     middle = (last - first) / 2
-    near = min(near, middle) / 2
-    if near <= 0:
+    near = max(min(near, middle) / 2, NEAREST * spread)
+    if near > middle:
         return first
     if end % 2 == 0:
         return first + near * (middle / near) ** (k / (INNER - 1))

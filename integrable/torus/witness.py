@@ -3,6 +3,8 @@
 H1 and H2 of a state do not change with the signs of its γ_i, nor with its place on the torus. What the corners of a
 torus, its periods and its signs make of a few times is compared with one addition to the start, of a translation made
 by doublings of a small one: no period, no corner and no choice of a sign goes into that.
+
+What translations lose beside a corner is seen where cells meet: a state on the border is reached from either corner.
 """
 
 from __future__ import annotations
@@ -31,6 +33,10 @@ FAR = 2.0**48
 ROUGH = 1e-6
 # and one that a right torus may: the states themselves are held to less, here it is about signs and places
 RIGHT = 1e-8
+# borders that are looked at, turns beside them that are phases of their own, and what both corners may differ by
+BORDERS = 16
+BESIDE = 2.0**-51
+SEAM = 1e-13
 # steps are halved so often that so few terms and passes of Newton make a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
@@ -55,6 +61,19 @@ def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.nda
     if _difference(found, quick) <= ROUGH:
         return True
     return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau]) <= RIGHT
+
+
+def seamless(cells: tuple[int, int], states: Callable[[np.ndarray], np.ndarray]) -> bool:
+    """Whether states on some borders of the cells are the same from both corners; ``states`` are those at phases."""
+    k = np.arange(BORDERS) / BORDERS
+    first, second = (np.floor(k * n) / n for n in cells)
+    across = np.column_stack([first + 0.5 / cells[0], second + 0.25 / cells[1]])
+    along = np.column_stack([first + 0.25 / cells[0], second + 0.5 / cells[1]])
+    borders, normals = np.concatenate([across, along]), np.repeat(np.eye(2), BORDERS, axis=0)
+    # a second difference, of which the motion itself has no part
+    before, one, other = (states(borders + step * BESIDE * normals) for step in (-3, -1, 1))
+    gaps = np.abs(before - 2 * one + other)
+    return bool(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(one[:, 3:]).max()) <= SEAM)
 
 
 def reached(f: Row, axes: Row, start: Row, half_step: float, times: Row, room: Row, out: Row) -> None:

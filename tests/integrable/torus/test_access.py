@@ -11,7 +11,7 @@ from integrable.oracles.reference import taylor
 from integrable.torus.access import TorusFlow
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.corners import Corners
-from integrable.torus.loops import CompiledLoops, ReadableLoops
+from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
 from integrable.torus.tables import small_translation
 from jacobian import MP
@@ -20,6 +20,8 @@ from tests.integrable.torus.translations import directed
 
 START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 BALL = ChaplyginBall((1, 2, 3), 0.7)
+# in cells of a torus of two periods of 2700 and 83000
+CELLS = [700.0, 1500.0, 3300.0, -475.0]
 
 
 def beside_the_separatrix(size: float):
@@ -315,3 +317,32 @@ def test_a_sphere_turns_uniformly(system, tilted) -> None:
     assert flow.physical_time(run.tau) == pytest.approx(times, rel=1e-15)
     # whole turns in 10^12 units of time
     assert pytest.approx(1, abs=1e-15) == flow.at([1e12]).integrals.C1
+
+
+def test_beside_an_unstable_rotation_that_leans():
+    """Found by fuzz: a centre 1e-12 from two branch points left γ off by 1e-9, on the level of H1 and H2."""
+    gamma = (0.665817876407031, -0.46571762171010955, -0.5829182209242656)
+    M = (0.0001928783849990436, -1.3474401459314787e-10, 3.2074637229059564e-10)
+    top = EulerTop((0.16064541664973253, 0.1465348903800803, 0.7130523785399245))
+    found = top.flow(top.state(gamma, M, tilted=True)).at([1e7, *CELLS])
+    digits = EulerTop(top.inertia, field=MP(30))
+    # as long as doubles make it
+    length = digits.field.sqrt(sum(digits.field.coerce(x) ** 2 for x in gamma))
+    start = digits.state([x / length for x in gamma], M, tilted=True)
+    truth = digits.flow(start).at([1e7, *CELLS])
+    assert abs(found.gamma - truth.gamma.astype(float)).max() < 1e-14
+
+
+def test_cells_that_do_not_fit(monkeypatch):
+    """Corners that are off by 1e-10 are seen on the borders of their cells, and the motion is left to more digits."""
+    flow = BALL.flow(BALL.state(*START))
+    walk = Corners._walk
+
+    def rough(self, forward, most):
+        walk(self, forward, most)
+        # of every other corner
+        self.states[::20, 0] += 1e-10
+
+    monkeypatch.setattr(Corners, "_walk", rough)
+    with pytest.raises(NotClosed, match="cells of this motion's torus do not fit"):
+        TorusFlow(flow.setup, CompiledLoops())
