@@ -19,6 +19,7 @@ from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
+from integrable.classical.kowalevski import KowalevskiTop
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -54,6 +55,7 @@ def systems_over(K):
         "ellipsoid": Ellipsoid(inertia, K),
         "garnier": Garnier(inertia, field=K),
         "henon heiles": HenonHeiles(inertia, field=K),
+        "kowalevski": KowalevskiTop(K),
         "lagrange": LagrangeTop("3/4", K),
         "neumann": Neumann(inertia, K),
         "pendulum": SphericalPendulum(K),

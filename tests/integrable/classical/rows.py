@@ -9,6 +9,7 @@ import pytest
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.kowalevski import KowalevskiTop
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -46,6 +47,11 @@ def exact_pendulum(K, rng, n):
 def exact_lagrange(K, rng, n):
     system = LagrangeTop(K.random(rng), K)
     return system, attempt(lambda: system.state(on_sphere(K, rng, n)[0], [K.random(rng) for _ in range(n)]))
+
+
+def exact_kowalevski(K, rng, n):
+    system = KowalevskiTop(K)
+    return system, attempt(lambda: system.state(on_sphere(K, rng, n)[0], different(K, rng, n)))
 
 
 def exact_toda(K, rng, n):
@@ -145,6 +151,7 @@ EXACT = {
     "ellipsoid": exact_ellipsoid,
     "garnier": exact_garnier,
     "henon_heiles": exact_henon_heiles,
+    "kowalevski": exact_kowalevski,
     "lagrange": exact_lagrange,
     "neumann": exact_neumann,
     "pendulum": exact_pendulum,
@@ -180,6 +187,8 @@ CASES = [
     ("toda", 5),
 ]
 over_cases = pytest.mark.parametrize(("name", "n"), CASES)
+# those without a way back from divisors too
+over_formulas = pytest.mark.parametrize(("name", "n"), [*CASES, ("kowalevski", 3)])
 
 
 def integrated(system, state, time, steps, order=20):

@@ -8,7 +8,7 @@ from integrable.mumford.fields import rates
 from integrable.mumford.system import Point
 from integrable.phase.jets import Jet, JetField
 from jacobian import poly
-from tests.integrable.classical.rows import EXACT, over_cases
+from tests.integrable.classical.rows import EXACT, over_formulas
 from tests.integrable.exact_points import over_fields
 
 
@@ -29,7 +29,7 @@ def bare_in(system, u):
 
 
 @over_fields()
-@over_cases
+@over_formulas
 def test_the_vector_field_is_a_mumford_field(K, name, n) -> None:
     """dU/dt, dV/dt by jets = the field of the stated direction; df/dt = 0; every integral is constant."""
     K = K()
@@ -46,7 +46,7 @@ def test_the_vector_field_is_a_mumford_field(K, name, n) -> None:
 
 
 @over_fields()
-@over_cases
+@over_formulas
 def test_the_pair_is_on_the_curve(K, name, n) -> None:
     K = K()
     system, state = EXACT[name](K, Random(n), n)

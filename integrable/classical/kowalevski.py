@@ -1,0 +1,111 @@
+"""Kowalevski's top, forward: from a state to its divisor, which runs along a straight line (Kowalevski 1889).
+
+With ω = (p, q, r), in units where the moments are 2, 2, 1 and the weight times the distance of the centre, on the first
+axis, is 1: 2p' = qr, 2q' = −pr − γ_3, r' = γ_2, γ' = γ×ω, and the integrals, with |γ| = 1,
+
+    6l_1 = 2(p² + q²) + r² − 2γ_1,   2l = 2(pγ_1 + qγ_2) + rγ_3,   k² = |(p + iq)² + γ_1 + iγ_2|²
+
+With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X² − 4ep² − 8lpX + 6l_1e − 4l²
+
+    U = x² + Rx/(2q²) + R_1/(4q²),   V = ½U',   f = −(4s³ − g_2s − g_3)(x² − k²),   s = ½(x + l_1)
+    g_2 = k² − 1 + 3l_1²,   g_3 = l_1(k² − 1 − l_1²) + l²
+
+of genus 2 and direction −2e_1. The way back, from a divisor to the state, is not rational and is not here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, element, long_digits
+from jacobian import RR, poly
+from jacobian.errors import NotRepresentable, one_or_more
+from jacobian.fields.protocol import check_field
+
+
+class KowalevskiTop(MumfordSystem):
+    """A state has q = γ, the vertical, and p = ω, the angular velocity, both in the body."""
+
+    size = 3
+    constants = ()
+    _constraint_names = ("|γ| = 1",)
+
+    def __init__(self, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+
+    def __repr__(self) -> str:
+        return f"KowalevskiTop({self.field.name})"
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        return (N.dot(state.q, state.q) - N.one,)
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        size = N.sqrt(N.dot(state.q, state.q))
+        return Point(tuple(x / size for x in state.q), state.p)
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        (x, y, z), (p, q, r) = state
+        return Point((y * r - z * q, z * p - x * r, x * q - y * p), (q * r / 2, -(p * r + z) / 2, y))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """l_1, l, k² and |γ|²."""
+        (x, y, z), (p, q, r) = state
+        real, imaginary = p * p - q * q + x, 2 * p * q + y
+        return {
+            "l1": (2 * (p * p + q * q) + r * r - 2 * x) / 6,
+            "l": (2 * (p * x + q * y) + r * z) / 2,
+            "k squared": real * real + imaginary * imaginary,
+            "gamma squared": N.dot(state.q, state.q),
+        }
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        p, q, _ = state.p
+        if q == N.zero:
+            raise NotRepresentable(f"{self!r}: at q = 0 a point of the divisor is at infinity; give another state")
+        l1, along, square, _ = self._integrals(N, state).values()
+        e, X = 1 - square, p * p + q * q
+        of_p, of_q, _ = self._vector_field(N, state).p
+        of_X = 2 * (p * of_p + q * of_q)
+        R = -X * X + 6 * l1 * X + 4 * along * p + e
+        R1 = -6 * l1 * X * X - 4 * e * p * p - 8 * along * p * X + 6 * l1 * e - 4 * along * along
+        of_R = (6 * l1 - 2 * X) * of_X + 4 * along * of_p
+        of_R1 = -12 * l1 * X * of_X - 8 * e * p * of_p - 8 * along * (of_p * X + p * of_X)
+        half, growth = 1 / (2 * q * q), -2 * of_q / q
+        u = (R1 * half / 2, R * half, N.one)
+        v = ((of_R1 / 2 * half + u[0] * growth) / 2, (of_R * half + u[1] * growth) / 2)
+        return all_of(N, (self._curve(N, l1, along, square), u, v), 2)
+
+    def _curve(self, N: Any, l1: Any, along: Any, square: Any) -> poly.Poly:
+        g2 = square - 1 + 3 * l1 * l1
+        g3 = l1 * (square - 1 - l1 * l1) + along * along
+        s = (l1 / 2, N.one / 2)
+        cubic = poly.sub(
+            N, poly.mul(N, poly.mul(N, s, s), poly.scale(N, N.coerce(poly.integer(N, 4)), s)), poly.scale(N, g2, s)
+        )
+        return poly.mul(N, poly.sub(N, cubic, (g3,)), (square, N.zero, -N.one))
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return N.zero, N.coerce(poly.integer(N, -2))
+
+    def flow(self, state: Point) -> Any:
+        """NotRepresentable: the way from a divisor to a state is not here; ``line`` has the divisors."""
+        raise NotRepresentable(
+            f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"
+        )
+
+    def line(self, state: Point, times: Any) -> list[Spectral]:
+        """f, u and v at times over RR or MP(digits): the pairs of the states then, without these."""
+        self._check(state)
+        K, digits = self.field, long_digits(self.field)
+
+        def place(N: Any) -> Start:
+            return self._start(N, self._constrained(N, self._inside(N, state)))
+
+        f, motion = self.spectral(state).f, MumfordMotion(place, 2)
+        found = []
+        for i, time in enumerate(one_or_more(times, "times")):
+            rows = motion.row(K.coerce(time, f"times[{i}]"), lambda N, D: (D.u, D.v), digits)
+            found.append(Spectral(f, *(tuple(element(K, x) for x in row) for row in rows)))
+        return found
