@@ -15,6 +15,7 @@ from jacobian.relatives.conic import representative
 from jacobian.relatives.extended import ExtendedGroup, Lift, SecondKind
 from jacobian.relatives.formal_sum import FormalSum, principal_divisor
 from jacobian.relatives.glued import GeneralizedJacobian
+from jacobian.relatives.kummer import kummer_surface
 from jacobian.relatives.ray_class import RayClassGroup
 from jacobian.relatives.signed import SignedGroup
 
@@ -63,7 +64,7 @@ def values_over(K):
         ovals = real_periods(HyperellipticCurve(K, [0, 4, 0, -5, 0, 1]))
         values |= {"Abel map": AbelMap(C), "periods": periods(C), "oval": ovals[0]}
     if K is QQ:
-        values["Abel map in balls"] = AbelBalls(C, 10)
+        values |= {"Abel map in balls": AbelBalls(C, 10), "Kummer surface": kummer_surface(C)}
     if K.characteristic != 2:
         values["split curve"] = HyperellipticCurve(K, [1, 2, 0, 0, 0, 0, 1])
         values["split divisor"] = values["split curve"].jacobian().from_points([(0, 1)])

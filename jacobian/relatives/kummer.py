@@ -1,0 +1,174 @@
+"""The Kummer surface of a curve of genus 2 over QQ, and doubling on it (Flynn 1993; Cassels & Flynn 1996, chapter 3).
+
+For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − K∞ goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) − 2y₁y₂)/
+(x₁−x₂)²), the same for D and −D. Doubling is given by four quartic forms δ with integral coefficients. They are found
+from doubled classes over finite fields, by linear algebra modulo primes and the Chinese remainder theorem.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement
+from math import gcd, lcm
+from random import Random
+from typing import Any
+
+from jacobian import poly
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import FieldError, Infeasible, JacobianError
+from jacobian.fields import GF, QQ
+from jacobian.fields.primality import is_prime
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor
+
+# exponents of ξ₁ … ξ₄ in quartic monomials; without ξ₂²ξ₄², which the equation of the surface has with coefficient 1
+MONOMIALS = [
+    tuple(chosen.count(i) for i in range(4))
+    for chosen in combinations_with_replacement(range(4), 4)
+    if chosen != (1, 1, 3, 3)
+]
+# coefficients of δ are polynomials of degree 4 in those of f: beyond what that needs, bits that show that it is enough
+SPARE_BITS = 80
+MOST_PRIMES = 200
+# classes whose doubles determine δ
+CLASSES = 60
+
+Coordinates = tuple[Any, ...]
+
+
+class KummerSurface(Immutable):
+    """The Kummer surface of the Jacobian of a curve of genus 2 over QQ, by :func:`kummer_surface`.
+
+    ``f``: the integers of y² = f(x), which the curve becomes with ``scale``·(2y + h) for y.
+    """
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        if curve.field != QQ or curve.genus != 2:
+            raise FieldError(f"curve = {curve!r}: Kummer surfaces are here those of curves of genus 2 over QQ")
+        self.curve = curve
+        self.scale = lcm(*(c.denominator for c in curve.discriminant))
+        numbers = [int(c * self.scale**2) for c in curve.discriminant]
+        self.f = tuple(numbers + [0] * (7 - len(numbers)))
+
+    def _value(self) -> tuple[Any, ...]:
+        return (self.curve,)
+
+    def __reduce__(self) -> Any:
+        return KummerSurface, self._value()
+
+    def __repr__(self) -> str:
+        return f"Kummer surface of {self.curve!r}"
+
+    def point(self, D: Divisor) -> Coordinates:
+        """The image of D, four integers without a common divisor."""
+        whole = [Fraction(x) for x in self._coordinates(D)]
+        factor = lcm(*(x.denominator for x in whole))
+        found = [int(x * factor) for x in whole]
+        common = gcd(*found)
+        return tuple(x // common for x in found)
+
+    def _coordinates(self, D: Divisor) -> Sequence[Any]:
+        f, K = self.f, self.curve.field
+        double = poly.mod(K, poly.add(K, poly.scale(K, K.coerce(2), D.v), self.curve.h), D.u)
+        v = [self.scale * c for c in double] + [K.zero] * 2
+        if len(D.u) == 3:
+            return coordinates(f, D.u, v)
+        h3 = self.curve.h[3] if len(self.curve.h) > 3 else 0
+        # y/x³ at ∞₊ of y² = f(x)
+        slope = 0 if D.n is None else self.scale * (2 * self.curve.infinity_plus + h3)
+        if len(D.u) == 2:
+            x = -D.u[0]
+            slope = slope if D.n in (1, None) else -slope
+            return 0, 1, x, 2 * f[6] * x**3 + f[5] * x**2 - 2 * slope * v[0]
+        if D.n in (1, None):
+            return 0, 0, 0, 1
+        return 0, 0, 1, Fraction(f[5] ** 2, 4 * f[6]) - f[4]
+
+    @cached_property
+    def delta(self) -> list[dict[tuple[int, ...], int]]:
+        """δ₁ … δ₄, each as {exponents: coefficient}, modulo the equation of the surface; δ₄ has ξ₄⁴ once."""
+        size = max(map(abs, self.f)) ** 4
+        modulus, residues = 1, [0] * (4 * len(MONOMIALS))
+        for p in self._primes():
+            found = self._delta_modulo(p)
+            step = pow(modulus, -1, p)
+            residues = [r + modulus * ((c - r) * step % p) for r, c in zip(residues, found, strict=True)]
+            modulus *= p
+            if modulus > size << (2 * SPARE_BITS):
+                break
+        whole = [r - modulus if 2 * r > modulus else r for r in residues]
+        if max(map(abs, whole)) > size << SPARE_BITS:
+            raise Infeasible(f"{self.curve!r}: the doubling on the Kummer surface was not found")
+        rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
+        return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
+
+    def _primes(self) -> Iterator[int]:
+        """Some primes below 2⁶¹ of good reduction."""
+        yield from (p for p in range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2) if is_prime(p) and self._is_good(p))
+
+    def _is_good(self, p: int) -> bool:
+        try:
+            HyperellipticCurve(GF(p), [c % p for c in self.f])
+        except JacobianError:
+            return False
+        return True
+
+    def _delta_modulo(self, p: int) -> list[int]:
+        """All coefficients of δ modulo a prime: for D, D + E, D + 2E, … they take κ(D) to κ(2D)."""
+        from flint import nmod_mat
+
+        rows = []
+        for x, y in self._doubles(p):
+            values = [monomial(x, m) for m in MONOMIALS]
+            for i in range(1, 4):
+                row = [0] * (4 * len(MONOMIALS))
+                for k, value in enumerate(values):
+                    row[k], row[i * len(MONOMIALS) + k] = value * y[i] % p, -value * y[0] % p
+                rows.append(row)
+        kernel, dimension = nmod_mat(len(rows), len(rows[0]), [c for row in rows for c in row], p).nullspace()
+        if dimension != 1:
+            raise Infeasible(f"{self.curve!r}: the doubling on the Kummer surface was not found modulo {p}")
+        column = [int(kernel[i, 0]) for i in range(4 * len(MONOMIALS))]
+        inverse = pow(column[3 * len(MONOMIALS) + MONOMIALS.index((0, 0, 0, 4))], -1, p)
+        return [c * inverse % p for c in column]
+
+    def _doubles(self, p: int) -> Iterator[tuple[Coordinates, Coordinates]]:
+        """κ(D), κ(2D) modulo p for CLASSES classes D of weight 2."""
+        rng = Random(p)
+        J = HyperellipticCurve(GF(p), [c % p for c in self.f]).jacobian()
+        D, E = J.random(rng), J.random(rng)
+        count = 0
+        while count < CLASSES:
+            D = D + E
+            pair = [coordinates(self.f, G.u, [*G.v, 0, 0]) for G in (D, D + D) if len(G.u) == 3]
+            if len(pair) == 2:
+                yield tuple(x % p for x in pair[0]), tuple(x % p for x in pair[1])
+                count += 1
+
+    def double(self, x: Sequence[Any]) -> list[Any]:
+        """δ(x), of integers or balls."""
+        return [sum((c * monomial(x, m) for m, c in form.items()), 0 * x[0]) for form in self.delta]
+
+
+@lru_cache(maxsize=32)
+def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
+    """The KummerSurface of a curve of genus 2 over QQ, the same for the same curve; FieldError for others."""
+    return KummerSurface(curve)
+
+
+def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:
+    """κ of the class of (u, v), deg u = 2: with y₁² + y₂² = f(x₁) + f(x₂) the division by (x₁−x₂)² is carried out."""
+    s, p = -u[1], u[0]
+    last = s * s - p
+    return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]
+
+
+def monomial(x: Sequence[Any], exponents: Sequence[int]) -> Any:
+    """Π x_i^e_i."""
+    value = 1
+    for c, e in zip(x, exponents, strict=True):
+        for _ in range(e):
+            value = value * c
+    return value
