@@ -123,7 +123,8 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                above, below = below, poly.monic(N, rest[: size - 1 - k])
+                # by operators alone, for columns of numbers
+                above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 
     def discrete(self, state: Point, h: Any) -> Point:

@@ -9,21 +9,29 @@ and MP the flow at any time. Exact fields put their bare elements into jets with
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from contextlib import suppress
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.fields import padded
 from integrable.mumford.motion import MumfordMotion, Start, settled
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import Divisor, HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, entries, one_or_more, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, entries, one_or_more, shown
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable, Record, replaced
 from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
+
+if TYPE_CHECKING:
+    from integrable.mumford.real_torus import RealTorus
 
 # how far off its constraints a state may be, in units of the last digit, before it is refused
 OFF = 2.0**24
+# from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
+MANY, RIGHT = 24, 1e-9
 
 
 class Point(NamedTuple):
@@ -257,11 +265,11 @@ class MumfordFlow:
         self.digits = long_digits(system.field)
         self.system = system
         self.start = state
-        genus = len(system.spectral(state).v)
-        self._motion = MumfordMotion(self._place, genus, system.complex_data)
+        self._genus = len(system.spectral(state).v)
+        self._motion = MumfordMotion(self._place, self._genus, system.complex_data)
         self._clock = system._clock if system.clocked else None
 
-    def _inner(self, N: LongField) -> Point:
+    def _inner(self, N: Any) -> Point:
         return self.system._constrained(N, self.system._inside(N, self.start))
 
     def _place(self, N: LongField) -> Start:
@@ -271,12 +279,17 @@ class MumfordFlow:
         """The states at times (a number or a sequence of them, in any order, of any sign and size).
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
-        :meth:`integrable.mumford.motion.MumfordMotion.row`. ArgumentError for times that are no numbers.
+        :meth:`integrable.mumford.motion.MumfordMotion.row`. Many times of a motion of genus 2 in floats are read off
+        its real torus, some units in the last place off. ArgumentError for times that are no numbers.
         """
         import numpy as np
 
         K = self.system.field
         given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
+        if len(given) >= MANY and self._torus is not None:
+            # beyond what double-doubles hold there are additions
+            with suppress(PrecisionLoss):
+                return self._path(self._torus, np.array(given))
         rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in given]
         kind = object if hasattr(K, "dps") else float
         q, p = (
@@ -284,6 +297,44 @@ class MumfordFlow:
             for i in (0, 1)
         )
         return Path(np.array(given, dtype=kind), q, p)
+
+    @cached_property
+    def _torus(self) -> RealTorus | None:
+        """The compiled torus of a motion of genus 2 in floats whose time is linear, where there is one."""
+        from integrable.mumford.real_torus import RealTorus
+
+        system = self.system
+        elsewhere = hasattr(system.field, "dps") or system.clocked or system.complex_data
+        if self._genus != 2 or elsewhere or interpreted():
+            return None
+        try:
+            torus = RealTorus(self._place)
+        except (PrecisionLoss, ZeroDivisionError):
+            return None
+        return torus if self._confirmed(torus) else None
+
+    def _confirmed(self, torus: RealTorus) -> bool:
+        """Whether a torus has the states that additions in long numbers lead to, signs included."""
+        import numpy as np
+
+        path = self._path(torus, torus.witnesses)
+        for time, *rows in zip(torus.witnesses.tolist(), path.q, path.p, strict=True):
+            true = self._motion.row(time, self._reader(time), self.digits)
+            for row, other in zip(rows, true, strict=True):
+                expected = np.array([float(x) for x in other])
+                if np.abs(row - expected).max() > RIGHT * np.abs(expected).max():
+                    return False
+        return True
+
+    def _path(self, torus: RealTorus, times: Any) -> Path:
+        """The states at times from a torus."""
+        import numpy as np
+
+        from integrable.mumford.columns import Column, Columns
+
+        N = Columns()
+        found = self.system._back(N, self._inner(N), torus.at(times), Column(times))
+        return Path(times, *(np.stack([x.hi for x in part], axis=1) for part in found))
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))

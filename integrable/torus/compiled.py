@@ -69,6 +69,11 @@ def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
+def points_at_tau(torus: Torus, along: Row, tau: Row, out: Row) -> None:
+    """:func:`integrable.torus.states.points_at_tau`."""
+    points_at(torus_numbered(torus), along, tau, out)
+
+
 def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.states_at_times`."""
     at_times(torus_numbered(torus), clock_numbered(clock), times, tau, delays, out, room)
@@ -117,6 +122,7 @@ def eight(row: Row) -> Any:
 
 walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
+points_at = states.points_at_tau
 at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
 
 _TORUS, _CLOCK, _WALK, _FINE = KINDS[Torus], KINDS[Clock], KINDS[Walk], KINDS[Fine]
@@ -136,6 +142,7 @@ LIBRARY = Library(
         "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
         "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
+        "points_at_tau": (points_at_tau, (_TORUS, WIDES, FLOATS, WIDES)),
         "states_at_times": (states_at_times, (_TORUS, _CLOCK, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
         "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),

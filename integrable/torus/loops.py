@@ -172,6 +172,7 @@ class CompiledLoops:
         self.sampled: Any = entries.sampled
         self.states_at_phases: Any = entries.states_at_phases
         self.states_at_tau: Any = entries.states_at_tau
+        self.points_at_tau: Any = entries.points_at_tau
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
         self.panel_values: Any = entries.panel_values

@@ -9,6 +9,7 @@ from integrable.moving_point.addition import carried, moving_point
 from integrable.phase.coordinates import directions_of
 from integrable.torus.tables import SmallSteps, small_translation
 from integrable.torus.walks import IDENTITY, Curve
+from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
@@ -39,10 +40,16 @@ def whole_turns(x: Real) -> tuple[Real, int]:
 
 
 def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
-    """γ and M at the phases (first, second) in [0, 1) after so many whole turns, into out[place … place + 5].
+    """γ and M at the phases (first, second) in [0, 1) after so many whole turns, into out[place … place + 5]."""
+    gamma, M = directions_of(point_at(torus, first, second, turn1, turn2))
+    p, q, r, s = torus.matrix
+    for c in range(3):
+        out[place + c] = float(p * gamma[c] + q * M[c])
+        out[place + 3 + c] = float(r * gamma[c] + s * M[c])
 
-    The nearest corner, and two translations near the identity.
-    """
+
+def point_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int) -> Row:
+    """The moving point there: the nearest corner, and two translations near the identity."""
     (rows, columns), parts = torus.cells, torus.small.parts
     i, j = floor(float(first) * rows + 0.5), floor(float(second) * columns + 0.5)
     a, b = first - i / rows, second - j / columns
@@ -61,11 +68,7 @@ def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, ou
         point = turned(point, torus.turns, 0)
     if turn2 % 2 != 0:
         point = turned(point, torus.turns, 3)
-    gamma, M = directions_of(point)
-    p, q, r, s = torus.matrix
-    for c in range(3):
-        out[place + c] = float(p * gamma[c] + q * M[c])
-        out[place + 3 + c] = float(r * gamma[c] + s * M[c])
+    return point
 
 
 def turned(point: Row, turns: Row, first: int) -> Row:
@@ -100,3 +103,19 @@ def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
+
+
+def points_at_tau(torus: Torus, along: Any, tau: Row, out: Row) -> None:
+    """U, V, and σ and ν at three axes and at a root e beyond them, twelve numbers for each of the times ``tau``:
+    σ = √U(e), ν = V(e)/σ. ``along`` holds the frequencies and e.
+    """
+    e = along[2]
+    for i in range(len(tau)):
+        first, turn1 = whole_turns(along[0] * tau[i])
+        second, turn2 = whole_turns(along[1] * tau[i])
+        point = point_at(torus, first, second, turn1, turn2)
+        sigma, place = root(point[0] + (point[1] + e) * e), 12 * i
+        out[place], out[place + 1], out[place + 2], out[place + 3] = point[0], point[1], point[2], point[3]
+        out[place + 4], out[place + 5], out[place + 6], out[place + 7] = point[4], point[5], point[6], sigma
+        out[place + 8], out[place + 9], out[place + 10] = point[7], point[8], point[9]
+        out[place + 11] = (point[2] + point[3] * e) / sigma

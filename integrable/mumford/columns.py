@@ -1,0 +1,114 @@
+"""Columns of double-double numbers with operators: what formulas read many states of a motion off at once."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from jacobian import MP
+from jacobian.fields.inexact import InexactField
+from jacobian.numbers.double_double import exact_product, split
+
+Floats = Any
+
+
+class Column:
+    """hi + lo, floats or arrays of them of one shape (Dekker 1971)."""
+
+    # so that an array on the left leaves the operation to this class
+    __array_ufunc__ = None
+    __slots__ = ("hi", "lo")
+
+    def __init__(self, hi: Floats, lo: Floats = 0.0) -> None:
+        self.hi, self.lo = hi, lo
+
+    @staticmethod
+    def of(x: Any) -> Column:
+        """A number of any kind."""
+        return x if isinstance(x, Column) else Column(*split(x))
+
+    def __add__(self, other: Any) -> Column:
+        other = Column.of(other)
+        high, low = _sum(self.hi, other.hi)
+        return _settled(high, low + (self.lo + other.lo))
+
+    __radd__ = __add__
+
+    def __neg__(self) -> Column:
+        return Column(-self.hi, -self.lo)
+
+    def __sub__(self, other: Any) -> Column:
+        return self + -Column.of(other)
+
+    def __rsub__(self, other: Any) -> Column:
+        return Column.of(other) + -self
+
+    def __mul__(self, other: Any) -> Column:
+        other = Column.of(other)
+        high, low = exact_product(self.hi, other.hi)
+        return _settled(high, low + (self.hi * other.lo + self.lo * other.hi))
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Column:
+        other = Column.of(other)
+        first = self.hi / other.hi
+        rest = self - other * Column(first)
+        return _settled(first, (rest.hi + rest.lo) / other.hi)
+
+    def __rtruediv__(self, other: Any) -> Column:
+        return Column.of(other) / self
+
+    def sqrt(self) -> Column:
+        """The root."""
+        first = np.sqrt(self.hi)
+        rest = self - Column(first) * Column(first)
+        return _settled(first, rest.hi / (2 * first))
+
+
+def _sum(x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """x + y and what rounding took off it (Knuth 1969)."""
+    total = x + y
+    part = total - x
+    return total, (x - (total - part)) + (y - part)
+
+
+def _settled(high: Floats, low: Floats) -> Column:
+    total = high + low
+    return Column(total, low - (total - high))
+
+
+class _Elementary:
+    """exp of numbers, and log of columns to a float's digits."""
+
+    @staticmethod
+    def exp(x: Column) -> Column:
+        """e^x of a number."""
+        field = MP(40)
+        return Column.of(field.context.exp(field.coerce(float(x.hi)) + field.coerce(float(x.lo))))
+
+    @staticmethod
+    def log(x: Column) -> Column:
+        """log x."""
+        return Column(np.log(x.hi), x.lo / x.hi)
+
+
+class Columns(InexactField):
+    """Columns as the numbers of a system's formulas."""
+
+    name, context = "columns of double-double numbers", _Elementary()
+    zero, one = Column(0.0), Column(1.0)
+
+    def coerce(self, value: Any, argument: str = "value") -> Column:
+        """A number as one for all rows."""
+        return Column.of(value)
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Column:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+    def sqrt(self, x: Column) -> Column:
+        """The root of x."""
+        return x.sqrt()

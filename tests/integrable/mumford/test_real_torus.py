@@ -1,0 +1,103 @@
+"""Motions of genus 2 on their real torus: the states that additions in long numbers give, signs included."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from integrable.classical.garnier import Garnier
+from integrable.classical.neumann import Neumann
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.real_torus import RealTorus
+from integrable.mumford.system import MANY
+from jacobian.errors import PrecisionLoss
+from jacobian.numbers.compiler import interpreted
+
+pytestmark = pytest.mark.skipif(interpreted(), reason="the loops of the torus are compiled")
+
+
+def on_sphere(a, q, p):
+    q = np.array(q) / np.linalg.norm(q)
+    system = Neumann(a)
+    return system, system.state(q, p - q * (q @ p))
+
+
+NEUMANN = [
+    ((1, 2, 4), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    ((1, 2, 4), (0.8, 0.1, 0.2), (0.1, 0.05, -0.02)),  # both b above a_1: q_1 keeps its sign
+    ((1, 2, 4), (-0.8, 0.3, 0.2), (0.1, 0.7, -0.02)),
+    ((5, -2, 1), (0.1, 0.9, 0.4), (3.0, 0.3, 0.1)),
+    ((1, 2, 4), (0.0, 0.6, 0.8), (1.0, 0.5, 0.0)),  # on a coordinate plane
+    ((100, 101, 103), (0.5, 0.5, 0.7), (0.3, 0.9, -0.2)),
+    ((1e-3, 2e-3, 5e-3), (0.5, 0.5, 0.7), (0.01, 0.02, -0.03)),
+]
+TODA = [
+    ((0, 0.5, -0.25), (1, -0.75, -0.25)),
+    ((0, 1, -1), (0, 0, 0)),
+    ((2, 0, -3), (5, 1, -6)),
+    ((0, 0, 0.3), (0.1, 0.2, 0.3)),
+]
+CASES = [on_sphere(a, q, np.array(p)) for a, q, p in NEUMANN]
+CASES += [(TodaLattice(3), TodaLattice(3).state(q, p)) for q, p in TODA]
+CASES += [(Garnier((0, 1)), Garnier((0, 1)).state((0.3, 0.5), (0.2, -0.4)))]
+TIMES = [0, 0.5, 1, -3.7, 20, 1e3, 1e6 + 0.25, -2e6]
+
+
+@pytest.mark.parametrize("case", range(len(CASES)))
+def test_many_times_are_those_of_additions(case):
+    system, state = CASES[case]
+    flow = system.flow(state)
+    assert flow._torus is not None
+    few, many = flow.at(TIMES), flow.at(TIMES * (MANY // len(TIMES) + 1))
+    for found, true in ((many.q, few.q), (many.p, few.p)):
+        assert np.abs(found[: len(TIMES)] - true).max() < 1e-15 * np.abs(true).max()
+
+
+def test_floats_at_a_million_periods_are_right():
+    system, state = CASES[0]
+    flow = system.flow(state)
+    period = 1 / max(map(abs, flow._torus._rates))
+    times = np.linspace(0, 1e6 * period, MANY)
+    true = [flow._motion.row(t, flow._reader(t), 40) for t in times[-3:].tolist()]
+    q = np.array([[float(x) for x in row[0]] for row in true])
+    assert np.abs(flow.at(times).q[-3:] - q).max() < 1e-15
+
+
+def test_neighbours_on_the_torus_are_neighbours():
+    """No corner of a cell, no period and no sign shows."""
+    system, state = CASES[0]
+    times = np.linspace(0, 40, 4001)
+    path = system.flow(state).at(times)
+    rates = np.array(
+        [np.ravel(system.vector_field(system.state(q, p))) for q, p in zip(path.q[::50], path.p[::50], strict=True)]
+    )
+    rows = np.hstack([path.q, path.p])
+    slopes = (rows[2:] - rows[:-2]) / 0.02
+    assert np.abs(slopes[49::50] - rates[1:-1][: len(slopes[49::50])]).max() < 1e-3
+    assert max(np.abs(b - a).max() for a, b in pairwise(rows)) < 0.05
+
+
+def test_what_has_no_torus_takes_additions():
+    """A separatrix, a closed gap, and times that are too far for double-doubles."""
+    system = Neumann((1, 2, 4))
+    for q, p in (((0, 1, 0), (0, 0, 0)), ((0, 0.6, 0.8), (0, 0.8, -0.6))):
+        flow = system.flow(system.state(q, p))
+        assert flow._torus is None
+        assert flow.at(np.linspace(0, 3, MANY)).q[0].tolist() == list(q)
+    lattice = TodaLattice(3)
+    assert lattice.flow(lattice.state((0, 0, 0), (1, 1, 1)))._torus is None
+    system, state = CASES[0]
+    flow = system.flow(state)
+    far = [1e17] * MANY
+    assert flow.at(far).q[0].tolist() == flow.at(far[:1]).q[0].tolist()
+    with pytest.raises(PrecisionLoss, match="turns of a phase"):
+        flow._torus.at(np.array([1e17]))
+
+
+def test_a_torus_says_what_it_does_not_take():
+    system = Neumann((1, 2, 4, 7))
+    state = system.state((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
+    with pytest.raises(PrecisionLoss, match="genus 2"):
+        RealTorus(lambda N: system._start(N, system._inside(N, state)))
