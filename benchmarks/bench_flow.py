@@ -55,7 +55,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
     return rows
 
 
-def _system(name: str) -> tuple[System, Any]:
+def system_of(name: str) -> tuple[System, Any]:
     if name in HARD:
         system, gamma, M = HARD[name]
         return system, system.state(gamma, M)
@@ -67,7 +67,7 @@ def _system(name: str) -> tuple[System, Any]:
 
 
 def _flow(name: str) -> Flow:
-    system, state = _system(name)
+    system, state = system_of(name)
     return system.flow(state, kernel="compiled")
 
 
@@ -86,7 +86,7 @@ def _far(name: str, smoke: bool) -> list[dict[str, object]]:
     """From the same floats, taken as exact: τ = T/|M| beside 25 digits and the table of counts; t = T/|M| beside the
     readable loops in 48 digits.
     """
-    system, state = _system(name)
+    system, state = system_of(name)
     times = np.array(FAR[:2] if smoke else FAR) / float(np.linalg.norm(state.M))
     flow = system.flow(state, kernel="compiled")
     precise = PreciseFlow(system.body, state, 25)
@@ -107,7 +107,7 @@ def _far(name: str, smoke: bool) -> list[dict[str, object]]:
 
 
 def _cost(name: str, smoke: bool) -> dict[str, object]:
-    system, state = _system(name)
+    system, state = system_of(name)
     spin = float(np.linalg.norm(state.M))
     count, repeats = (100, 1) if smoke else (20_000, 3)
     times = np.random.default_rng(7).uniform(-1e4, 1e4, count) / spin

@@ -1,0 +1,87 @@
+"""What a fresh flow takes to a first state far away, on bodies of every kind, and beside the separatrix and with d.
+
+Milliseconds of processor time, the least of several fresh flows in a warm process, from ``system.flow(state)`` to one
+state at t = 10⁶/|M|, with what it came from. ``python -m benchmarks.bench_setup --figure STEM`` draws the growth.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from time import thread_time
+from typing import Any
+
+import numpy as np
+
+from benchmarks.bench_flow import HARD, SCENES, START, system_of
+from benchmarks.figures import Rows, command, save
+from integrable import ChaplyginBall, EulerTop
+from integrable.systems.system import System
+from jacobian.errors import PrecisionLoss
+
+FAR = 1e6
+SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
+
+
+def run(smoke: bool) -> Rows:
+    """Rows (varied, value, ms, way): of bodies, then of distances from the separatrix and of d."""
+    rows: Rows = []
+    for varied, motions in (("body", bodies()), (SEPARATRIX, beside_the_separatrix()), (MASS, heavier_balls())):
+        for value, (system, state) in list(motions)[: 1 if smoke else None]:
+            rows.append({"varied": varied, "value": value, **cost(system, state, 1 if smoke else 15)})
+    return rows
+
+
+def bodies() -> Iterator[tuple[Any, tuple[System, Any]]]:
+    """Those of ``python -m benchmarks flow``, and a tilted thin one."""
+    for name in (*SCENES, *HARD):
+        yield name, system_of(name)
+
+
+def beside_the_separatrix() -> Iterator[tuple[Any, tuple[System, Any]]]:
+    """M at the angle √ε from the middle axis, γ across it and near the unstable rotation."""
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    for k in range(1, 15):
+        eps = 10.0**-k
+        yield eps, (ball, ball.state((0, 0, 1), (eps**0.5, (1 - eps) ** 0.5, 0)))
+
+
+def heavier_balls() -> Iterator[tuple[Any, tuple[System, Any]]]:
+    """Moments 1, 2, 3 from the free top to d = 10¹⁰."""
+    for d in (0.0, *(10.0**k for k in range(-10, 11, 2))):
+        system = ChaplyginBall((1, 2, 3), d) if d else EulerTop((1, 2, 3))
+        yield d, (system, system.state(*START))
+
+
+def cost(system: System, state: Any, repeats: int) -> dict[str, Any]:
+    """The least time of a fresh flow to one state far away, and its way; none where it is refused."""
+    times = [FAR / float(np.linalg.norm(np.array(state.M, dtype=float)))]
+    best = np.inf
+    for _ in range(repeats + 1):
+        begun = thread_time()
+        try:
+            way = system.flow(state).at(times).way
+        except PrecisionLoss:
+            way = "refused"
+        best = min(best, thread_time() - begun)
+    return {"ms": 1e3 * best, "way": way}
+
+
+def draw(rows: Rows, stem: Path) -> None:
+    """Set-up over the distance from the separatrix and over d."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(8, 3.2), layout="constrained")
+    for axes, varied in zip(figure.subplots(1, 2, sharey=True), (SEPARATRIX, MASS), strict=True):
+        part = [row for row in rows if row["varied"] == varied]
+        for way in dict.fromkeys(row["way"] for row in part):
+            shown = [(row["value"], row["ms"]) for row in part if row["way"] == way and row["value"]]
+            axes.loglog(*zip(*shown, strict=True), "o-" if way == "torus" else "s", label=way)
+        axes.set_xlabel("distance from the separatrix" if varied == SEPARATRIX else "d, moments 1, 2, 3")
+        axes.legend()
+    figure.axes[0].set_ylabel("set-up and a first state, ms")
+    save(figure, stem)
+
+
+if __name__ == "__main__":
+    command(__doc__, run, draw)
