@@ -8,11 +8,13 @@ from math import ceil, log, log10
 from typing import Any
 
 from integrable.moving_point.addition import opposite, rate_at, shift
+from integrable.moving_point.bare_problem import BareProblem
 from integrable.moving_point.problem import MotionProblem
 from integrable.moving_point.step_table import StepTable
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.body import Body, Vector
 from integrable.phase.precisions import EPS_DIGITS, SET_UP_DIGITS
+from integrable.phase.upright import ChaplyginTransformation
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
 from jacobian.numbers.long_reals import BareReals
@@ -43,12 +45,36 @@ class Setup:
             self.digits = (field.dps if digits is None else digits) + GUARD_DIGITS
             self.wide = MP(self.digits + WIDER)
         self.body = body
-        coerce = self.wide.coerce
-        (g1, g2, g3), (m1, m2, m3) = map(coerce, gamma), map(coerce, M)
-        wide_body = Body.make(body.inertia, body.d, self.wide)
-        self.problem = problem = MotionProblem(wide_body, (g1, g2, g3), (m1, m2, m3), tilted)
-        self.tilt, self.time_scale, self.step_length = problem.tilt, problem.time_scale, 2 * problem.half_step
+        self._gamma, self._M, self._tilted = gamma, M, tilted
         self.reals = BareReals(self.wide.context.prec + GUARD_BITS)
+
+    @cached_property
+    def problem(self) -> MotionProblem:
+        """The motion in the wide precision, in numbers of the wide field."""
+        coerce = self.wide.coerce
+        (g1, g2, g3), (m1, m2, m3) = map(coerce, self._gamma), map(coerce, self._M)
+        body = Body.make(self.body.inertia, self.body.d, self.wide)
+        return MotionProblem(body, (g1, g2, g3), (m1, m2, m3), self._tilted)
+
+    @cached_property
+    def bare_problem(self) -> BareProblem:
+        """The same in bare reals."""
+        return BareProblem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
+
+    @property
+    def tilt(self) -> ChaplyginTransformation | None:
+        """What brings a tilted state to (γ, M) = 0."""
+        return self.problem.tilt
+
+    @cached_property
+    def time_scale(self) -> Any:
+        """2X|M|, wide: units of τ in one of the flow's own."""
+        return self.reals.element(self.wide, self.bare_problem.time_scale)
+
+    @cached_property
+    def step_length(self) -> Any:
+        """A basic step, wide, in the flow's own time."""
+        return 2 * self.reals.element(self.wide, self.bare_problem.half_step)
 
     @cached_property
     def floats(self) -> View:

@@ -63,7 +63,7 @@ class TorusFlow(Corners):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         if self.compiled and not seamless(self.sizes, self.at_phases):
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
-        if setup.problem.d != 0:
+        if setup.bare_problem.d != 0:
             self.clock = TorusClock(self, self._rates())
 
     @property
@@ -166,7 +166,7 @@ class TorusFlow(Corners):
 
     def _rates(self) -> np.ndarray:
         """The spectrum of 1/g: in slow directions to more digits, they will be divided by its frequency."""
-        slow = [SLOW * abs(float(nu / self.setup.time_scale)) for nu in self.frequencies]
+        slow = [SLOW * abs(float(nu) / float(self.setup.time_scale)) for nu in self.frequencies]
         noise = [min(self.loops.noise, max(EXTENDED, x)) for x in slow]
         return self.resolved(spectrum, (noise[0], noise[1]))
 
@@ -176,15 +176,14 @@ class TorusClock:
 
     def __init__(self, flow: TorusFlow, rates: np.ndarray) -> None:
         self._flow = flow
-        row, wide, scale, nu = flow.loops.row, flow.setup.wide, float(flow.setup.time_scale), flow.frequencies
+        row, scale, nu = flow.loops.row, float(flow.setup.time_scale), flow.frequencies
         first, second = (x / n for x, n in zip(nu, flow.doubled, strict=True))
         noise, least = max(flow.closure, flow.loops.noise / 64), LEAST_SWING / scale
         series = TorusSeries(rates, (first, second), long_double(flow.mean), noise, least)
         # the loops count phases in periods of 1/g
         modes, coefficients = series.loudest(LOUD / scale, MOST_LOUD)
-        origin = -sum(coefficients[::2])
-        numbers = [wide.coerce(float(x)) + wide.coerce(float(x - float(x))) for x in (origin, *coefficients)]
-        loud = row((numbers[0], 2 * wide.context.pi, *numbers[1:]))
+        origin, parts = flow.loops.long_row((-sum(coefficients[::2]),)), flow.loops.long_row(coefficients)
+        loud = flow.loops.joined(origin, row((2 * flow.setup.wide.context.pi,)), parts)
         packed = series.packed()
         quiet = series.packed(without=modes) if len(modes) else packed
         self.pace = tuple(x / flow.mean for x in nu)

@@ -16,6 +16,7 @@ from integrable.torus.states import Torus
 from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import KNOWN, Curve, Fine, Walk
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -50,7 +51,7 @@ class Corners:
         odd = [bool(np.prod(signs) < 0) for signs in self.turns]
         self.odd = odd[0], odd[1]
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
-        leans = setup.problem.axes[7] != 0
+        leans = setup.bare_problem.axes[7] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
         self.curve = self._curve(row)
         tables, self._halves = self._translations(row)
@@ -72,20 +73,22 @@ class Corners:
 
         That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
         """
-        problem, K = self.setup.problem, self.setup.wide
-        d, (u0, u1), sigma = problem.d, problem.start[:2], problem.start[4:7]
+        problem, K, reals = self.setup.bare_problem, self.setup.wide, self.setup.reals
+        d, (u0, u1), (x, y, z) = problem.d, problem.start[:2], problem.start[4:7]
         slowness = self.loops.wide(self.lattice.slowness, K)[0] / self.units.lift**2
-        # g² is a multiple of (1 − du₁)(1 − du₂)
-        scale = K.sqrt((1 + d * (u1 + d * u0)) / K.dot(sigma, sigma))
-        return problem.axes[6] * scale * slowness
+        with reals:
+            # g² is a multiple of (1 − du₁)(1 − du₂)
+            scale = problem.axes[6] * root((1 + d * (u1 + d * u0)) / (x * x + y * y + z * z))
+        return reals.element(K, scale) * slowness
 
     @cached_property
     def torus(self) -> Any:
         """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
-        problem, row = self.setup.problem, self.loops.row
+        problem = self.setup.bare_problem
         a, b, c, d = problem.matrix or (1, 0, 0, 1)
-        momentum = problem.momentum * self.units.lift
-        matrix = row((a, b * momentum, c, d * momentum))
+        with self.setup.reals:
+            momentum = problem.momentum * self.units.lift
+            matrix = self.loops.row((a, b * momentum, c, d * momentum))
         return self.loops.packed(Torus(self.curve, matrix, self.states, self.small, self.signs, self.sizes))
 
     def resolved(self, spectrum: Callable[[Any], np.ndarray], noise: tuple[float, float]) -> np.ndarray:
@@ -145,10 +148,11 @@ class Corners:
         setup, units, row = self.setup, self.units, self.loops.row
         curve = self.loops.room(9)
         self.loops.about_centre(motion, curve)
-        joined, axes, (*kappas, alpha, beta) = self.loops.joined, curve[6:], setup.problem.axes[3:]
-        kappas = [kappa / (units.length * units.length) for kappa in kappas]
-        self._start = row(units.of_point(setup.problem.start))
-        others = row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
+        joined, axes, (*kappas, alpha, beta) = self.loops.joined, curve[6:], setup.bare_problem.axes[3:]
+        with setup.reals:
+            kappas = [kappa / (units.length * units.length) for kappa in kappas]
+            self._start = row(units.of_point(setup.bare_problem.start))
+            others = row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
         return Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
 
     def _translations(self, motion: Any) -> tuple[Any, Any]:

@@ -16,6 +16,8 @@ from integrable.torus import survey as torus_survey
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
+    from integrable.moving_point.bare_problem import BareProblem
+    from integrable.moving_point.problem import MotionProblem
     from integrable.moving_point.setup import Setup
 
 
@@ -44,7 +46,7 @@ class TorusLattice:
     """
 
     def __init__(self, setup: Setup, loops: Any, motion: Any) -> None:
-        found, points = loops.room(11), [0.0] * len(setup.problem.branch_points)
+        found, points = loops.room(11), [0.0] * (4 + (setup.bare_problem.d != 0))
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
             raise PrecisionLoss(
@@ -69,14 +71,10 @@ def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]
     that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
     """
     # axes that are one float are told apart
-    order = sorted(range(3), key=lambda i: setup.problem.axes[:3][i])
-    middle = setup.problem.axes[:3][order[1]]
-    rounds = np.zeros((3, 2), dtype=int)
-    rounds[order] = (1, 0), (0, 1) if setup.problem.ratio < middle else (1, 0), (0, 1)
-    # the parity of long integers is found before they become those of numpy
-    parities = np.array([[n % 2 for n in row] for row in basis])
-    signs: np.ndarray = 1.0 - 2.0 * (parities @ rounds.T % 2)
-    return signs
+    axes = setup.bare_problem.axes
+    low, middle, high = sorted(range(3), key=lambda i: axes[i])
+    rounds = {low: 0, middle: 1 if setup.bare_problem.ratio < axes[middle] else 0, high: 1}
+    return np.array([[-1.0 if row[rounds[i]] % 2 else 1.0 for i in range(3)] for row in basis])
 
 
 class Units(NamedTuple):
@@ -99,13 +97,15 @@ class Units(NamedTuple):
 
         Ordinary ones are left alone.
         """
-        origin, axes = best_origin(setup), setup.problem.axes[:3]
-        length = _near_power(float(max(axes) - min(axes)))
-        rest = max(float(1 - setup.problem.d * origin), float(setup.problem.d) * length)
+        problem = setup.bare_problem
+        with setup.reals:
+            origin, axes = best_origin(setup), problem.axes[:3]
+            length = _near_power(float(max(axes) - min(axes)))
+            rest = max(float(1 - problem.d * origin), float(problem.d) * length)
         return Units(origin, length, _near_power(rest**0.5))
 
     def of_point(self, point: tuple[Any, ...]) -> tuple[Any, ...]:
-        """A moving point in these units."""
+        """A moving point in these units; operations take ``with reals``."""
         u0, u1, v0, v1, *pairs = point
         x, length, lift = self.origin, self.length, self.lift
         u0, u1, v0 = u0 + (u1 + x) * x, u1 + 2 * x, v0 + v1 * x
@@ -120,40 +120,41 @@ def _near_power(x: float) -> float:
 
 
 def motion_row(setup: Setup, units: Units) -> tuple[Any, ...]:
-    """What :mod:`integrable.torus.survey` takes, wide: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ at the
-    origin, in the given units.
+    """What :mod:`integrable.torus.survey` takes, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ
+    at the origin, in the given units.
 
     PrecisionLoss where the torus is not compact.
     """
-    origin, length, lift = units
-    first, second = oval_ends(setup)
-    abscissae = ((x - origin) / length for x in (*first, *second, *setup.problem.axes[:3], setup.problem.ratio))
-    square, d = lift * lift, setup.problem.d
-    return (*abscissae, d * length / square, +setup.wide.context.pi, (1 - d * origin) / square, origin / length)
+    (origin, length, lift), problem, reals = units, setup.bare_problem, setup.reals
+    with reals:
+        first, second = oval_ends(problem, reals.number(1) / (1 << int(0.75 * setup.wide.context.prec)))
+        abscissae = ((x - origin) / length for x in (*first, *second, *problem.axes[:3], problem.ratio))
+        square, d, pi = lift * lift, problem.d, reals.number(+setup.wide.context.pi)
+        return (*abscissae, d * length / square, pi, (1 - d * origin) / square, origin / length)
 
 
 def best_origin(setup: Setup) -> Any:
     """0 or the axis whose abscissa, taken as the origin, leaves branch points that are close together the most digits
-    of their distance.
+    of their distance; within ``with setup.reals``.
     """
-    points = setup.problem.branch_points
+    points = setup.bare_problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
 
     def digits(origin: Any) -> float:
         far = [abs(float(x - origin)) for x in points]
         return min(gap / max(far[i], far[j]) for i, j, gap in gaps if gap)
 
-    return max((setup.wide.zero, *setup.problem.axes[:3]), key=digits)
+    return max((setup.reals.number(0), *setup.bare_problem.axes[:3]), key=digits)
 
 
-def oval_ends(setup: Setup) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
+def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
     """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] that u1 and u2 run through, ζ = h1/(h2·max a).
 
-    PrecisionLoss where they meet (the separatrix) or both are one point: there the motion is not a line on a compact
-    torus of dimension two.
+    PrecisionLoss where they meet, ``near`` each other (the separatrix), or both are one point: there the motion is not
+    a line on a compact torus of dimension two.
     """
-    low, middle, high = sorted(setup.problem.axes[:3])
-    first, second = (low, min(setup.problem.ratio, middle)), (max(setup.problem.ratio, middle), high)
-    if second[0] - first[1] <= setup.wide.eps**0.75:
+    low, middle, high = sorted(problem.axes[:3])
+    first, second = (low, min(problem.ratio, middle)), (max(problem.ratio, middle), high)
+    if second[0] - first[1] <= near:
         raise PrecisionLoss("the ovals of the curve have met: the torus of this motion is not compact")
     return first, second

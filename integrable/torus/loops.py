@@ -62,6 +62,11 @@ class ReadableLoops:
         """Numbers of any kind as working ones."""
         return list(self.reals.row(values))
 
+    def long_row(self, values: Any) -> Any:
+        """Long doubles as working ones."""
+        with self.reals:
+            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
+
     def room(self, count: int) -> Any:
         """Room for so many."""
         return [self.reals.number(0)] * count
@@ -190,6 +195,9 @@ class CompiledLoops:
 
     def joined(self, *rows: Any) -> Any:
         return np.concatenate(rows)
+
+    def long_row(self, values: Any) -> Any:
+        return np.array([(float(x), float(x - float(x))) for x in values]).reshape(-1, 2)
 
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))

@@ -77,7 +77,7 @@ class OvalTorus:
 
         self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
         self.pi = flint.arb.pi()
-        problem, ends = setup.problem, oval_ends(setup)
+        problem, ends = setup.problem, oval_ends(setup.problem, setup.wide.eps**0.75)
         self.d, self.axes = self.ball(problem.d), [self.ball(x) for x in problem.axes]
         self.low = problem.ratio < sorted(problem.axes[:3])[1]
         exact = [[self.ball(x) for x in oval] for oval in ends]

@@ -50,12 +50,12 @@ def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.nda
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
     tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest).tolist()
-    found, problem = states(np.array(tau)), setup.problem
+    found, problem = states(np.array(tau)), setup.bare_problem
     momentum, matrix = float(problem.momentum), problem.matrix and tuple(map(float, problem.matrix))
-    points, room = loops.room(10 * len(tau)), loops.room(2 * TERMS)
-    f, axes, start, times = map(
-        loops.row, (problem.f, problem.axes, problem.start, [t * setup.time_scale for t in tau])
-    )
+    points, room, row = loops.room(10 * len(tau)), loops.room(2 * TERMS), loops.row
+    with setup.reals:
+        times = row([t * problem.time_scale for t in tau])
+    f, axes, start = row(problem.f), row(problem.axes), row(problem.start)
     loops.reached(f, axes, start, float(problem.half_step), times, room, points)
     quick = [vectors(point, momentum, matrix) for point in loops.floats(points).reshape(-1, 10).tolist()]
     if _difference(found, quick) <= ROUGH:

@@ -7,6 +7,7 @@ The arithmetic is compiled: :mod:`jacobian.native`.
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import lru_cache
 from math import isfinite, ldexp
 from numbers import Integral
 from typing import Any
@@ -24,7 +25,7 @@ HALVER = 2.0**27 + 1
 
 
 def split(x: Any) -> tuple[float, float]:
-    """(hi, lo), the float nearest to x and the float nearest to the rest; x is an int, float, Fraction or mpf.
+    """(hi, lo), the float nearest to x and the float nearest to the rest; x is an int, float, Fraction, mpf or mpfr.
 
     The sum is x exactly where its binary digits fit. ArgumentError where x is not a finite number in the range of
     floats.
@@ -33,6 +34,8 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if hasattr(x, "_mpf_"):
         return _split_mpf(x)
+    if type(x).__module__ == "gmpy2" and hasattr(x, "precision"):
+        return _split_mpfr(x)
     if isinstance(x, Integral):
         x = Fraction(int(x))
     if not isinstance(x, (float, np.floating, Fraction)):
@@ -58,6 +61,21 @@ def _split_mpf(x: Any) -> tuple[float, float]:
         total = high + low
         return ldexp(total, exponent), ldexp(low - (total - high), exponent)
     return _split_any_mpf(x)
+
+
+def _split_mpfr(x: Any) -> tuple[float, float]:
+    high = float(x)
+    if not isfinite(high):
+        raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
+    return high, float(_context(x.precision).sub(x, high))
+
+
+@lru_cache(16)
+def _context(precision: int) -> Any:
+    """One in which a number of that precision and a float near it have an exact difference."""
+    import gmpy2
+
+    return gmpy2.context(precision=max(precision, 53) + 1)
 
 
 def _split_any_mpf(x: Any) -> tuple[float, float]:

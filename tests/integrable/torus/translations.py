@@ -28,7 +28,7 @@ def ovals(setup: Setup) -> list[Oval]:
     of x dx/y differ by the residue at infinity.
     """
     K = setup.wide
-    first, second = oval_ends(setup)
+    first, second = oval_ends(setup.problem, K.eps**0.75)
     periods = [K.zero] * 4
     oval_periods((*first, *second), setup.problem.d, K.one, +K.context.pi, K.eps**0.5 / 16, periods)
     return [Oval(*first, (periods[0], periods[1])), Oval(*second, (periods[2], periods[3]))]
