@@ -39,7 +39,7 @@ class MotionProblem:
         self.upright_momentum = M
         h1, h2 = body.integrals(gamma, M)[2:]
         if h2 == 0:
-            raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
+            raise at_rest()
         top, spin = max(body.a), K.sqrt(h2)
         alphas = tuple(a / top for a in body.a)
         kappas = (r * c / (top * top) for r, c in zip(body.contact, body.differences, strict=True))
@@ -73,6 +73,11 @@ class MotionProblem:
         top, twice = max(body.a), 2 * spin
         sigma, nu = zip(*pairs, strict=True)
         return (u0 / top**2, u1 / top, v0 / (twice * top**2), v1 / (twice * top), *sigma, *(y / twice for y in nu))
+
+
+def at_rest() -> ArgumentError:
+    """What is said of M = 0."""
+    return ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
 
 
 def vectors(point: Any, momentum: Any, matrix: Any) -> tuple[tuple[Any, ...], tuple[Any, ...]]:

@@ -46,10 +46,10 @@ class ChaplyginTransformation:
         square = K.dot(w, w)
         # at M ∥ γ, k = −1/c
         if K.zero == integrals.H2 or not (K.exact or square > (16 * K.eps) ** 2 * integrals.H2):
-            raise _parallel(integrals.C2)
+            raise parallel(integrals.C2)
         k, rest = _root(body, integrals, square)
         if rest == K.zero:
-            raise _parallel(integrals.C2)
+            raise parallel(integrals.C2)
         shift = K.mul(body.d, K.mul(k, integrals.H1))
         turn = K.mul(k, integrals.C2)
         stretch = K.add(K.one, K.mul(k, shift))
@@ -124,7 +124,7 @@ def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
     if K.exact and total == K.zero:
         total = K.sub(rest, root)
     if total == K.zero:
-        raise _parallel(c)
+        raise parallel(c)
     k = K.neg(K.div(double, total))
     below = K.sub(rest, K.mul(double, c))
     if K.exact or below > 0:
@@ -133,7 +133,8 @@ def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
     return k, double * double * square / ((root - below) * total)
 
 
-def _parallel(c: Any) -> NotRepresentable:
+def parallel(c: Any) -> NotRepresentable:
+    """What is said of M ∥ γ."""
     return NotRepresentable(
         f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "
         "momentum of the free top of moments I_i + d instead (Ṁ = M × AM for g²M, g constant)"

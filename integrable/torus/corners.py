@@ -109,7 +109,7 @@ class Corners:
         """
         loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
-        loops.sampled(loops.packed(self.curve), self.states, fine, first, other)
+        loops.sampled(self._packed_curve, self.states, fine, first, other)
         table = loops.samples(first).reshape(sizes)
         if self.doubled == (1, 1):
             return self.completed(table, known)
@@ -134,7 +134,7 @@ class Corners:
         finer = sizes[0] // cells[0], sizes[1] // cells[1]
         steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
         fine = loops.packed(Fine(cells, finer, self.odd, steps, counts))
-        loops.offsets(loops.packed(self.curve), loops.packed(self.small), fine)
+        loops.offsets(self._packed_curve, loops.packed(self.small), fine)
         if known is not None:
             coarser = [n * m // k for n, m, k in zip(sizes, self.doubled, known.shape, strict=True)]
             on_both = [(np.arange(n) - (n - 1) // 2) % m == 0 for n, m in zip(finer, coarser, strict=True)]
@@ -154,6 +154,10 @@ class Corners:
             self._start = row(units.of_point(setup.bare_problem.start))
             others = row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
         return Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
+
+    @cached_property
+    def _packed_curve(self) -> Any:
+        return self.loops.packed(self.curve)
 
     def _translations(self, motion: Any) -> tuple[Any, Any]:
         """The tables of both directions, one after the other, and the translations by half a cell."""
@@ -185,7 +189,7 @@ class Corners:
         ends, known = loops.room(10 * (cells[0] + 1)), loops.room(10 * (cells[0] + 1))
         self.states = loops.room(10 * cells[0] * cells[1])
         walk = Walk(cells, forward, most, self.signs, self._halves, loops.room(40))
-        loops.corners(loops.packed(self.curve), self._start, loops.packed(walk), self.states, ends, known)
+        loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
         gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10)
         sizes = np.abs(loops.floats(self._start))
         # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal

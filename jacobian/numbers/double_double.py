@@ -18,6 +18,8 @@ from jacobian.errors import ArgumentError
 
 # numbers of so many bits and such exponents are far inside the range of floats, and so is what their high part leaves
 MOST_BITS = 440
+# integers below it are floats
+EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
 # splits a float into two of half its digits
@@ -32,6 +34,8 @@ def split(x: Any) -> tuple[float, float]:
     """
     if type(x) is float and isfinite(x):
         return x, 0.0
+    if type(x) is int and abs(x) < EXACT:
+        return float(x), 0.0
     if hasattr(x, "_mpf_"):
         return _split_mpf(x)
     if type(x).__module__ == "gmpy2" and hasattr(x, "precision"):

@@ -17,6 +17,7 @@ from jacobian.native.library import Library
 from jacobian.native.program import Program
 from jacobian.native.special import SPECIAL
 from jacobian.numbers import double_double
+from jacobian.numbers.long_reals import BareReals
 
 U2 = Fraction(1, 2**106)  # u², u = 2^-53
 OPERATIONS = {
@@ -236,6 +237,20 @@ def test_split_is_the_nearest(x):
     high, low = double_double.split(x)
     assert high == float(x)
     assert abs(Fraction(high) + Fraction(low) - x) <= U2 * abs(x)
+
+
+@pytest.mark.parametrize("bits", [40, 60, 200, 900])
+def test_split_of_long_reals_does_not_depend_on_their_context(bits):
+    reals = BareReals(bits)
+    with reals:
+        numbers = [reals.number(k) / 7 * reals.number(10) ** (k - 5) for k in range(-3, 12)]
+    for x in numbers:
+        high, low = double_double.split(x)
+        exact = Fraction(*map(int, x.as_integer_ratio()))
+        assert high == float(exact)
+        assert abs(Fraction(high) + Fraction(low) - exact) <= U2 * abs(exact)
+    with pytest.raises(ArgumentError, match="x ="), reals:
+        double_double.split(reals.number(0) / 0)
 
 
 @pytest.mark.parametrize("x", ["0.1", None, 1j, float("nan"), float("inf"), 10**400, Fraction(10**400)])
