@@ -33,9 +33,8 @@ class LagrangeTop(AxialSystem):
     def _vector_field(self, N: Any, state: Point) -> Point:
         (x, y, z), (a, b, c) = state
         turn = self._parameters_in(N)[0] * c
-        return Point(
-            (y * turn - z * b, z * a - x * turn, x * b - y * a), (b * turn - c * b + y, c * a - a * turn - x, N.zero)
-        )
+        rates = (y * turn - z * b, z * a - x * turn, x * b - y * a)
+        return Point(rates, (b * turn - c * b + y, c * a - a * turn - x, a * b - b * a))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """h, L = (M, γ), c = M_3, |γ|²."""

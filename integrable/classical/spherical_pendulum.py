@@ -40,7 +40,8 @@ class SphericalPendulum(AxialSystem):
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
-        tension = q[2] - N.dot(p, p)
+        # over |q|², 1 at a state, as in Neumann's system
+        tension = (q[2] - N.dot(p, p)) / N.dot(q, q)
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:

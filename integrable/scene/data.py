@@ -36,7 +36,11 @@ SYSTEMS = {
     "hat": Kind("deformations", "Hat", ("inertia", "potential")),
     "gyroscopic": Kind("deformations", "Gyroscopic", ("inertia", "c")),
     "ellipsoid": Kind("classical", "Ellipsoid", ("a",)),
+    "garnier": Kind("classical", "Garnier", ("a", "alpha", "beta")),
+    "henon_heiles": Kind("classical", "HenonHeiles", ("a", "alpha", "beta", "gamma", "barriers")),
+    "lagrange": Kind("classical", "LagrangeTop", ("j",)),
     "neumann": Kind("classical", "Neumann", ("a",)),
+    "spherical_pendulum": Kind("classical", "SphericalPendulum", ()),
     "toda": Kind("classical", "TodaLattice", ("n",)),
 }
 """The systems of scenes, each a module. One of ``classical`` needs no more than its line here."""
