@@ -23,12 +23,14 @@ from jacobian.fields.primality import is_prime
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 
-# exponents of ξ₁ … ξ₄ in quartic monomials; without ξ₂²ξ₄², which the equation of the surface has with coefficient 1
-MONOMIALS = [
-    tuple(chosen.count(i) for i in range(4))
+# exponents of ξ₁ … ξ₄ in quartic monomials, and two pairs of indices of factors; without ξ₂²ξ₄², which the equation of
+# the surface has with coefficient 1
+FACTORS = {
+    tuple(chosen.count(i) for i in range(4)): (chosen[:2], chosen[2:])
     for chosen in combinations_with_replacement(range(4), 4)
     if chosen != (1, 1, 3, 3)
-]
+}
+MONOMIALS = list(FACTORS)
 # coefficients of δ are polynomials of degree 4 in those of f: beyond what that needs, bits that show that it is enough
 SPARE_BITS = 80
 MOST_PRIMES = 200
@@ -121,7 +123,7 @@ class KummerSurface(Immutable):
 
         rows = []
         for x, y in self._doubles(p):
-            values = [monomial(x, m) for m in MONOMIALS]
+            values = monomials(x).values()
             for i in range(1, 4):
                 row = [0] * (4 * len(MONOMIALS))
                 for k, value in enumerate(values):
@@ -149,7 +151,8 @@ class KummerSurface(Immutable):
 
     def double(self, x: Sequence[Any]) -> list[Any]:
         """δ(x), of integers or balls."""
-        return [sum((c * monomial(x, m) for m, c in form.items()), 0 * x[0]) for form in self.delta]
+        values = monomials(x)
+        return [sum((c * values[m] for m, c in form.items()), 0 * x[0]) for form in self.delta]
 
 
 @lru_cache(maxsize=32)
@@ -165,10 +168,7 @@ def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordin
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]
 
 
-def monomial(x: Sequence[Any], exponents: Sequence[int]) -> Any:
-    """Π x_i^e_i."""
-    value = 1
-    for c, e in zip(x, exponents, strict=True):
-        for _ in range(e):
-            value = value * c
-    return value
+def monomials(x: Sequence[Any]) -> dict[tuple[int, ...], Any]:
+    """The values of MONOMIALS at x."""
+    pairs = {(i, j): x[i] * x[j] for i, j in combinations_with_replacement(range(4), 2)}
+    return {m: pairs[first] * pairs[second] for m, (first, second) in FACTORS.items()}
