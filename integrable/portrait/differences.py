@@ -42,16 +42,11 @@ def differences(motion: Motion, body: Body, state: State, digits: int, size: flo
 
 
 def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> Any:
-    gamma, M = (np.array([K.coerce(x) for x in v], dtype=object) for v in (state.gamma, state.M))
-    gamma = gamma / K.sqrt(gamma @ gamma)
-    numbers = np.array([*gamma, *M, *(K.coerce(x) for x in body.inertia), K.coerce(body.d)], dtype=object)
+    numbers = _numbers(body, state, K)
+    gamma, M = numbers[:3], numbers[3:6]
 
     def rows(shift: Any) -> Any:
-        moved = numbers + shift
-        length = K.sqrt(moved[:3] @ moved[:3])
-        g1, g2, g3 = moved[:3] / length
-        m1, m2, m3, i1, i2, i3, d = moved[3:]
-        return motion(Body.make((i1, i2, i3), d, K), State((g1, g2, g3), (m1, m2, m3), tilted=True))
+        return motion(*_inputs(numbers + shift, K))
 
     scales = np.array([1] * 3 + [K.sqrt(M @ M)] * 3 + [min(body.inertia) + body.d] * 4, dtype=object)
     columns = []
@@ -67,6 +62,24 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
     first, second = (v[:3] for v in _directions(K, gamma)[:2])
     tangents = [columns[0] * first[i] + columns[1] * second[i] for i in range(3)]
     return np.stack([*tangents, *columns[2:]], axis=2)
+
+
+def inputs_over(K: Any, body: Body, state: State) -> tuple[Body, State]:
+    """A body and a state in a field of more digits."""
+    return _inputs(_numbers(body, state, K), K)
+
+
+def _numbers(body: Body, state: State, K: Any) -> Any:
+    """γ, of length 1, M, I and d."""
+    found = np.array([K.coerce(x) for x in (*state.gamma, *state.M, *body.inertia, body.d)], dtype=object)
+    found[:3] /= K.sqrt(found[:3] @ found[:3])
+    return found
+
+
+def _inputs(numbers: Any, K: Any) -> tuple[Body, State]:
+    g1, g2, g3 = numbers[:3] / K.sqrt(numbers[:3] @ numbers[:3])
+    m1, m2, m3, i1, i2, i3, d = numbers[3:]
+    return Body.make((i1, i2, i3), d, K), State((g1, g2, g3), (m1, m2, m3), tilted=True)
 
 
 def _directions(K: Any, gamma: Any) -> list[Any]:

@@ -13,15 +13,17 @@ changes shapes alone).
 from __future__ import annotations
 
 from functools import cached_property
+from math import ceil, log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from integrable.portrait.differences import differences
+from integrable.portrait.differences import GUARD, differences, inputs_over
+from integrable.portrait.growth import growth
 from integrable.portrait.variations import Variation, gradient
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum, together
-from jacobian import RR
+from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.immutable import Record, read_only
 
@@ -46,18 +48,23 @@ class Sensitivity(Record):
     motions in more digits.
     """
 
-    def __init__(self, times: Any, matrix: Any, secular: Any, way: str) -> None:
-        self.times, self.matrix, self._secular, self.way = times, matrix, secular, way
+    def __init__(self, times: Any, matrix: Any, secular: Any, way: str, grown: Any = None) -> None:
+        """``secular`` is None where it is computed when it is asked for: ``grown`` are what :func:`_grown` takes."""
+        self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
 
-    @property
+    @cached_property
     def secular(self) -> Any:
-        """The part that grows with t, (N, 6, 10). NotRepresentable for a ball by differences."""
-        if self._secular is None:
+        """The part that grows with t, (N, 6, 10). By differences it takes another motion, and for a ball the modes of
+        1/g: NotRepresentable where the motion is on no torus of dimension two, PrecisionLoss where they are too many.
+        """
+        if self._secular is not None:
+            return self._secular
+        if self._inputs is None:
             raise NotRepresentable(
-                "secular: the parts of a ball's derivatives are apart in floats on a compact torus and at d = 0; these "
-                "are differences of motions"
+                "secular: the parts of derivatives are apart on a torus of dimension two; these are differences of "
+                "motions that lie on none"
             )
-        return self._secular
+        return read_only(_grown(self.times, *self._inputs))
 
     @cached_property
     def periodic(self) -> Any:
@@ -86,21 +93,32 @@ def sensitivity(flow: Any, times: Any) -> Sensitivity:
     farthest = max((abs(float(t)) for t in run.times), default=0.0)
     size = 1 + 10 * farthest * float(max(map(abs, flow.system.omega(state))))
 
+    # where a point of the divisor rests, or the ovals have met, there are no two phases
+    parted = flow.portrait.region in ("low", "high")
+
     def rows(body: Body, state: State) -> Any:
-        """γ and M, and below them the frequencies of a top."""
+        """γ and M, and below them both frequencies."""
         there = flow._through(body, state)
         states = there.at(run.times)
         found = np.hstack([states.gamma, states.M])
-        return found if parts is None else np.vstack([found, [*there.portrait.frequencies, 0, 0, 0, 0]])
+        return np.vstack([found, [*there.portrait.frequencies, 0, 0, 0, 0]]) if parted else found
 
-    parts = None if body.rolls or flow.portrait.ovals is None else flow.portrait
     matrix = differences(rows, body, state, digits, size)
-    coerce, kind = np.frompyfunc(field.coerce, 1, 1), float if field == RR else object
-    matrix = coerce(matrix).astype(kind)
-    if parts is None:
-        return Sensitivity(run.times, matrix, None, "differences")
-    secular = coerce(_growth(run, parts, matrix[-1, :2])).astype(kind)
-    return Sensitivity(run.times, matrix[:-1], secular, "differences")
+    if not parted:
+        return Sensitivity(run.times, _numbers(field, matrix), None, "differences")
+    slopes = tuple(tuple(row) for row in matrix[-1, :2].tolist())
+    grown = flow, slopes, digits, digits + ceil(log10(size)) + GUARD
+    return Sensitivity(run.times, _numbers(field, matrix[:-1]), None, "differences", grown)
+
+
+def _grown(times: Any, flow: Any, slopes: Any, digits: int, wide: int) -> Any:
+    """The secular part of differences of motions, from the derivatives of the frequencies."""
+    there = flow._through(*inputs_over(MP(wide), flow.system.body, flow.state))
+    return _numbers(flow.system.field, growth(there.at(times), np.array(slopes, dtype=object), digits))
+
+
+def _numbers(field: Any, found: Any) -> Any:
+    return np.frompyfunc(field.coerce, 1, 1)(found).astype(float if field == RR else object)
 
 
 class TorusVariations:
@@ -214,16 +232,3 @@ def _lost(flow: Any, run: Any, matrix: Any) -> float:
     gaps = matrix @ heavier - scaled, matrix @ faster - scaled - run.times[:, None] * moved
     size = np.abs(matrix).max(axis=(1, 2)) * max(1.0, float(np.abs(heavier).max()))
     return float(max((np.abs(gap).max(axis=1) / size).max(initial=0) for gap in gaps))
-
-
-def _growth(run: Any, portrait: Any, slopes: Any) -> Any:
-    """The secular part at d = 0, where σ = 0: t·[ẋ ⊗ α + Y ⊗ β] with ∂f_k = f_kα + η_kβ, η = (B0, −A0)/(2D), from the
-    derivatives of both frequencies, shape (2, 10).
-    """
-    ovals, (f1, f2) = portrait.ovals, portrait.wide_frequencies
-    e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
-    determinant = f1 * e2 - f2 * e1
-    alpha, beta = (e2 * slopes[0] - e1 * slopes[1]) / determinant, (f1 * slopes[1] - f2 * slopes[0]) / determinant
-    x = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
-    Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
-    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)

@@ -207,6 +207,8 @@ class LongSeries:
             ]
             self._swing = flint.acb_mat(swing)
             self._origin = sum((c.real for row in swing for c in row), flint.arb(0))
+            # S + origin has the mean 0
+            self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Any, Any]]) -> list[Any]:
         """S at pairs of phases in turns: numbers of the field, as are those returned."""

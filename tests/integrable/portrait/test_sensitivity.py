@@ -113,11 +113,26 @@ def test_many_digits_at_any_time():
 
 
 @pytest.mark.slow
+def test_the_parts_of_a_ball_in_many_digits():
+    """Its σ is of the modes of 1/g there, in floats of a grid."""
+    gamma, M = (0.0, 0.6, 0.8), (0.5, 1.25, 0.25)
+    ball, exact = ChaplyginBall((1, 2, 3), 0.75), ChaplyginBall((1, 2, 3), "0.75", field=MP(18))
+    found = ball.flow(ball.state(gamma, M, tilted=True)).sensitivity([1e3])
+    more = exact.flow(exact.state(("0", "0.6", "0.8"), M, tilted=True)).sensitivity([1e3])
+    assert (found.way, more.way) == ("torus", "differences")
+    size = abs(found.matrix).max()
+    assert abs(found.matrix - more.matrix.astype(float)).max() < 1e-13 * size
+    assert abs(found.secular - more.secular.astype(float)).max() < 1e-13 * size
+    assert abs(found.periodic - more.periodic.astype(float)).max() < 1e-13 * size
+    assert abs(found.periodic).max() < 5 < 200 < size
+
+
+@pytest.mark.slow
 def test_two_equal_moments_by_differences():
     ball = ChaplyginBall((1, 2, 2), 0.7)
     gaps, _, ways = beside([(1, 2, 2)], (0.7,), [(0.48, 0.6, 0.64)], [(0.4, 1.2, 0.3)], 5.0, 40)
     assert ways == ["differences"]
     assert gaps.max() < 1e-14
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.4, 1.2, 0.3), tilted=True))
-    with pytest.raises(NotRepresentable, match="differences of motions"):
+    with pytest.raises(NotRepresentable, match="motions that lie on none"):
         _ = flow.sensitivity([1.0]).secular

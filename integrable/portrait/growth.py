@@ -1,0 +1,62 @@
+"""What grows with t in the derivatives of a motion, to many digits: t·[ẋ ⊗ α + (Y − σẋ) ⊗ β].
+
+In phases that are linear in t the field Y of H2/2 less σẋ moves at the constant rates η = (B0, −A0)/(2D), so that
+∂f_k = f_kα + η_kβ of both frequencies say what α and β are. σ is the integral of Y(1/g) over τ with mean 0: of a mode
+F·e^(2πik·θ) of 1/g it has F·(k·η)/(k·ν).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from integrable.torus.long_clock import phases
+from integrable.torus.oval_modes import modes_of_rate
+from integrable.torus.series import LongSeries
+from jacobian.numbers.long_reals import BallReals
+
+if TYPE_CHECKING:
+    from integrable.motion.trajectory import Trajectory
+
+
+def growth(run: Trajectory, slopes: Any, digits: int) -> Any:
+    """The secular part at the times of a ``run`` over MP, (N, 6, 10), from the derivatives of both frequencies, (2,
+    10). PrecisionLoss where the modes of 1/g are too many.
+    """
+    body, portrait = run.system.body, run.flow.portrait
+    ovals, (f1, f2) = portrait.ovals, portrait.frequencies
+    e1, e2 = ovals.B0 / (2 * ovals.D), -ovals.A0 / (2 * ovals.D)
+    determinant = f1 * e2 - f2 * e1
+    alpha, beta = (e2 * slopes[0] - e1 * slopes[1]) / determinant, (f1 * slopes[1] - f2 * slopes[0]) / determinant
+    x = np.hstack([np.cross(run.gamma, run.omega), np.cross(run.M, run.omega)])
+    if not body.rolls:
+        Y = np.hstack([np.cross(run.gamma, run.M), 0 * run.M])
+    else:
+        spin = _spin(body, run.gamma, run.M)
+        Y = np.hstack([np.cross(run.gamma, spin), np.cross(run.M, spin)]) - _lean(run, (e1, e2), digits)[:, None] * x
+    return run.times[:, None, None] * (x[:, :, None] * alpha + Y[:, :, None] * beta)
+
+
+def _spin(body: Any, gamma: Any, M: Any) -> Any:
+    """Ω = M/g + dg(γ, AM)γ of Y, (N, 3)."""
+    slowness = np.frompyfunc(body.field.sqrt, 1, 1)(np.sum(np.array(body.contact) * gamma**2, axis=1))[:, None]
+    along = np.sum(gamma * np.array(body.a) * M, axis=1)[:, None]
+    return slowness * M + body.d * along / slowness * gamma
+
+
+def _lean(run: Trajectory, rates: tuple[Any, Any], digits: int) -> Any:
+    """σ at the times of a run, (N,)."""
+    import flint
+
+    K, portrait = run.system.field, run.flow.portrait
+    modes = modes_of_rate(run.flow.setup, digits)
+    nu = tuple(x / n for x, n in zip(portrait.tau_frequencies, modes.doubled, strict=True))
+    most = len(modes.rows[0]) // 2
+    with BallReals(K.context.prec + 16) as balls:
+        e1, e2 = (balls.number(x / n) for x, n in zip(rates, modes.doubled, strict=True))
+        unit = flint.acb(0, 2 * flint.arb.pi()) / balls.number(portrait.mean_g * K.coerce(modes.mean))
+        rows = [[c * unit * (k * e1 + (m - most) * e2) for m, c in enumerate(row)] for k, row in enumerate(modes.rows)]
+    series = LongSeries(rows, (nu[0], nu[1]), K, 10.0**-digits)
+    swings = series.at([phases(t, (nu[0], nu[1]), K) for t in run.tau])
+    return np.array([x + series.origin for x in swings], dtype=object)
