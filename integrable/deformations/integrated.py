@@ -8,13 +8,14 @@ from typing import Any
 
 import numpy as np
 
-from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, integrals_missing, widened
+from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.hamiltonian import Hamiltonian, dot
 from integrable.deformations.tape import recorded
-from integrable.deformations.taylor import integrate
+from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Motion, Way
+from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
 from jacobian.errors import PrecisionLoss
 
@@ -95,8 +96,8 @@ class Equations:
         """The rows at values of t, or of τ unless ``physical``, and the other of the two in the place of ``tau``."""
         refused: dict[int, str] = {}
         found = self._integrated(given, physical, None if strict else refused)
-        for i, row in enumerate(found):
-            missing = 0 if i in refused else self._missing(row)
+        had = [i for i in range(len(found)) if i not in refused]
+        for i, missing in zip(had, self._missing([found[i][:6] for i in had]), strict=True):
             if missing > 0:
                 refused[i] = (
                     f"times: H and K of the motion as integrated are {missing} digits short; times nearer to 0 are "
@@ -115,10 +116,17 @@ class Equations:
         times = [wide.coerce(x) for x in given.tolist()]
         return integrate(wide, recorded(rates(system, physical), len(start)), start, times, digits, refused)
 
-    def _missing(self, row: list[Any]) -> int:
-        """How many of the digits asked for, but for LOST_DIGITS, H and K of a row lack."""
-        rows = [(row[:3], row[3:6])]
-        return integrals_missing(self._system, self._before, self._sizes, rows, self._asked - LOST_DIGITS)
+    def _missing(self, rows: list[list[Any]]) -> list[int]:
+        """How many of the digits asked for, but for LOST_DIGITS, H and K of each row lack."""
+        wanted = self._asked - LOST_DIGITS
+        found = evaluate(self._system.field, recorded(self._integrals, 6), rows, self._asked + STEP_DIGITS, 2)
+        pairs = [zip(row, self._before, self._sizes, strict=True) for row in found]
+        return [max(digits_of(abs(x - y) / size) for x, y, size in pair) + wanted for pair in pairs]
+
+    def _integrals(self, y: Sequence[Any]) -> list[Any]:
+        """H and K, and H again for as many results as variables."""
+        H, K = self._system._integrals_along(np.array(y[:3]), np.array(y[3:]))[2:]
+        return [H, K, H, H, H, H]
 
     @cached_property
     def _before(self) -> tuple[Any, Any]:

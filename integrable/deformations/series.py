@@ -4,12 +4,31 @@ for numbers of any kind; compiled for double-double numbers in :mod:`integrable.
 
 from __future__ import annotations
 
-from typing import Any
+from math import exp, log
+from typing import Any, NamedTuple
 
 from integrable.deformations.tape import DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
 from jacobian.numbers.roots import root
 
-__all__ = ["coefficients", "values_at"]
+__all__ = ["Room", "coefficients", "evaluated", "march", "values_at"]
+
+SMALLEST_STEP = 1e-6
+# steps from which on what is left is judged from what is done, and the factor by which they may differ
+KNOWN_FROM = 4
+UNEVEN = 4
+# why a march ends before its last time: its steps shrink to nothing, or would be too many
+ENDS, FAR = 1, 2
+# places in what a march tells: its steps, the first and the present one's length, times that were reached
+STEPS, LONGEST, STEP, REACHED = range(4)
+
+
+class Room(NamedTuple):
+    """What a march works in: the value of every node where its series are, that time, the series, and what it tells."""
+
+    middles: Any
+    now: Any
+    series: Any
+    told: Any
 
 
 def coefficients(kinds: Any, left: Any, right: Any, rates: Any, order: int, series: Any) -> None:
@@ -45,11 +64,94 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, order: int, seri
             series[i * width + k + 1] = series[rates[i] * width + k] / (k + 1)
 
 
-def values_at(x: Any, order: int, series: Any, out: Any) -> None:
-    """The variables at a distance ``x[0]`` from the middle of their series, as many as ``out`` has room for."""
-    for i in range(len(out)):
+def values_at(x: Any, order: int, series: Any, count: int, out: Any, place: int) -> None:
+    """The first ``count`` variables at a distance ``x`` from the middle of their series, from ``out[place]`` on."""
+    for i in range(count):
         start = i * (order + 1)
         total = series[start + order]
         for k in range(order - 1, -1, -1):
-            total = total * x[0] + series[start + k]
-        out[i] = total
+            total = total * x + series[start + k]
+        out[place + i] = total
+
+
+def march(
+    tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: Room, times: Any,
+    out: Any,
+) -> int:  # fmt: skip
+    """The variables at ``times``, ascending from 0 or descending, into ``out``, row by row: 0, or why the last of them
+    were not reached. ``tolerance`` is the logarithm of what a step may neglect, ``most`` how many there may be until
+    the last time if ``strict``, else until each.
+    """
+    count, told, now = len(tape[3]), room.told, room.now
+    expand(tape, order, tolerance, room)
+    for i in range(len(times)):
+        told[REACHED] = i
+        while abs(float(times[i] - now[0])) > told[STEP]:
+            if not told[STEP] > SMALLEST_STEP * told[LONGEST]:
+                return ENDS
+            if too_long(told, most, float(now[0]), float(times[len(times) - 1 if strict else i])):
+                return FAR
+            step = told[STEP] if float(times[i]) > 0 else -told[STEP]
+            values_at(0 * now[0] + step, order, room.series, count, room.middles, 0)
+            now[0] = now[0] + step
+            expand(tape, order, tolerance, room)
+        values_at(times[i] - now[0], order, room.series, count, out, i * count)
+    told[REACHED] = len(times)
+    return 0
+
+
+def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: Any, out: Any) -> None:
+    """What a tape of as many results as variables says of rows of them; ``series`` has room for two of every node."""
+    kinds, left, right, results = tape
+    count = len(results)
+    for row in range(len(rows) // count):
+        i = row * count
+        for n in range(count):
+            middles[n] = rows[i + n]
+        for n in range(len(middles)):
+            series[2 * n] = middles[n]
+        coefficients(kinds, left, right, results, 1, series)
+        for n in range(count):
+            out[i + n] = series[2 * n + 1]
+
+
+def expand(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: Room) -> None:
+    """The series about the state that is in ``room.middles``, and how far it reaches."""
+    kinds, left, right, rates = tape
+    for n in range(len(room.middles)):
+        room.series[n * (order + 1)] = room.middles[n]
+    coefficients(kinds, left, right, rates, order, room.series)
+    room.told[STEPS] += 1
+    room.told[STEP] = reach(order, tolerance, len(rates), room.series)
+    if room.told[LONGEST] == 0:
+        room.told[LONGEST] = room.told[STEP]
+
+
+def reach(order: int, tolerance: float, count: int, series: Any) -> float:
+    """The step after which the last two coefficients are as small as asked for; 0 where they are no numbers."""
+    width, found, most = order + 1, 1e300, abs(series[0])
+    for n in range(1, count):
+        most = max(most, abs(series[n * width]))
+    for first in range(0, count, 3):
+        last, size = min(first + 3, count), abs(series[first * width])
+        for n in range(first + 1, last):
+            size = max(size, abs(series[n * width]))
+        # what is at rest is measured by the others
+        size = size if size > 0 else most
+        for k in range(order - 1, order + 1):
+            part = 0.0
+            for n in range(first, last):
+                x = float(abs(series[n * width + k]) / size)
+                part = x if not x <= part else part
+            if part != part:
+                return 0.0
+            if part > 0:
+                found = min(found, exp((tolerance - log(part)) / k))
+    return found
+
+
+def too_long(told: Any, most: float, now: float, end: float) -> bool:
+    """Whether the steps done, or what they lead to expect until ``end``, are more than ``most``."""
+    part = abs(now / end)
+    expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0
+    return told[STEPS] > most or expected > UNEVEN * most

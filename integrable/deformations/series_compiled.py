@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from integrable.deformations import series
-from jacobian.native.kinds import INT, INTS, WIDES
+from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
+_TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(series.Room, WIDES, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
     "taylor_series",
     {
         "coefficients": (series.coefficients, (INTS, INTS, INTS, INTS, INT, WIDES)),
-        "values_at": (series.values_at, (WIDES, INT, WIDES, WIDES)),
+        "evaluated": (series.evaluated, (_TAPE, WIDES, WIDES, WIDES, WIDES)),
+        "march": (series.march, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES)),
     },
     SPECIAL,
 )

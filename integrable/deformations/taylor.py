@@ -6,20 +6,20 @@ or compiled for double-double numbers, the steps from the last two of them (Jorb
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import ceil, inf, log
+from collections.abc import Callable, Sequence
+from math import ceil, log
 from typing import Any, Protocol
 
 import numpy as np
 
-from integrable.deformations.series import coefficients, values_at
+from integrable.deformations.series import ENDS, REACHED, STEPS, Room, evaluated, march
 from integrable.deformations.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split
 from jacobian.numbers.long_reals import BareReals
 
-__all__ = ["integrate"]
+__all__ = ["evaluate", "integrate"]
 
 MOST_OPERATIONS = {"compiled": 6e7, "interpreted": 3e7}
 """Products of coefficients that a motion may take: about a second compiled, half a minute interpreted."""
@@ -27,14 +27,10 @@ OVERHEAD = {"compiled": 3e4, "interpreted": 500}
 """What a step takes besides, in such products."""
 DOUBLE_DOUBLE = 28
 """Digits that double-double numbers are good for."""
-SMALLEST_STEP = 1e-6
-# steps from which on what is left is judged from what is done, and the factor by which they may differ
-KNOWN_FROM = 4
-UNEVEN = 4
 
 
 class _Loops(Protocol):
-    """The loops on one kind of numbers."""
+    """The loop on one kind of numbers."""
 
     kind: str
 
@@ -42,8 +38,8 @@ class _Loops(Protocol):
     def row(self, values: Sequence[Any]) -> Any: ...
     def room(self, count: int) -> Any: ...
     def wide(self, values: Any) -> list[Any]: ...
-    def coefficients(self, tape: Any, order: int, series: Any) -> None: ...
-    def values_at(self, x: Any, order: int, series: Any, out: Any) -> None: ...
+    def march(self, *arguments: Any) -> int: ...
+    def evaluated(self, *arguments: Any) -> None: ...
 
 
 class _Interpreted:
@@ -64,14 +60,13 @@ class _Interpreted:
     def wide(self, values: Any) -> list[Any]:
         return list(self._reals.elements(self._field, values))
 
-    def coefficients(self, tape: Any, order: int, series: Any) -> None:
-        kinds, left, right, rates = tape
+    def march(self, *arguments: Any) -> int:
         with self._reals:
-            coefficients(kinds, left, right, rates, order, series)
+            return march(*arguments)
 
-    def values_at(self, x: Any, order: int, series: Any, out: Any) -> None:
+    def evaluated(self, *arguments: Any) -> None:
         with self._reals:
-            values_at(x, order, series, out)
+            evaluated(*arguments)
 
 
 class _Compiled:
@@ -81,8 +76,8 @@ class _Compiled:
         from integrable.deformations.series_compiled import LIBRARY
 
         self._field = field
-        self.values_at: Any = LIBRARY.values_at
-        self._coefficients: Any = LIBRARY.coefficients
+        self.march: Any = LIBRARY.march
+        self.evaluated: Any = LIBRARY.evaluated
 
     def tape(self, arrays: Any) -> Any:
         return tuple(np.array(x, dtype=np.int64) for x in arrays)
@@ -96,10 +91,8 @@ class _Compiled:
     def wide(self, values: Any) -> list[Any]:
         if not np.isfinite(values).all():
             return [self._field.context.nan] * len(values)
-        return [self._field.coerce(high) + self._field.coerce(low) for high, low in values.tolist()]
-
-    def coefficients(self, tape: Any, order: int, series: Any) -> None:
-        self._coefficients(*tape, order, series)
+        made = self._field.context.mpf
+        return [made(high) + low for high, low in values.tolist()]
 
 
 def integrate(
@@ -119,101 +112,75 @@ def integrate(
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
         order = sorted((i for i in range(len(times)) if sign * times[i] > 0), key=lambda i: abs(times[i]))
-        run = None
-        for k, i in enumerate(order):
-            try:
-                run = run or _run(field, tape, start, digits)
-                rows[i] = run.at(times[i], times[order[-1] if refused is None else i])
-            except (PrecisionLoss, Infeasible) as error:
-                if refused is None:
-                    raise
-                refused.update(dict.fromkeys(order[k:], str(error)))
-                break
+        if not order:
+            continue
+        ahead = [times[i] for i in order]
+        found, why = _on_loops(_marched, digits, field, tape, start, ahead, digits, refused is None)
+        for i, row in zip(order, found, strict=False):
+            rows[i] = row
+        if why and refused is None:
+            raise why
+        if why and refused is not None:
+            refused.update(dict.fromkeys(order[len(found) :], str(why)))
     return rows
 
 
-def _run(field: Any, tape: Tape, start: Sequence[Any], digits: int) -> _Run:
+def evaluate(field: Any, tape: Tape, rows: Sequence[Sequence[Any]], digits: int, wanted: int) -> list[list[Any]]:
+    """The first ``wanted`` results of a tape, which has as many as variables, of rows of these, to so many digits."""
+    return _on_loops(_evaluated, digits, field, tape, rows, wanted)
+
+
+def _on_loops(compute: Callable[..., Any], digits: int, field: Any, *problem: Any) -> Any:
+    """``compute``(loops, field, …) compiled where double-doubles have the digits, else interpreted."""
     if digits <= DOUBLE_DOUBLE and not interpreted():
         try:
-            return _Run(_Compiled(field), field, tape, start, digits)
+            return compute(_Compiled(field), field, *problem)
         except ArgumentError:
             # numbers beyond the range of floats
             pass
-    return _Run(_Interpreted(field), field, tape, start, digits)
+    return compute(_Interpreted(field), field, *problem)
 
 
-class _Run:
-    """One integration from time 0 in one direction."""
+def _middles(loops: _Loops, field: Any, tape: Tape, values: Sequence[Any]) -> tuple[Any, Any]:
+    """(the tape, the values of its variables and constants) as loops take them."""
+    constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
+    packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
+    return packed, loops.row([*values, *constants[len(values) :]])
 
-    def __init__(self, loops: _Loops, field: Any, tape: Tape, start: Sequence[Any], digits: int) -> None:
-        self._loops, self._field, self._count = loops, field, len(start)
-        self._tape = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
-        constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
-        self._middles = loops.row(constants)
-        # a step of radius/e² neglects e^{-2·order}
-        self._order = ceil(digits * log(10) / 2) + 2
-        self._tolerance = 10.0**-digits
-        products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
-        self._work = self._order * (self._order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
-        self._steps, self._first = 0, 0.0
-        self._now = field.zero
-        self._expand(list(start))
 
-    def _expand(self, values: list[Any]) -> None:
-        """The series about the state at the present time, and how far it reaches."""
-        width = self._order + 1
-        self._middles[: self._count] = self._loops.row(values)
-        self._series = self._loops.room(len(self._middles) * width)
-        self._series[::width] = self._middles
-        self._loops.coefficients(self._tape, self._order, self._series)
-        self._steps += 1
-        self._step = self._reach(values)
-        self._first = self._first or self._step
+def _evaluated(loops: _Loops, field: Any, tape: Tape, rows: Sequence[Sequence[Any]], wanted: int) -> list[list[Any]]:
+    count = len(tape.results)
+    packed, middles = _middles(loops, field, tape, [field.zero] * count)
+    given, out = loops.row([x for row in rows for x in row]), loops.room(len(rows) * count)
+    loops.evaluated(packed, given, middles, loops.room(2 * len(middles)), out)
+    return [loops.wide(out[i * count : i * count + wanted]) for i in range(len(rows))]
 
-    def _reach(self, values: list[Any]) -> float:
-        """The step after which the last two coefficients are as small as asked for."""
-        width, reach = self._order + 1, inf
-        for first in range(0, self._count, 3):
-            group = values[first : first + 3]
-            # what is at rest is measured by the others
-            size = max(map(abs, group)) or max(map(abs, values))
-            for k in (self._order - 1, self._order):
-                last = self._loops.wide(self._series[first * width + k : (first + len(group)) * width : width])
-                part = float(max(map(abs, last)) / size)
-                if part != part:
-                    return 0.0
-                if part > 0:
-                    reach = min(reach, (self._tolerance / part) ** (1 / k))
-        return reach
 
-    def at(self, time: Any, end: Any) -> list[Any]:
-        """The variables at ``time``, farther from 0 than any before, on the way to ``end``."""
-        while abs(time - self._now) > self._step:
-            if not self._step > 0 or self._step < SMALLEST_STEP * self._first:
-                raise PrecisionLoss(
-                    f"times: the motion ends, or cannot be followed, near t = {float(self._now):g}, before "
-                    f"{float(time):g}"
-                )
-            self._check_work(end)
-            step = self._step if time > 0 else -self._step
-            values = self._value(self._field.coerce(step))
-            self._now += self._field.coerce(step)
-            self._expand(values)
-        return self._value(time - self._now)
-
-    def _value(self, x: Any) -> list[Any]:
-        out = self._loops.room(self._count)
-        self._loops.values_at(self._loops.row([x]), self._order, self._series, out)
-        return self._loops.wide(out)
-
-    def _check_work(self, end: Any) -> None:
-        """Infeasible where the work done, or what the steps so far lead to expect, is too much."""
-        most = MOST_OPERATIONS[self._loops.kind] / self._work
-        part = abs(float(self._now / end))
-        expected = self._steps / part if self._steps >= KNOWN_FROM and part else 0
-        if self._steps > most or expected > UNEVEN * most:
-            reach = abs(float(self._now)) * most / self._steps
-            raise Infeasible(
-                f"times: the equations of motion are integrated, and t = {float(end):g} takes more than "
-                f"{most:.0f} steps; about |t| = {reach:.2g} is within reach"
-            )
+def _marched(
+    loops: _Loops, field: Any, tape: Tape, start: Sequence[Any], times: Sequence[Any], digits: int, strict: bool
+) -> tuple[list[list[Any]], Exception | None]:
+    """The variables at the times that were reached, and why the others were not."""
+    count = len(start)
+    # a step of radius/e² neglects e^{-2·order}
+    order = ceil(digits * log(10) / 2) + 2
+    products = sum(k in (PRODUCT, QUOTIENT, ROOT) for k in tape.kinds)
+    work = order * (order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
+    most = MOST_OPERATIONS[loops.kind] / work
+    packed, middles = _middles(loops, field, tape, start)
+    room = Room(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
+    out = loops.room(len(times) * count)
+    status = loops.march(packed, order, -digits * log(10), most, strict, room, loops.row(times), out)
+    done = int(room.told[REACHED])
+    values = [loops.wide(out[i * count : (i + 1) * count]) for i in range(done)]
+    if status == 0:
+        return values, None
+    now, time = float(loops.wide(room.now)[0]), float(times[done])
+    if status == ENDS:
+        return values, PrecisionLoss(
+            f"times: the motion ends, or cannot be followed, near t = {now:g}, before {time:g}"
+        )
+    end = float(times[-1]) if strict else time
+    return values, Infeasible(
+        f"times: the equations of motion are integrated, and t = {end:g} takes more than {most:.0f} steps; about |t| = "
+        f"{abs(now) * most / room.told[STEPS]:.2g} is within reach"
+    )
