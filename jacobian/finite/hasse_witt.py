@@ -17,7 +17,8 @@ from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
-_INT64_SAFE = 1 << 29
+WORD_SAFE = 1 << 29
+"""Below, the recurrence runs on machine integers."""
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
@@ -88,12 +89,15 @@ def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]
-    if K.order == p and COMPILED_FROM < p < _INT64_SAFE and not interpreted():
+    if K.order == p and COMPILED_FROM < p < WORD_SAFE and not interpreted():
         import numpy as np
 
         window = np.zeros(max(len(ratios), g), np.int64)
         window[0] = start
-        _library().recurrence_on_words(np.array(ratios, np.int64), p, np.ones(p, np.int64), window)
+        weights = [i * (p + 1) // 2 * c % p for i, c in enumerate(ratios, 1)]
+        _library().recurrence_on_words(
+            np.array(ratios, np.int64), p, np.array(weights, np.int64), np.empty(256, np.int64), window
+        )
         return [int(c) for c in window[:g]]
     return _recurrence(K, ratios, start, g)
 
@@ -114,22 +118,43 @@ def _recurrence(K: Any, ratios: list[Any], start: Any, g: int) -> list[Any]:
     return (window + [K.zero] * g)[:g]
 
 
-def recurrence_on_words(ratios: Any, p: int, inverse: Any, window: Any) -> None:
-    """:func:`_recurrence` over GF(p) on machine integers: products of two residues, p < 2^29, stay below 2^63.
+def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
+    """:func:`_recurrence` over GF(p) on machine integers: six products of two residues, p < 2^29, stay below 2^63.
 
-    ``window`` begins with the start and ends with the coefficients; ``inverse`` has p ones and ends with 1/k.
+    ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
+    f_i/f_0 with each k, and begin with k = 0; ``inverses`` is room for 1/k, so many together (Montgomery 1987).
     """
-    half = (p + 1) // 2
-    for k in range(1, p):
-        if k > 1:
-            inverse[k] = (p - p // k) * inverse[p % k] % p
-        total = 0
-        for i in range(len(ratios)):
-            weight = (half * (i + 1) + p - k) % p * ratios[i] % p
-            total = (total + weight * window[i]) % p
-        for i in range(len(window) - 1, 0, -1):
-            window[i] = window[i - 1]
-        window[0] = total * inverse[k] % p
+    start = 1
+    while start < p:
+        size = min(len(inverses), p - start)
+        invert_range(start, size, p, inverses)
+        for j in range(size):
+            total = 0
+            for i in range(len(ratios)):
+                weights[i] += p - ratios[i] if weights[i] < ratios[i] else -ratios[i]
+                total += weights[i] * window[i]
+            for i in range(len(window) - 1, 0, -1):
+                window[i] = window[i - 1]
+            window[0] = total % p * inverses[j] % p
+        start += size
+
+
+def invert_range(start: int, size: int, p: int, inverses: Any) -> None:
+    """1/start, 1/(start + 1), … modulo p into ``inverses``."""
+    total = 1
+    for j in range(size):
+        inverses[j] = total
+        total = total * (start + j) % p
+    back, other, rest, remainder = 0, 1, p, total
+    while remainder > 0:
+        quotient = rest // remainder
+        back, other = other, back - quotient * other
+        rest, remainder = remainder, rest - quotient * remainder
+    if back < 0:
+        back += p
+    for j in range(size - 1, -1, -1):
+        inverses[j] = back * inverses[j] % p
+        back = back * (start + j) % p
 
 
 @cache
@@ -138,7 +163,7 @@ def _library() -> Any:
     from jacobian.native.library import Library
     from jacobian.native.special import SPECIAL
 
-    entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS))}
+    entries = {"recurrence_on_words": (recurrence_on_words, (INTS, INT, INTS, INTS, INTS))}
     return Library("Cartier-Manin", entries, SPECIAL)
 
 

@@ -20,11 +20,12 @@ from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import Infeasible
 from jacobian.finite import counting, weil
-from jacobian.finite.hasse_witt import frobenius_modulo_p
+from jacobian.finite.hasse_witt import WORD_SAFE, frobenius_modulo_p
 from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
 from jacobian.finite.scalar import FixedBase
 from jacobian.finite.structure import PrimaryGroup
+from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
@@ -174,8 +175,8 @@ def search(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius of C, ascending.
 
     Counting takes O(q) operations, the matrix O(g·p), the search the root of the number of candidates: seconds for
-    prime fields up to 10^7 in genus 2 and 3 and up to 10^3 in genus 4. Infeasible where #C(GF(q)) cannot be counted
-    (prime q above 10^7, other q above 2^20) or more than 10^12 candidates are left.
+    prime fields up to 10^7 in genus 2 and 3 and up to 10^3 in genus 4, a minute at 2^29 in genus 2. Infeasible for
+    prime q above 2^29 and other q above 2^20, or where more than 10^12 candidates are left.
     """
     candidates = _candidates(C)
     rng = Random(0)
@@ -200,15 +201,16 @@ def search(C: HyperellipticCurve) -> list[int]:
 def _candidates(C: HyperellipticCurve) -> Candidates:
     q: Any = C.field.order
     g = C.genus
-    limit = counting.ARRAY_SIZE if q == C.field.characteristic != 2 else counting.TABLE_SIZE
-    if q > limit:
+    prime = q == C.field.characteristic != 2
+    limit = counting.ARRAY_SIZE if prime else counting.TABLE_SIZE
+    if q > limit and not (prime and q < WORD_SAFE and not interpreted()):
         raise Infeasible(
             f"field = {C.field.name}: characteristic polynomials of Frobenius are found for prime q up to "
-            f"{counting.ARRAY_SIZE}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime "
-            "field; give #J to the functions that need it, where it is known"
+            f"{WORD_SAFE}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime field; give "
+            "#J to the functions that need it, where it is known"
         )
-    residues = frobenius_modulo_p(C) if g > 1 else None
-    excess = [counting.count_points(C) - q - 1]
+    residues = frobenius_modulo_p(C) if g > 1 or q > limit else None
+    excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
     # one more degree is counted where that is quick, or quicker than the search without it: a step of the search takes
     # about as long as counting this many elements
@@ -224,6 +226,14 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
             f"GF({q}^{len(excess)}); the search ends at {SEARCH_LIMIT:.0e}"
         )
     return candidates
+
+
+def _excess(C: HyperellipticCurve, residues: list[int] | None) -> int:
+    """#C(GF(q)) − q − 1, at most 2g√q in size: from the residue modulo p where that leaves one, else by counting."""
+    q: Any = C.field.order
+    if residues is None or q != C.field.characteristic or q <= 16 * C.genus**2:
+        return counting.count_points(C) - q - 1
+    return residues[0] - q if 2 * residues[0] > q else residues[0]
 
 
 def counting_is_quick(C: HyperellipticCurve) -> int:

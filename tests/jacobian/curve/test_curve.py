@@ -357,7 +357,7 @@ def test_divisors_are_immutable():
 
 def test_counting_has_limits():
     large = HyperellipticCurve(GF(2**61 - 1), [1, 1, 0, 0, 0, 1])
-    with pytest.raises(Infeasible, match=r"field = GF\(2305843009213693951\).* up to 10000000"):
+    with pytest.raises(Infeasible, match=r"field = GF\(2305843009213693951\).* up to 536870912"):
         large.jacobian().order()
     with pytest.raises(FieldError, match=r"field = QQ"):
         HyperellipticCurve(QQ, [1, 0, 0, 1]).jacobian().order()

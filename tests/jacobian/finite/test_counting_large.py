@@ -157,7 +157,7 @@ def test_real_parts_go_back_and_forth():
 
 
 def test_limits_are_named():
-    with pytest.raises(Infeasible, match=r"GF\(2305843009213693951\).* prime q up to 10000000, other q up to 1048576"):
+    with pytest.raises(Infeasible, match=r"GF\(2305843009213693951\).* prime q up to 536870912, other q up to 1048576"):
         random_curve(GF(2**61 - 1), 2, 0).jacobian().order()
     with pytest.raises(Infeasible, match="other q up to 1048576"):
         random_curve(GF(2, 31), 2, 0).jacobian().order()
@@ -184,3 +184,23 @@ def test_genus_3_against_counts_over_the_quadratic_extension(p):
         chi = C.jacobian().frobenius_polynomial()
         S = [counting.count_points(C, i) - p**i - 1 for i in (1, 2)]
         assert weil.leading(S) == chi[::-1][:3]
+
+
+@pytest.mark.parametrize(
+    ("p", "genus"),
+    [(10_000_019, 2), (10_000_019, 1), pytest.param(100_000_007, 3, marks=pytest.mark.slow)],
+)
+def test_primes_whose_points_are_not_counted(p, genus):
+    """The trace is read off the Cartier–Manin matrix: the orders of the curve and of its twist annihilate classes."""
+    C = random_curve(GF(p), genus, "beyond counting", model="ramified")
+    J, twist, rng = C.jacobian(), C.quadratic_twist().jacobian(), Random(p)
+    chi = J.frobenius_polynomial()
+    assert obeys_weil(chi, p)
+    for group, order in ((J, sum(chi)), (twist, sum(c * (-1) ** i for i, c in enumerate(chi)))):
+        assert not any(order * group.random(rng) for _ in range(5))
+
+
+def test_what_is_not_compiled_ends_where_counting_does(monkeypatch):
+    monkeypatch.setattr("jacobian.finite.search.interpreted", lambda: True)
+    with pytest.raises(Infeasible, match=r"field = GF\(10000079\)"):
+        HyperellipticCurve(GF(10_000_079), [1, 2, 0, 0, 0, 1]).jacobian().order()
