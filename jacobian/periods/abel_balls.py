@@ -95,9 +95,10 @@ class AbelBalls(Immutable):
 
     @cached_property
     def _floats(self) -> AbelMap:
-        from jacobian.fields import MP
+        from jacobian.fields import CC
 
-        return AbelMap(complexified(self.curve, MP(40, complex=True)))
+        # clusters of branch points are not to be had from coefficients in doubles
+        return AbelMap(complexified(self.curve, CC), [complex(e) for e in self.periods.cover.roots])
 
     def _radius(self) -> Any:
         return self.periods.cover.numbers.ten(-self.digits) * largest(self.periods)

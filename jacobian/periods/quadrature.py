@@ -183,7 +183,7 @@ def _rate(others: list[complex], start: complex, target: complex, scale: float) 
 
 def _root_of_product(numbers: Any, ratios: Vector, rough_ratios: Sequence[complex], square: Any) -> Any:
     """Π√(1 − s²·ratio), each root principal."""
-    product, rough, s2 = numbers.convert(1), 1 + 0j, float(square.real)
+    product, rough, s2 = 1, 1 + 0j, float(square.real)
     for ratio in ratios:
         product = product * (1 - square * ratio)
     for ratio in rough_ratios:
