@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, NamedTuple, TypeVar
 
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import Infeasible, NotRepresentable, PrecisionLoss
+from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, PrecisionLoss, shown
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor
 from jacobian.periods.abel import AbelMap, complexified
@@ -80,10 +80,10 @@ class AbelBalls(Immutable):
         have it, where points nearly coincide with each other, with a branch point or with infinity, or where z is not
         known well enough; NotRepresentable on an inert model of odd genus.
         """
-        given = self._images[0].check_image(z)
+        first = self._images[0]
+        given = [first.checked(x, f"z[{i}]") for i, x in enumerate(first.check_image(z))]
         if self.curve.model == "inert" and self.curve.genus % 2:
             raise NotRepresentable(f"{self.curve!r} is inert of odd genus: there is no class of g points")
-        first = self._images[0]
         with first.cover.numbers.working():
             target = first.target(given)
             if all(abs(x).contains(0) for x in target):
@@ -137,6 +137,14 @@ class _Image(AbelImage):
     def _above(self, x: Any, rough: Any) -> Point:
         """(x, Y) with the Y on the side of ``rough``."""
         return x, self.cover.numbers.root(horner(self.cover.coefficients, x), rough)
+
+    def checked(self, x: Any, argument: str) -> Any:
+        """x, if it is a finite number or a ball; else ArgumentError."""
+        try:
+            self.cover.numbers.convert(x)
+        except (AttributeError, ArithmeticError, TypeError, ValueError):
+            raise ArgumentError(f"{argument} = {shown(x)}: a finite number or a ball is needed") from None
+        return x
 
     def target(self, z: Sequence[Any]) -> Vector:
         """z as balls, reduced modulo periods."""

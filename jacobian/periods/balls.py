@@ -7,8 +7,8 @@ out is bounded by the size M of the integrand on the ellipse with foci ±1 and s
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
 For u outside |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ on that ellipse, by the triangle inequality. Which of two square
-roots is meant is read from doubles: an argument off by less than 30° decides it, and where a factor is so small that
-its argument is not known to 30° a quadrature would take more nodes than are allowed.
+roots is meant is read from doubles: an argument off by less than 30° decides it, and no path comes so near to a branch
+point that they leave more in doubt.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums
 # fractions of the widest ellipse that are tried, and the widest
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
-# a piece of a path that takes more nodes for each digit, and some more, is halved, to pieces of this length at least
-NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-60
+# a piece of a path that takes more nodes for each digit, and some more, is halved, to pieces of this length at least:
+# so doubles know the arguments of all factors to 1e-6
+NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 
 class BallNumbers(Numbers):

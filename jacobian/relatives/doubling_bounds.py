@@ -46,7 +46,10 @@ def real_bounds(surface: KummerSurface) -> tuple[float, float]:
         numbers = ball_numbers(bits)
         with numbers.working():
             high = numbers.flint.arb(max(sum(map(abs, form.values())) for form in surface.delta)).log()
-            low = -2 * _largest_square(surface, numbers).log()
+            try:
+                low = -2 * _largest_square(surface, numbers).log()
+            except (ZeroDivisionError, PrecisionLoss):
+                low = numbers.flint.arb.neg_inf()
             if low.is_finite():
                 return float(low.lower()) - 1e-9, float(high.upper()) + 1e-9
         bits *= 2

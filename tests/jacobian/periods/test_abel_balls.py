@@ -117,6 +117,9 @@ def test_what_has_no_proof_is_refused_by_name():
             A.inverse(z)
     with pytest.raises(ArgumentError, match="2 numbers"):
         A.inverse([1])
+    for x in ("one", None, float("nan"), float("inf")):
+        with pytest.raises(ArgumentError, match=r"z\[1\]"):
+            A.inverse([1, x])
     with pytest.raises(CurveMismatch):
         A(_case("split")[1])
     with pytest.raises(NotRepresentable, match="inert"):
