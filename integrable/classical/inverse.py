@@ -1,0 +1,111 @@
+"""The inverse problem of geodesics on an ellipsoid of any dimension: from one point to another, by Newton's method from
+the direct problem of :class:`~integrable.classical.ellipsoid.Ellipsoid`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import acos, sin
+from typing import Any
+
+from integrable.classical.ellipsoid import Ellipsoid
+from integrable.mumford.system import Point
+from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
+from jacobian.linear import pivoted
+
+# rounding, in units of the last digit, that ends the search; evaluations, and halvings of a step that leads away
+LAST, MOST, HALVINGS = 64, 60, 8
+# how far off the ellipsoid a point may be, relative
+OFF = 1e-6
+
+
+def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
+    """The state at the point ``first`` that is at ``last`` at time 1, over RR or MP(digits): |p| is the length.
+
+    The geodesic is the one that Newton's method comes to from the direction of the chord: the shortest one, unless
+    the points are nearly opposite. Points are put on the ellipsoid along their rays. PrecisionLoss where none is found;
+    ArgumentError for what is no point of the ellipsoid, or the same point twice.
+    """
+    K = ellipsoid.field
+    q, target = (_on(ellipsoid, x, name) for name, x in (("first", first), ("last", last)))
+    chord = [y - x for x, y in zip(q, target, strict=True)]
+    if not any(chord):
+        raise ArgumentError(f"last = {shown(last)}: another point than first is needed")
+    basis, landing = (_tangents(ellipsoid, x, chord) for x in (q, target))
+
+    # two points of the ellipsoid are seen in one place along the normal there, one on this side
+    facing = [x / e / e for x, e in zip(target, ellipsoid.constants, strict=True)]
+
+    def velocity(w: Sequence[Any]) -> tuple[Any, ...]:
+        return tuple(K.dot(w, column) for column in zip(*basis, strict=True))
+
+    def missed(w: Sequence[Any]) -> list[Any]:
+        (end,) = ellipsoid.flow(ellipsoid._constrained(K, Point(q, velocity(w)))).at([K.one]).q
+        if K.dot(end, facing) <= 0:
+            raise PrecisionLoss("no geodesic was found: the search has come to the other side of the ellipsoid")
+        gap = [x - y for x, y in zip(end, target, strict=True)]
+        return [K.dot(e, gap) for e in landing]
+
+    # as long as the circle over the chord that leaves it at the angle of the first tangent
+    along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
+    angle = acos(min(1.0, along / length))
+    arc = length * angle / sin(angle) if angle else length
+    guess = [K.coerce(arc), *[K.zero] * (len(basis) - 1)]
+    found = _root(K, missed, guess, max(abs(x) for x in target))
+    return ellipsoid._constrained(K, Point(q, velocity(found)))
+
+
+def _on(ellipsoid: Ellipsoid, x: Any, name: str) -> tuple[Any, ...]:
+    K, wanted = ellipsoid.field, f"{ellipsoid.size} numbers, a point of the ellipsoid"
+    q = tuple(K.coerce(c, name) for c in entries(x, name, wanted))
+    level = K.dot([c / e for c, e in zip(q, ellipsoid.constants, strict=False)], q) if len(q) == ellipsoid.size else 0
+    if abs(level - 1) > OFF:
+        raise ArgumentError(f"{name} = {shown(x)}: {wanted}, is needed")
+    return ellipsoid._constrained(K, Point(q, q)).q
+
+
+def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> list[list[Any]]:
+    """An orthonormal basis of the tangent space at a point; the chord is in the span of its first and the normal."""
+    K, size = ellipsoid.field, ellipsoid.size
+    units = [[K.one if i == j else K.zero for j in range(size)] for i in range(size)]
+    basis: list[list[Any]] = []
+    for given in ([x / e for x, e in zip(q, ellipsoid.constants, strict=True)], chord, *units):
+        rest = list(given)
+        for _ in range(2):
+            for e in basis:
+                part = K.dot(rest, e)
+                rest = [x - part * y for x, y in zip(rest, e, strict=True)]
+        length, whole = (K.sqrt(K.dot(x, x)) for x in (rest, given))
+        # some unit vector leaves at least this
+        if length > whole / (2 * size) and len(basis) < size:
+            basis.append([x / length for x in rest])
+    return basis[1:]
+
+
+def _root(K: Any, f: Callable[[Sequence[Any]], list[Any]], x: list[Any], size: Any) -> list[Any]:
+    """A zero of n functions of n variables by Broyden's method (1965), the first slopes by differences."""
+    norm, y = lambda v: K.sqrt(K.dot(v, v)), f(x)
+    step = K.sqrt(K.eps) * norm(x)
+    moved = [f([*x[:j], x[j] + step, *x[j + 1 :]]) for j in range(len(x))]
+    slopes = [[(column[i] - y[i]) / step for column in moved] for i in range(len(x))]
+    for _ in range(MOST):
+        if norm(y) <= LAST * K.eps * size:
+            return x
+        change = pivoted([[*row, -value] for row, value in zip(slopes, y, strict=True)])
+        if change is None:
+            break
+        for _ in range(HALVINGS):
+            new = [a + b for a, b in zip(x, change, strict=True)]
+            value = f(new)
+            if norm(value) <= norm(y):
+                break
+            change = [b / 2 for b in change]
+        square = K.dot(change, change)
+        miss = [b - a - K.dot(row, change) for a, b, row in zip(y, value, slopes, strict=True)]
+        slopes = [
+            [s + m * c / square for s, c in zip(row, change, strict=True)] for row, m in zip(slopes, miss, strict=True)
+        ]
+        x, y = new, value
+    raise PrecisionLoss(
+        f"no geodesic was found: {float(norm(y)):.1e} is missed by; the points may be nearly opposite to each other"
+    )

@@ -1,0 +1,96 @@
+"""Geodesics on ellipsoids beside GeographicLib's, and from one point to another."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.inverse import joining
+from integrable.mumford.system import Point
+from jacobian import MP, RR
+from jacobian.errors import ArgumentError
+
+KARNEY = json.loads((Path(__file__).parents[2] / "data" / "geodesics.json").read_text("utf-8"))
+EARTH = (40681077.7, 40680197.6, 40408308.7)  # squares of semi-axes, km²
+
+
+def on_spheroid(c, a, b, lat, lon):
+    """The point at geographic latitude and longitude in degrees, and unit vectors to the north and east."""
+    (s, t), (u, v) = ((c.sin(x), c.cos(x)) for x in map(c.radians, (lat, lon)))
+    n = a / c.sqrt(t**2 + (b / a * s) ** 2)
+    return (n * t * v, n * t * u, n * (b / a) ** 2 * s), (-s * v, -s * u, t), (-u, v, c.zero)
+
+
+@pytest.mark.parametrize("case", range(len(KARNEY["cases"])))
+def test_lengths_and_directions_are_those_of_geographiclib(case):
+    """Two axes that differ by 1e-22 of themselves stand for the spheroid's equal ones; GeographicLib is right to 15 nm,
+    here its numbers are floats, of 1e-14 degrees.
+    """
+    K, given = MP(30), KARNEY["cases"][case]
+    c = K.context
+    a = c.mpf(KARNEY["semi-major axis, m"])
+    b = a - a / c.mpf(KARNEY["flattening"].removeprefix("1/"))
+    earth = Ellipsoid((a * a * (1 + c.mpf(10) ** -22), a * a, b * b), K)
+    q, north, east = on_spheroid(c, a, b, given["lat1"], given["lon1"])
+    azimuth = c.radians(given["azi1"])
+    p = tuple(c.cos(azimuth) * x + c.sin(azimuth) * y for x, y in zip(north, east, strict=True))
+    path = earth.flow(earth._constrained(K, Point(q, p))).at([given["s12"]])
+    end, north, east = on_spheroid(c, a, b, given["lat2"], given["lon2"])
+    assert max(abs(x - y) for x, y in zip(path.q[0], end, strict=True)) < 2e-8
+    turned = c.degrees(c.atan2(K.dot(path.p[0], east), K.dot(path.p[0], north)))
+    assert abs((turned - given["azi2"] + 180) % 360 - 180) < 1e-11
+
+
+def departing(earth, rng, length):
+    """A state with |p| = length at a random point in a random direction, and where it is at time 1."""
+    a = np.array([float(x) for x in earth.constants])
+    q, p = rng.normal(size=len(a)), rng.normal(size=len(a))
+    q /= np.sqrt((q * q / a).sum())
+    p -= q / a * (p @ (q / a)) / ((q / a) @ (q / a))
+    K = earth.field
+    state = Point(*(tuple(map(K.coerce, v)) for v in (q.tolist(), (p * length / np.linalg.norm(p)).tolist())))
+    state = earth._constrained(K, state)
+    return state, earth.flow(state).at([K.one]).q[0]
+
+
+@pytest.mark.parametrize(
+    ("length", "field"),
+    [
+        (1.0, RR),
+        (3000.0, RR),
+        pytest.param(15000.0, RR, marks=pytest.mark.slow),
+        pytest.param(9000.0, MP(30), marks=pytest.mark.slow),
+    ],
+)
+def test_on_the_triaxial_earth_the_inverse_problem_undoes_the_direct_one(length, field):
+    earth = Ellipsoid(EARTH, field)
+    state, end = departing(earth, np.random.default_rng(int(length)), length)
+    found = joining(earth, state.q, end)
+    assert max(abs(x - y) for x, y in zip(found.p, state.p, strict=True)) < 1e5 * field.eps * 6400
+
+
+@pytest.mark.parametrize("a", [(1, 4), pytest.param((1, 2, 3, 5), marks=pytest.mark.slow)])
+def test_it_does_so_in_other_dimensions(a):
+    ellipsoid = Ellipsoid(a)
+    state, end = departing(ellipsoid, np.random.default_rng(3), 1.0)
+    assert np.abs(np.subtract(joining(ellipsoid, state.q, end).p, state.p)).max() < 1e-13
+
+
+def test_what_is_no_problem_is_refused_by_name():
+    earth = Ellipsoid((1, 2, 3))
+    with pytest.raises(ArgumentError, match=r"first = \(1, 1, 1\): 3 numbers, a point of the ellipsoid, is needed"):
+        joining(earth, (1, 1, 1), (1, 0, 0))
+    with pytest.raises(ArgumentError, match=r"last = \(1, 0\): 3 numbers"):
+        joining(earth, (1, 0, 0), (1, 0))
+    with pytest.raises(ArgumentError, match="another point than first"):
+        joining(earth, (1, 0, 0), (1, 0, 0))
+
+
+def test_opposite_points_have_a_geodesic_too():
+    earth = Ellipsoid((1, 2, 3))
+    found = joining(earth, (1, 0, 0), (-1, 0, 0))
+    assert np.abs(earth.flow(found).at([1]).q[0] - [-1, 0, 0]).max() < 1e-14
