@@ -175,7 +175,6 @@ CASES = [
     ("garnier", 1),
     ("garnier", 3),
     ("henon_heiles", 1),
-    ("henon_heiles", 2),
     ("lagrange", 3),
     ("pendulum", 3),
     ("neumann", 1),

@@ -22,7 +22,9 @@ WAVES = [
     ((0, 1, 2, 3, 4.5), (1.5, 3.25), (1, -1)),
     ((-1, 0, 1, 2, 3, 4, 5.5), (0.5, 2.25, 5), (-1, 1, 1)),
 ]
-over_waves = pytest.mark.parametrize(("edges", "gamma", "signs"), WAVES)
+over_waves = pytest.mark.parametrize(
+    ("edges", "gamma", "signs"), [*WAVES[:2], pytest.param(*WAVES[2], marks=pytest.mark.slow)]
+)
 
 
 def wave(edges, gamma, signs, *field):
@@ -198,8 +200,8 @@ def test_a_spectral_integration_of_a_periodic_wave() -> None:
     x = length * np.arange(count) / count
     start = u.at(x)
     assert np.abs(start[: count // 2] - start[count // 2 :]).max() < 1e-14
-    found = spectral(start, length, 0.5, 4000)
-    assert np.abs(found - u.at(x, 0.5)).max() < 1e-9
+    found = spectral(start, length, 0.25, 2000)
+    assert np.abs(found - u.at(x, 0.25)).max() < 1e-9
 
 
 @pytest.mark.parametrize("gaps", [2, pytest.param(3, marks=pytest.mark.slow)])
