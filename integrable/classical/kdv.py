@@ -100,10 +100,6 @@ class KdV(Immutable):
                 points.append((x, sign))
         return edges, points
 
-    def potential(self, spectral: Spectral) -> Any:
-        """u of a pair on its curve."""
-        return potential(self.field, spectral.f, spectral.u)
-
     def wave(self, state: Eigenvalues) -> Wave:
         """The solution with these eigenvalues at x = t = 0, over RR or MP(digits)."""
         return Wave(self, state)
@@ -156,18 +152,20 @@ class Wave:
         return element(self.kdv.field, rows[0][0])
 
     def _lost(self, x: Any, t: Any) -> int:
-        """Bits that a double edge n takes on the way to t and x, U(n) = ψ² having its size there.
+        """Bits that a narrow band or double edge n takes on the way to t and x, U(n) = ψ² having its size there.
 
         From −ψ'' + uψ = nψ and ψ_t = (2u + 4n)ψ_x − u_xψ: log ψ has at most the rates κ and about max|2u + 4n|κ,
-        κ² = max u − n. Near a double edge rounding keeps U(n) at the root of its unit, in all precisions alike, so that
-        comparing two of them does not tell.
+        κ² = max|u − n|. Rounding keeps U(n) at the root of its unit, in all precisions alike, so that comparing two of
+        them does not tell; a band of some width keeps it about there.
         """
-        edges = [float(e) for e in self._edges]
-        greatest, least = (sum(edges) - 2 * sum(edges[k::2]) for k in (1, 2))
-        nodes = [e for e, following in pairwise(edges) if e == following]
-        rates = ((greatest - n, max(abs(2 * u + 4 * n) for u in (greatest, least))) for n in nodes)
-        sizes = [2 * math.sqrt(square) * (abs(x) + speed * abs(t)) for square, speed in rates]
-        return math.ceil(2 * float(max(sizes, default=0)) / math.log(2))
+        edges, needed = self._edges, 0.0
+        bounds = [float(sum(edges) - 2 * sum(edges[k::2])) for k in (1, 2)]
+        for low, high in zip(edges[:-1:2], edges[1::2], strict=True):
+            n, width = float(low), float((high - low) / (edges[-1] - edges[0]))
+            square, speed = (max(abs(c * u + d * n) for u in bounds) for c, d in ((1, -1), (2, 4)))
+            size = 2 * math.sqrt(square) * float(abs(x) + speed * abs(t))
+            needed = max(needed, min(size, -math.log(width)) if width else size)
+        return math.ceil(2 * needed / math.log(2))
 
     def _read(self, N: LongField, D: Extended) -> list[list[Any]]:
         f, _, _ = self.kdv._spectral(N, self.start)

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.motion import MumfordMotion, Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, element, long_digits
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, element, long_digits, normalized
 from jacobian import RR, poly
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import check_field
@@ -42,8 +42,7 @@ class KowalevskiTop(MumfordSystem):
         return (N.dot(state.q, state.q) - N.one,)
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        size = N.sqrt(N.dot(state.q, state.q))
-        return Point(tuple(x / size for x in state.q), state.p)
+        return Point(normalized(N, state.q), state.p)
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         (x, y, z), (p, q, r) = state

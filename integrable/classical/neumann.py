@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import Point, uhlenbeck
+from integrable.mumford.system import Point, normalized, uhlenbeck
 from jacobian import RR
 
 
@@ -37,8 +37,7 @@ class Neumann(QuadricSystem):
         return N.dot(state.q, state.q) - N.one, N.dot(state.q, state.p)
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        size = N.sqrt(N.dot(state.q, state.q))
-        q = tuple(x / size for x in state.q)
+        q = normalized(N, state.q)
         along = N.dot(q, state.p)
         return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
 

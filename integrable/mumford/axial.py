@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, normalized
 from jacobian import poly
 from jacobian.relatives.extended import Extended, Lift, PointLift
 
@@ -57,8 +57,7 @@ class AxialSystem(MumfordSystem):
         return (N.dot(state.q, state.q) - N.one,)
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        size = N.sqrt(N.dot(state.q, state.q))
-        return Point(tuple(x / size for x in state.q), state.p)
+        return Point(normalized(N, state.q), state.p)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         axis = self._axis(N, state)

@@ -340,6 +340,12 @@ class MumfordFlow:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
 
 
+def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:
+    """q/|q| over an inexact field."""
+    size = N.sqrt(N.dot(q, q))
+    return tuple(x / size for x in q)
+
+
 def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
     """first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), the integrals of Uhlenbeck (Moser 1980)."""
     q, p = state

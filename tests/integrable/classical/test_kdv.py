@@ -274,6 +274,25 @@ def test_a_soliton_before_a_periodic_wave_is_a_solution() -> None:
     assert abs(of_time - 6 * at[4] * first + third) < 1e-25
 
 
+def test_a_soliton_in_a_gap_above_the_potential() -> None:
+    """u < 0.04 and the double edge at 1.01: what decays there decays by interference."""
+    u = wave((0, 1, 1.01, 1.01, 1.02), (1.005, 1.015), (1, 1))
+    fine = wave((0, 1, 1.01, 1.01, 1.02), (1.005, 1.015), (1, 1), MP(40))
+    x, t = np.array([0.5, -20]), np.array([1.0, -3])
+    assert np.abs(u.at(x, t) - fine.at(x, t).astype(float)).max() < 4e-16
+
+
+def test_a_narrow_band_is_no_double_edge() -> None:
+    """Solitons in a row, so far from each other that the eigenvalue comes as near to the band as that is narrow."""
+    width = 2.0**-50
+    u, fine = (wave((-1, width - 1, 0), (-0.25,), (1,), *K) for K in ((), (MP(40),)))
+    x, t = np.array([17.5, 1e3, -1e5]), np.array([0, 10.0, -1e3])
+    assert np.abs(u.at(x, t) - fine.at(x, t).astype(float)).max() < 4e-16
+    # K(1 − width) = log(4/√width): the distance
+    period = 2 * np.log(4 / np.sqrt(width))
+    assert abs(u.at(5 * period) - u.at(0.0)) < 1e-11
+
+
 def test_a_soliton_too_far_away_is_refused() -> None:
     """On the way to t its eigenvalue comes so near its edge that nothing of it is left: −2 at x = 4t, not 0."""
     u = wave((-1, -1, 0), (0,), (1,))
