@@ -13,6 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.bare_problem import BareProblem
 from integrable.mumford.columns import Column
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
@@ -20,6 +21,7 @@ from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops
 from jacobian import MP, RR, poly
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BareReals
 from jacobian.periods.quadrature import Numbers
 from jacobian.periods.roots import conjugated, simple_roots
 from jacobian.relatives.extended import Extended, Lift
@@ -45,23 +47,12 @@ class Model(NamedTuple):
     roots: Sequence[Any]
 
 
-class Problem(NamedTuple):
-    """What :class:`Corners` takes of a motion, in ξ: α_i, κ_i, 1, 0; the moving point; all roots; ζ; d."""
-
-    axes: tuple[Any, ...]
-    start: tuple[Any, ...]
-    branch_points: tuple[Any, ...]
-    ratio: Any
-    d: Any
-    matrix: None = None
-    momentum: int = 1
-
-
 class Setup(NamedTuple):
-    """The same with the field of its numbers."""
+    """What :class:`Corners` takes of a motion: α_i, κ_i, the moving point, ζ and d in ξ, and the kinds of numbers."""
 
-    problem: Problem
+    bare_problem: BareProblem
     wide: Any
+    reals: BareReals
 
 
 class RealTorus(Corners):
@@ -142,11 +133,14 @@ class RealTorus(Corners):
         u = (((first + u1) * first + u0) / second**2, (u1 + 2 * first) / second)
         v = ((v0 + v1 * first) / height, v1 * second / height)
         row = (*xi[:3], K.one, -K.one, K.one, K.one, K.zero)
-        return Setup(Problem(row, (*u, *v, *sigmas, *nus), xi, xi[3], K.one), K)
+        reals = BareReals(K.context.prec)
+        axes, point = reals.row(row), reals.row((*u, *v, *sigmas, *nus))
+        zeta, one, none = reals.number(xi[3]), reals.number(1), reals.number(0)
+        return Setup(BareProblem((), axes, point, zeta, one, one, one, none, None), K, reals)
 
     def _place_in_units(self, K: Any, direction: Sequence[Any]) -> None:
         """x and y in the units of the torus, and how fast the phases go."""
-        origin, length, lift = self.units
+        origin, length, lift = self.setup.reals.element(K, self.units.origin), self.units.length, self.units.lift
         first, second, height = self._affine
         a, b, height = first + second * origin, second * length, height * length**2 * lift
         self._numbers = tuple(map(Column.of, (a, b, height)))
