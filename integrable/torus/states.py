@@ -9,6 +9,7 @@ from integrable.moving_point.addition import carried, moving_point
 from integrable.phase.coordinates import directions_of
 from integrable.torus.tables import SmallSteps, small_translation
 from integrable.torus.walks import IDENTITY, Curve
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -91,7 +92,7 @@ def turned(point: Row, turns: Row, first: int) -> Row:
 def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
     """γ and M at pairs of phases in turns, one after the other in ``phases``: six floats each."""
     zero = 0 * torus.curve.axes[0]
-    for i in range(len(phases) // 2):
+    for i in abreast(0, len(phases) // 2):
         first, turn1 = whole_turns(phases[2 * i] + zero)
         second, turn2 = whole_turns(phases[2 * i + 1] + zero)
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
@@ -99,7 +100,7 @@ def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
 
 def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
     """γ and M at the times ``tau`` of the flow, six floats each; ``frequencies`` are turns in a unit of τ."""
-    for i in range(len(tau)):
+    for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(frequencies[0] * tau[i])
         second, turn2 = whole_turns(frequencies[1] * tau[i])
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
@@ -110,7 +111,7 @@ def points_at_tau(torus: Torus, along: Any, tau: Row, out: Row) -> None:
     σ = √U(e), ν = V(e)/σ. ``along`` holds the frequencies and e.
     """
     e = along[2]
-    for i in range(len(tau)):
+    for i in abreast(0, len(tau)):
         first, turn1 = whole_turns(along[0] * tau[i])
         second, turn2 = whole_turns(along[1] * tau[i])
         point = point_at(torus, first, second, turn1, turn2)

@@ -299,11 +299,14 @@ class Operators(Code):
         """The float of a number, of a double-double its high part."""
         return Value(FLOAT, (self.float_of(x),))
 
+    @in_lanes
     def whole(self, x: Value) -> Value:
         """The float cut to an integer; not-a-number becomes 0."""
         if x.kind in (INT, BOOL):
             return self.cast(x, INT)
-        return Value(INT, (self.write(f"call i64 @llvm.fptosi.sat.i64.f64(double {self.float_of(x)})"),))
+        double, word, suffix = self.types.double, self.types.word, self.types.suffix
+        name = f"llvm.fptosi.sat.{suffix.replace('f', 'i')}.{suffix}"
+        return Value(INT, (self.write(f"call {word} @{name}({double} {self.float_of(x)})"),))
 
     def frexp(self, x: Value) -> Value:
         """(mantissa, exponent)."""
@@ -332,8 +335,8 @@ BUILTINS: dict[Any, Callable[..., Value]] = {
     bool: lambda b, x: Value(BOOL, (b.truth(x),)),
     max: lambda b, *xs: b.extremum("Gt", list(xs)),
     min: lambda b, *xs: b.extremum("Lt", list(xs)),
-    math.floor: lambda b, x: x if x.kind is INT else b.whole(b.function("floor", x)),
-    math.ceil: lambda b, x: x if x.kind is INT else b.whole(b.function("ceil", x)),
+    math.floor: lambda b, x: x if single(x.kind) is INT else b.whole(b.function("floor", x)),
+    math.ceil: lambda b, x: x if single(x.kind) is INT else b.whole(b.function("ceil", x)),
     math.sqrt: lambda b, x: b.function("sqrt", x),
     math.frexp: Operators.frexp,
     math.ldexp: Operators.ldexp,
@@ -354,7 +357,10 @@ DECLARED = "\n".join(
             for count, names in FUNCTIONS_OF_LLVM.items()
             for name in names
         ),
-        "declare i64 @llvm.fptosi.sat.i64.f64(double)",
+        *(
+            f"declare {types.word} @llvm.fptosi.sat.{types.suffix.replace('f', 'i')}.{types.suffix}({types.double})"
+            for types in (SINGLE, ABREAST)
+        ),
         "declare double @frexp(double, ptr)",
         "declare double @ldexp(double, i32)",
     ]
