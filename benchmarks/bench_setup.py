@@ -20,6 +20,7 @@ from integrable.systems.system import System
 from jacobian.errors import PrecisionLoss
 
 FAR = 1e6
+TICKS = (1, 2, 5, 10, 20)
 SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
 
 
@@ -80,6 +81,8 @@ def draw(rows: Rows, stem: Path) -> None:
         axes.set_xlabel("distance from the separatrix" if varied == SEPARATRIX else "d, moments 1, 2, 3")
         axes.legend()
     figure.axes[0].set_ylabel("set-up and a first state, ms")
+    figure.axes[0].set_yticks(TICKS, map(str, TICKS))
+    figure.axes[0].minorticks_off()
     save(figure, stem)
 
 
