@@ -202,7 +202,7 @@ class Statements(Expressions):
     def do_if(self, node: ast.If) -> None:
         test = self.value(node.test)
         if is_abreast(test.kind):
-            self.in_lanes(node, self.truth(test))
+            self.if_in_lanes(node, self.truth(test))
             return
         yes, no, end = self.labels("then", "else", "end")
         self.split(self.truth(test), yes, no)
@@ -218,7 +218,7 @@ class Statements(Expressions):
         if self.open:
             self.begin(end)
 
-    def in_lanes(self, node: ast.If, condition: str) -> None:
+    def if_in_lanes(self, node: ast.If, condition: str) -> None:
         """Both branches, each for the lanes that take it, if any do; where lanes return, the others go on."""
         bits, outer = abreast(BOOL).leaves[0], self.mask
         other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")
