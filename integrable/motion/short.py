@@ -145,12 +145,18 @@ class GuardedRuns(ShortRuns):
         setup = self._many.carrier.setup
         half = short.panel_half(float(setup.problem.half_step))
         rate = float(abs(rate_at(setup.problem.axes, setup.problem.start))) if physical else 1.0
-        turns = times * (float(setup.time_scale) / (2 * half * rate))
-        # the panels that lead to the last time in either direction, at the first rate
-        counts = [ceil(max(abs(way))) + 1 if len(way) else 0 for way in (turns[turns >= 0], turns[turns < 0])]
+        panel = 2 * half * rate / float(setup.time_scale)
+        # the last times in either direction, in panels at the first rate; what no panels lead to may be any number
+        ways = [
+            max(way) / panel if len(way) else -1 for way in (times[times >= 0].tolist(), (-times[times < 0]).tolist())
+        ]
+        if len(times) > MOST_TIMES or sum(ways) > MOST_CENTRES:
+            return None
+        counts = [ceil(way) + 1 for way in ways]
+        if self._many.carrier.lost(2 * max(counts) * half) < SENSITIVE:
+            return None
         rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
-        near = self._many.carrier.lost(2 * max(counts) * half) < SENSITIVE
-        while not near and len(times) <= MOST_TIMES and sum(counts) <= MOST_CENTRES:
+        while sum(counts) <= MOST_CENTRES:
             try:
                 made = [self._many.centres(half, count, sign) for count, sign in zip(counts, (1, -1), strict=True)]
             except PrecisionLoss:
@@ -195,7 +201,8 @@ def compiled_runs(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
     (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
-    it has cost in panels), both of shape (K,). Python's lock is free meanwhile.
+    it has cost in panels), both of shape (K,). ``centres``, of one motion, as :class:`Request` has them, shape
+    (10·panels, 2). Python's lock is free meanwhile.
     """
     from integrable.moving_point.short_compiled import LIBRARY
 

@@ -12,7 +12,7 @@ from integrable.motion.conditioning import conditioning
 from integrable.motion.short import ShortRuns
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
-from jacobian import MP
+from jacobian import MP, PrecisionLoss
 
 # moments, d, γ, M, tilted, t: on each of them the first step or the steps on the way lose digits
 LOSING = {
@@ -119,6 +119,15 @@ def test_a_separatrix_is_a_short_run_about_centres_of_more_digits(name) -> None:
         assert abs(run.M - true[:, 3:]).max() < 3e-14 * size
     if system.body.rolls:
         assert flow.physical_time(tau) == pytest.approx(precise.times(tau), rel=1e-14)
+
+
+def test_times_on_a_separatrix_that_no_digits_lead_to_are_refused() -> None:
+    system, gamma, M, _ = SEPARATRIX["ball"]
+    flow = system.flow(system.state(gamma, M))
+    for far in (1e5, -1e200, 1.7e308):
+        with pytest.raises(PrecisionLoss):
+            flow.at([1.0, far])
+    assert len(flow.at([])) == 0
 
 
 def random_motion(rng):
