@@ -119,12 +119,12 @@ def _recurrence(K: Any, ratios: list[Any], start: Any, g: int) -> list[Any]:
 
 
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
-    """:func:`_recurrence` over GF(p) on machine integers: six products of two residues, p < 2^29, stay below 2^63.
+    """:func:`_recurrence` over GF(p) on machine integers: nine products of two residues, p < 2^29, stay below 2^63.
 
     ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
     f_i/f_0 with each k, and begin with k = 0; ``inverses`` is room for 1/k, so many together (Montgomery 1987).
     """
-    start = 1
+    start, room = 1, 8 * p * p
     while start < p:
         size = min(len(inverses), p - start)
         invert_range(start, size, p, inverses)
@@ -133,6 +133,8 @@ def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window
             for i in range(len(ratios)):
                 weights[i] += p - ratios[i] if weights[i] < ratios[i] else -ratios[i]
                 total += weights[i] * window[i]
+                if total >= room:
+                    total -= room
             for i in range(len(window) - 1, 0, -1):
                 window[i] = window[i - 1]
             window[0] = total % p * inverses[j] % p
