@@ -25,6 +25,8 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "jacobian.relatives.ray_class",
             "jacobian.relatives.conic",
             "jacobian.relatives.signed",
+            "jacobian.relatives.kummer",
+            "jacobian.relatives.heights",
             "jacobian.models.standard",
             "jacobian.models.isomorphism",
             "jacobian.models.invariants",
