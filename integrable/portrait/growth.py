@@ -7,7 +7,7 @@ F·e^(2πik·θ) of 1/g it has F·(k·η)/(k·ν).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +16,10 @@ from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian.numbers.long_reals import BallReals
 
-if TYPE_CHECKING:
-    from integrable.motion.trajectory import Trajectory
 
-
-def growth(run: Trajectory, slopes: Any, digits: int) -> Any:
-    """The secular part at the times of a ``run`` over MP, (N, 6, 10), from the derivatives of both frequencies, (2,
-    10). PrecisionLoss where the modes of 1/g are too many.
+def growth(run: Any, slopes: Any, digits: int) -> Any:
+    """The secular part at the times of a ``run``, a Trajectory over MP, (N, 6, 10), from the derivatives of both
+    frequencies, (2, 10). PrecisionLoss where the modes of 1/g are too many.
     """
     body, portrait = run.system.body, run.flow.portrait
     ovals, (f1, f2) = portrait.ovals, portrait.frequencies
@@ -45,7 +42,7 @@ def _spin(body: Any, gamma: Any, M: Any) -> Any:
     return slowness * M + body.d * along / slowness * gamma
 
 
-def _lean(run: Trajectory, rates: tuple[Any, Any], digits: int) -> Any:
+def _lean(run: Any, rates: tuple[Any, Any], digits: int) -> Any:
     """σ at the times of a run, (N,)."""
     import flint
 
