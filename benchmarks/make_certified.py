@@ -40,6 +40,14 @@ def motions() -> dict[str, tuple[Any, Any, str]]:
     for name in SCENES:
         scene = load_scene(name)
         found[name] = (*scene.start(15), " ".join(scene.description.split()))
+    heavy = ChaplyginBall((1.0, 2.0, 3.0), 100.0)
+    _, start = load_scene("heavy_ball").start(15)
+    state = heavy.state(start.gamma, start.M)
+    found["heavy"] = (
+        heavy,
+        state,
+        "A heavy ball: the branch points 1/d and 1/(I_i + d) of its curve are close together.",
+    )
     rng = Random(18)
     for k in range(40 - len(found)):
         ratio = 10.0 ** (k % 4)
