@@ -78,19 +78,17 @@ def _page(scene: Any, content: dict[str, Any] | None, found: Any) -> str:
 
 def _drawn(scene: Any) -> bytes:
     """The coordinates of a system without a body against time."""
-    from integrable.study.plot import draw
+    from integrable.study.plot import coordinates
 
     system, state = scene.start(15)
-    return draw("coordinates", "png", scene, None, system.motion_through(state).at(scene.sphere.floats()[::2]))
+    run = system.motion_through(state).at((scene.sphere or scene.times).floats())
+    return _light(coordinates(run.q, run.times, scene.title))
 
 
 def _thumbnail(content: dict[str, Any]) -> bytes:
     """γ on the sphere, small, the front half strong and the back half faint."""
-    import io
-
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
-    from PIL import Image
 
     gamma = np.array(content["gamma"])
     axis = np.array([1.0, 0.7, 0.6]) / np.linalg.norm([1.0, 0.7, 0.6])
@@ -112,6 +110,14 @@ def _thumbnail(content: dict[str, Any]) -> bytes:
     axes.plot(x[0], y[0], "o", color="#D55E00", markersize=4)
     axes.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.06), aspect="equal")
     axes.set_axis_off()
+    return _light(figure)
+
+
+def _light(figure: Any) -> bytes:
+    import io
+
+    from PIL import Image
+
     stored = io.BytesIO()
     figure.savefig(stored, format="png", dpi=110)
     # a few colours are enough, and forty pictures stay light
