@@ -26,6 +26,7 @@ from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.laboratory.fit import OrientationFit
 from integrable.motion.conditioning import conditioning
+from integrable.scene.classical import ClassicalSystem
 from integrable.scene.orbit import orbit
 from jacobian import GF, MP, RR
 
@@ -133,5 +134,7 @@ def other_values():
     many = ensemble(ChaplyginBall((1, 2, 4), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), d=(0.7, -1, 0.5))
     values = {"scene": load_scene("chaplygin"), "exact ball": exact, "exact step": exact.torsion()}
     bodies = laboratory_ensemble(RollingBall((1, 2, 2), 5, 1), [np.eye(3), 2 * np.eye(3)], (1, 2, 3))
+    lattice = ClassicalSystem(TodaLattice(3))
+    values["run without a body"] = lattice.motion_through(lattice.state((0, 1, 2), (1, 0, 0))).at([0, 1])
     values |= {"ensemble in the laboratory": bodies, "runs in the laboratory": bodies.at([0, 1])}
     return values | {"ensemble": many, "trajectories": many.at([0, 1, 1e30])}
