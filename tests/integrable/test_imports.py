@@ -18,7 +18,7 @@ STATE = "state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)); "
         ("import integrable", ()),
         (BALL + STATE + "ball.translation([1.8, 2.5])(state)", ()),
         (BALL + STATE + "ball.divisor(state) + ball.divisor(state)", ()),
-        (BALL + STATE + "ball.flow(state).at([1.0]).gamma", ("numpy", "mpmath")),
+        (BALL + STATE + "ball.flow(state).at([1.0]).gamma", ("numpy",)),
         (
             "from jacobian import GF; from integrable import EulerTop; top = EulerTop((1, 2, 4), field=GF(10007)); "
             "top.state((1, 0, 0), (0, 1, 0))",
