@@ -66,11 +66,11 @@ class HenonHeiles(QuadricSystem):
         return f"HenonHeiles({self.constants}, {alpha}, {beta}, {gamma}, {tuple(barriers)}, {self.field.name})"
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
-        stands = any(x == N.zero and length != N.zero for x, length in zip(state.q[1:], self._barriers(N), strict=True))
+        stands = any(self._stands(e) and x == N.zero for e, x in zip(self._barriers(), state.q[1:], strict=True))
         return (N.one if stands else N.zero,)
 
-    def _barriers(self, N: Any) -> Sequence[Any]:
-        return self._parameters_in(N)[3:]
+    def _barriers(self) -> Sequence[Any]:
+        return self.parameters[3:]
 
     def _shape(self, N: Any, state: Point) -> Shape:
         alpha, beta, gamma, *_ = self._parameters_in(N)
@@ -90,8 +90,8 @@ class HenonHeiles(QuadricSystem):
         first, *q = state.q
         common = 4 * alpha * first + beta
         rates = [12 * alpha * first * first + 2 * alpha * N.dot(q, q) + 4 * beta * first + gamma]
-        for e, x, pull in zip(self._constants_in(N), q, self._pull(N, state), strict=True):
-            rates.append((common + alpha * e) * x + (pull / x if pull != N.zero else pull))
+        for a, barrier, x, pull in zip(self._constants_in(N), self._barriers(), q, self._pull(N, state), strict=True):
+            rates.append((common + alpha * a) * x + (pull / x if self._stands(barrier) else pull))
         return Point(state.p, tuple(rates))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:

@@ -51,9 +51,9 @@ class QuadricSystem(MumfordSystem):
         """Table, where there are q before those of the axes: they and their p, of a pair."""
         return Point((), ())
 
-    def _barriers(self, N: Any) -> Sequence[Any]:
-        """Table: the l_i."""
-        return [N.zero] * len(self.constants)
+    def _barriers(self) -> Sequence[Any]:
+        """Table: the l_i, elements of the field."""
+        return [self.field.zero] * len(self.constants)
 
     # --- what follows
 
@@ -66,10 +66,10 @@ class QuadricSystem(MumfordSystem):
     def _pull(self, N: Any, state: Point) -> list[Any]:
         """l_i²/q_i² of the axes."""
         q, _ = self._axes(state)
-        return [
-            length * length / (x * x) if length != N.zero else N.zero
-            for length, x in zip(self._barriers(N), q, strict=True)
-        ]
+        return [(N.coerce(e) / x) ** 2 if self._stands(e) else N.zero for e, x in zip(self._barriers(), q, strict=True)]
+
+    def _stands(self, barrier: Any) -> bool:
+        return bool(barrier != self.field.zero)
 
     def _spectral(self, N: Any, state: Point) -> Spectral:
         (q, p), shape = self._axes(state), self._shape(N, state)
@@ -93,8 +93,8 @@ class QuadricSystem(MumfordSystem):
         f, u, v = self._spectral(N, state)
         kinds, data = [], []
         # U(a_i) = εd_i q_i², V(a_i) = εd_i q_i p_i with d_i = f₁'(a_i)
-        for e, slope, length, x, y in self._along_axes(N, state):
-            if length == N.zero:
+        for e, slope, barrier, x, y in self._along_axes(N, state):
+            if not self._stands(barrier):
                 kinds.append(Lift(e))
                 data.append((slope, x, y))
         return Start(f, u, v, self._direction(N, len(v)), kinds, tuple(data))
@@ -104,16 +104,16 @@ class QuadricSystem(MumfordSystem):
         a = self._constants_in(N)
         slopes = poly.derivative(N, poly.from_roots(N, a))
         signed = [self._signed(N, poly.evaluate(N, slopes, e)) for e in a]
-        return zip(a, signed, self._barriers(N), *self._axes(state), strict=True)
+        return zip(a, signed, self._barriers(), *self._axes(state), strict=True)
 
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
         data, (q, p) = iter(D.data), self._first(N, D.u, D.v)
-        for e, slope, length, before, _ in self._along_axes(N, start):
-            if length == N.zero:
+        for e, slope, barrier, before, _ in self._along_axes(N, start):
+            if not self._stands(barrier):
                 _, x, y = next(data)
             else:
-                x = N.sqrt(poly.evaluate(N, D.u, e) / slope)
-                x = x if before > 0 else -x
+                # with the sign that it had
+                x = before * N.sqrt(poly.evaluate(N, D.u, e) / (slope * before * before))
                 y = poly.evaluate(N, D.v, e) / (slope * x)
             q, p = (*q, x), (*p, y)
         return Point(q, p)
@@ -126,7 +126,7 @@ class QuadricSystem(MumfordSystem):
         λ far away it is a step of about 1/√(ℓλ) in time, or back, by the sign of μ. ArgumentError for a point that is
         not on the curve, NotASquare for a missing root.
         """
-        if any(length != self.numbers.zero for length in self._barriers(self.numbers)):
+        if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
 
         def formula(N: Any, here: Point, x: Any, y: Any) -> Point:

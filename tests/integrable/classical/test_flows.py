@@ -66,6 +66,22 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
         assert all(abs(x - y) < 1e-26 * (1 + abs(y)) for x, y in pairs), name
 
 
+@pytest.mark.parametrize("name", ["barriers", "garnier", "henon_heiles"])
+def test_many_times_are_those_one_by_one(name) -> None:
+    """Of genus 2 they are read off the real torus, where it is confirmed: not with a barrier."""
+    system, state = REAL[name](RR, 1 if name == "henon_heiles" else 2)
+    if name == "barriers":
+        system = HenonHeiles((1,), "-1/2", "-1/4", 0, ("1/512",))
+        state = system.state((0.0625, -0.125), (0.03125, 0.0625))
+    flow = system.flow(state)
+    times = np.linspace(-1e5, 1e5, 40)
+    many = flow.at(times)
+    assert (flow._torus is None) == (name == "barriers")
+    one = flow.at(times[[3, 21]])
+    assert np.abs(many.q[[3, 21]] - one.q).max() < 1e-14 * np.abs(many.q).max()
+    assert np.abs(many.p[[3, 21]] - one.p).max() < 1e-14 * np.abs(many.p).max()
+
+
 def test_a_flow_at_its_start_returns_it():
     system, state = REAL["neumann"](RR, 2)
     path = system.flow(state).at(0)
