@@ -14,6 +14,7 @@ from integrable.motion.short import (
     MOST_PANELS_OF_MANY,
     MOST_TIMES,
     PACE_OF_MANY,
+    WORTH_OF_MANY,
     Asked,
     compiled_runs,
     panels_within,
@@ -128,7 +129,7 @@ def short_runs(
     times = times if len(times) == 1 else times[which]
     count, length = len(which), times.shape[1]
     rows, tau = np.empty((count, length, 6)), np.empty((count, length))
-    most = panels_within(length, False, 0, MOST_PANELS_OF_MANY)
+    most = panels_within(length, False, 0, MOST_PANELS_OF_MANY, WORTH_OF_MANY)
     asked = Asked(members[which], tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
     status, _ = compiled_runs(asked, times, rows, tau)
     had = status == 0

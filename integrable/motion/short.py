@@ -45,6 +45,9 @@ if TYPE_CHECKING:
 PANEL_COST, START_COST = 2.5, 130.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2800.0
 DENSE_FROM = 5000
+# the states of a torus are the nearest floats, those of panels some roundings off: one run has to be so many times
+# cheaper, many as cheap
+WORTH, WORTH_OF_MANY = 3.0, 1.0
 # panels at most, whose errors grow like their number; times at most
 MOST_PANELS, MOST_TIMES = 1000, 20_000
 # interpreted: panels of one run, and times
@@ -217,12 +220,12 @@ def compiled_runs(
     return status, panels
 
 
-def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS) -> int:
-    """So many panels, after those that were ``spent`` on a motion, cost less than another way to so many states."""
+def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH) -> int:
+    """So many panels, after those ``spent`` on a motion before, are worth more than another way to so many states."""
     cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
     if not torus:
         cost += max(0.0, TORUS_SET_UP - PANEL_COST * spent)
-    return min(limit, int((cost - START_COST) / PANEL_COST))
+    return min(limit, int((cost / worth - START_COST) / PANEL_COST))
 
 
 class ShortFirst:
