@@ -4,7 +4,7 @@ The first rows are the constants of the cost model of :mod:`integrable.motion.sh
 they are here: ``measured`` on each scene (those of ``python -m benchmarks peers``), in microseconds of processor time,
 and their medians. The rows after them are fresh flows with so many times up to T: the milliseconds of a short run of
 any length (a dash where it is not sure of itself), of the torus, what "auto" takes, and ``lost``, what it takes longer
-than the cheaper of the two: the model is right where that is little.
+than the cheaper of the two: the model is right where that is little, or a torus is up to three times as long.
 """
 
 from __future__ import annotations
