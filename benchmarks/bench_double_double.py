@@ -9,11 +9,11 @@ import os
 import subprocess
 import sys
 import tempfile
-from time import thread_time
 from typing import Any
 
 import numpy as np
 
+from benchmarks.curves import least_seconds
 from integrable import ChaplyginBall
 from integrable.moving_point import addition
 from integrable.moving_point.compiled import LIBRARY, SPECIAL
@@ -67,13 +67,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
 
 def _least(work: Any, count: int, smoke: bool) -> float:
     """µs an item."""
-    work()
-    found = []
-    for _ in range(1 if smoke else REPEATS):
-        begun = thread_time()
-        work()
-        found.append(thread_time() - begun)
-    return 1e6 * min(found) / count
+    return 1e6 * least_seconds(work, 1 if smoke else REPEATS) / count
 
 
 def _operations(smoke: bool) -> list[dict[str, object]]:

@@ -10,13 +10,13 @@ than the cheaper of the two: the model is right where that is little, or a torus
 from __future__ import annotations
 
 from statistics import median
-from time import thread_time
 from typing import Any
 from unittest.mock import patch
 
 import numpy as np
 
 from benchmarks.bench_peers import fresh, problem
+from benchmarks.curves import least_seconds
 from integrable.motion import short
 from integrable.motion.short import ShortRuns
 
@@ -49,15 +49,15 @@ def costs(name: str, repeats: int) -> tuple[float, ...]:
     """The constants, in their order, on one scene."""
     near, far = np.array([NEAR]), np.array([FAR])
     with patch.object(short, "panels_within", lambda *_: 10**6):
-        first, last = (least(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))
+        first, last = (1e6 * least_seconds(lambda t=t: fresh(name, "auto").at(t), repeats) for t in (near, far))
         panels = [_panels(name, t) for t in (near, far)]
     panel = (last - first) / (panels[1] - panels[0])
-    set_up = least(lambda: fresh(name, "compiled").at(np.array([TORUS])), min(repeats, 5))
+    set_up = 1e6 * least_seconds(lambda: fresh(name, "compiled").at(np.array([TORUS])), min(repeats, 5))
     flow, rng = fresh(name, "compiled"), np.random.default_rng(1)
     few, dense = rng.uniform(0, TORUS, 100), np.linspace(0, DENSE, 4 * short.DENSE_FROM)
     flow.at(few), flow.at(dense)
-    each = least(lambda: flow.at(few), repeats) / len(few)
-    between = least(lambda: flow.at(dense), min(repeats, 5)) / len(dense)
+    each = 1e6 * least_seconds(lambda: flow.at(few), repeats) / len(few)
+    between = 1e6 * least_seconds(lambda: flow.at(dense), min(repeats, 5)) / len(dense)
     return panel, first - panel * panels[0], each, between, set_up - each
 
 
@@ -71,21 +71,10 @@ def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
     """What "auto" takes for so many times up to T."""
     times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
     auto = fresh(name, "auto").at(times).way
-    torus = least(lambda: fresh(name, "compiled").at(times), min(repeats, 3)) / 1e3
+    torus = 1e3 * least_seconds(lambda: fresh(name, "compiled").at(times), min(repeats, 3))
     with patch.object(short, "panels_within", lambda *_: 10**6):
         sure = fresh(name, "auto").at(times).way == "short run"
-        near = least(lambda: fresh(name, "auto").at(times), min(repeats, 5)) / 1e3 if sure else None
+        near = 1e3 * least_seconds(lambda: fresh(name, "auto").at(times), min(repeats, 5)) if sure else None
     row: Row = {"scene": name, "T": T, "outputs": outputs, "short run ms": near, "torus ms": torus, "auto": auto}
     row["lost"] = (near if auto == "short run" else torus) / min(torus, near) if near else None  # type: ignore[operator]
     return row
-
-
-def least(action: Any, repeats: int) -> float:
-    """Microseconds of the processor, the least of some runs after one that loads what it calls."""
-    action()
-    best = float("inf")
-    for _ in range(repeats):
-        begun = thread_time()
-        action()
-        best = min(best, thread_time() - begun)
-    return 1e6 * best
