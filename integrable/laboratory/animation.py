@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from subprocess import CalledProcessError
 from typing import Any
 
 import numpy as np
@@ -48,8 +52,19 @@ def animate(run: Any, path: Any, fps: int) -> None:
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
     moving = FuncAnimation(figure, update, frames=len(run), init_func=list, blit=False)
-    with whole_file(target, wanted) as unfinished:
+    with whole_file(target, wanted) as unfinished, _of_ffmpeg(target):
         moving.save(unfinished, writer=PillowWriter(fps) if target.suffix == ".gif" else FFMpegWriter(fps))
+
+
+@contextmanager
+def _of_ffmpeg(target: Path) -> Iterator[None]:
+    """Where ffmpeg gives up, what it says last, in one line."""
+    try:
+        yield
+    except CalledProcessError as error:
+        said = [line.strip() for line in str(error.stderr or "").splitlines() if line.strip()]
+        why = said[-1] if said else f"exit code {error.returncode}"
+        raise ArgumentError(f"path = {shown(str(target))}: ffmpeg has failed ({why}); .gif does without") from error
 
 
 def _body(ax: Any, run: Any) -> Any:

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 # how far off its constraints a state may be, in units of the last digit, before it is refused
 OFF = 2.0**24
 # from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
-MANY, RIGHT = 24, 1e-9
+MANY, RIGHT = 24, 1e-12
 
 
 class Point(NamedTuple):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import shutil
 
 import numpy as np
@@ -56,6 +57,28 @@ def test_a_film_without_ffmpeg_is_refused_at_once(tmp_path, monkeypatch):
     with pytest.raises(ArgumentError, match=r"\.mp4 needs ffmpeg, which is not there; \.gif does without"):
         BALL.at([0, 1]).animate(tmp_path / "run.mp4")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell script")
+@pytest.mark.parametrize(
+    ("script", "why"),
+    [
+        ("cat > /dev/null; echo no encoder >&2; exit 1", "ffmpeg has failed (no encoder); .gif does without"),
+        ("cat > /dev/null; exit 3", "ffmpeg has failed (exit code 3)"),
+        ("exit 3", ""),
+    ],
+)
+def test_an_ffmpeg_that_gives_up_is_one_line(tmp_path, monkeypatch, script, why):
+    fake = tmp_path / "bin" / "ffmpeg"
+    fake.parent.mkdir()
+    fake.write_text(f"#!/bin/sh\n{script}\n", encoding="utf-8")
+    fake.chmod(0o755)
+    monkeypatch.setenv("PATH", str(fake.parent), prepend=os.pathsep)
+    with pytest.raises(ArgumentError, match=r"^path = .*run\.mp4'") as caught:
+        BALL.at(np.linspace(0, 1, 3)).animate(tmp_path / "run.mp4")
+    assert why in str(caught.value)
+    assert "\n" not in str(caught.value)
+    assert [p.name for p in tmp_path.iterdir()] == ["bin"]
 
 
 def test_bad_calls(tmp_path):
