@@ -58,7 +58,7 @@ from integrable.moving_point.short_steps import (
 LENGTH = 5.0
 # last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
 # floats, or wide beside a panel whose nodes were not
-TAIL = 1e-14
+TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # a panel with wide nodes costs as much as so many
 CAREFUL = 10
