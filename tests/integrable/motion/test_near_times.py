@@ -153,7 +153,7 @@ def unit(rng):
 
 
 def test_no_node_of_a_panel_loses_three_digits():
-    """Found by fuzz: one node of a thin body's panel was off by 2.7e-13, which its last coefficients showed by 1e-14."""
+    """Found by fuzz: one node of a thin body's panel was off by 2.7e-13, its last coefficients by 1e-14."""
     top = EulerTop((4.117414606429112e-06, 0.001181372970212736, 0.00046549475323938737))
     gamma = (-0.7214901633968287, 0.25235123105979845, 0.6448029158620654)
     state = top.state(gamma, (-0.10953585313738312, 0.17045231282117532, 0.1676465563778494), tilted=True)
