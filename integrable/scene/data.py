@@ -218,9 +218,9 @@ class Scene:
         """The scene as plain data: fractions as strings such as "7/10"."""
         content = dataclasses.asdict(self)
         del content["place"]
+        content["constants"] = dict(self.constants)
         if self.classical:
             content = {{"gamma": "q", "M": "p"}.get(key, key): value for key, value in content.items()}
-            content["constants"] = dict(self.constants)
         if self.steps is not None:
             content["steps"]["maps"] = [{"kind": one.kind, **dict(one.arguments)} for one in self.steps.maps]
         return {key: _plain(value) for key, value in content.items()}

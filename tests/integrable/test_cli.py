@@ -12,7 +12,7 @@ import pytest
 
 import integrable
 from integrable.__main__ import main
-from integrable.scene.file import scene_names
+from integrable.scene.file import load_scene, scene_names
 from tests.integrable.scene_texts import BALL, REPORT
 
 
@@ -215,6 +215,14 @@ def test_an_orbit_over_a_finite_field_is_what_the_schema_says(here, capsys, vali
     content = json.loads(capsys.readouterr().out)
     assert valid(content)
     assert len(content["trajectory"]["steps"]) == 1001
+
+
+@pytest.mark.parametrize("name", scene_names())
+def test_a_shipped_scene_is_described_as_the_schema_says(name):
+    jsonschema = pytest.importorskip("jsonschema")
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    scene = {**schema["properties"]["scene"], "$defs": schema["$defs"]}
+    jsonschema.Draft202012Validator(scene).validate(load_scene(name).describe())
 
 
 def test_scenes_as_json(capsys):
