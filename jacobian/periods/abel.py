@@ -57,7 +57,7 @@ class AbelMap(AbelImage):
         Points that nearly coincide cost digits, as the roots of u lose them.
         """
         D = self.check_divisor(D)
-        image = self.periods.reduce(self.image_of(self.points_of(D), self.weight_of(D)))
+        image = self.periods.reduce(self._image_of(self._points_of(D), self._weight_of(D)))
         return tuple(self.field.coerce(x) for x in image)
 
     # --- the inverse
@@ -76,10 +76,10 @@ class AbelMap(AbelImage):
         if max(distances) < self.cover.numbers.ten(-self.cover.numbers.digits // 2):
             zero: Divisor = J.zero()
             return zero
-        points = self._polished(self.rough_inverse(target), target)
+        points = self._polished(self._rough_inverse(target), target)
         field = self.field
         try:
-            result = J.from_points([(field.coerce(x), field.coerce(Y - self.half_h(x))) for x, Y in points])
+            result = J.from_points([(field.coerce(x), field.coerce(Y - self._half_h(x))) for x, Y in points])
             J.from_mumford(result.u, result.v, result.n)
         except NotOnCurve as error:
             raise PrecisionLoss(f"z = {z}: what was found is off the curve; use more digits ({error})") from None
@@ -87,7 +87,7 @@ class AbelMap(AbelImage):
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
         """D, if its image is the target to all but some digits: its coefficients may not determine its points."""
-        image = self.image_of(self.points_of(D), self.weight_of(D))
+        image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))
         if not size < 10**8 * self.field.eps:
             raise PrecisionLoss(
@@ -95,7 +95,7 @@ class AbelMap(AbelImage):
             )
         return D
 
-    def rough_inverse(self, target: Vector) -> list[Point]:
+    def _rough_inverse(self, target: Vector) -> list[Point]:
         """Points whose image is near the target, as working numbers: in doubles, or where that fails in 40 digits."""
         from jacobian.fields import CC, MP
 
@@ -139,7 +139,7 @@ class AbelMap(AbelImage):
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
         points = self._start(rng)
-        begin, gap = self.image_of(points, full_weight(self.curve)), self._gap(points, target)
+        begin, gap = self._image_of(points, full_weight(self.curve)), self._gap(points, target)
         done, step, tried = 0.0, 0.25, 0
         while done < 1:
             ahead, tried = min(1.0, done + step), tried + 1
@@ -166,7 +166,7 @@ class AbelMap(AbelImage):
 
     def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
         """target − image of the points, reduced modulo periods."""
-        return self.periods.reduce(plus(target, self.image_of(points, full_weight(self.curve)), -1))
+        return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.curve)), -1))
 
     def _residual_size(self, points: Sequence[Point], target: Vector) -> Any:
         return max(abs(c) for c in self.periods.coordinates(self._gap(points, target)))

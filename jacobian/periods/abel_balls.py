@@ -68,7 +68,7 @@ class AbelBalls(Immutable):
         D = self._images[0].check_divisor(D)
 
         def image(at: _Image) -> tuple[Any, ...] | None:
-            found = at.periods.reduce(at.image_of(at.points_of(D), at.weight_of(D)))
+            found = at.of(D)
             return tuple(found) if is_within([found], self._radius()) else None
 
         return self._at_some_precision(image, "the image")
@@ -90,7 +90,7 @@ class AbelBalls(Immutable):
                 raise PrecisionLoss("z may be a period, whose class has no points; use more digits")
             near = [complex(x) for x in target]
         floats = self._floats
-        rough = floats.rough_inverse([floats.cover.numbers.convert(x) for x in near])
+        rough = floats._rough_inverse([floats.cover.numbers.convert(x) for x in near])
         return self._at_some_precision(lambda at: at.proven(given, rough), "the divisor", PROOFS)
 
     @cached_property
@@ -127,12 +127,16 @@ class _Image(AbelImage):
     def __init__(self, curve: HyperellipticCurve, periods: PeriodMatrix) -> None:
         self.periods, self.given, self.curve = periods, curve, curve
 
-    def points_of(self, D: Divisor) -> list[Point]:
+    def of(self, D: Divisor) -> Vector:
+        """The image of D, reduced modulo periods."""
+        return self.periods.reduce(self._image_of(self._points_of(D), self._weight_of(D)))
+
+    def _points_of(self, D: Divisor) -> list[Point]:
         numbers = self.cover.numbers
         if len(D.u) == 1:
             return []
         v = [numbers.convert(c) for c in D.v or (0,)]
-        return [self._above(x, horner(v, x) + self.half_h(x)) for x in ball_roots(numbers, *exact_polynomial(D.u))]
+        return [self._above(x, horner(v, x) + self._half_h(x)) for x in ball_roots(numbers, *exact_polynomial(D.u))]
 
     def _above(self, x: Any, rough: Any) -> Point:
         """(x, Y) with the Y on the side of ``rough``."""
@@ -176,7 +180,7 @@ class _Image(AbelImage):
 
     def _gap(self, points: Sequence[Point], target: Vector) -> Vector:
         """target − image of the points, less the nearest period."""
-        return self.periods.reduce(plus(target, self.image_of(points, full_weight(self.given)), -1))
+        return self.periods.reduce(plus(target, self._image_of(points, full_weight(self.given)), -1))
 
     def _steps(self, points: Sequence[Point], gap: Vector) -> Vector:
         """dx with Σ x_i^k dx_i/Y_i = gap_k."""
@@ -184,7 +188,7 @@ class _Image(AbelImage):
 
     def _divisor(self, points: Sequence[Point]) -> BallDivisor:
         numbers = self.cover.numbers
-        xs, ys = [x for x, _ in points], [Y - self.half_h(x) for x, Y in points]
+        xs, ys = [x for x, _ in points], [Y - self._half_h(x) for x, Y in points]
         acb_poly = numbers.flint.acb_poly
         v = acb_poly.interpolate(xs, ys)
         if not all(c.is_finite() for c in (*xs, *ys, *v.coeffs())):

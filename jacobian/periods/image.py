@@ -50,26 +50,26 @@ class AbelImage(Immutable):
             raise ArgumentError(f"z = {shown(z)}: {wanted} are needed")
         return given
 
-    def points_of(self, D: Divisor) -> list[Point]:
+    def _points_of(self, D: Divisor) -> list[Point]:
         """The points (x, Y) of D as working numbers."""
         numbers = self.cover.numbers
         u, v = [numbers.convert(c) for c in D.u], [numbers.convert(c) for c in D.v]
         if len(u) == 1:
             return []
-        return [(x, horner(v, x) + self.half_h(x)) for x in simple_roots(numbers, u)]
+        return [(x, horner(v, x) + self._half_h(x)) for x in simple_roots(numbers, u)]
 
-    def half_h(self, x: Any) -> Any:
+    def _half_h(self, x: Any) -> Any:
         h = self.given.h
         return horner([self.cover.numbers.convert(c) for c in h], x) / 2 if h else 0
 
-    def weight_of(self, D: Divisor) -> int:
+    def _weight_of(self, D: Divisor) -> int:
         """The multiple of ∞₊ that stands beside Σ(P_i − e₀); on a ramified model that of e₀ − ∞."""
         degree = len(D.u) - 1
         if D.jacobian.curve.model == "ramified":
             return degree
         return 0 if D.n is None else 2 * D.n + degree - 2 * ((self.curve.genus + 1) // 2)
 
-    def image_of(self, points: Sequence[Point], weight: int) -> Vector:
+    def _image_of(self, points: Sequence[Point], weight: int) -> Vector:
         total: Vector = [self.cover.numbers.convert(0)] * self.curve.genus
         for point in points:
             total = plus(total, self._to_point(point))
@@ -150,5 +150,5 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def full_weight(curve: HyperellipticCurve) -> int:
-    """What :meth:`AbelImage.weight_of` is for ``from_points`` of g points."""
+    """What :meth:`AbelImage._weight_of` is for ``from_points`` of g points."""
     return curve.genus if curve.model == "ramified" else -(curve.genus % 2)

@@ -220,8 +220,8 @@ def test_the_point_at_infinity_plus(K, genus):
     total = [(2 * g + 2 - g) * a for a in A._from_infinity()]
     points = []
     for x in simple_roots(A.cover.numbers, [A.cover.numbers.convert(c) for c in norm]):
-        points.append((x, poly.evaluate(K, plus, x) + A.half_h(x)))
-    total = [s + t for s, t in zip(total, A.image_of(points, 0), strict=True)]
+        points.append((x, poly.evaluate(K, plus, x) + A._half_h(x)))
+    total = [s + t for s, t in zip(total, A._image_of(points, 0), strict=True)]
     _whole(A.periods.coordinates(total), 1e7 * K.eps)
 
 
@@ -307,6 +307,12 @@ def test_bad_input():
         A(_curve(RR, "a rolling ball").jacobian().zero())
     with pytest.raises(CurveMismatch, match="not a divisor class"):
         A(0)
+    # what takes working numbers or unchecked classes is not public
+    assert {name for name in dir(A) if not name.startswith("_") and callable(getattr(A, name))} == {
+        "check_divisor",
+        "check_image",
+        "inverse",
+    }
     assert issubclass(Infeasible, JacobianError)
 
 
