@@ -26,6 +26,8 @@ def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
     the points are nearly opposite. Points are put on the ellipsoid along their rays. PrecisionLoss where none is found;
     ArgumentError for what is no point of the ellipsoid, or the same point twice.
     """
+    if not isinstance(ellipsoid, Ellipsoid):
+        raise ArgumentError(f"ellipsoid = {shown(ellipsoid)}: an Ellipsoid is needed")
     K = ellipsoid.field
     q, target = (_on(ellipsoid, x, name) for name, x in (("first", first), ("last", last)))
     chord = [y - x for x, y in zip(q, target, strict=True)]

@@ -76,7 +76,12 @@ class KdV(Immutable):
 
     def spectral(self, state: Eigenvalues) -> Spectral:
         """f, u and v of a state, ascending; double edges that are eigenvalues of the state are left out."""
-        return self._spectral(self.field, state)
+        return self._spectral(self.field, self._checked(state))
+
+    def _checked(self, state: Any) -> Eigenvalues:
+        if not isinstance(state, Eigenvalues) or len(state.gamma) != self.gaps:
+            raise ArgumentError(f"state = {shown(state)}: give one that state(gamma, signs) of {self!r} returns")
+        return state
 
     def _spectral(self, K: Any, state: Eigenvalues) -> Spectral:
         edges, points = self._moving(K, state)
@@ -110,10 +115,8 @@ class Wave:
 
     def __init__(self, kdv: KdV, state: Eigenvalues) -> None:
         self.digits = long_digits(kdv.field)
-        if not isinstance(state, Eigenvalues) or len(state.gamma) != kdv.gaps:
-            raise ArgumentError(f"state = {shown(state)}: give one that state(gamma, signs) of {kdv!r} returns")
         self.kdv = kdv
-        self.start = state
+        self.start = kdv._checked(state)
         self._edges, points = kdv._moving(kdv.field, state)
         self._constant = None if points else self._edges[0]
         self._motion = MumfordMotion(self._place, len(points))

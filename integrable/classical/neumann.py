@@ -62,7 +62,7 @@ class Neumann(QuadricSystem):
     def discrete(self, state: Point, h: Any) -> Point:
         """A :meth:`step` of ``h`` in time to second order, by the point λ = −1/h²; h < 0 is a step back."""
         genus = self.size - 1
-        h = self.field.coerce(h, "h")
+        h = self._time_step(h)
         sign = 1 if (h > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (h * h), sign))
         # back, the roots of the step are the negative ones

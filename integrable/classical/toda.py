@@ -129,7 +129,7 @@ class TodaLattice(MumfordSystem):
 
     def discrete(self, state: Point, h: Any) -> Point:
         """A :meth:`step` of ``h`` in time to first order, by the point λ = 1/h, with the centre where time takes it."""
-        h = self.field.coerce(h, "h")
+        h = self._time_step(h)
         new = self.step(state, self.curve_point(state, 1 / h))
         shift = (sum(state.q) + h * sum(state.p) - sum(new.q)) / self.size
         return Point(tuple(x + shift for x in new.q), new.p)

@@ -17,9 +17,9 @@ from typing import Any, NamedTuple
 from integrable.mumford.fields import padded
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from integrable.mumford.system import OFF, MumfordSystem, Point, Spectral, all_of
 from jacobian import poly
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, entries, shown
 from jacobian.relatives.extended import Extended, Lift
 
 
@@ -128,11 +128,14 @@ class QuadricSystem(MumfordSystem):
         """
         if any(map(self._stands, self._barriers())):
             raise ArgumentError(f"{self!r} has no steps: all its barriers would have to be 0")
+        chosen = None if roots is None else self._roots(roots)
 
         def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
             f, u, v = self._spectral(N, here)
             given = [f[-1] * (x - e) for e in self._constants_in(N)]
-            a = [*map(N.sqrt, given)] if roots is None else [*map(N.coerce, roots)]
+            a = [*map(N.sqrt, given)] if chosen is None else [*map(N.coerce, chosen)]
+            if chosen is not None and any(self._differ(r * r, x) for r, x in zip(a, given, strict=True)):
+                raise ArgumentError(f"roots = {shown(roots)}: their squares are not ℓ(λ - a_i), {shown(given)}")
             c = (y - poly.evaluate(N, v, x)) / poly.evaluate(N, u, x)
             old = self._axes(here)
             q = tuple((p + c * q) / r for q, p, r in zip(*old, a, strict=True))
@@ -141,3 +144,16 @@ class QuadricSystem(MumfordSystem):
             return Point((*first.q, *q), (*first.p, *p))
 
         return self._mapped(state, point, formula)
+
+    def _differ(self, x: Any, y: Any) -> bool:
+        """Whether two numbers are different, over an inexact field by more than rounding."""
+        K = self.field
+        return bool(x != y if K.exact else abs(x - y) > OFF * K.eps * abs(y))
+
+    def _roots(self, roots: Any) -> list[Any]:
+        """The ``roots`` of a step as elements of the field."""
+        wanted = f"{len(self.constants)} square roots of ℓ(λ - a_i) are needed"
+        given = entries(roots, "roots", wanted)
+        if len(given) != len(self.constants):
+            raise ArgumentError(f"roots = {shown(roots)}: {wanted}")
+        return [self.field.coerce(x, f"roots[{i}]") for i, x in enumerate(given)]

@@ -18,7 +18,7 @@ from integrable.mumford.motion import MumfordMotion, Start, settled
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import Divisor, HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, PrecisionLoss, entries, one_or_more, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, entries, one_of, one_or_more, shown, whole
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable, Record, replaced
 from jacobian.inexact.long_field import LongField
@@ -140,7 +140,10 @@ class MumfordSystem(Immutable):
 
     def over(self, field: Any) -> Any:
         """The same system over another field, its constants and parameters as elements of that."""
-        own = {name: tuple(map(field.coerce, getattr(self, name))) for name in ("constants", "parameters")}
+        own = {
+            name: tuple(map(check_field(field, "field").coerce, getattr(self, name)))
+            for name in ("constants", "parameters")
+        }
         return replaced(self, field=field, **own)
 
     def state(self, q: Any, p: Any) -> Point:
@@ -159,9 +162,9 @@ class MumfordSystem(Immutable):
     def _check(self, state: Point) -> None:
         N = self.numbers
         inside = self._inside(N, state)
-        scale = None if N.exact else 1 + max(abs(x) for x in (*inside.q, *inside.p)) ** 2
+        size = None if N.exact else max(abs(x) for x in (*inside.q, *inside.p))
         for i, value in enumerate(self._constraints(N, inside)):
-            if (value != N.zero) if N.exact else abs(value) > OFF * N.eps * scale:
+            if (value != N.zero) if size is None else not abs(value) < OFF * N.eps * (1 + size * size):
                 raise ArgumentError(
                     f"q, p = {shown(tuple(state))} are no state: {self._constraint_names[i]} is needed, "
                     f"and is off by {shown(self._bare(value))}"
@@ -192,6 +195,8 @@ class MumfordSystem(Immutable):
 
     def direction(self, genus: int) -> tuple[Any, ...]:
         """The c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
+        wanted = f"the genus of a curve of {self!r} is an int, 1 … {self.size}"
+        genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
     def flow(self, state: Point) -> MumfordFlow:
@@ -201,10 +206,17 @@ class MumfordSystem(Immutable):
 
     def curve_point(self, state: Point, x: Any, sign: int = 1) -> tuple[Any, Any]:
         """(x, ±√f(x)) on the curve of a state, for its steps; NotASquare where f(x) has no root in the field."""
-        K = self.field
+        K, sign = self.field, one_of(sign, "sign", (1, -1), "give 1 or -1")
         x = K.coerce(x, "x")
         y = K.sqrt(poly.evaluate(K, self.spectral(state).f, x))
         return x, y if sign > 0 else K.neg(y)
+
+    def _time_step(self, h: Any) -> Any:
+        """h as an element of the field, if its square is not 0; else ArgumentError."""
+        step = self.field.coerce(h, "h")
+        if self.field.mul(step, step) == self.field.zero:
+            raise ArgumentError(f"h = {shown(h)}: a step of time other than 0 is needed")
+        return step
 
     def _mapped(self, state: Point, point: Any, formula: Callable[[Any, Point, Any, Any], Point]) -> Point:
         """``formula(N, state, λ, μ)`` of a point (λ, μ) of the curve: over inexact fields in long numbers, where the

@@ -33,9 +33,7 @@ def canonical_height(D: Divisor, digits: int = 20) -> Any:
     FieldError for other curves, PrecisionLoss where the radius is not reached.
     """
     digits = whole(digits, "digits", f"the digits of a height are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
-    if not isinstance(D, Divisor):
-        raise ArgumentError(f"D = {shown(D)}: a divisor class of a curve of genus 2 over QQ has a height")
-    surface = kummer_surface(D.jacobian.curve)
+    surface = kummer_surface(_checked(D, "D").jacobian.curve)
     x = surface.point(D)
     low, high = real_bounds(surface)
     bound = bad_part(surface)
@@ -84,11 +82,17 @@ def _largest(values: Sequence[Any]) -> Any:
 
 def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Any:
     """⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 as a ball; ⟨D, D⟩ = ĥ(D). Errors as :func:`canonical_height`."""
-    if D == E:
+    if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
     heights = [canonical_height(G, digits) for G in (D + E, D, E)]
     with BallReals(64 + 4 * digits):
         return (heights[0] - heights[1] - heights[2]) / 2
+
+
+def _checked(D: Any, argument: str) -> Divisor:
+    if not isinstance(D, Divisor):
+        raise ArgumentError(f"{argument} = {shown(D)}: a divisor class of a curve of genus 2 over QQ has a height")
+    return D
 
 
 def regulator(classes: Sequence[Divisor], digits: int = 20) -> Any:

@@ -16,12 +16,12 @@ from random import Random
 from typing import Any
 
 from jacobian import poly
-from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import FieldError, Infeasible, JacobianError
+from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.errors import CurveMismatch, FieldError, Infeasible, JacobianError
 from jacobian.fields import GF, QQ
 from jacobian.fields.primality import is_prime
 from jacobian.immutable import Immutable
-from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, check_divisor
 
 # exponents of ξ₁ … ξ₄ in quartic monomials, and two pairs of indices of factors; without ξ₂²ξ₄², which the equation of
 # the surface has with coefficient 1
@@ -47,7 +47,7 @@ class KummerSurface(Immutable):
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
-        if curve.field != QQ or curve.genus != 2:
+        if check_curve(curve).field != QQ or curve.genus != 2:
             raise FieldError(f"curve = {curve!r}: Kummer surfaces are here those of curves of genus 2 over QQ")
         self.curve = curve
         self.scale = lcm(*(c.denominator for c in curve.discriminant))
@@ -64,7 +64,9 @@ class KummerSurface(Immutable):
         return f"Kummer surface of {self.curve!r}"
 
     def point(self, D: Divisor) -> Coordinates:
-        """The image of D, four integers without a common divisor."""
+        """The image of D, four integers without a common divisor; CurveMismatch for a class of another curve."""
+        if check_divisor(D, "D").jacobian.curve != self.curve:
+            raise CurveMismatch(f"D = {D} is not a divisor class of {self.curve!r}")
         whole = [Fraction(x) for x in self._coordinates(D)]
         factor = lcm(*(x.denominator for x in whole))
         found = [int(x * factor) for x in whole]
@@ -155,9 +157,13 @@ class KummerSurface(Immutable):
         return [sum((c * values[m] for m, c in form.items()), 0 * x[0]) for form in self.delta]
 
 
-@lru_cache(maxsize=32)
 def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
     """The KummerSurface of a curve of genus 2 over QQ, the same for the same curve; FieldError for others."""
+    return _known_surface(check_curve(curve))
+
+
+@lru_cache(maxsize=32)
+def _known_surface(curve: HyperellipticCurve) -> KummerSurface:
     return KummerSurface(curve)
 
 

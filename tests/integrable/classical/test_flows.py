@@ -6,6 +6,7 @@ import pytest
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.inverse import joining
 from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
@@ -13,6 +14,8 @@ from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow, Point
 from jacobian import CC, GF, MP, RR, ArgumentError, FieldError
 from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
+
+REST = Point((1.0, 0.0), (0.0, 0.0))
 
 
 def error_in_many_digits(name, n, time, steps, order):
@@ -269,6 +272,22 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Neumann((1, 2)).flow(((1, 0), (0, 1))), "state = ((1, 0), (0, 1))"),
         (lambda: Neumann((1, 2, 4)).flow(Point((1, 0), (0, 1))), "state = Point(q=(1, 0), p=(0, 1))"),
         (lambda: Ellipsoid((1, 2)).integrals(3), "state = 3"),
+        (lambda: Ellipsoid((1, 2)).direction("x"), "genus = 'x'"),
+        (lambda: Neumann((1, 2)).direction(10**9), "genus = 1000000000"),
+        (lambda: Neumann((1, 2)).over("RR"), "field = 'RR'"),
+        (lambda: Neumann((1, 2)).state((1e308, 0), (1e308, 0)), "|q| = 1"),
+        (lambda: Neumann((1, 2)).discrete(REST, 0), "h = 0"),
+        (lambda: Neumann((1, 2)).discrete(REST, 1e-320), "h = 1e-320"),
+        (lambda: Neumann((1, 2)).curve_point(REST, 9, "up"), "sign = 'up'"),
+        (lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=3), "roots = 3"),
+        (
+            lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=(1, 2, 3)),
+            "roots = (1, 2, 3)",
+        ),
+        (lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=(1, 2)), "their squares"),
+        (lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=(1, "x")), "roots[1]"),
+        (lambda: TodaLattice(2).discrete(TodaLattice(2).state((0, 1), (1, 1)), 0), "h = 0"),
+        (lambda: joining(3, (1, 0), (0, 1)), "ellipsoid = 3"),
     ],
 )
 def test_bad_input_is_named(call, words) -> None:

@@ -315,6 +315,8 @@ def test_a_soliton_too_far_away_is_refused() -> None:
         (lambda: KdV((0, 1, 2)).state([1.5], [2]), "signs = [2]"),
         (lambda: KdV((-4, -4, -1, -1, 0)).state([-1, -1]), "gamma = [-1, -1]"),
         (lambda: KdV((0, 1, 2)).wave("rest"), "state = 'rest'"),
+        (lambda: KdV((0, 1, 2)).spectral(3), "state = 3"),
+        (lambda: KdV((0, 1, 2, 3, 4)).spectral(KdV((0, 1, 2)).state([1.5])), "state = "),
         (lambda: KdV((0, 1, 2), GF(101)).wave(KdV((0, 1, 2)).state([1.5])), "GF(101)"),
         (lambda: wave((0, 1, 2), (1.5,), (1,)).at("a"), "x = 'a'"),
         (lambda: wave((0, 1, 2), (1.5,), (1,)).at(0, float("inf")), "t = inf"),

@@ -163,6 +163,15 @@ def test_what_has_no_height_is_refused_by_name():
         canonical_height(HyperellipticCurve(QQ, [1, 0, 0, 1]).jacobian().zero())
     with pytest.raises(ArgumentError, match="divisor class"):
         canonical_height(3)
+    with pytest.raises(ArgumentError, match="E = 3: a divisor class"):
+        height_pairing(J.zero(), 3)
+    for wrong in (3, [1], J):
+        with pytest.raises(ArgumentError, match="curve = "):
+            kummer_surface(wrong)
+    with pytest.raises(ArgumentError, match="D = 3"):
+        kummer_surface(J.curve).point(3)
+    with pytest.raises(CurveMismatch, match="D = "):
+        kummer_surface(J.curve).point(_class("ramified"))
     with pytest.raises(ArgumentError, match="digits"):
         canonical_height(J.zero(), 0)
     with pytest.raises(CurveMismatch):
