@@ -56,7 +56,7 @@ def _rotations(orientation: Any) -> np.ndarray:
     given = orientation.as_matrix() if hasattr(orientation, "as_matrix") else orientation
     try:
         found = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
+    except Exception:
         raise ArgumentError(f"orientation = {shown(given)}: {WANTED}") from None
     if found.ndim not in (2, 3) or found.shape[-2:] != (3, 3):
         raise ArgumentError(f"orientation has shape {found.shape}: {WANTED}")

@@ -108,7 +108,7 @@ def numbers(values: Any, argument: str, width: int) -> np.ndarray:
     wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
     try:
         found = np.asarray(values, dtype=np.float64)
-    except (TypeError, ValueError):
+    except Exception:
         raise ArgumentError(f"{argument} = {shown(values)}: numbers of {wanted} are needed") from None
     found = found[..., None] if width == 0 else found
     if found.ndim not in (1, 2) or found.shape[-1] != max(width, 1):
@@ -120,7 +120,7 @@ def time_rows(times: Any, count: int) -> np.ndarray:
     """Times of ``count`` members: shape (1, N), the same for all, or (K, N)."""
     try:
         found = np.array(times, dtype=np.float64)
-    except (TypeError, ValueError):
+    except Exception:
         raise ArgumentError(f"times = {shown(times)}: numbers of shape (N,) or (K, N) are needed") from None
     if found.ndim < 2:
         found = found.reshape(1, -1)

@@ -75,7 +75,7 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
     try:
         given = orientations.as_matrix() if hasattr(orientations, "as_matrix") else orientations
         found = np.asarray(given, dtype=float)
-    except (TypeError, ValueError):
+    except Exception:
         raise ArgumentError(
             f"orientations = {shown(orientations)}: give 3×3 matrices, or SciPy's Rotation, of {count} times"
         ) from None

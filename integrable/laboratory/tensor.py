@@ -118,7 +118,7 @@ def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = Fals
     """A 3×3 matrix of K, of three ``moments`` a diagonal one; ArgumentError for other shapes."""
     try:
         given = np.array([[*row] if hasattr(row, "__iter__") else row for row in values], dtype=object)
-    except (TypeError, ValueError):
+    except Exception:
         given = np.empty(0, dtype=object)
     if given.shape == (3,) and moments:
         diagonal = [K.coerce(x, f"{argument}[{i}]") for i, x in enumerate(given)]

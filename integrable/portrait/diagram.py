@@ -101,7 +101,7 @@ class Diagram(Record):
 def _reals(values: Any, argument: str) -> np.ndarray:
     try:
         return np.asarray(values, dtype=float)
-    except (TypeError, ValueError):
+    except Exception:
         raise ArgumentError(f"{argument} = {shown(values)}: real numbers are needed") from None
 
 

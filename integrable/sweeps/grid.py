@@ -106,7 +106,7 @@ def _values(name: str, given: Any) -> np.ndarray:
     else:
         try:
             found = np.array(entries(given, f"vary: {name}"), dtype=np.float64)
-        except (TypeError, ValueError):
+        except Exception:
             raise ArgumentError(f"vary: {name} = {shown(given)}: numbers, or {WANTED}, are needed") from None
     if found.ndim != 1 or not found.size or not (abs(found) < 1e100).all():
         raise ArgumentError(f"vary: {name} = {shown(given)}: finite numbers are needed, one at least")

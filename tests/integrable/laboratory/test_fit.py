@@ -81,6 +81,7 @@ def test_what_cannot_be_fitted():
             guess().fitted(TIMES, wrong)
     for times, orientations, message in (
         (TIMES, "x", "^orientations = 'x': give 3×3 matrices"),
+        (TIMES, 10**400, "^orientations = an int of 1329 bits: give 3×3 matrices"),
         ([0, np.nan, 2], run.matrices[:3], r"^times\[1\] = .*nan"),
         ([1j, 1, 2], run.matrices[:3], r"^times\[0\] = 1j"),
         ("abc", run.matrices[:3], r"^times\[0\] = 'abc'"),

@@ -252,6 +252,7 @@ def test_phases_do_not_keep_the_rounding_of_the_momentum():
         (lambda: RigidBody((1, 2)), "give three moments or a 3×3 tensor"),
         (lambda: RigidBody([[1, 0], [0, 1]]), "give three moments or a 3×3 tensor"),
         (lambda: RigidBody("abc"), "inertia"),
+        (lambda: RigidBody(1 / x for x in (1, 2, 0)), "inertia = .*: give three moments"),
         (lambda: RigidBody((1, 2, float("nan"))), r"inertia\[2\] = nan is not finite"),
         (lambda: RollingBall((1, 1, 1), 0, 1), "mass = 0 is not positive"),
         (lambda: RollingBall((1, 1, 1), 1, -1), "radius = -1 is not positive"),

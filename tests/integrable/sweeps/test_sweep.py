@@ -256,6 +256,7 @@ def test_values(scene):
 
 BAD = {
     "a name": (lambda s, out: sweep(s, vary={"q": [1]}, out=out), "vary: 'q' given; "),
+    "a value too large": (lambda s, out: sweep(s, vary={"d": [10**400]}, out=out), "numbers, or "),
     "no values": (lambda s, out: sweep(s, vary={"d": []}, out=out), "vary: d = []: finite numbers are needed"),
     "a range": (lambda s, out: sweep(s, vary={"d": "1:2"}, out=out), "vary: d=1:2: first:last:count"),
     "no such spacing": (lambda s, out: sweep(s, vary={"d": "1:2:3:lg"}, out=out), "vary: d=1:2:3:lg: first:last:count"),
