@@ -49,12 +49,12 @@ class Diagram(Record):
 
     def height(self, X: Any, zeta: Any) -> Any:
         """Z of X and ζ: arrays that broadcast."""
-        X, zeta, d = _reals(X, "X"), _reals(zeta, "zeta"), self.system.d
+        (X, zeta), d = _reals(X=X, zeta=zeta), self.system.d
         return zeta * (1 - d * zeta * (1 - X)) / (1 - d * zeta)
 
     def contains(self, X: Any, Z: Any) -> Any:
         """Whether there are motions with these X and Z: arrays that broadcast."""
-        X, Z = _reals(X, "X"), _reals(Z, "Z")
+        X, Z = _reals(X=X, Z=Z)
         least, most = min(self.system.a), max(self.system.a)
         inside: Any = (X >= 0) & (X <= 1) & (self.height(X, least) <= Z) & (self.height(X, most) >= Z)
         return inside
@@ -64,7 +64,7 @@ class Diagram(Record):
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         """
-        values = _reals(X, "X")
+        (values,) = _reals(X=X)
         if not ((values >= 0) & (values <= 1)).all():
             raise ArgumentError(f"X = {shown(X)}: numbers from 0 to 1 are needed, X = (γ, M)²/H2")
         rates = [_divergence(Level.at(self.system.body, float(x), sorted(self.system.a)[1])) for x in values.ravel()]
@@ -98,11 +98,19 @@ class Diagram(Record):
         return f"<Diagram of {self.system!r}>"
 
 
-def _reals(values: Any, argument: str) -> np.ndarray:
+def _reals(**given: Any) -> tuple[np.ndarray, ...]:
+    """Arguments by name as arrays of one shape."""
+    found = []
+    for argument, values in given.items():
+        try:
+            found.append(np.asarray(values, dtype=float))
+        except Exception:
+            raise ArgumentError(f"{argument} = {shown(values)}: real numbers are needed") from None
     try:
-        return np.asarray(values, dtype=float)
-    except Exception:
-        raise ArgumentError(f"{argument} = {shown(values)}: real numbers are needed") from None
+        return tuple(np.broadcast_arrays(*found))
+    except ValueError:
+        shapes = " and ".join(str(x.shape) for x in found)
+        raise ArgumentError(f"{', '.join(given)}: shapes that broadcast are needed, not {shapes}") from None
 
 
 def _rotation_number(level: Level) -> float:

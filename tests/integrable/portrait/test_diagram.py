@@ -84,6 +84,8 @@ def test_the_picture_and_refusals():
         (lambda: BALL.diagram().divergence([0, 1.5]), r"^X = \[0, 1.5\]: numbers from 0 to 1"),
         (lambda: BALL.diagram().divergence(None), "^X = None: "),
         (lambda: BALL.diagram().contains(0, "x"), "^Z = 'x': real numbers"),
+        (lambda: BALL.diagram().height(10**400, 1), "^X = an int of 1329 bits: real numbers"),
+        (lambda: BALL.diagram().contains([0, 1], [1, 2, 3]), r"^X, Z: shapes that broadcast .* \(2,\) and \(3,\)"),
         (lambda: BALL.diagram().height(0, 1j), "^zeta = 1j: real numbers"),
     ):
         with pytest.raises(ArgumentError, match=message):
