@@ -70,6 +70,8 @@ INTEGRALS, CENTRE = 1e-9, 1e-19
 SPARE, CLOSEST, STEEPEST = 33.0, 4e4, 25.0
 # where errors grow translations by many panels lose digits too: then so many panels are gone through one by one
 SEQUENCE = 256
+# after so many panels their pace is known to such a factor: a run that they do not lead to the end of is given up there
+PACED, UNSTEADY = 32, 1.05
 # why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits
 ROUNDING, UNRESOLVED, FAR, LOST = 1, 2, 3, 4
 
@@ -130,6 +132,7 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         room.last[e] = room.point[BEGIN + e]
     room.sums[0], room.sums[1], room.sums[2] = 0.0, 0.0, 0.0
     most = request.most // CAREFUL if careful else request.most
+    farthest = abs(request.high[request.order[len(request.order) - 1 if sign > 0 else 0]])
     level, n = 0, 0
     while 0 <= i < len(request.order):
         # a panel that is halved costs more than one
@@ -147,6 +150,9 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         if status != 0:
             return status
         n += 1
+        gone = room.sums[0] if request.physical else 2 * h * n
+        if n == PACED and UNSTEADY * gone * most < n * farthest:
+            return FAR
     # a rate that floats have off on the whole way
     allowed = (request.drift + request.pace * abs(room.sums[0])) * abs(room.point[RATE])
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
