@@ -4,9 +4,10 @@ over GF(p^k), ``fmpq_poly`` over QQ.
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable
 from fractions import Fraction
-from functools import lru_cache
+from functools import cache, lru_cache
 from typing import Any
 
 from jacobian.fields.prime import PrimeField
@@ -29,18 +30,16 @@ def conversions(K: Any) -> Conversions:
         )
     if isinstance(K, PrimeField):
         p = K.p
-        into = flint.fmpz_mod_poly_ctx(p)
-        word = p < 1 << 63
+        word, into = p < 1 << 63, _prime_ring(p)
         return (
             (lambda a: flint.nmod_poly(list(a), p)) if word else (lambda a: into(list(a) or [0])),
             lambda a: tuple(map(int, a.coeffs())),
         )
-    return _extension_conversions(K, flint)
+    return _extension_conversions(K)
 
 
-def _extension_conversions(K: Any, flint: Any) -> Conversions:
-    field = flint.fq_default_ctx(modulus=flint.fmpz_mod_poly_ctx(K.p)(list(K.modulus)), var="a")
-    ring = flint.fq_default_poly_ctx(field)
+def _extension_conversions(K: Any) -> Conversions:
+    field, ring = _extension_ring(K.p, tuple(K.modulus))
     known: dict[int, Any] = {}
     small = isinstance(K, TableField)
 
@@ -56,3 +55,27 @@ def _extension_conversions(K: Any, flint: Any) -> Conversions:
         return tuple([K._pack(list(map(int, c.to_list()))) for c in a.coeffs()])
 
     return lambda a: ring([element(c) for c in a] or [0]), back
+
+
+@cache
+def _prime_ring(p: int) -> Any:
+    import flint
+
+    return kept(flint.fmpz_mod_poly_ctx(p))
+
+
+@cache
+def _extension_ring(p: int, modulus: tuple[int, ...]) -> tuple[Any, Any]:
+    """The field GF(p)[a]/modulus and its polynomials."""
+    import flint
+
+    field = flint.fq_default_ctx(modulus=_prime_ring(p)(list(modulus)), var="a")
+    return field, kept(flint.fq_default_poly_ctx(field))
+
+
+def kept(ring: Any) -> Any:
+    """A ring that is never freed, nor what it refers to: python-flint (0.9) crashes where a polynomial and its ring are
+    collected together, in a cycle or when Python ends, and the ring first.
+    """
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(ring))
+    return ring

@@ -8,6 +8,8 @@ from fractions import Fraction
 
 import flint
 
+from jacobian.fields.flint_polynomials import kept
+
 
 def polynomials(K):
     """(to flint, from flint) for polynomials over K."""
@@ -17,11 +19,11 @@ def polynomials(K):
             lambda a: tuple(Fraction(int(c.p), int(c.q)) for c in a.coeffs()),
         )
     if getattr(K, "degree", 1) == 1:
-        ring = flint.fmpz_mod_poly_ctx(K.p)
+        ring = kept(flint.fmpz_mod_poly_ctx(K.p))
         return (lambda a: ring(list(a) or [0])), (lambda a: tuple(int(c) for c in a.coeffs()))
     base = flint.fmpz_mod_poly_ctx(K.p)
     field = flint.fq_default_ctx(modulus=base(list(K.modulus)), var="a")
-    ring = flint.fq_default_poly_ctx(field)
+    ring = kept(flint.fq_default_poly_ctx(field))
 
     def into(a):
         return ring([field(K.coefficients(c)) for c in a] or [0])

@@ -1,0 +1,32 @@
+"""Polynomials of python-flint that are kept in cycles."""
+
+import subprocess
+import sys
+
+import pytest
+
+COLLECTED = """
+import gc
+from jacobian import GF
+from jacobian.fields.flint_polynomials import conversions
+
+K = {field}
+into, _ = conversions(K)
+class Node:
+    pass
+
+
+for _ in range(50):
+    node = Node()
+    node.itself, node.polynomial = node, into([K.one, K.one, K.one])
+conversions.cache_clear()
+del into, node
+gc.collect()
+"""
+
+
+@pytest.mark.parametrize("field", ["GF(7, 9)", "GF(101, 2)", "GF(2**89 - 1)", "GF(2, 20)"])
+def test_a_polynomial_is_collected_after_its_ring(field):
+    """python-flint 0.9 frees coefficients by the field of the ring, which may be cleared before: a segmentation fault."""
+    done = subprocess.run([sys.executable, "-c", COLLECTED.format(field=field)], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr[-1000:]
