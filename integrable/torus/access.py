@@ -17,10 +17,10 @@ import numpy as np
 
 from integrable.torus.clock_loops import Clock
 from integrable.torus.corners import Corners
-from integrable.torus.loops import CompiledLoops, NotClosed
+from integrable.torus.loops import NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import TorusSeries, long_double, spectrum
-from integrable.torus.witness import confirmed, seamless
+from integrable.torus.witness import confirmed
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -61,15 +61,8 @@ class TorusFlow(Corners):
         self._lengths: dict[str, float] = {}
         if not confirmed(setup, self.frequencies, self._rows_at_tau, loops):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
-        if self.compiled and not seamless(self.sizes, self.at_phases):
-            raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
         if setup.bare_problem.d != 0:
             self.clock = TorusClock(self, self._rates())
-
-    @property
-    def compiled(self) -> bool:
-        """Whether a state costs microseconds; interpreted, a thousand times as much."""
-        return isinstance(self.loops, CompiledLoops)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
@@ -93,12 +86,6 @@ class TorusFlow(Corners):
         """γ and M at values of τ, shape (N, 6)."""
         panels = self._panels(self._rows_at_tau, tau)
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
-
-    def at_phases(self, phases: np.ndarray) -> np.ndarray:
-        """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
-        out = np.empty(6 * len(phases))
-        self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
-        return out.reshape(-1, 6)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
         """The phases at times, or at values of τ unless ``physical``, in turns of so many periods in either direction;

@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.torus.lattice import TorusLattice, Units, motion_row
-from integrable.torus.loops import NotClosed
+from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.series import needed_sizes
 from integrable.torus.states import Torus
 from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import KNOWN, Curve, Fine, Walk
+from integrable.torus.witness import seamless
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
 
@@ -37,7 +38,8 @@ class Corners:
 
     ``units`` are those of the abscissa, ``lattice`` has the periods and cells, ``turns`` the signs of the periods;
     ``closure`` says to what periods lead back, ``doubled`` how many of them are one of 1/g. PrecisionLoss where the
-    torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where walks do not lead back.
+    torus is not compact, or needs more than ``most`` cells or samples of 1/g; NotClosed where walks do not lead back,
+    or compiled loops lose digits beside the corners.
     """
 
     def __init__(self, setup: Setup, loops: Any, most: int) -> None:
@@ -59,6 +61,13 @@ class Corners:
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._walk_over()
+        if self.compiled and not seamless(self.sizes, self.at_phases):
+            raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
+
+    @property
+    def compiled(self) -> bool:
+        """Whether a state costs microseconds; interpreted, a thousand times as much."""
+        return isinstance(self.loops, CompiledLoops)
 
     @cached_property
     def frequencies(self) -> tuple[Any, Any]:
@@ -90,6 +99,12 @@ class Corners:
             momentum = problem.momentum * self.units.lift
             matrix = self.loops.row((a, b * momentum, c, d * momentum))
         return self.loops.packed(Torus(self.curve, matrix, self.states, self.small, self.signs, self.sizes))
+
+    def at_phases(self, phases: np.ndarray) -> np.ndarray:
+        """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
+        out = np.empty(6 * len(phases))
+        self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
+        return out.reshape(-1, 6)
 
     def resolved(self, spectrum: Callable[[Any], np.ndarray], noise: tuple[float, float]) -> np.ndarray:
         """The ``spectrum`` of 1/g, on a grid of its periods whose last modes are below ``noise`` both ways."""

@@ -12,6 +12,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.real_torus import RealTorus
 from integrable.mumford.system import MANY
+from integrable.torus.corners import Corners
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 
@@ -101,3 +102,19 @@ def test_a_torus_says_what_it_does_not_take():
     state = system.state((0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1))
     with pytest.raises(PrecisionLoss, match="genus 2"):
         RealTorus(lambda N: system._start(N, system._inside(N, state)))
+
+
+def test_cells_that_do_not_fit_are_left_to_additions(monkeypatch):
+    system, state = CASES[0]
+    walk = Corners._walk
+
+    def rough(self, forward, most):
+        walk(self, forward, most)
+        # of every other corner
+        self.states[::20, 0] += 1e-10
+
+    monkeypatch.setattr(Corners, "_walk", rough)
+    flow = system.flow(state)
+    with pytest.raises(PrecisionLoss, match="cells of this motion's torus do not fit"):
+        RealTorus(flow._place)
+    assert flow._torus is None
