@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.members import motion_of, plain
+from integrable.ensembles.members import motion_of, plain, times_of, times_of_some
 from integrable.motion.short import (
     DRIFT_OF_MANY,
     MOST_PANELS_OF_MANY,
@@ -45,8 +45,8 @@ class Outcome(NamedTuple):
     partial: dict[int, np.ndarray]
 
 
-class _Said(NamedTuple):
-    """What one member came to: its way, why each row was refused, "" where it was had, or why all were."""
+class Said(NamedTuple):
+    """What one member came to: its place of a way, why each row was refused, "" where it was had, or why all were."""
 
     member: int
     way: int
@@ -89,10 +89,9 @@ class _Work(NamedTuple):
     def outcome(self, most: int | None) -> Outcome:
         """Everything, range by range."""
         count, length = self.out.shape[:2]
-        size = max(1, min(MEMBERS, STATES // max(1, length)))
-        return _outcome(count, [said for found in in_ranges(count, size, self.part, most) for said in found])
+        return gathered(count, length, self.part, most)
 
-    def part(self, begin: int, end: int) -> list[_Said]:
+    def part(self, begin: int, end: int) -> list[Said]:
         """The members of a range; what is said of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         for rolls in (True, False):
@@ -107,17 +106,17 @@ class _Work(NamedTuple):
         self.out[had, :, :6], self.out[had, :, 6] = rows, tau
         return had
 
-    def one(self, member: int) -> _Said:
+    def one(self, member: int) -> Said:
         """The states of one member by its flow."""
-        times = self.times[member if len(self.times) > 1 else 0]
+        times = times_of(self.times, member)
         try:
             run = self.motion(member).at(times, strict=False)
         except JacobianError as error:
             self.out[member] = np.nan
-            return _Said(member, REFUSED, str(error))
+            return Said(member, REFUSED, str(error))
         self.out[member, :, :6] = np.concatenate([run.gamma, run.M], axis=1)
         self.out[member, :, 6] = run.tau
-        return _Said(member, WORDS.index(run.way), [run.reasons[n] for n in run.status.tolist()])
+        return Said(member, WORDS.index(run.way), [run.reasons[n] for n in run.status.tolist()])
 
 
 def short_runs(
@@ -126,17 +125,25 @@ def short_runs(
     """Which of the members ``which`` had a short run, their γ and M, (H, N, 6), and τ, (H, N) or what broadcasts to it;
     ``times`` (1, N), or (K, N) as there are ``members``.
     """
-    times = times if len(times) == 1 else times[which]
+    times = times_of_some(times, which)
     count, length = len(which), times.shape[1]
     rows, tau = np.empty((count, length, 6)), np.empty((count, length))
     most = panels_within(length, False, 0, MOST_PANELS_OF_MANY, WORTH_OF_MANY)
     asked = Asked(members[which], tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
     status, _ = compiled_runs(asked, times, rows, tau)
     had = status == 0
-    return which[had], rows[had], tau[had] if rolls else times[had] if len(times) > 1 else times
+    return which[had], rows[had], tau[had] if rolls else times_of_some(times, had)
 
 
-def _outcome(count: int, said: list[_Said]) -> Outcome:
+def gathered(count: int, length: int, part: Callable[[int, int], list[Said]], most: int | None = None) -> Outcome:
+    """What ``part(begin, end)`` says of ranges that make up ``count`` members at ``length`` times, on all threads, or
+    on ``most``. A member of which it says nothing had all its states and counts as a short run.
+    """
+    size = max(1, min(MEMBERS, STATES // max(1, length)))
+    return _outcome(count, [said for found in in_ranges(count, size, part, most) for said in found])
+
+
+def _outcome(count: int, said: list[Said]) -> Outcome:
     status, ways = np.zeros(count, dtype=np.intp), np.full(count, SHORT, dtype=np.int8)
     reasons: dict[str, int] = {"": 0}
     partial = {}

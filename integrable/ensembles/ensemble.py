@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.computing import COLUMNS, computed, memory
-from integrable.ensembles.members import Members, broadcast, time_rows
+from integrable.ensembles.members import Members, broadcast, time_rows, times_of_some
 from integrable.ensembles.trajectories import Trajectories
 from jacobian.errors import ArgumentError, flag, shown, whole
 
@@ -62,4 +62,4 @@ class Ensemble(Members):
         members = whole(members, "members", "an int ≥ 1 is needed", 1)
         for begin in range(0, len(self), members):
             part = slice(begin, begin + members)
-            yield self[part].at(given[part] if len(given) > 1 else given[0])
+            yield self[part].at(times_of_some(given, part))

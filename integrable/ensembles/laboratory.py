@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import MEMBERS, STATES, short_runs
-from integrable.ensembles.members import common_count, numbers, plain, time_rows
+from integrable.ensembles.computing import REFUSED, Said, gathered, short_runs
+from integrable.ensembles.members import common_count, numbers, plain, time_rows, times_of
+from integrable.ensembles.runs import Runs
 from integrable.laboratory.bodies import NEARLY, RigidBody
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
 from integrable.laboratory.tensor import ORTHOGONAL
@@ -16,7 +17,6 @@ from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.batch.threads import in_ranges
 from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, shown, whole
 from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
@@ -99,13 +99,8 @@ class LaboratoryEnsemble(Record):
         """
         given = time_rows(times, len(self))
         work = _Work.of(self, given)
-        size = max(1, min(MEMBERS, STATES // max(1, given.shape[1])))
-        said = [pair for found in in_ranges(len(self), size, work.part, None) for pair in found]
-        reasons: dict[str, int] = {"": 0}
-        status = np.zeros(len(self), dtype=np.intp)
-        for member, why in said:
-            status[member] = reasons.setdefault(why, len(reasons))
-        return LaboratoryRuns(self, given, work.matrices, work.omega, status, tuple(reasons))
+        found = gathered(len(self), given.shape[1], work.part)
+        return LaboratoryRuns(self, given, work.matrices, work.omega, found.status, found.reasons)
 
 
 class _Work(NamedTuple):
@@ -131,7 +126,7 @@ class _Work(NamedTuple):
             quick = np.zeros_like(quick)
         return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
 
-    def part(self, begin: int, end: int) -> list[tuple[int, str]]:
+    def part(self, begin: int, end: int) -> list[Said]:
         """The members of a range; those that were refused, and why."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
@@ -141,7 +136,7 @@ class _Work(NamedTuple):
             self.put(had, rows)
             left[had - begin] = False
         found = ((k, self.one(k)) for k in (begin + np.flatnonzero(left)).tolist())
-        return [(k, why) for k, why in found if why]
+        return [Said(k, REFUSED, why) for k, why in found if why]
 
     def put(self, which: np.ndarray, rows: np.ndarray) -> None:
         """The orientations and ω of states γ and M, (H, N, 6)."""
@@ -156,7 +151,7 @@ class _Work(NamedTuple):
     def one(self, member: int) -> str:
         """One member by its own motion; why it was refused, or nothing."""
         try:
-            run = self.many.motion(member).at(self.times[member if len(self.times) > 1 else 0])
+            run = self.many.motion(member).at(times_of(self.times, member))
             self.matrices[member], self.omega[member] = run.matrices, run.omega_body
         except JacobianError as error:
             self.matrices[member], self.omega[member] = np.nan, np.nan
@@ -199,8 +194,8 @@ def _unit(vectors: np.ndarray) -> np.ndarray:
     return found
 
 
-class LaboratoryRuns(Record):
-    """Orientations and ω of K motions at N times each.
+class LaboratoryRuns(Runs):
+    """Orientations and ω of K motions at N times each, ``times`` in s.
 
     ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory, ``omega_body`` (K, N, 3) is ω
     along the former. ``status`` (K,) is 0, or the number of what refused the member among ``reasons``: its numbers are
@@ -219,18 +214,8 @@ class LaboratoryRuns(Record):
         self.ensemble, self._times, self.matrices, self.omega_body = ensemble, times, matrices, omega_body
         self.status, self.reasons = status, reasons
 
-    def __len__(self) -> int:
-        return len(self.status)
-
     def __repr__(self) -> str:
-        refused = np.count_nonzero(self.status)
-        said = f", {refused} of them refused" if refused else ""
-        return f"<LaboratoryRuns of {len(self)} motions at {self._times.shape[1]} times{said}>"
-
-    @property
-    def times(self) -> np.ndarray:
-        """In s, shape (N,), or (K, N) where every member has its own."""
-        return self._times if len(self._times) > 1 else read_only(self._times[0])
+        return self._told("motions")
 
     @property
     def orientation(self) -> Rotation:
@@ -265,20 +250,10 @@ class LaboratoryRuns(Record):
             found[k] = self[k].contact
         return read_only(found)
 
-    @property
-    def kept(self) -> LaboratoryRuns:
-        """The members with status 0."""
-        return self._some(np.flatnonzero(self.status == 0))
-
-    def __getitem__(self, which: Any) -> Any:
-        """A member as a LaboratoryRun (raises what refused it), or the LaboratoryRuns of some members."""
-        if isinstance(which, slice) or np.ndim(which):
-            return self._some(np.arange(len(self))[chosen(which, len(self))])
-        count = len(self)
-        member = whole(which, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
-        run = LaboratoryRun(self.ensemble.motion(member), self._times[member if len(self._times) > 1 else 0])
+    def _one(self, member: int) -> LaboratoryRun:
+        run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
         if self.status[member]:
-            raise ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
+            raise self._refusal(member)
         return replaced(run, _found=(self.matrices[member], self.omega_body[member]))
 
     def _value(self) -> tuple[Any, ...]:
@@ -287,10 +262,5 @@ class LaboratoryRuns(Record):
         arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status
         return self.ensemble, self.reasons, *(part for x in arrays for part in (x.shape, tuple(x.ravel().tolist())))
 
-    def _some(self, places: np.ndarray) -> LaboratoryRuns:
-        return replaced(
-            self,
-            ensemble=self.ensemble[places],
-            _times=self._times[places] if len(self._times) > 1 else self._times,
-            **{name: getattr(self, name)[places] for name in ("matrices", "omega_body", "status")},
-        )
+    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
+        return {name: getattr(self, name)[places] for name in ("matrices", "omega_body")}

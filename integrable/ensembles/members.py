@@ -131,6 +131,17 @@ def time_rows(times: Any, count: int) -> np.ndarray:
     return found
 
 
+def times_of(times: np.ndarray, member: int) -> np.ndarray:
+    """Of :func:`time_rows`, those of one member, shape (N,)."""
+    row: np.ndarray = times[member if len(times) > 1 else 0]
+    return row
+
+
+def times_of_some(times: np.ndarray, which: Any) -> np.ndarray:
+    """Of :func:`time_rows`, those of some members, (1, N) where all have the same."""
+    return times[which] if len(times) > 1 else times
+
+
 def system_of(system: Any, row: np.ndarray) -> Any:
     """The system of one member, ``system`` itself where it has that body."""
     if not isinstance(system, System):

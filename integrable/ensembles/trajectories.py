@@ -3,26 +3,26 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from integrable.ensembles.computing import WORDS, Outcome, statuses
-from integrable.ensembles.members import Members, motion_of, system_of
+from integrable.ensembles.members import Members, motion_of, system_of, times_of
+from integrable.ensembles.runs import Runs
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, status_column
 from integrable.motion.trajectory import Trajectory
 from integrable.phase import attitude
-from jacobian.errors import ArgumentError, chosen, whole
+from jacobian.errors import ArgumentError
 from jacobian.immutable import read_only, replaced
 
 __all__ = ["Trajectories"]
 
 
-class Trajectories(Exported):
+class Trajectories(Runs, Exported):
     """States of K motions at N times each. ``times`` has shape (N,), or (K, N) where every member has its own.
 
     ``status`` is 0 for a member all of whose states were had, shape (K,), n > 0 where one was not, for the reason
@@ -37,19 +37,8 @@ class Trajectories(Exported):
         self.status, self._ways = outcome.status, outcome.ways
         self.reasons, self._partial = outcome.reasons, outcome.partial
 
-    def __len__(self) -> int:
-        return len(self._rows)
-
     def __repr__(self) -> str:
-        refused = np.count_nonzero(self.status)
-        said = f", {refused} of them refused" if refused else ""
-        kind = type(self.ensemble.system).__name__
-        return f"<Trajectories of {len(self)} motions of {kind} at {self._rows.shape[1]} times{said}>"
-
-    @property
-    def times(self) -> np.ndarray:
-        """Physical times, shape (N,), or (K, N)."""
-        return self._times if len(self._times) > 1 else read_only(self._times[0])
+        return self._told(f"motions of {type(self.ensemble.system).__name__}")
 
     @property
     def gamma(self) -> np.ndarray:
@@ -88,11 +77,6 @@ class Trajectories(Exported):
         """
         return [WORDS[way] if way >= 0 else "" for way in self._ways.tolist()]
 
-    @property
-    def kept(self) -> Trajectories:
-        """The members with status 0."""
-        return self._some(np.flatnonzero(self.status == 0))
-
     def row_status(self, member: int) -> np.ndarray:
         """0, or the number of the reason, for every row of a member: shape (N,)."""
         member = self._member(member)
@@ -100,25 +84,16 @@ class Trajectories(Exported):
             return read_only(self._partial[member])
         return read_only(np.full(self._rows.shape[1], self.status[member]))
 
-    def __getitem__(self, which: Any) -> Any:
-        """A member as a Trajectory (raises what refused it as a whole), or the Trajectories of some members."""
-        if isinstance(which, slice) or np.ndim(which):
-            places = np.arange(len(self))[chosen(which, len(self))]
-            return self._some(places)
-        member = self._member(which)
+    def _one(self, member: int) -> Trajectory:
         many = self.ensemble
         flow = motion_of(many.system, many.members[member], many.tilted)
         way = self._ways[member]
         if way < 0:
-            raise ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
+            raise self._refusal(member)
         refused = self.status[member] > 0
         status, reasons = (self.row_status(member), self.reasons) if refused else (None, ("",))
-        times = self._times[member if len(self._times) > 1 else 0]
         rows, tau = np.array(self._rows[member, :, :6]), np.array(self._rows[member, :, 6])
-        return Trajectory(flow, times, tau, rows, WORDS[way], status, reasons)
-
-    def __iter__(self) -> Iterator[Trajectory]:
-        return map(self.__getitem__, range(len(self)))
+        return Trajectory(flow, times_of(self._times, member), tau, rows, WORDS[way], status, reasons)
 
     def concatenated(self, *others: Trajectories) -> Trajectories:
         """These members and those of the ``others``: of the same system, at the same times, or as many of their own."""
@@ -176,22 +151,9 @@ class Trajectories(Exported):
         about_all = about(many.system, tilted=int(many.tilted), reasons=reasons)
         return Frame(dims, {"member": member, "time": time}, variables, about_all)
 
-    def _member(self, member: Any) -> int:
-        count = len(self)
-        member = whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1)
-        return member % count
-
-    def _some(self, places: np.ndarray) -> Trajectories:
+    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
         partial = {i: self._partial[k] for i, k in enumerate(places.tolist()) if k in self._partial}
-        return replaced(
-            self,
-            ensemble=self.ensemble[places],
-            _times=self._times[places] if len(self._times) > 1 else self._times,
-            _rows=self._rows[places],
-            status=self.status[places],
-            _ways=self._ways[places],
-            _partial=partial,
-        )
+        return {"_rows": self._rows[places], "_ways": self._ways[places], "_partial": partial}
 
     def _value(self) -> tuple[Any, ...]:
         # without the NaN of what was refused, which equal nothing

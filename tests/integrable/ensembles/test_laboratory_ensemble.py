@@ -82,6 +82,7 @@ def test_times_of_their_own_and_parts():
     assert np.array_equal(runs[[8, 0]].times, times[[8, 0]])
     assert len(many[:0].at([1.0])) == 0
     assert many.at([]).matrices.shape == (9, 0, 3, 3)
+    assert [run.times.tolist() for run in runs] == times.tolist()
 
 
 def test_rotations_of_scipy_in_and_out():

@@ -1,0 +1,71 @@
+"""Many motions at given times: what the results of all kinds of ensembles have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Any, TypeVar
+
+import numpy as np
+
+from integrable.ensembles.members import times_of_some
+from jacobian.errors import ArgumentError, chosen, whole
+from jacobian.immutable import Record, read_only, replaced
+
+Kind = TypeVar("Kind", bound="Runs")
+
+
+class Runs(Record):
+    """K motions of an ``ensemble`` at N times each. ``status`` (K,) is 0, or the number of what was refused among
+    ``reasons``. A member is ``[k]``; a slice or an array gives those of some, :attr:`kept` those of status 0.
+    """
+
+    ensemble: Any
+    status: np.ndarray
+    reasons: tuple[str, ...]
+    _times: np.ndarray
+
+    def __len__(self) -> int:
+        return len(self.status)
+
+    def _told(self, motions: str) -> str:
+        refused = np.count_nonzero(self.status)
+        said = f", {refused} of them refused" if refused else ""
+        return f"<{type(self).__name__} of {len(self)} {motions} at {self._times.shape[1]} times{said}>"
+
+    @property
+    def times(self) -> np.ndarray:
+        """Physical times, shape (N,), or (K, N) where every member has its own."""
+        return self._times if len(self._times) > 1 else read_only(self._times[0])
+
+    @property
+    def kept(self: Kind) -> Kind:
+        """The members with status 0."""
+        return self._some(np.flatnonzero(self.status == 0))
+
+    def __getitem__(self, which: Any) -> Any:
+        """A member (raises what refused it as a whole), or those of some members."""
+        if isinstance(which, slice) or np.ndim(which):
+            return self._some(np.arange(len(self))[chosen(which, len(self))])
+        return self._one(self._member(which))
+
+    def __iter__(self) -> Iterator[Any]:
+        return map(self.__getitem__, range(len(self)))
+
+    def _member(self, member: Any) -> int:
+        count = len(self)
+        return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
+
+    def _one(self, member: int) -> Any:
+        """The motion of a member at its times, with what is known of it."""
+        raise NotImplementedError
+
+    def _of_some(self, places: np.ndarray) -> dict[str, Any]:
+        """What a subclass has of some members, by the names of its attributes."""
+        raise NotImplementedError
+
+    def _refusal(self, member: int) -> ArgumentError:
+        return ArgumentError(f"member {member} was refused: {self.reasons[self.status[member]]}")
+
+    def _some(self: Kind, places: np.ndarray) -> Kind:
+        parts = {"_times": times_of_some(self._times, places), "status": self.status[places], **self._of_some(places)}
+        return replaced(self, ensemble=self.ensemble[places], **parts)
