@@ -30,7 +30,8 @@ def conversions(K: Any) -> Conversions:
         )
     if isinstance(K, PrimeField):
         p = K.p
-        word, into = p < 1 << 63, _prime_ring(p)
+        word = p < 1 << 63
+        into: Any = None if word else _prime_ring(p)
         return (
             (lambda a: flint.nmod_poly(list(a), p)) if word else (lambda a: into(list(a) or [0])),
             lambda a: tuple(map(int, a.coeffs())),

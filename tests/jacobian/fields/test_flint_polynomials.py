@@ -1,9 +1,12 @@
-"""Polynomials of python-flint that are kept in cycles."""
+"""Polynomials of python-flint that are kept in cycles, and what is kept of their rings."""
 
 import subprocess
 import sys
 
 import pytest
+
+from jacobian import GF
+from jacobian.fields import flint_polynomials
 
 COLLECTED = """
 import gc
@@ -30,3 +33,10 @@ def test_a_polynomial_is_collected_after_its_ring(field):
     """python-flint 0.9 frees coefficients by the field of the ring, which may be cleared before."""
     done = subprocess.run([sys.executable, "-c", COLLECTED.format(field=field)], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr[-1000:]
+
+
+def test_of_a_prime_of_a_word_no_ring_is_kept():
+    before = flint_polynomials._prime_ring.cache_info().currsize
+    into, back = flint_polynomials.conversions(GF(2**61 - 1))
+    assert back(into((1, 0, 2))) == (1, 0, 2)
+    assert flint_polynomials._prime_ring.cache_info().currsize == before
