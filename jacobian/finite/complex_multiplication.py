@@ -1,4 +1,5 @@
-"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose groups are of known order.
+"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose groups are of known order. Not
+for p of order 3 modulo 7, p ≡ 2 or 4.
 
 The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
 element π of it with ππ̄ = p (Weil 1952), and its ideal is that of α₁·…·α_g, the conjugates ζ → ζ^(1/t), t = 1 … g, of a
@@ -26,7 +27,7 @@ DRAWS = 20
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
-    """The characteristic polynomial of Frobenius, ascending; None for other curves, and where no class decides."""
+    """The characteristic polynomial of Frobenius, ascending; None for other curves or p, or where none is decided."""
     K: Any = C.field
     degree = 2 * C.genus + 1
     if type(K) is not PrimeField or degree not in DEGREES or C.h or len(C.f) != degree + 1 or any(C.f[1:-1]):

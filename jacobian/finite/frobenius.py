@@ -27,9 +27,9 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g.
 
     Had from GF(p) when all coefficients lie there; by counting points where that is quick
-    (:mod:`jacobian.finite.counting`); for y² = x⁵ + a and x⁷ + a over GF(p) of any size by complex multiplication
-    (:mod:`jacobian.finite.complex_multiplication`); else by :func:`jacobian.finite.search.search`, whose limits raise
-    Infeasible.
+    (:mod:`jacobian.finite.counting`); for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7, over GF(p) of any size by
+    complex multiplication (:mod:`jacobian.finite.complex_multiplication`); else by
+    :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
     """
     if C.field.order is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")

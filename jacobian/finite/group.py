@@ -52,8 +52,9 @@ class FiniteGroup(GroupLaw):
     def frobenius_polynomial(self) -> list[int]:
         """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
 
-        By counting, or by a search that reaches prime fields up to 2^29 in genus 2 and 3; for y² = x⁵ + a and x⁷ + a
-        over GF(p) of any size; Infeasible beyond (:mod:`jacobian.finite.frobenius`). Each way proves what it returns.
+        By counting, or by a search that reaches prime fields up to 2^29 in genus 2 and 3; over GF(p) of any size for
+        y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7; Infeasible beyond (:mod:`jacobian.finite.frobenius`). Each
+        way proves what it returns.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 
