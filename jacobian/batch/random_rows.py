@@ -112,9 +112,7 @@ def _root_constants(K: Any, to_word: Any) -> tuple[Any, int, int]:
     """(windows of (m − 1)/2, an element of order 2^twos in words, twos), p − 1 = m·2^twos, m odd."""
     p = K.p
     twos = ((p - 1) & (1 - p)).bit_length() - 1
-    m = (p - 1) >> twos
-    non_square = next(a for a in range(2, p) if pow(a, (p - 1) // 2, p) == p - 1)
-    return windows((m - 1) // 2), to_word(pow(non_square, m, p)), twos
+    return windows((p - 1) >> (twos + 1)), to_word(K.sylow_generator), twos
 
 
 def windows(exponent: int) -> Any:

@@ -120,7 +120,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         return self._finish_tonelli(x, root, rest, twos)
 
     def _finish_tonelli(self, x: Element, root: Element, rest: Element, twos: int) -> Element:
-        generator = self._sylow_generator
+        generator = self.sylow_generator
         while rest != self.one:
             square, height = rest, 0
             while square != self.one:
@@ -137,8 +137,8 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         return root
 
     @cached_property
-    def _sylow_generator(self) -> Element:
-        """A non-square to the power of the odd part of order − 1."""
+    def sylow_generator(self) -> Element:
+        """A generator of the 2-Sylow group: a non-square to the power of the odd part of order − 1."""
         odd = self.order - 1
         odd //= odd & -odd
         rng = Random(0)
