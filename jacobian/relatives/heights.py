@@ -84,9 +84,14 @@ def height_pairing(D: Divisor, E: Divisor, digits: int = 20) -> Any:
     """⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 as a ball; ⟨D, D⟩ = ĥ(D). Errors as :func:`canonical_height`."""
     if _checked(D, "D") == _checked(E, "E"):
         return canonical_height(D, digits)
-    heights = [canonical_height(G, digits) for G in (D + E, D, E)]
+    both, first, second = (canonical_height(G, digits) for G in (D + E, D, E))
+    return _polarized(both, first, second, digits)
+
+
+def _polarized(both: Any, first: Any, second: Any, digits: int) -> Any:
+    """⟨D, E⟩ from the heights of D + E, D and E."""
     with BallReals(64 + 4 * digits):
-        return (heights[0] - heights[1] - heights[2]) / 2
+        return (both - first - second) / 2
 
 
 def _checked(D: Any, argument: str) -> Divisor:
@@ -143,8 +148,7 @@ def _pairings(classes: Sequence[Divisor], digits: int) -> Any:
         rows[i][i] = height
     for i, j in combinations(range(size), 2):
         both = canonical_height(classes[i] + classes[j], digits)
-        with BallReals(64 + 4 * digits):
-            rows[i][j] = rows[j][i] = (both - heights[i] - heights[j]) / 2
+        rows[i][j] = rows[j][i] = _polarized(both, heights[i], heights[j], digits)
     return arb_mat(rows)
 
 
