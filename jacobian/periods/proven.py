@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.curve.curve import HyperellipticCurve
+from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.errors import PrecisionLoss, whole
 from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix, period_matrix
@@ -22,7 +22,7 @@ def period_balls(curve: HyperellipticCurve, digits: int = 30) -> PeriodMatrix:
     where the branch points are not told apart.
     """
     digits = whole(digits, "digits", f"the digits of the periods are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
-    bits = int(3.33 * digits) + 24 + 4 * getattr(curve, "genus", 1)
+    bits = int(3.33 * digits) + 24 + 4 * check_curve(curve).genus
     for _ in range(TRIALS):
         try:
             cover = BallCover(curve, bits)
