@@ -17,16 +17,6 @@ from jacobian.errors import ArgumentError
 from tests.integrable.scene_texts import MIXED
 
 
-@pytest.fixture
-def write(tmp_path):
-    def write(text):
-        path = tmp_path / "ball.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 def test_the_shipped_scenes_load_and_have_a_body_and_a_start():
     assert {"chaplygin", "euler_top"} <= set(scene_names())
     for name in scene_names():
@@ -135,7 +125,7 @@ REFUSED = [
 )
 def test_what_is_wrong_is_named(write, old, new, message):
     assert old in MIXED
-    path = write(MIXED.replace(old, new, 1))
+    path = write(MIXED.replace(old, new, 1), "ball.toml")
     with pytest.raises(ArgumentError) as caught:
         load_scene(path).start(15)
     said = str(caught.value)
@@ -174,7 +164,7 @@ def test_run_refuses_digits_that_are_none(write, digits):
 
 def test_run_writes_nothing_unless_told_where(write, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    run(write(MIXED))
+    run(write(MIXED, "ball.toml"))
     assert [path.name for path in tmp_path.iterdir()] == ["ball.toml"]
     run(write(MIXED), out=tmp_path / "a" / "b")
     assert [path.name for path in (tmp_path / "a" / "b").iterdir()] == ["result.json"]

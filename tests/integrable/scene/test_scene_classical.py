@@ -45,16 +45,6 @@ coordinates = { until = 2, count = 30 }
 """
 
 
-@pytest.fixture
-def write(tmp_path):
-    def write(text):
-        path = tmp_path / "scene.toml"
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 def short(name, *times):
     """A shipped scene, in doubles, at these times."""
     scene = load_scene(name)

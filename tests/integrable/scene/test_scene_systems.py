@@ -20,17 +20,6 @@ from jacobian import GF
 from jacobian.errors import ArgumentError
 from tests.integrable.scene_texts import EXACT, ORBIT, TILDE
 
-
-@pytest.fixture
-def write(tmp_path):
-    def write(text, name="scene.toml"):
-        path = tmp_path / name
-        path.write_text(text, encoding="utf-8")
-        return path
-
-    return write
-
-
 # --- deformed systems
 
 
