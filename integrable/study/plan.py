@@ -127,17 +127,18 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
         return tasks if scene.finite_field else [*tasks, task("floor", "conditioning", "floor")]
     truth = task("truth", "truth", "twice the digits")
     tasks = [truth, task("floor", "conditioning", "floor")]
-    name = INTEGRATED if moved_by(scene.start(FLOAT_DIGITS)[0]) == INTEGRATED else FLOW
+    system, _ = scene.start(FLOAT_DIGITS)
+    name = INTEGRATED if moved_by(system) == INTEGRATED else FLOW
     tasks.append(task("flow", name, "floats", FLOAT_DIGITS, truth.key))
     if scene.rolls_or_spins:
         tasks.append(task("flow", name, "compiled", FLOAT_DIGITS, truth.key, kernel="compiled"))
     tasks.append(task("flow", name, "30 digits", 30, truth.key))
     tasks.append(task("first use", name, "first use"))
-    if scene.rolls_or_spins or getattr(scene.start(FLOAT_DIGITS)[0], "discretized", False):
+    if scene.rolls_or_spins or (scene.classical and system.discretized):
         counts = (30, 100) if mode == "quick" else (100, 1000, 3000)
         tasks += [task("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
     # of three moments, not of two
-    if scene.rolls_or_spins and not scene.tilted and all(scene.body(FLOAT_DIGITS).body.differences):
+    if scene.rolls_or_spins and not scene.tilted and all(system.body.differences):
         tasks.append(task("additions", BACKLUND, "near D and near −D"))
     tasks += _comparators(scene, task, mode, truth.key)
     if name == FLOW:
@@ -177,14 +178,16 @@ def tasks_of_run(scene: Scene, digits: int) -> list[Task]:
 
 
 def compile_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """One task for each compiled method, on the first scene that it takes: code is compiled once for all scenes."""
+    """One task for each compiled method, on the first scene of a body that it takes: other systems run uncompiled, and
+    code is compiled once for all scenes.
+    """
     tasks: dict[str, Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
-        if scene.steps is not None:
+        if scene.steps is not None or not scene.rolls_or_spins:
             continue
         system, _ = scene.start(FLOAT_DIGITS)
         names = [name for name, method in METHODS.items() if method.compiled and method.takes(system)]
-        for name in [FLOW, *names] if scene.rolls_or_spins else names:
+        for name in (FLOW, *names):
             tasks.setdefault(name, Task(scene, source, "compile", name, "compile"))
     return list(tasks.values())
 

@@ -27,7 +27,7 @@ from integrable.study.command import planned, report_data, study_of
 from integrable.study.findings import Study, fitted_slope, gather
 from integrable.study.measure import measured
 from integrable.study.page import answer, page
-from integrable.study.plan import FLOW, LIMITS, Task, tasks_of
+from integrable.study.plan import FLOW, LIMITS, Task, compile_tasks, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store, code_stamp
 from integrable.study.truth import INTEGRATED, Truth, compute, moved_by
@@ -631,6 +631,12 @@ def test_tasks_of_every_shipped_scene_have_keys_of_their_own():
         keys = [row.key for row in every]
         assert len(set(keys)) == len(keys)
         assert all(row.truth in keys for row in every if row.kind in ("flow", "comparator", "backlund"))
+
+
+def test_compiling_is_measured_where_compiled_code_runs():
+    """Gauss's method takes systems without a body too, not compiled."""
+    names = ["neumann", "chaplygin"]
+    assert {task.scene.name for task in compile_tasks([load_scene(name) for name in names], names)} == {"chaplygin"}
 
 
 def test_an_exact_orbit_has_error_zero(tmp_path):
