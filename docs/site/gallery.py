@@ -57,7 +57,7 @@ def _page(scene: Any, content: dict[str, Any] | None, found: Any) -> str:
 
         parts.append(
             f"**Time it took.** {found.flow[0]['row']['method'].capitalize()}: {duration(found.best['total'])} with set-up, largest error "
-            f"of γ {figure(found.best['error_gamma'])} ([all methods](../measured/{scene.name}.md)).\n"
+            f"of {scene.letters[0]} {figure(found.best['error_gamma'])} ([all methods](../measured/{scene.name}.md)).\n"
         )
     elif found is not None:
         parts.append(f"[What was measured](../measured/{scene.name}.md)\n")

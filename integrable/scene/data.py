@@ -169,6 +169,11 @@ class Scene:
         """Whether the system is one of :mod:`integrable.classical`, with q and p for γ and M."""
         return SYSTEMS[self.system].room == "classical"
 
+    @property
+    def letters(self) -> tuple[str, str]:
+        """What the two halves of a state are called."""
+        return ("q", "p") if self.classical else ("γ", "M")
+
     def body(self, digits: int) -> Any:
         """The system, in floats up to 15 digits, in multiprecision above; over a finite field whatever the digits.
 

@@ -40,7 +40,7 @@ def as_bytes(figure: Any, suffix: str) -> bytes:
 
 
 def error_against_run_time(found: SceneFindings) -> Any:
-    """Largest error of γ against run time with set-up, every method a line through its settings; None without points.
+    """Largest error of γ (or q) against run time with set-up, a line for every method; None without points.
 
     Errors beyond doubles, of multiprecision rows, are in a panel of their own below.
     """
@@ -74,7 +74,7 @@ def error_against_run_time(found: SceneFindings) -> Any:
         _named(top, [c for c in found.flow if c in rows and c not in deep])
         _named(bottom, [c for c in found.flow if c in deep])
         bottom.set_xlabel("run time with set-up, seconds")
-        top.set_ylabel("largest error of γ over the run")
+        top.set_ylabel(f"largest error of {found.scene.letters[0]} over the run")
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8)
         top.set_title(f"{found.scene.title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
     return figure

@@ -63,7 +63,7 @@ def measure(scene: Scene, digits: int, tick: Tick) -> tuple[Report, Any]:
         integrals=tuple(rows[0].drift or ()),
         against=truth.method,
         floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
-        letters=("q", "p") if scene.classical else ("γ", "M"),
+        letters=scene.letters,
     )
     return report, found["trajectory"]
 

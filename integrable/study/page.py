@@ -58,7 +58,8 @@ def introduction(study: Study) -> str:
         f"Written by `{study.command}`. Every row is one scene × method × setting, measured in a process of its own; "
         "run times are medians and include set-up, not the compilation that the first use of a machine does once. "
         "Errors are the largest over components and times, of M relative to |M|, against the divisor flow at 40 digits "
-        "or more, which is held against an integrator that shares no code with it.\n\n"
+        "or more, which is held against an integrator that shares no code with it. Of a system without a body q and p "
+        "stand for γ and M, and errors of q are relative to the largest q at the start.\n\n"
         "The inputs of a scene are doubles: its moments, d, γ, M and times are rounded to doubles before anything is "
         "computed, and every method starts from these. For doubles |γ| = 1 and, in scenes that are not tilted, "
         "(γ, M) = 0 hold to rounding; the truth and all that computes in more than doubles therefore start from γ/|γ| "
@@ -263,7 +264,8 @@ def scene_section(study: Study, found: SceneFindings) -> str:
     contents = [*found.flow, *found.backlund, *found.comparators]
     if contents:
         names = list(contents[0]["result"]["drift"])
-        rows = [("method", "setting", "run time", "error γ", "error M", *(f"Δ{name}" for name in names), "runs")]
+        heads = (f"error {letter}" for letter in scene.letters)
+        rows = [("method", "setting", "run time", *heads, *(f"Δ{name}" for name in names), "runs")]
         for content in contents:
             r = content["result"]
             drifts = (figure(r["drift"][name], 1) for name in names)

@@ -17,9 +17,12 @@ from integrable.oracles.methods import METHODS
 from integrable.scene.data import SYSTEMS
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
+from integrable.study.figures import error_against_run_time
+from integrable.study.findings import SceneFindings, Study
 from integrable.study.measure import measured
 from integrable.study.motions import measure, pieces_of_work
-from integrable.study.plan import BACKLUND, tasks_of
+from integrable.study.page import scene_section
+from integrable.study.plan import BACKLUND, FLOW, tasks_of
 from integrable.study.run import run
 from integrable.sweeps.sweep import sweep
 from jacobian.errors import ArgumentError
@@ -122,6 +125,15 @@ def test_the_discretization_of_a_system_is_a_method_of_its_own(system, order):
     errors = [measured(replace(tasks[0], value=n), truth)["error_gamma"] for n in (10, 40)]
     assert np.log(errors[0] / errors[1]) / np.log(4) == pytest.approx(order, abs=0.15)
     assert not any(task.method == BACKLUND for task in tasks_of(short("ellipsoid", 0, 1), "ellipsoid", "quick"))
+
+
+def test_a_page_of_a_study_calls_q_and_p_by_their_names():
+    row = {"scene": "neumann", "kind": "flow", "method": FLOW, "setting": "floats", "value": 15}
+    result = {"total": 0.5, "runs": 1, "error_gamma": 1e-15, "error_M": 1e-15, "drift": {"F": 0.0}}
+    found = SceneFindings(load_scene("neumann"), flow=[{"row": row, "result": result}])
+    study = Study([found], "quick", "integrable report", {}, {}, {}, 1.0)
+    assert "| error q | error p |" in scene_section(study, found)
+    assert error_against_run_time(found).axes[0].get_ylabel() == "largest error of q over the run"
 
 
 def test_a_step_back_undoes_a_step():
