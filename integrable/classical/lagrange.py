@@ -12,9 +12,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.mumford.axial import AxialSystem, Axis
+from integrable.mumford.axial import AxialSystem, Axis, heavy
 from integrable.mumford.system import Point
-from jacobian import RR, poly
+from jacobian import RR
 from jacobian.fields.protocol import check_field
 
 
@@ -48,9 +48,7 @@ class LagrangeTop(AxialSystem):
 
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)
-        height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (found["h"], -N.one))
-        rest = (found["L"], -found["c"])
-        return poly.sub(N, height, poly.mul(N, rest, rest))
+        return heavy(N, found["h"], (found["L"], -found["c"]))
 
     def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
         c, along, i = start.p[2], N.dot(*start), N.coerce(1j)

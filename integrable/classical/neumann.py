@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import Point, normalized, uhlenbeck
+from integrable.mumford.system import Point, on_sphere, uhlenbeck
 from jacobian import RR
 
 
@@ -37,9 +37,7 @@ class Neumann(QuadricSystem):
         return N.dot(state.q, state.q) - N.one, N.dot(state.q, state.p)
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        q = normalized(N, state.q)
-        along = N.dot(q, state.p)
-        return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
+        return on_sphere(N, state)
 
     def _shape(self, N: Any, state: Point) -> Shape:
         return Shape((), (), (-N.one,))

@@ -13,9 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.axial import AxialSystem, Axis
-from integrable.mumford.system import Point
-from jacobian import RR, poly
+from integrable.mumford.axial import AxialSystem, Axis, heavy
+from integrable.mumford.system import Point, on_sphere
+from jacobian import RR
 from jacobian.fields.protocol import check_field
 
 
@@ -34,9 +34,7 @@ class SphericalPendulum(AxialSystem):
         return *super()._constraints(N, state), N.dot(*state)
 
     def _constrained(self, N: Any, state: Point) -> Point:
-        q, p = super()._constrained(N, state)
-        along = N.dot(q, p)
-        return Point(q, tuple(y - along * x for x, y in zip(q, p, strict=True)))
+        return on_sphere(N, state)
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
@@ -56,8 +54,7 @@ class SphericalPendulum(AxialSystem):
 
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)
-        height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (found["h"], -N.one))
-        return poly.sub(N, height, (found["L"] * found["L"],))
+        return heavy(N, found["h"], (found["L"],))
 
     def _from_axis(self, N: Any, start: Point, z: Any, rate: Any, g: Any, g_rate: Any) -> Point:
         return Point((g.real, g.imag, z), (g_rate.real, g_rate.imag, rate))

@@ -122,3 +122,9 @@ class AxialSystem(MumfordSystem):
             turn = turn * (axis.g[0] + i * axis.g[1])
         g = turn * first * second
         return self._from_axis(N, start, z, rate, g, i * axis.w * g + turn * (of_first * second + first * of_second))
+
+
+def heavy(N: Any, h: Any, along: poly.Poly) -> poly.Poly:
+    """f of a heavy axis: 2(1 − x²)(h − x) less the square of ``along``, which is ±m at x = ±1."""
+    height = poly.mul(N, (2 * N.one, N.zero, -2 * N.one), (h, -N.one))
+    return poly.sub(N, height, poly.mul(N, along, along))

@@ -358,6 +358,13 @@ def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:
     return tuple(x / size for x in q)
 
 
+def on_sphere(N: Any, state: Point) -> Point:
+    """q/|q|, and p without its part along it, over an inexact field."""
+    q = normalized(N, state.q)
+    along = N.dot(q, state.p)
+    return Point(q, tuple(y - along * x for x, y in zip(q, state.p, strict=True)))
+
+
 def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any, ...]:
     """first_i + Σ_j (q_i p_j − q_j p_i)²/(a_i − a_j), the integrals of Uhlenbeck (Moser 1980)."""
     q, p = state
