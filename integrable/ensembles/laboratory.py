@@ -168,30 +168,21 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     off = abs(given @ flipped - np.eye(3)).max(axis=(1, 2))
     start = given @ (3 * np.eye(3) - flipped @ given) / 2 @ body.axes
     spin = np.einsum("kji,kj->ki", start, many.omega)
-    inertia, d = np.array(body.moments), float(body._d)
-    if body.radius is None:
-        M = inertia * spin
-        gamma = _unit(np.cross(M, np.eye(3)[abs(M).argmin(axis=1)]))
-        along = _unit(M)
-        lying = np.stack([along, np.cross(gamma, along), gamma], axis=2)
-        frames, quick = start @ lying, np.ones(len(many), dtype=bool)
-    else:
+    inertia, d, rolls = np.array(body.moments), float(body._d), body.radius is not None
+    M = (inertia + d) * spin
+    if rolls:
         gamma = start[:, 2]
-        M = (inertia + d) * spin - d * np.sum(gamma * spin, axis=1)[:, None] * gamma
-        flat = M - np.sum(gamma * M, axis=1)[:, None] * gamma
-        x = _unit(np.einsum("kij,kj->ki", start, flat))
-        up = np.broadcast_to([0.0, 0.0, 1.0], x.shape)
-        frames = np.stack([x, np.cross(up, x), up], axis=2)
-        quick = np.linalg.norm(flat, axis=1) > 2 * NEARLY * np.linalg.norm(M, axis=1)
+        M -= d * np.sum(gamma * spin, axis=1)[:, None] * gamma
+    else:
+        gamma = np.cross(M, np.eye(3)[abs(M).argmin(axis=1)])
+        gamma /= np.linalg.norm(gamma, axis=1)[:, None]
+    # frames @ attitude's matrices are the orientations: at time 0 these are ``start``
+    frames = start @ attitude.matrices(gamma, M).transpose(0, 2, 1)
     rows = np.hstack([np.broadcast_to([*inertia, d], (len(many), 4)), gamma, M])
     aside = np.sort(abs(spin), axis=1)
+    quick = np.linalg.norm(np.cross(gamma, M), axis=1) > 2 * NEARLY * np.linalg.norm(M, axis=1)
     quick &= (off < ORTHOGONAL / 2) & (np.linalg.det(given) > 0) & (aside[:, 1] > ASIDE * aside[:, 2])
-    return rows, frames, quick & plain(rows, body.radius is not None)
-
-
-def _unit(vectors: np.ndarray) -> np.ndarray:
-    found: np.ndarray = vectors / np.linalg.norm(vectors, axis=1)[:, None]
-    return found
+    return rows, frames, quick & plain(rows, rolls)
 
 
 class LaboratoryRuns(Runs):
