@@ -106,6 +106,16 @@ def flag(value: Any, argument: str) -> bool:
     raise ArgumentError(f"{argument} = {shown(value)}: True or False is needed")
 
 
+def floats(values: Any, argument: str, wanted: str) -> Any:
+    """Numbers as an array of floats, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
+    import numpy as np
+
+    try:
+        return np.asarray(values, dtype=np.float64)
+    except Exception:
+        raise ArgumentError(f"{argument} = {shown(values)}: {wanted}") from None
+
+
 def chosen(which: Any, count: int) -> Any:
     """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
     if isinstance(which, slice):

@@ -12,12 +12,12 @@ from integrable.ensembles.members import common_count, numbers, plain, time_rows
 from integrable.ensembles.runs import Runs
 from integrable.laboratory.bodies import NEARLY, RigidBody
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
-from integrable.laboratory.tensor import ORTHOGONAL
+from integrable.laboratory.tensor import ORTHOGONAL, matrices_of
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, shown, whole
+from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, shown, whole
 from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
@@ -53,11 +53,7 @@ def laboratory_ensemble(body: Any, orientation: Any, omega: Any, contact: Any = 
 
 
 def _rotations(orientation: Any) -> np.ndarray:
-    given = orientation.as_matrix() if hasattr(orientation, "as_matrix") else orientation
-    try:
-        found = np.asarray(given, dtype=np.float64)
-    except Exception:
-        raise ArgumentError(f"orientation = {shown(given)}: {WANTED}") from None
+    found: np.ndarray = floats(matrices_of(orientation), "orientation", WANTED)
     if found.ndim not in (2, 3) or found.shape[-2:] != (3, 3):
         raise ArgumentError(f"orientation has shape {found.shape}: {WANTED}")
     return found.reshape(-1, 3, 3)

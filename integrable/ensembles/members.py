@@ -16,7 +16,7 @@ from integrable.phase.body import Body
 from integrable.systems.euler_top import EulerTop
 from integrable.systems.system import System
 from jacobian import RR
-from jacobian.errors import ArgumentError, chosen, shown, whole
+from jacobian.errors import ArgumentError, chosen, floats, shown, whole
 from jacobian.immutable import Record, replaced
 
 Kind = TypeVar("Kind", bound="Members")
@@ -106,10 +106,7 @@ def common_count(parts: dict[str, np.ndarray]) -> int:
 def numbers(values: Any, argument: str, width: int) -> np.ndarray:
     """Numbers of the members, shape (members, width), (members, 1) for width 0."""
     wanted = f"shape (K, {width}) or ({width},)" if width else "shape (K,) or one for all"
-    try:
-        found = np.asarray(values, dtype=np.float64)
-    except Exception:
-        raise ArgumentError(f"{argument} = {shown(values)}: numbers of {wanted} are needed") from None
+    found: np.ndarray = floats(values, argument, f"numbers of {wanted} are needed")
     found = found[..., None] if width == 0 else found
     if found.ndim not in (1, 2) or found.shape[-1] != max(width, 1):
         raise ArgumentError(f"{argument} has shape {np.shape(values)}: {wanted} is needed")
@@ -118,10 +115,7 @@ def numbers(values: Any, argument: str, width: int) -> np.ndarray:
 
 def time_rows(times: Any, count: int) -> np.ndarray:
     """Times of ``count`` members: shape (1, N), the same for all, or (K, N)."""
-    try:
-        found = np.array(times, dtype=np.float64)
-    except Exception:
-        raise ArgumentError(f"times = {shown(times)}: numbers of shape (N,) or (K, N) are needed") from None
+    found = np.array(floats(times, "times", "numbers of shape (N,) or (K, N) are needed"))
     if found.ndim < 2:
         found = found.reshape(1, -1)
     if found.ndim != 2 or found.shape[0] not in (1, count):

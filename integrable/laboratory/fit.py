@@ -13,8 +13,9 @@ from typing import Any
 import numpy as np
 
 from integrable.extras import needed
+from integrable.laboratory.tensor import matrices_of
 from jacobian import RR
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, floats, shown
 from jacobian.immutable import Record
 
 LEAST_COUNT = 3
@@ -72,13 +73,8 @@ def fitted(guess: Any, times: Any, orientations: Any) -> OrientationFit:
 
 def _rotations(orientations: Any, count: int) -> np.ndarray:
     """Measured orientations as matrices, shape (count, 3, 3), or an ArgumentError."""
-    try:
-        given = orientations.as_matrix() if hasattr(orientations, "as_matrix") else orientations
-        found = np.asarray(given, dtype=float)
-    except Exception:
-        raise ArgumentError(
-            f"orientations = {shown(orientations)}: give 3×3 matrices, or SciPy's Rotation, of {count} times"
-        ) from None
+    wanted = f"give 3×3 matrices, or SciPy's Rotation, of {count} times"
+    found: np.ndarray = floats(matrices_of(orientations), "orientations", wanted)
     if found.shape != (count, 3, 3):
         raise ArgumentError(f"orientations have the shape {found.shape}: give a rotation for each of {count} times")
     # no rotation has a 2

@@ -97,7 +97,7 @@ def rotation(K: Any, orientation: Any) -> Matrix:
     """The rotation nearest to an orientation: a matrix that takes axes of the body to those of the laboratory, or one
     of SciPy's. ArgumentError where it is more than rounding away, or a reflection.
     """
-    given = orientation.as_matrix() if hasattr(orientation, "as_matrix") else orientation
+    given = matrices_of(orientation)
     table = matrix(K, given, "orientation", "one rotation, a 3×3 matrix or SciPy's Rotation")
     one = np.eye(3, dtype=int)
     off = abs(table @ table.T - one).max()
@@ -112,6 +112,12 @@ def rotation(K: Any, orientation: Any) -> Matrix:
         table = table @ (3 * one - table.T @ table) / 2
         off = off * off
     return table
+
+
+def matrices_of(orientation: Any) -> Any:
+    """Those of a Rotation of SciPy; anything else as it is."""
+    made = hasattr(orientation, "as_matrix") and not isinstance(orientation, type)
+    return orientation.as_matrix() if made else orientation
 
 
 def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:

@@ -14,7 +14,7 @@ import numpy as np
 
 from integrable.portrait.ovals import Level, Ovals
 from jacobian import RR
-from jacobian.errors import ArgumentError, shown, whole
+from jacobian.errors import ArgumentError, floats, shown, whole
 from jacobian.immutable import Record
 
 if TYPE_CHECKING:
@@ -100,12 +100,7 @@ class Diagram(Record):
 
 def _reals(**given: Any) -> tuple[np.ndarray, ...]:
     """Arguments by name as arrays of one shape."""
-    found = []
-    for argument, values in given.items():
-        try:
-            found.append(np.asarray(values, dtype=float))
-        except Exception:
-            raise ArgumentError(f"{argument} = {shown(values)}: real numbers are needed") from None
+    found = [floats(values, argument, "real numbers are needed") for argument, values in given.items()]
     try:
         return tuple(np.broadcast_arrays(*found))
     except ValueError:

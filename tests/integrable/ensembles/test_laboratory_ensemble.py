@@ -10,7 +10,7 @@ from jacobian import MP
 from jacobian.batch.threads import set_threads
 from jacobian.errors import ArgumentError, NotRepresentable
 from jacobian.numbers.compiler import interpreted
-from tests.integrable.laboratory.test_laboratory import MASS, RADIUS, UP, lean, rotation, tensor
+from tests.integrable.laboratory.test_laboratory import MASS, RADIUS, UP, Unmade, lean, rotation, tensor
 
 TENSOR = tensor((0.1, 0.12, 0.15), rotation(np.random.default_rng(1)))
 BODIES = {"ball": RollingBall(TENSOR, MASS, RADIUS), "free body": RigidBody(TENSOR)}
@@ -103,6 +103,10 @@ def test_rotations_of_scipy_in_and_out():
         (lambda: laboratory_ensemble(BODIES["free body"], UP, (1, 2, 3), (0, 0)), "contact: a free body has none"),
         (lambda: laboratory_ensemble(BODIES["ball"], UP[:2], (1, 2, 3)), r"orientation has shape \(2, 3\)"),
         (lambda: laboratory_ensemble(BODIES["ball"], "up", (1, 2, 3)), "orientation = 'up'"),
+        (
+            lambda: laboratory_ensemble(BODIES["ball"], Unmade, (1, 2, 3)),
+            "orientation = .*Unmade.*: rotations of shape",
+        ),
         (lambda: laboratory_ensemble(BODIES["ball"], 10**400, (1, 2, 3)), "orientation = an int"),
         (lambda: laboratory_ensemble(BODIES["ball"], UP, (1, 2, 10**400)), "omega = .*: numbers"),
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).at([10**400]), "times = .*: numbers"),

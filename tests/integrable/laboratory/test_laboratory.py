@@ -240,6 +240,13 @@ def test_phases_do_not_keep_the_rounding_of_the_momentum():
     assert abs(RigidBody((1, 2, 3)).motion(UP, start).at([1e9]).omega_body - exact.omega_body).max() < 1e-15
 
 
+class Unmade:
+    """A class like SciPy's Rotation, where one of its instances is wanted."""
+
+    def as_matrix(self):
+        return UP
+
+
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -259,6 +266,7 @@ def test_phases_do_not_keep_the_rounding_of_the_momentum():
         (lambda: RigidBody((1, 2, 3)).motion(2 * UP, (1, 2, 3)), "R Rᵀ differs from 1 by 3.0e"),
         (lambda: RigidBody((1, 2, 3)).motion(-UP, (1, 2, 3)), "determinant −1"),
         (lambda: RigidBody((1, 2, 3)).motion([1, 2, 3], (1, 2, 3)), "orientation = .*give one rotation"),
+        (lambda: RigidBody((1, 2, 3)).motion(Unmade, (1, 2, 3)), "orientation = .*Unmade.*give one rotation"),
         (lambda: RigidBody((1, 2, 3)).motion(UP, (1, 2)), "omega = .* give three numbers"),
         (lambda: RollingBall((1, 1, 1), 9, 1).motion(UP, (1, 2, 3), (1,)), "contact = .*: give two numbers"),
         (lambda: RigidBody((1, 2, 3)).motion(UP, (1, 2, 3)).at(["x"]), r"times\[0\]"),
