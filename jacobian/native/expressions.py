@@ -52,10 +52,10 @@ class Expressions(Operators):
 
     def condition(self, node: ast.expr) -> str:
         """Whether an expression is true, as an i1."""
-        test = self.value(node)
+        test = self.truth(self.value(node))
         if is_abreast(test.kind):
             raise CompileError("a condition that differs from lane to lane, outside of if")
-        return self.truth(test)
+        return str(test.parts[0])
 
     def split(self, condition: str, true: str, false: str) -> None:
         """To either block."""
@@ -164,29 +164,24 @@ class Expressions(Operators):
         if isinstance(node.op, ast.USub):
             return self.negative(x)
         if isinstance(node.op, ast.Not):
-            return Value(BOOL, (self.write(f"xor i1 {self.truth(x)}, 1"),))
+            return self.logical("xor", self.truth(x), Value(BOOL, ("1",)))
         raise CompileError(f"{type(node.op).__name__} is not compiled")
 
     def of_compare(self, node: ast.Compare) -> Value:
-        left, holds = self.value(node.left), ""
-        if len(node.ops) == 1 and not isinstance(node.ops[0], ast.In):
-            return self.compare(type(node.ops[0]).__name__, left, self.value(node.comparators[0]))
+        left, found = self.value(node.left), []
         for op, right in zip(node.ops, map(self.value, node.comparators), strict=True):
-            found = self.related(op, left, right)
-            holds = self.write(f"and i1 {holds}, {found}") if holds else found
+            found.append(self.related(op, left, right))
             left = right
-        return Value(BOOL, (holds,))
+        return self.logical("and", *found)
 
-    def related(self, op: ast.cmpop, left: Value, right: Value) -> str:
-        """Whether the relation holds, as an i1."""
+    def related(self, op: ast.cmpop, left: Value, right: Value) -> Value:
+        """Whether the relation holds."""
         if not isinstance(op, ast.In):
-            return str(self.compare(type(op).__name__, left, right).parts[0])
+            return self.compare(type(op).__name__, left, right)
         if not isinstance(right.kind, TupleKind):
             raise CompileError(f"in of {right.kind}")
-        same = "0"
-        for i in range(len(right.kind.items)):
-            same = self.write(f"or i1 {same}, {self.compare('Eq', left, right.item(i)).parts[0]}")
-        return same
+        same = (self.compare("Eq", left, right.item(i)) for i in range(len(right.kind.items)))
+        return self.logical("or", Value(BOOL, ("0",)), *same)
 
     def of_boolop(self, node: ast.BoolOp) -> Value:
         *others, last = node.values
@@ -204,12 +199,12 @@ class Expressions(Operators):
         return Value(BOOL, (self.write("phi i1 " + ", ".join(f"[{x}, %{label}]" for x, label in ways)),))
 
     def of_ifexp(self, node: ast.IfExp) -> Value:
-        test = self.value(node.test)
+        test = self.truth(self.value(node.test))
         if not is_abreast(test.kind):
-            return self.joined(self.truth(test), node.body, node.orelse)
+            return self.joined(test.parts[0], node.body, node.orelse)
         yes, no = self.value(node.body), self.value(node.orelse)
         kind = abreast(meeting(yes.kind, no.kind))
-        return self.blended(self.truth(test), self.cast(yes, kind), self.cast(no, kind))
+        return self.blended(test.parts[0], self.cast(yes, kind), self.cast(no, kind))
 
     def of_attribute(self, node: ast.Attribute) -> Value:
         x = self.value(node.value)
@@ -269,18 +264,13 @@ class Expressions(Operators):
         """What is there."""
         item = row.kind.item
         leaf = item.leaves[0]
-        lanes = [self.element_of_lane(row, address, k) for k in range(LANES)] if is_abreast(address.kind) else []
-        if lanes:
-            return self.gathered(lanes)
+        if is_abreast(address.kind):
+            return self.gathered([self.element(row, self.lane(address, "ptr", k)) for k in range(LANES)])
         parts = [self.write(f"load {leaf}, ptr {address.parts[0]}")]
         if len(item.leaves) == 2:
             beside = self.write(f"getelementptr inbounds {leaf}, ptr {address.parts[0]}, i64 1")
             parts.append(self.write(f"load {leaf}, ptr {beside}"))
         return Value(item, tuple(parts))
-
-    def element_of_lane(self, row: Value, address: Value, k: int) -> Value:
-        """What is where a lane points to."""
-        return self.element(row, self.lane(address, "ptr", k))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:
         """What a lane holds."""

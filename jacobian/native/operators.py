@@ -131,11 +131,17 @@ class Operators(Code):
         """The operand of a float, an integer or the high part of a double-double."""
         return str(value.parts[0] if value.kind is WIDE else self.cast(value, FLOAT).parts[0])
 
-    def truth(self, value: Value) -> str:
-        """Whether it is not zero, as an i1."""
-        if single(value.kind) is BOOL:
-            return str(value.parts[0])
-        return str(self.compare("NotEq", value, integer(0)).parts[0])
+    def truth(self, value: Value) -> Value:
+        """Whether it is not zero."""
+        return value if single(value.kind) is BOOL else self.compare("NotEq", value, integer(0))
+
+    @in_lanes
+    def logical(self, name: str, *truths: Value) -> Value:
+        """Whether all hold (``and``), any (``or``) or an odd number (``xor``)."""
+        found, *others = (x.parts[0] for x in truths)
+        for other in others:
+            found = self.write(f"{name} {self.types.bit} {found}, {other}")
+        return Value(BOOL, (found,))
 
     def wide(self, name: str, parts: tuple[Any, ...]) -> Value:
         """A call of one of :data:`jacobian.numbers.double_double_steps.FUNCTIONS`."""
@@ -332,7 +338,7 @@ BUILTINS: dict[Any, Callable[..., Value]] = {
     abs: Operators.absolute,
     float: Operators.rounded,
     int: Operators.whole,
-    bool: lambda b, x: Value(BOOL, (b.truth(x),)),
+    bool: Operators.truth,
     max: lambda b, *xs: b.extremum("Gt", list(xs)),
     min: lambda b, *xs: b.extremum("Lt", list(xs)),
     math.floor: lambda b, x: x if single(x.kind) is INT else b.whole(b.function("floor", x)),

@@ -200,12 +200,12 @@ class Statements(Expressions):
         self.end(self.loaded(self.result, self.results))
 
     def do_if(self, node: ast.If) -> None:
-        test = self.value(node.test)
+        test = self.truth(self.value(node.test))
         if is_abreast(test.kind):
-            self.if_in_lanes(node, self.truth(test))
+            self.if_in_lanes(node, test.parts[0])
             return
         yes, no, end = self.labels("then", "else", "end")
-        self.split(self.truth(test), yes, no)
+        self.split(test.parts[0], yes, no)
         ended = []
         for label, body in ((yes, node.body), (no, node.orelse)):
             self.begin(label)

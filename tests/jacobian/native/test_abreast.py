@@ -31,6 +31,10 @@ def branches(xs, n, out, counts):
         if x != 1:
             for k in range(2):
                 y += max(x, y, 0.5) / (k + 1)
+        if not 0 < x < 2:
+            y += bool(steps)
+        elif x in (1, 9):
+            y += 2
         sign = -1.0 if early(y) == 0 else 1.0
         out[i] = sign * min(y, abs(x) - 3, 7) / (y * y + 1) - (1, 2, 5)[i % 3]
         counts[i] = steps * (i // 3 - 2) % 5 + floor(x) + ceil(y) + int(-x)
