@@ -239,6 +239,12 @@ def test_split_is_the_nearest(x):
     assert abs(Fraction(high) + Fraction(low) - x) <= U2 * abs(x)
 
 
+def test_split_of_a_long_double_keeps_its_rest():
+    third = np.longdouble(1) / 3
+    high, low = double_double.split(third)
+    assert np.longdouble(high) + low == third
+
+
 @pytest.mark.parametrize("bits", [40, 60, 200, 900])
 def test_split_of_long_reals_does_not_depend_on_their_context(bits):
     reals = BareReals(bits)
