@@ -229,8 +229,8 @@ class Trajectory(Exported):
         return map(self._state, range(len(self)))
 
     def _state(self, row: int) -> State:
-        if self.status[row]:
-            raise NotRepresentable(f"row {row} was refused: {self.reasons[self.status[row]]}")
+        if self._status is not None and self._status[row]:
+            raise NotRepresentable(f"row {row} was refused: {self.reasons[self._status[row]]}")
         values = self._rows[row].tolist()
         return dataclasses.replace(self.flow.state, gamma=tuple(values[:3]), M=tuple(values[3:]))
 
