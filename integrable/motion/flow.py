@@ -228,11 +228,16 @@ class Flow(BodyMotion):
         """What computes the states at any times."""
         if self._torus:
             return self._torus
-        if self.kernel == "python" or interpreted():
+        if not self._compiled:
             return self._precise
         from integrable.motion.short import ShortFirst
 
         return ShortFirst(self._guarded, False, lambda: self._precise)
+
+    @property
+    def _compiled(self) -> bool:
+        """Whether its loops are compiled."""
+        return self.kernel != "python" and not interpreted()
 
     @cached_property
     def _short(self) -> ShortRuns:
@@ -261,8 +266,7 @@ class Flow(BodyMotion):
         field, body = self.system.field, self.system.body
         if field != RR:
             return PreciseFlow(body, self.state, field.dps, self.setup)
-        compiled = self.kernel != "python" and not interpreted()
-        limits = Limits(MOST_RATES, CLOCK_DIGITS, compiled)
+        limits = Limits(MOST_RATES, CLOCK_DIGITS, self._compiled)
         return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
 
     @cached_property
@@ -296,7 +300,7 @@ class Flow(BodyMotion):
         from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
         try:
-            if self.kernel == "python" or interpreted():
+            if not self._compiled:
                 return TorusFlow(self.setup, ReadableLoops(self.setup))
             with suppress(NotClosed):
                 return TorusFlow(self.setup, CompiledLoops())
