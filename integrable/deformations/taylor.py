@@ -118,9 +118,9 @@ def integrate(
         found, why = _on_loops(_marched, digits, field, tape, start, ahead, digits, refused is None)
         for i, row in zip(order, found, strict=False):
             rows[i] = row
-        if why and refused is None:
-            raise why
-        if why and refused is not None:
+        if why:
+            if refused is None:
+                raise why
             refused.update(dict.fromkeys(order[len(found) :], str(why)))
     return rows
 
