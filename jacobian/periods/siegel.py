@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix
 
 MOST_STEPS = 1000
@@ -25,10 +26,13 @@ class SiegelReduced(NamedTuple):
 def siegel_reduced(found: PeriodMatrix) -> SiegelReduced:
     """τ of a period matrix in balls, reduced: Im τ by LLL, |Re τ_ij| ≤ ½ and |τ_11| ≥ 1, all up to the radii.
 
-    The matrix is exact, so that the ball of the result contains the reduced τ of the curve.
+    The matrix is exact, so that the ball of the result contains the reduced τ of the curve. ArgumentError for a period
+    matrix in floats, whose errors are not known.
     """
     from flint import acb_mat, fmpz_mat
 
+    if not isinstance(found, PeriodMatrix) or not isinstance(found.cover, BallCover):
+        raise ArgumentError(f"found = {shown(found)}: a period matrix in balls is needed, such as period_balls(C)")
     g = found.cover.genus
     matrix = fmpz_mat([[int(i == j) for j in range(2 * g)] for i in range(2 * g)])
     with found.cover.numbers.working():

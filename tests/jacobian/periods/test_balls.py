@@ -147,6 +147,9 @@ def test_what_cannot_be_had_is_refused_by_name():
         period_balls([1, 2])
     with pytest.raises(ArgumentError, match="digits"):
         period_balls(HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]), 0)
+    for wrong in (3, periods(HyperellipticCurve(CC, [1, 2, 0, 0, 0, 1]))):
+        with pytest.raises(ArgumentError, match=r"found = .*: a period matrix in balls"):
+            siegel_reduced(wrong)
     double = poly.from_roots(CC, [1, 1, 2, 3, 1j])
     with pytest.raises((ArgumentError, PrecisionLoss), match=r"double root|not told apart"):
         period_balls(HyperellipticCurve(CC, double))
