@@ -50,7 +50,7 @@ def split(x: Any) -> tuple[float, float]:
         raise ArgumentError(f"x = {x!r}: too large for floats") from error
     if not isfinite(high):
         raise ArgumentError(f"x = {x!r}: a finite number in the range of floats is needed")
-    low = float(x - (Fraction(high) if isinstance(x, Fraction) else high))
+    low = float(x - Fraction(high)) if isinstance(x, Fraction) else float(x - high)
     total = high + low
     return total, low - (total - high)
 
