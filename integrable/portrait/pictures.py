@@ -19,12 +19,13 @@ CURVES = 9
 FAINT, NAMED = 1e-6, 6
 
 
-def _axes(what: str) -> tuple[Figure, Any]:
+def _axes(what: str, rows: int = 1, height: float = SIZE[1]) -> tuple[Figure, Any]:
+    """A figure and its axes: those of every row where there are more than one."""
     needed("matplotlib", what)
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=SIZE, layout="constrained")
-    return figure, figure.add_subplot()
+    figure = Figure(figsize=(SIZE[0], height), layout="constrained")
+    return figure, figure.subplots(rows, sharex=True)
 
 
 def diagram(of: Any, states: Any) -> Figure:
@@ -68,11 +69,7 @@ def section(of: Any) -> Figure:
 
 def spectrum(of: Any) -> Figure:
     """:meth:`integrable.portrait.spectrum.Spectrum.figure`."""
-    needed("matplotlib", "the picture of a spectrum")
-    from matplotlib.figure import Figure
-
-    figure = Figure(figsize=(SIZE[0], 1.4 * SIZE[1]), layout="constrained")
-    every = figure.subplots(3, 1, sharex=True)
+    figure, every = _axes("the picture of a spectrum", 3, 1.4 * SIZE[1])
     for ax, (name, lines) in zip(every, (("γ", of.gamma), ("M", of.M), ("ω", of.omega)), strict=True):
         sizes = np.abs(lines)
         floor = FAINT * sizes.max()

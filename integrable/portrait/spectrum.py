@@ -27,7 +27,6 @@ FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 12
 # lines below this part of the strongest of their quantity are rounding
 NOISE = 3e-14
 PASSES, SOLVED = 60, 1e-13
-QUANTITIES = ("gamma", "M", "omega")
 
 
 class Spectrum(Record):
@@ -71,12 +70,8 @@ def lines_of(flow: Any) -> Spectrum:
     while size[0] * size[1] <= MOST_SAMPLES:
         grids = _transformed(flow, torus, periods, size)
         parts = [grids[..., k : k + 3] for k in (0, 3, 6)]
-        loudest = [np.abs(part).max() for part in parts]
-        wanted = [
-            needed_sizes(np.abs(part).max(axis=-1), (NOISE, NOISE))
-            for part, most in zip(parts, loudest, strict=True)
-            if most
-        ]
+        sizes = [np.abs(part).max(axis=-1) for part in parts]
+        wanted = [needed_sizes(x, (NOISE, NOISE)) for x in sizes if x.any()]
         larger = max(n for n, _ in wanted), max(n for _, n in wanted)
         if larger == size:
             return _spectrum(torus, portrait, periods, parts)
