@@ -9,7 +9,7 @@ from math import acos, sin
 from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
-from integrable.mumford.system import Point
+from integrable.mumford.system import Point, long_digits
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
@@ -29,6 +29,7 @@ def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
     if not isinstance(ellipsoid, Ellipsoid):
         raise ArgumentError(f"ellipsoid = {shown(ellipsoid)}: an Ellipsoid is needed")
     K = ellipsoid.field
+    long_digits(K)
     q, target = (_on(ellipsoid, x, name) for name, x in (("first", first), ("last", last)))
     chord = [y - x for x, y in zip(q, target, strict=True)]
     if not any(chord):

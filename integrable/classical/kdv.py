@@ -43,6 +43,8 @@ class KdV(Immutable):
 
     def __init__(self, edges: Any, field: Any = RR) -> None:
         self.field = check_field(field, "field")
+        if not self.field.exact:
+            long_digits(self.field)
         wanted = "an odd number of band edges, 3 or more, in ascending order"
         given = entries(edges, "edges", wanted)
         self.edges = tuple(self.field.coerce(x, f"edges[{i}]") for i, x in enumerate(given))

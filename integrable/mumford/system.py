@@ -212,7 +212,8 @@ class MumfordSystem(Immutable):
         return x, y if sign > 0 else K.neg(y)
 
     def _time_step(self, h: Any) -> Any:
-        """h as an element of the field, if its square is not 0; else ArgumentError."""
+        """h as an element of the field, RR or MP(digits), if its square is not 0; else ArgumentError."""
+        long_digits(self.field)
         step = self.field.coerce(h, "h")
         if self.field.mul(step, step) == self.field.zero:
             raise ArgumentError(f"h = {shown(h)}: a step of time other than 0 is needed")
@@ -381,7 +382,7 @@ def uhlenbeck(a: Sequence[Any], state: Point, first: Sequence[Any]) -> tuple[Any
 def long_digits(K: Any) -> int:
     """How many digits long numbers need for results in K; ArgumentError but for RR and MP(digits)."""
     if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
-        raise ArgumentError(f"field = {K.name}: a flow needs real numbers, RR or MP(digits)")
+        raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
     return getattr(K, "dps", ROUNDED_TO_FLOATS)
 
 

@@ -12,7 +12,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow, Point
-from jacobian import CC, GF, MP, RR, ArgumentError, FieldError
+from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError
 from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
 
 REST = Point((1.0, 0.0), (0.0, 0.0))
@@ -287,7 +287,13 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=(1, 2)), "their squares"),
         (lambda: Neumann((1, 2)).step(REST, Neumann((1, 2)).curve_point(REST, -9), roots=(1, "x")), "roots[1]"),
         (lambda: TodaLattice(2).discrete(TodaLattice(2).state((0, 1), (1, 1)), 0), "h = 0"),
+        (lambda: TodaLattice(2, QQ).discrete(Point((1, 2), (1, 1)), 1), "field = QQ"),
+        (lambda: Neumann((1, 2), GF(101)).discrete(Point((1, 0), (0, 1)), 1), "field = GF(101)"),
+        (lambda: Neumann((1, 2), CC).discrete(REST, 1), "field = CC"),
         (lambda: joining(3, (1, 0), (0, 1)), "ellipsoid = 3"),
+        (lambda: joining(Ellipsoid((1, 4), QQ), (1, 0), (0, 2)), "field = QQ"),
+        (lambda: joining(Ellipsoid((1, 4), GF(101)), (1, 0), (0, 2)), "field = GF(101)"),
+        (lambda: joining(Ellipsoid((1, 4), CC), (1, 0), (0, 2)), "field = CC"),
     ],
 )
 def test_bad_input_is_named(call, words) -> None:

@@ -9,7 +9,7 @@ import pytest
 from integrable.classical.kdv import KdV, directions, potential
 from integrable.mumford.fields import rates
 from integrable.phase.jets import Jet, JetField
-from jacobian import GF, MP, ArgumentError, HyperellipticCurve, PrecisionLoss, poly
+from jacobian import CC, GF, MP, ArgumentError, HyperellipticCurve, PrecisionLoss, poly
 from jacobian.errors import FieldError
 from jacobian.inexact.long_field import LongField
 from jacobian.periods.matrix import periods
@@ -310,6 +310,7 @@ def test_a_soliton_too_far_away_is_refused() -> None:
         (lambda: KdV((0, 2, 1)), "edges = (0, 2, 1)"),
         (lambda: KdV(3), "edges = 3"),
         (lambda: KdV((0, 1, "x")), "edges[2]"),
+        (lambda: KdV((0, 1, 2), CC), "field = CC"),
         (lambda: KdV((0, 1, 2)).state([3]), "gamma[0] = 3"),
         (lambda: KdV((0, 1, 2)).state([1, 2]), "gamma = [1, 2]"),
         (lambda: KdV((0, 1, 2)).state([1.5], [2]), "signs = [2]"),
