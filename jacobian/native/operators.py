@@ -83,7 +83,7 @@ class Operators(Code):
         if isinstance(kind, TupleKind) and isinstance(value.kind, TupleKind):
             items = [self.cast(value.item(i), item) for i, item in enumerate(kind.items)]
             return Value(kind, tuple(part for item in items for part in item.parts))
-        if not (is_number(value.kind) and is_number(kind)):
+        if is_abreast(value.kind) or not (is_number(value.kind) and is_number(kind)):
             raise CompileError(f"{value.kind} for {kind}")
         types = self.types
         if kind is INT:
@@ -288,7 +288,8 @@ class Operators(Code):
         if x.kind is FLOAT:
             return Value(FLOAT, (self.intrinsic("fabs", x.parts[0]),))
         head = Value(FLOAT, x.parts[:1]) if x.kind is WIDE else x
-        return self.chosen(self.compare("Lt", head, integer(0)).parts[0], self.negative(x), x)
+        zero = Value(INT, (self.literal("i64", "0"),))
+        return self.chosen(self.compare("Lt", head, zero).parts[0], self.negative(x), x)
 
     @in_lanes
     def root(self, x: Value) -> Value:

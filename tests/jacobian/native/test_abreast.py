@@ -1,6 +1,6 @@
 """Rounds of a loop done at once beside the same rounds one after the other."""
 
-from math import ceil, floor
+from math import ceil, floor, frexp
 
 import numpy as np
 import pytest
@@ -37,7 +37,7 @@ def branches(xs, n, out, counts):
             y += 2
         sign = -1.0 if early(y) == 0 else 1.0
         out[i] = sign * min(y, abs(x) - 3, 7) / (y * y + 1) - (1, 2, 5)[i % 3]
-        counts[i] = steps * (i // 3 - 2) % 5 + floor(x) + ceil(y) + int(-x)
+        counts[i] = steps * (i // 3 - 2) % 5 + floor(x) + ceil(y) + int(-x) + abs(i - 3)
 
 
 def early(y):
@@ -182,9 +182,15 @@ def repeats(xs):
             x -= 1
 
 
+def takes_one_number(xs):
+    for i in abreast(0, len(xs)):
+        xs[i], _ = frexp(xs[i])
+
+
 @pytest.mark.parametrize(
     ("function", "words"),
     [
+        (takes_one_number, "float abreast"),
         (leaves_a_loop, "some lanes leave a round of a loop"),
         (returns_from_a_loop, "some lanes return in a loop"),
         (has_both_kinds, "in one variable"),
