@@ -91,7 +91,6 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
     if "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
     start = _section(top, place, "start", ("q", "p"))
-    keys = ((key, isinstance(body.content.get(key), list)) for key in SYSTEMS[system].keys)
     return Scene(
         name=name,
         title=top.text("title", name),
@@ -101,7 +100,7 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
         d=None,
         mass=None,
         radius=None,
-        constants=tuple((key, body.numbers(key) if several else body.number(key)) for key, several in keys),
+        constants=tuple((key, body.number_or_numbers(key)) for key in SYSTEMS[system].keys),
         gamma=start.numbers("q"),
         M=start.numbers("p"),
         **_read_motion(top, place, False, _CLASSICAL_PICTURES),
@@ -196,7 +195,8 @@ def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
     """A top-level table; messages show it as in the file, ``[key]``."""
     needed = key in ("body", "start", "run", "steps")
     if needed and key not in top:
-        top.fail(f"[{key}]", f"missing; a table with {', '.join(known)} is needed")
+        wanted = f"a table with {', '.join(known)}" if known else "an empty table"
+        top.fail(f"[{key}]", f"missing; {wanted} is needed")
     return Table(f"{place}: [{key}]", top.content.get(key, {}), known)
 
 

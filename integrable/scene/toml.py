@@ -128,6 +128,11 @@ class Table:
             self.fail(key, f"{_shown(value)} given; {needed} is needed")
         return tuple(self._number(key, item) for item in value)
 
+    def number_or_numbers(self, key: str) -> Fraction | tuple[Fraction, ...]:
+        """A finite number, or a list of them."""
+        value = self._get(key, _MISSING, "a number or a list of numbers")
+        return self.numbers(key) if isinstance(value, list) else self.number(key)
+
     def table(self, key: str, known: Iterable[str]) -> Table:
         """The table under ``key``."""
         return Table(f"{self.place} {key}:", self._get(key, _MISSING, "a table"), known)

@@ -151,6 +151,8 @@ def test_a_step_back_undoes_a_step():
     [
         ("a = [1, 2, 4]", "inertia = [1, 2, 4]", r"\[body\] inertia: unknown key"),
         ("a = [1, 2, 4]", "a = [1, 1, 4]", r"\[body\] a = .*different"),
+        ("a = [1, 2, 4]", "", r"\[body\] a: missing; a number or a list of numbers is needed"),
+        ('"neumann"\n[body]\na = [1, 2, 4]', '"spherical_pendulum"', r"\[body\]: missing; an empty table is needed"),
         ('p = ["0.384"', 'p = ["0.5"', r"\[start\] .*\(q, p\) = 0 is needed"),
         ("q = ", "gamma = ", r"\[start\] gamma: unknown key"),
         ("[run]", "[steps]\ncount = 3\n[run]", r"\[steps\]: given"),
