@@ -96,7 +96,8 @@ class Method:
         return self.prepare_run(system, state, setting)
 
     def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
-        """γ and M at ``times``, any order and either sign, the state being at time 0: shapes (N, 3).
+        """γ and M at ``times``, any order and either sign, the state being at time 0: shapes (N, 3), of other systems q
+        and p of shape (N, n).
 
         What an integrator cannot do it says: PrecisionLoss (a step whose equations have no solution) or RuntimeError
         (SciPy's and heyoka's own message). An error that is merely large is not noticed by any of them.
