@@ -22,7 +22,7 @@ from integrable.motion.short import (
 from integrable.motion.trajectory import WAYS, Motion
 from integrable.systems.system import System
 from jacobian.batch.threads import in_ranges
-from jacobian.errors import JacobianError
+from jacobian.errors import ArgumentError, JacobianError
 from jacobian.numbers.compiler import interpreted
 
 COLUMNS = 7
@@ -167,7 +167,16 @@ def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) ->
     return rows
 
 
-def memory() -> float:
+def held(count: int, length: int, columns: int, instead: str) -> None:
+    """ArgumentError, which says what to do ``instead``, where memory does not hold so many columns of floats for
+    ``count`` members at ``length`` times.
+    """
+    size = 8.0 * count * length * columns
+    if size > _memory():
+        raise ArgumentError(f"times: {count} members at {length} times are {1e-9 * size:.0f} GB; {instead}")
+
+
+def _memory() -> float:
     """Bytes of this machine's memory; infinity where it does not say."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))

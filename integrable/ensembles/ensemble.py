@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.ensembles.computing import COLUMNS, computed, memory
+from integrable.ensembles.computing import COLUMNS, computed, held
 from integrable.ensembles.members import Members, broadcast, time_rows, times_of_some
 from integrable.ensembles.trajectories import Trajectories
 from jacobian.errors import ArgumentError, flag, shown, whole
@@ -42,11 +42,7 @@ class Ensemble(Members):
         given = time_rows(times, len(self))
         shape = (len(self), given.shape[1], COLUMNS)
         if out is None:
-            if 8 * np.prod(shape, dtype=float) > memory():
-                raise ArgumentError(
-                    f"times: {shape[0]} members at {shape[1]} times are {8e-9 * np.prod(shape, dtype=float):.0f} GB; "
-                    "take .chunks(times), or out=numpy.memmap(...)"
-                )
+            held(*shape, "take .chunks(times), or out=numpy.memmap(...)")
             out = np.empty(shape)
         elif not isinstance(out, np.ndarray) or out.shape != shape or out.dtype != np.float64:
             raise ArgumentError(f"out = {shown(out)}: an array of float64 of shape {shape} is needed")

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.ensembles.computing import REFUSED, Said, gathered, short_runs
+from integrable.ensembles.computing import REFUSED, Said, gathered, held, short_runs
 from integrable.ensembles.members import common_count, numbers, plain, time_rows, times_of
 from integrable.ensembles.runs import Runs
 from integrable.laboratory.bodies import NEARLY, RigidBody
@@ -28,6 +28,8 @@ __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 
 # beside a rotation about an axis, where ω is constant
 ASIDE = 1e-8
+# an orientation and ω
+COLUMNS = 12
 WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are needed"
 
 
@@ -49,7 +51,8 @@ def laboratory_ensemble(body: Any, orientation: Any, omega: Any, contact: Any = 
         "contact": numbers((0, 0) if contact is None else contact, "contact", 2),
     }
     count = common_count(parts)
-    return LaboratoryEnsemble(body, *(np.broadcast_to(part, (count, *part.shape[1:])) for part in parts.values()))
+    own = (np.broadcast_to(part, (count, *part.shape[1:])).copy() for part in parts.values())
+    return LaboratoryEnsemble(body, *own)
 
 
 def _rotations(orientation: Any) -> np.ndarray:
@@ -94,6 +97,7 @@ class LaboratoryEnsemble(Record):
         rest is what :meth:`motion` gives. A member that is refused stops no other.
         """
         given = time_rows(times, len(self))
+        held(len(self), given.shape[1], COLUMNS, "take parts of the members, such as [:1000]")
         work = _Work.of(self, given)
         found = gathered(len(self), given.shape[1], work.part)
         return LaboratoryRuns(self, given, work.matrices, work.omega, found.status, found.reasons)

@@ -85,6 +85,14 @@ def test_times_of_their_own_and_parts():
     assert [run.times.tolist() for run in runs] == times.tolist()
 
 
+def test_arrays_that_were_given_may_change():
+    starts, omega, contacts = STARTS.copy(), OMEGA.copy(), np.zeros((9, 2))
+    many = laboratory_ensemble(BODIES["ball"], starts, omega, contacts)
+    for given in (starts, omega, contacts):
+        given[:] = 7
+    assert many == laboratory_ensemble(BODIES["ball"], STARTS, OMEGA)
+
+
 def test_rotations_of_scipy_in_and_out():
     rotations = pytest.importorskip("scipy.spatial.transform").Rotation
     many = laboratory_ensemble(BODIES["ball"], rotations.from_matrix(STARTS), OMEGA)
@@ -114,6 +122,10 @@ def test_rotations_of_scipy_in_and_out():
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA[:4]), "orientation has 9, omega has 4"),
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).at([[1, 2]] * 3), r"\(9, N\) is needed"),
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).at([np.nan]), "finite numbers"),
+        (
+            lambda: laboratory_ensemble(BODIES["ball"], UP, [OMEGA[0]] * 10**5).at(np.ones(10**6)),
+            "times: 100000 members at 1000000 times are 9600 GB; take parts of the members",
+        ),
         (lambda: laboratory_ensemble(BODIES["ball"], STARTS, OMEGA).motion(9), "0 … 8"),
         (lambda: ensemble(BODIES["ball"], UP[0], UP[1]), "laboratory_ensemble"),
     ],
