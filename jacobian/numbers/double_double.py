@@ -36,10 +36,11 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if type(x) is int and abs(x) < EXACT:
         return float(x), 0.0
+    # gmpy2's, which may have _mpf_ too, made at every call
+    if type(x).__name__ == "mpfr":
+        return _split_mpfr(x)
     if hasattr(x, "_mpf_"):
         return _split_mpf(x)
-    if type(x).__module__ == "gmpy2" and hasattr(x, "precision"):
-        return _split_mpfr(x)
     if isinstance(x, Integral):
         x = Fraction(int(x))
     if not isinstance(x, (float, np.floating, Fraction)):

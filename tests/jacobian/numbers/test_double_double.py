@@ -5,6 +5,7 @@ from fractions import Fraction
 from math import isqrt
 from random import Random
 
+import gmpy2
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -259,7 +260,10 @@ def test_split_of_long_reals_does_not_depend_on_their_context(bits):
         double_double.split(reals.number(0) / 0)
 
 
-@pytest.mark.parametrize("x", ["0.1", None, 1j, float("nan"), float("inf"), 10**400, Fraction(10**400)])
+@pytest.mark.parametrize(
+    "x",
+    ["0.1", None, 1j, float("nan"), float("inf"), 10**400, Fraction(10**400), gmpy2.mpfr("1e400"), gmpy2.mpc(1, 2)],
+)
 def test_what_is_no_real_number(x):
     with pytest.raises(ArgumentError, match="x ="):
         double_double.split(x)
