@@ -59,10 +59,14 @@ class TorusFlow(Corners):
         super().__init__(setup, loops, most)
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if not confirmed(setup, self.frequencies, self._rows_at_tau, loops):
-            raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         if setup.bare_problem.d != 0:
             self.clock = TorusClock(self, self._rates())
+
+    def _check_walk(self) -> None:
+        # before the borders of cells: these say of a wrong sign that digits are lost
+        if not confirmed(self.setup, self.frequencies, self._rows_at_tau, self.loops):
+            raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
+        super()._check_walk()
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).

@@ -61,6 +61,10 @@ class Corners:
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._walk_over()
+        self._check_walk()
+
+    def _check_walk(self) -> None:
+        """NotClosed where the states at the corners are not to be trusted."""
         if self.compiled and not seamless(self.sizes, self.at_phases):
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
 
