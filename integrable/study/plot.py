@@ -197,12 +197,12 @@ def _series(axes: Any, rows: list[Row], side: int) -> None:
 
 
 def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
-    """The setting of a row beside its mark: to the right of an integrator's, below the flow's, clear of the floor."""
+    """The setting of a row beside its mark: above an integrator's, whose line falls to the right; below the flow's."""
     # legible across a line
     behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
     text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
     if side > 0:
-        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=(8, 0), ha="left", va="center", **text)
+        axes.annotate(row.setting, (row.total, row.error_gamma), xytext=(5, 3), ha="left", va="bottom", **text)
     else:
         below = (0, -19 if lower else -7)
         axes.annotate(row.setting, (row.total, row.error_gamma), xytext=below, ha="center", va="top", **text)
