@@ -303,13 +303,17 @@ class MumfordFlow:
             # beyond what double-doubles hold there are additions
             with suppress(PrecisionLoss):
                 return self._path(self._torus, np.array(given))
-        rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in given]
+        rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in self._places(given)]
         kind = object if hasattr(K, "dps") else float
         q, p = (
             np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), self.system.size)
             for i in (0, 1)
         )
         return Path(np.array(given, dtype=kind), q, p)
+
+    def _places(self, times: list[Any]) -> list[Any]:
+        """What the motion is asked for to be there at these times: themselves, or τ."""
+        return times
 
     @cached_property
     def _torus(self) -> RealTorus | None:

@@ -42,6 +42,7 @@ SYSTEMS = {
     "neumann": Kind("classical", "Neumann", ("a",)),
     "spherical_pendulum": Kind("classical", "SphericalPendulum", ()),
     "toda": Kind("classical", "TodaLattice", ("n",)),
+    "veselova": Kind("classical", "Veselova", ("inertia",)),
 }
 """The systems of scenes, each a module. One of ``classical`` needs no more than its line here."""
 

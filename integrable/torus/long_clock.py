@@ -31,11 +31,11 @@ class MultiprecisionTorusClock:
     Raises PrecisionLoss where the torus is degenerate or nearly so: that is for the clock that counts steps.
     """
 
-    def __init__(self, setup: Setup, digits: int | None = None) -> None:
+    def __init__(self, setup: Setup, digits: int | None = None, direction: tuple[Any, Any] = (1, 0)) -> None:
         digits = digits or setup.digits
         self.wide = setup.wide
         self._eps = self.wide.coerce(10) ** -digits
-        modes = modes_of_rate(setup, digits)
+        modes = modes_of_rate(setup, digits, direction)
         self.frequencies, self.mean = modes.frequencies, modes.mean
         self._series = LongSeries(modes.rows, self.frequencies, self.wide, 10.0**-digits)
 

@@ -50,14 +50,14 @@ class Modes(NamedTuple):
     mean: Any
 
 
-def modes_of_rate(setup: Setup, digits: int) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean.
+def modes_of_rate(setup: Setup, digits: int, direction: tuple[Any, Any] = (1, 0)) -> Modes:
+    """The modes of 1/g down to 10^(−digits) of its mean, τ being the time of ``direction``, (Σdx/y, Σx dx/y).
 
     PrecisionLoss where the torus is not compact, or so nearly that the tables grow beyond bounds or digits are lost.
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
-        torus = OvalTorus(setup, balls, digits)
+        torus = OvalTorus(setup, balls, digits, direction)
         size = (ceil(MODES_A_DIGIT * digits), ceil(MODES_A_DIGIT * digits))
         while True:
             torus.use(size)
@@ -72,7 +72,7 @@ def modes_of_rate(setup: Setup, digits: int) -> Modes:
 class OvalTorus:
     """Both ovals of a motion, and tables of e^(2πiθ) at their nodes."""
 
-    def __init__(self, setup: Setup, balls: BallReals, digits: int) -> None:
+    def __init__(self, setup: Setup, balls: BallReals, digits: int, direction: tuple[Any, Any]) -> None:
         import flint
 
         self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
@@ -84,7 +84,7 @@ class OvalTorus:
         self.ovals = [Oval(self, exact[k], exact[1 - k], k == 0) for k in (0, 1)]
         (a0, a1), (b0, b1) = (oval.period for oval in self.ovals)
         self.area = a0 * b1 - a1 * b0
-        self.frequencies = b1 / self.area, -a1 / self.area
+        self.frequencies = self.phases(*map(self.ball, direction))
         if not self.area.rel_accuracy_bits() > 3.33 * digits:
             raise PrecisionLoss("branch points are too close together for these digits; use more digits")
         self._place()

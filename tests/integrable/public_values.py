@@ -24,10 +24,12 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
 from integrable.laboratory.fit import OrientationFit
 from integrable.motion.conditioning import conditioning
 from integrable.scene.classical import ClassicalSystem
 from integrable.scene.orbit import orbit
+from integrable.systems.on_layer import BodyOnLayer
 from jacobian import GF, MP, RR
 
 FIELDS = {"RR": RR, "MP": MP(30)}
@@ -61,6 +63,8 @@ def systems_over(K):
         "neumann": Neumann(inertia, K),
         "pendulum": SphericalPendulum(K),
         "toda": TodaLattice(3, K),
+        "veselova": Veselova(inertia, K),
+        "ball on the layer": BodyOnLayer(inertia, "0.7", K),
     }
 
 

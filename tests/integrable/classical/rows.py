@@ -14,7 +14,9 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
 from integrable.mumford.system import Point
+from integrable.systems.on_layer import BodyOnLayer
 from tests.integrable.exact_points import attempt
 
 
@@ -92,6 +94,21 @@ def exact_barriers(K, rng, n):
     return exact_henon_heiles(K, rng, n, [K.zero, *different(K, rng, n - 1)])
 
 
+def exact_body(make):
+    """A body of three random moments, and a random state where s has a root."""
+
+    def case(K, rng, n):
+        def found():
+            system = make(K, rng, different(K, rng, n))
+            state = system.state(*on_sphere(K, rng, n))
+            system.divisor(state)
+            return system, state
+
+        return attempt(found)
+
+    return case
+
+
 def garnier(K, n):
     system = Garnier([i * i for i in range(n)], "1/2", "-1/4", K)
     rng = Random(n)
@@ -121,6 +138,17 @@ def pendulum(K, n):
     return system, system.state(("12/25", "3/5", "-16/25"), ("3/4", "-3/5", 0))
 
 
+def body(make):
+    """A body in a motion of ordinary size."""
+
+    def case(K, n):
+        system = make(K)
+        gamma, M = ((K.coerce(x) for x in row) for row in (("12/25", "3/5", "16/25"), ("48/125", "32/25", "-186/125")))
+        return system, system.state(gamma, M)
+
+    return case
+
+
 def ellipsoid(K, n):
     system = Ellipsoid([i * i + 2 for i in range(n + 1)], K)
     rng = Random(n)
@@ -147,6 +175,7 @@ def toda(K, n):
 
 
 EXACT = {
+    "ball": exact_body(lambda K, rng, moments: BodyOnLayer(moments, K.random(rng), K)),
     "barriers": exact_barriers,
     "ellipsoid": exact_ellipsoid,
     "garnier": exact_garnier,
@@ -156,8 +185,11 @@ EXACT = {
     "neumann": exact_neumann,
     "pendulum": exact_pendulum,
     "toda": exact_toda,
+    "top": exact_body(lambda K, rng, moments: BodyOnLayer(moments, 0, K)),
+    "veselova": exact_body(lambda K, rng, moments: Veselova(moments, K)),
 }
 REAL = {
+    "ball": body(lambda K: BodyOnLayer((1, 2, 3), "7/10", K)),
     "barriers": barriers,
     "ellipsoid": ellipsoid,
     "garnier": garnier,
@@ -166,9 +198,12 @@ REAL = {
     "neumann": neumann,
     "pendulum": pendulum,
     "toda": toda,
+    "top": body(lambda K: BodyOnLayer((1, 2, 3), 0, K)),
+    "veselova": body(lambda K: Veselova(("1/2", 2, "3/2"), K)),
 }
 # (system, size) with genus 1 to 4, both parities of the model and of the genus
 CASES = [
+    ("ball", 3),
     ("barriers", 2),
     ("ellipsoid", 2),
     ("ellipsoid", 3),
@@ -184,6 +219,8 @@ CASES = [
     ("toda", 3),
     ("toda", 4),
     ("toda", 5),
+    ("top", 3),
+    ("veselova", 3),
 ]
 over_cases = pytest.mark.parametrize(("name", "n"), CASES)
 # those without a way back from divisors too

@@ -11,8 +11,10 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
-from integrable.mumford.system import MumfordFlow, Point
-from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError
+from integrable.classical.veselova import Veselova
+from integrable.mumford.system import Point
+from integrable.systems.on_layer import BodyOnLayer
+from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError, PrecisionLoss
 from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
 
 REST = Point((1.0, 0.0), (0.0, 0.0))
@@ -47,8 +49,9 @@ def test_floats_against_forty_digits(name, n, time) -> None:
     path = system.flow(state).at([time])
     K = MP(40)
     fine = system.over(K)
-    # the same floats, which meet |q| = 1 to the digits of floats only
-    exact = MumfordFlow(fine, fine._inside(K, state)).at([time])
+    # the same floats, which meet |q| = 1 to the digits of floats only; the ball by additions, beside its own flow
+    start = fine._constrained(K, fine._inside(K, state))
+    exact = getattr(fine, "by_additions" if name == "ball" else "flow")(start).at([time])
     for a, b in ((path.q, exact.q), (path.p, exact.p)):
         assert np.abs(a - b.astype(float)).max() <= 4e-16 * np.abs(a).max()
 
@@ -175,6 +178,34 @@ def test_special_positions_of_axes(system, q, p) -> None:
     assert distance(RR, (path.q[0], path.p[0]), [[float(x) for x in a] for a in expected]) < 2e-14
 
 
+@pytest.mark.parametrize(
+    ("q", "p"),
+    [
+        (("0.6", "0.8", 0), (0, 0, 1)),  # about an axis for ever, γ in a coordinate plane
+        ((0, "0.6", "0.8"), (1, 0, 0)),
+        ((1, 0, 0), (0, "0.6", "0.8")),  # from an axis
+        (("0.6", "0.8", 0), ("0.8", "-0.6", 0)),
+        (("0.6", "0.8", 0), (0, "1e-30", 1)),  # nearly in a plane
+        pytest.param(("0.6", 0, "0.8"), (0, 1, 0), marks=pytest.mark.slow),  # unstable, and near it
+        pytest.param(("0.6", 0, "0.8"), ("1e-12", 1, "-0.75e-12"), marks=pytest.mark.slow),
+    ],
+)
+def test_special_positions_of_veselova(q, p) -> None:
+    """Where an oval is a point the clock is a series still; where both have met it is a quadrature."""
+    system, fine = Veselova((1, 2, 4)), Veselova((1, 2, 4), MP(30))
+    start = fine._constrained(fine.field, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
+    path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5, -1.5])
+    for row, time in enumerate((1.5, -1.5)):
+        expected = integrated(fine, start, time, 12, 10)
+        assert distance(RR, (path.q[row], path.p[row]), [[float(x) for x in a] for a in expected]) < 1e-14
+
+
+def test_times_far_along_a_separatrix_are_refused() -> None:
+    system = Veselova((1, 2, 4))
+    with pytest.raises(PrecisionLoss, match="on a separatrix"):
+        system.flow(system.state((0.6, 0, 0.8), (0, 1, 0))).at(1e9)
+
+
 def test_frequencies_are_those_of_small_motions() -> None:
     system = HenonHeiles.with_frequencies(1.5, 0.75)
     path = system.flow(system.state((1e-9, -1e-9), (0, 0))).at([2.0])
@@ -260,6 +291,20 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: LagrangeTop("x"), "j = 'x'"),
         (lambda: LagrangeTop().state((1, 1, 0), (0, 0, 0)), "|γ| = 1"),
         (lambda: SphericalPendulum().state((1, 0, 0), (1, 0, 0)), "(q, p) = 0"),
+        (lambda: Veselova((1, 2)), "inertia = (1, 2)"),
+        (lambda: Veselova((1, 2, 2)), "inertia = (1, 2, 2)"),
+        (lambda: Veselova((1, 2, -3)), "inertia = (1, 2, -3)"),
+        (lambda: Veselova((1, 2, 3, 4)), "inertia = (1, 2, 3, 4)"),
+        (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (1, 0, 0)), "(γ, M) = 0"),
+        (lambda: Veselova((1, 2, 3)).state((1, 1, 0), (0, 0, 1)), "|γ| = 1"),
+        (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (0, 0, 0)), "M ≠ 0"),
+        (lambda: Veselova((1, 2, 3)).omega("rest"), "state = 'rest'"),
+        (lambda: Veselova((1, 2, 3)).flow("rest"), "state = 'rest'"),
+        (lambda: Veselova((1, 2, 3), CC).flow(Point((1, 0, 0), (0, 1, 0))), "field = CC"),
+        (lambda: BodyOnLayer((1, 1, 2)), "inertia = (1, 1, 2)"),
+        (lambda: BodyOnLayer((1, 2)), "inertia = (1, 2)"),
+        (lambda: BodyOnLayer((1, 2, 3), "x"), "d = 'x'"),
+        (lambda: BodyOnLayer((1, 2, 3)).by_additions(Point((1, 0, 0), (0, 1, 0))), "d = 0"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
         (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),

@@ -1,0 +1,50 @@
+"""Veselova's system: a rigid body whose angular velocity has no part along a direction fixed in space
+(Veselov & Veselova 1986; Fedorov & Jovanović 2004).
+
+Iω' + ω×Iω = μγ, γ' = γ×ω, (γ, ω) = 0. With M = Iω − (Iω, γ)γ and A = I⁻¹: γ' = γ×ω, M' = M×ω, (γ, M) = 0,
+ω = A(M − (γ, AM)γ/(γ, Aγ)), in the terms of :mod:`integrable.mumford.bodies` l(x) = x and a_i = 1/I_i,
+
+    f = 4xΠ(a_i − x)(xH₂ − H₁),   dt = √(γ, Aγ) dτ
+
+The point Aγ/√(γ, Aγ) runs along a geodesic of Σx_i²/a_i = 1, and γ, its normal, moves in τ√(H₁ det A) as Neumann's
+point with the constants I_i.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from integrable.mumford.bodies import BodySystem
+from integrable.mumford.system import Point
+from jacobian import RR
+from jacobian.errors import ArgumentError, shown
+
+
+class Veselova(BodySystem):
+    """A body of three different moments ``inertia``; a state has q = γ and p = M, the part of Iω across γ.
+
+    ``Veselova((1, 2, 3)).flow(system.state(q, p)).at(times)``; ``omega(state)`` is the angular velocity.
+    """
+
+    def __init__(self, inertia: Any, field: Any = RR) -> None:
+        self._set_up_moments(field, inertia)
+        K = self.field
+        if not K.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
+            raise ArgumentError(f"inertia = {shown(inertia)}: moments of inertia are positive")
+
+    def __repr__(self) -> str:
+        return f"Veselova({self.constants}, {self.field.name})"
+
+    def omega(self, state: Point) -> tuple[Any, ...]:
+        """The angular velocity ω in the body."""
+        N = self.numbers
+        return tuple(map(self._bare, self._omega(N, self._inside(N, state))))
+
+    def _constants_in(self, N: Any) -> tuple[Any, ...]:
+        return tuple(N.one / N.coerce(moment) for moment in self.constants)
+
+    def _light(self, N: Any) -> tuple[Any, Any]:
+        return N.zero, N.one
+
+    def _weights(self, N: Any) -> tuple[Any, ...]:
+        return self._constants_in(N)

@@ -1,0 +1,195 @@
+"""What the Chaplygin ball, the Euler top and Veselova's body share: γ' = γ×ω, M' = M×ω at (γ, M) = 0, on one curve.
+
+With a_i three constants, A = diag a_i, and a linear function l(x) = p + qx, c_i = l(a_i): p = 1, q = −d for the ball
+and the top, p = 0, q = 1 for Veselova's body, the ball's limit d → ∞ at fixed a_i,
+
+    ω = A(M − q(γ, AM)γ/s),   s = Σc_iγ_i²,   f = 4l(x)Π(a_i − x)(xH₂ − H₁),   H₁ = (ω, M), H₂ = (M, M)
+    U = Σc_iσ_i²(x − a_j)(x − a_k),   V = Σc_iσ_iν_i(x − a_j)(x − a_k),   σ = γ/√s,   ν = 2w − 2(Σc_iγ_iw_i)γ/s
+
+with w = γ×M; (σ_i, ν_i) is the lift at a_i. The direction is e_0 in τ, and dt = √s dτ, s = Πc_i/(l(x_1)l(x_2)): time is
+a mean rate and a function on the torus (Tsiganov's coordinates of the ball; Veselov & Veselova 1986 for p = 0).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from math import ceil, log10
+from typing import Any
+
+from integrable.mumford.motion import Start
+from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
+from integrable.mumford.system import MumfordFlow, MumfordSystem, Point, Spectral, all_of, on_sphere
+from jacobian import MP, RR, poly
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.numbers.long_reals import BareReals
+from jacobian.relatives.extended import Extended, Lift
+
+# digits of τ beyond those of a state; those for far times come in steps, so that few series are made
+GUARD, DIGITS_APART = 6, 4
+# a panel of the clock of a separatrix, in some radians
+STEP = 0.5
+
+
+class BodySystem(MumfordSystem):
+    """The base of these: a state has q = γ and p = M, both in the body."""
+
+    size = 3
+    clocked = True
+    _constraint_names = ("|γ| = 1", "(γ, M) = 0", "M ≠ 0")
+
+    def _light(self, N: Any) -> tuple[Any, Any]:
+        """Table: (p, q)."""
+        raise NotImplementedError
+
+    def _weights(self, N: Any) -> tuple[Any, ...]:
+        """Table: the c_i = l(a_i), without loss of digits."""
+        raise NotImplementedError
+
+    # --- what follows
+
+    def _set_up_moments(self, field: Any, inertia: Any) -> None:
+        """Sets ``field``, and ``constants`` to three different numbers that are not 0."""
+        self._set_up(field, inertia, "inertia", 3)
+        if self.size != 3 or self.field.zero in self.constants:
+            raise ArgumentError(f"inertia = {shown(inertia)}: three different numbers other than 0 are needed")
+
+    def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
+        moves = N.zero if any(x != N.zero for x in state.p) else N.one
+        return N.dot(state.q, state.q) - N.one, N.dot(*state), moves
+
+    def _constrained(self, N: Any, state: Point) -> Point:
+        return on_sphere(N, state)
+
+    def _omega(self, N: Any, state: Point) -> tuple[Any, ...]:
+        a, (gamma, M) = self._constants_in(N), state
+        turned = tuple(e * m for e, m in zip(a, M, strict=True))
+        pull = self._light(N)[1] * N.dot(gamma, turned) / self._stretch(N, gamma)
+        return tuple(x - pull * e * y for x, e, y in zip(turned, a, gamma, strict=True))
+
+    def _stretch(self, N: Any, gamma: Sequence[Any]) -> Any:
+        """s."""
+        return N.dot(self._weights(N), [x * x for x in gamma])
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        omega = self._omega(N, state)
+        return Point(*(cross(part, omega) for part in state))
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """H1 = (ω, M), H2 = (M, M)."""
+        return {"H1": N.dot(self._omega(N, state), state.p), "H2": N.dot(state.p, state.p)}
+
+    def _pairs(self, N: Any, state: Point) -> tuple[tuple[Any, Any], ...]:
+        """The (σ_i, ν_i)."""
+        gamma, w = state.q, cross(*state)
+        stretch = self._stretch(N, gamma)
+        lean = N.dot(self._weights(N), [x * y for x, y in zip(gamma, w, strict=True)]) / stretch
+        root = N.sqrt(stretch)
+        return tuple((x / root, 2 * (y - lean * x)) for x, y in zip(gamma, w, strict=True))
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        pairs, weights = self._pairs(N, state), self._weights(N)
+        u = self._sums(N, [c * x * x for c, (x, _) in zip(weights, pairs, strict=True)])
+        v = self._sums(N, [c * x * y for c, (x, y) in zip(weights, pairs, strict=True)])
+        h1, h2 = self._integrals(N, state).values()
+        f: poly.Poly = (-4 * h1, 4 * h2)
+        for e in self._constants_in(N):
+            f = poly.mul(N, f, (e, -N.one))
+        # at q = 0 of degree 4
+        light = self._light(N)
+        f = poly.mul(N, f, light if light[1] != N.zero else light[:1])
+        return all_of(N, (f, (*u[:2], N.one), v[:2]), 2)
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        return N.one, N.zero
+
+    def _time_rate(self, N: Any, u: poly.Poly) -> Any:
+        (p, q), (first, second, third) = self._light(N), self._weights(N)
+        return N.sqrt(first * second * third / (p * p - p * q * u[1] + q * q * u[0]))
+
+    def _start(self, N: Any, state: Point) -> Start:
+        f, u, v = self._spectral(N, state)
+        a, kinds, data = self._constants_in(N), [], []
+        slopes = poly.derivative(N, poly.from_roots(N, a))
+        for e, c, (sigma, nu) in zip(a, self._weights(N), self._pairs(N, state), strict=True):
+            kinds.append(Lift(e))
+            data.append((c * poly.evaluate(N, slopes, e), sigma, nu))
+        return Start(f, u, v, self._direction(N, 2), kinds, tuple(data))
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        _, sigma, nu = zip(*D.data, strict=True)
+        square = N.dot(sigma, sigma)
+        lean, root = N.dot(sigma, nu) / square, N.sqrt(square)
+        gamma = tuple(x / root for x in sigma)
+        w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
+        return Point(gamma, cross(w, gamma))
+
+    def flow(self, state: Point) -> Any:
+        """The motion of a state over RR or MP(digits), any time at once; on a separatrix times near the start."""
+        self._check(state)
+        return BodyFlow(self, state)
+
+    def _unit(self, N: Any, state: Point) -> Unit:
+        """The curve in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
+        (p, q), weights = self._light(N), self._weights(N)
+        h1, h2 = self._integrals(N, state).values()
+        size = 2 * max(weights)
+        height = 2 * N.sqrt(size * h2) * (size / q) ** 2
+        pairs = self._pairs(N, state)
+        _, u, v = self._spectral(N, state)
+        slope = v[1] / q
+        lights = (2 * p - q * u[1], p * p - p * q * u[1] + q * q * u[0])
+        X = (1 - lights[0] / size + lights[1] / size**2, lights[0] / size - 2)
+        Y = ((v[0] + slope * (size - p)) / height, -slope * size / height)
+        pace = -q * height / size
+        return Unit(
+            tuple(1 - c / size for c in weights),
+            1 - (p + q * h1 / h2) / size,
+            (*X, *Y, *(sigma for sigma, _ in pairs)),
+            (pace, pace * (1 - p / size)),
+        )
+
+
+class BodyFlow(MumfordFlow):
+    """The motion of a state, whose τ is found first, by a series on the torus."""
+
+    def __init__(self, system: BodySystem, state: Point) -> None:
+        super().__init__(system, state)
+        self._body = system
+        self._clock, self._clocks = None, dict[int, SeriesClock | PanelClock]()
+
+    def _places(self, times: list[Any]) -> list[Any]:
+        """τ, with the digits that the states are to have at the farthest of the times."""
+        far = max([abs(float(t)) for t in times], default=0) * self._pace
+        digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
+        if digits not in self._clocks:
+            self._clocks = {digits: self._made(digits)}
+        return self._clocks[digits].tau(list(map(MP(digits + SPARE).coerce, times)))
+
+    def _made(self, digits: int) -> SeriesClock | PanelClock:
+        K = MP(digits + SPARE)
+        try:
+            return SeriesClock(K, self._body._unit(K, self._inner(K)))
+        except PrecisionLoss:
+            # the ovals have met, or nearly
+            reals = BareReals(K.context.prec)
+            # in τ
+            length = STEP / (self._pace * float(max(self._body._weights(RR))) ** 0.5)
+            return PanelClock(lambda tau: self._motion.row(tau, _rate, digits)[0][0], reals, digits, length)
+
+    @cached_property
+    def _pace(self) -> float:
+        """Some radians in a unit of time."""
+        M = self._inner(RR).p
+        return float(max(self._body._constants_in(RR)) * RR.dot(M, M) ** 0.5)
+
+
+def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:
+    """dt/dτ."""
+    sigma = [datum[1] for datum in D.data]
+    return ((1 / N.sqrt(N.dot(sigma, sigma)),),)
+
+
+def cross(x: Sequence[Any], y: Sequence[Any]) -> tuple[Any, ...]:
+    """x × y, of numbers with operators."""
+    return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
