@@ -17,8 +17,7 @@ import numpy as np
 from integrable.laboratory.ways import Along, WideFlow, numbers
 from integrable.motion.symmetric import turns_of
 from integrable.moving_point.legendre import integral
-from integrable.torus.panel_calculus import integrals
-from integrable.torus.panels import Panels
+from integrable.torus.panels import Panels, integrals
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 

@@ -27,8 +27,7 @@ from integrable.phase.body import cross
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
-from integrable.torus.panel_calculus import integrals
-from integrable.torus.panels import Panels
+from integrable.torus.panels import Panels, integrals
 from jacobian import RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 

@@ -11,8 +11,7 @@ import numpy as np
 from integrable.motion.trajectory import BodyMotion
 from integrable.phase.body import Body
 from integrable.phase.state import State
-from integrable.torus.panel_calculus import distinct, zeros
-from integrable.torus.panels import Panels
+from integrable.torus.panels import Panels, distinct, zeros
 from jacobian import RR
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, one_of, shown
 from jacobian.immutable import replaced

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from integrable.moving_point.problem import at_rest
-from integrable.moving_point.short_rows import NUMBERS, WIDE
+from integrable.moving_point.short_rows import NUMBERS
 from integrable.moving_point.short_start import curve, made_upright, moving_start
 from integrable.moving_point.translations import REACH
 from integrable.phase.upright import parallel
@@ -14,12 +14,17 @@ from jacobian.numbers.roots import root
 
 Real = Any
 Row = tuple[Any, ...]
+# places in a :func:`problem_row`: f, the axes and the start, then
+START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
+ROW = 34
 # of |γ × M|/|M| nothing is known that is below so many of the last bits
 SPARE_BITS = 15
 
 
 class BareProblem(NamedTuple):
-    """As :class:`integrable.moving_point.problem.MotionProblem` has them, numbers of a :class:`BareReals`."""
+    """As :class:`integrable.moving_point.problem.MotionProblem` has them, numbers of a :class:`BareReals`; ``slowness``
+    is 1/g times √((1 − du₁)(1 − du₂)) of the upright motion.
+    """
 
     f: Row
     axes: Row
@@ -30,6 +35,7 @@ class BareProblem(NamedTuple):
     momentum: Real
     half_step: Real
     matrix: Row | None
+    slowness: Real
 
     @property
     def branch_points(self) -> Row:
@@ -37,28 +43,48 @@ class BareProblem(NamedTuple):
         rest = () if self.d == 0 else (1 / self.d,)
         return (*self.axes[:3], self.ratio, *rest)
 
+    @property
+    def row(self) -> Row:
+        """The same as a :func:`problem_row`."""
+        matrix = self.matrix or (1, 0, 0, 1)
+        numbers = self.time_scale, self.ratio, self.d, self.momentum, self.half_step
+        return (*self.f, *self.axes, *self.start, *numbers, *matrix, self.slowness)
+
     @staticmethod
     def of(reals: BareReals, given: Row, tilted: bool) -> BareProblem:
         """That of the moments, d, γ and M in ``given``; ArgumentError for M = 0, NotRepresentable for tilted M ∥ γ."""
         with reals:
             row = reals.row(given)
             check(row[4:7], row[7:], tilted, reals.bits - SPARE_BITS)
-            view = [reals.number(0)] * WIDE
-            a = (1 / (row[0] + row[3]), 1 / (row[1] + row[3]), 1 / (row[2] + row[3]))
-            (*moments, d), gamma, M, (k, s, p, rise) = made_upright(row, a, tilted, [0.0] * NUMBERS)
-            tilt = gamma[0] * M[0] + gamma[1] * M[1] + gamma[2] * M[2]
-            M = tuple(m - tilt * x for m, x in zip(M, gamma, strict=True))
-            contact = tuple(moment * x for moment, x in zip(moments, a, strict=True))
-            top, spin = max(a), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
-            ratio = curve(row, a, (contact, d), gamma, M, view)
-            moving_start(a, (contact, d), gamma, M, spin, view)
-            upright = s * s / p
-            axes = (*view[6:12], s, row[3] * k * upright * top * spin)
-            half_step = 2 * REACH * min(*view[6:9], ratio) / root(-view[0])
-            matrix = (upright, -(s * k), upright * rise, s) if tilted else None
+            found = [reals.number(0)] * ROW
+            problem_row(row, tilted, found, [0.0] * NUMBERS)
+            scale, ratio, d, momentum, half_step = found[TIME_SCALE:MATRIX]
+            matrix = tuple(found[MATRIX:SLOWNESS]) if tilted else None
             return BareProblem(
-                tuple(view[:6]), axes, tuple(view[14:24]), ratio, d * top, 2 * top * spin, spin, half_step, matrix
-            )
+                tuple(found[:6]), tuple(found[6:START]), tuple(found[START:TIME_SCALE]), ratio, d, scale, momentum,
+                half_step, matrix, found[SLOWNESS],
+            )  # fmt: skip
+
+
+def problem_row(given: Any, tilted: bool, out: Any, numbers: Any) -> None:
+    """A :class:`BareProblem` from the moments, d, γ and M in ``given``, the identity for its matrix of an upright one;
+    ``numbers`` is room for floats. Written to be compiled as it stands.
+    """
+    a = (1 / (given[0] + given[3]), 1 / (given[1] + given[3]), 1 / (given[2] + given[3]))
+    (I0, I1, I2, d), (x, y, u), M, (k, s, p, rise) = made_upright(given, a, tilted, numbers)
+    tilt = x * M[0] + y * M[1] + u * M[2]
+    M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
+    contact = (I0 * a[0], I1 * a[1], I2 * a[2])
+    top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
+    ratio = curve(given, a, (contact, d), (x, y, u), M, out)
+    moving_start(a, (contact, d), (x, y, u), M, spin, out)
+    across = s * s / p
+    out[12], out[13] = s, given[3] * k * across * top * spin
+    out[TIME_SCALE], out[RATIO], out[HEAVINESS], out[MOMENTUM] = 2 * top * spin, ratio, d * top, spin
+    out[HALF_STEP] = 2 * REACH * min(out[6], out[7], out[8], ratio) / root(-out[0])
+    out[MATRIX], out[MATRIX + 1], out[MATRIX + 2], out[MATRIX + 3] = across, -(s * k), across * rise, s
+    # g² is Σσ², and (1 − du₁)(1 − du₂) = g²·Π(1 − dα_i)
+    out[SLOWNESS] = s * root(contact[0] * contact[1] * contact[2])
 
 
 def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:

@@ -7,6 +7,8 @@ from functools import cached_property
 from math import ceil, log, log10
 from typing import Any
 
+import numpy as np
+
 from integrable.moving_point.addition import opposite, rate_at, shift
 from integrable.moving_point.bare_problem import BareProblem
 from integrable.moving_point.problem import MotionProblem
@@ -60,6 +62,13 @@ class Setup:
     def bare_problem(self) -> BareProblem:
         """The same in bare reals."""
         return BareProblem.of(self.reals, (*self.body.inertia, self.body.d, *self._gamma, *self._M), self._tilted)
+
+    @property
+    def floats_given(self) -> tuple[np.ndarray, bool] | None:
+        """Moments, d, γ and M, and whether the state is tilted; None for a body that is not of floats."""
+        if self.body.field != RR:
+            return None
+        return np.array((*self.body.inertia, self.body.d, *self._gamma, *self._M)), self._tilted
 
     @property
     def tilt(self) -> ChaplyginTransformation | None:

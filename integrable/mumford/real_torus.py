@@ -53,6 +53,7 @@ class Setup(NamedTuple):
     bare_problem: BareProblem
     wide: Any
     reals: BareReals
+    floats_given: None = None
 
 
 class RealTorus(Corners):
@@ -136,7 +137,7 @@ class RealTorus(Corners):
         reals = BareReals(K.context.prec)
         axes, point = reals.row(row), reals.row((*u, *v, *sigmas, *nus))
         zeta, one, none = reals.number(xi[3]), reals.number(1), reals.number(0)
-        return Setup(BareProblem((), axes, point, zeta, one, one, one, none, None), K, reals)
+        return Setup(BareProblem((none,) * 6, axes, point, zeta, one, one, one, none, None, one), K, reals)
 
     def _place_in_units(self, K: Any, direction: Sequence[Any]) -> None:
         """x and y in the units of the torus, and how fast the phases go."""

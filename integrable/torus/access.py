@@ -15,11 +15,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.torus.clock_loops import Clock
+from integrable.moving_point.bare_problem import TIME_SCALE
+from integrable.torus.clock_loops import Clock, Series
+from integrable.torus.clock_modes import MOST_LOUD, Limits, Tables
 from integrable.torus.corners import Corners
 from integrable.torus.loops import NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
-from integrable.torus.series import TorusSeries, long_double, spectrum
+from integrable.torus.series import half_spectrum, in_resonance
 from integrable.torus.witness import confirmed
 from jacobian.errors import PrecisionLoss
 
@@ -32,13 +34,13 @@ MOST_SAMPLES = 1 << 18
 # coefficients of 1/g below this part of its mean are left out of the series that Newton starts with
 ROUGH = 1e-4
 # modes by which τ swings this much, in units in which the body turns by some part of a radian, are summed in
-# double-double numbers: so many at most
+# double-double numbers
 LOUD = 0.05
-MOST_LOUD = 8
 # a direction of the torus is resolved to this part of its frequency, but not beyond what the long doubles of this
 # machine hold
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
+ROUNDING = EXTENDED / 4
 # slow modes swing τ by less than this, in the same units, or are kept however small they are in 1/g
 LEAST_SWING = 1e-17
 # ascending times from this many on, and so many to a node, are read off panels
@@ -59,12 +61,12 @@ class TorusFlow(Corners):
         super().__init__(setup, loops, most)
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if setup.bare_problem.d != 0:
-            self.clock = TorusClock(self, self._rates())
+        if setup.body.d != 0:
+            self.clock = TorusClock(self, *self._spectrum())
 
     def _check_walk(self) -> None:
         # before the borders of cells: these say of a wrong sign that digits are lost
-        if not confirmed(self.setup, self.frequencies, self._rows_at_tau, self.loops):
+        if not confirmed(self.setup, self._problem, self._turns, self._rows_at_tau, self.loops):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         super()._check_walk()
 
@@ -97,7 +99,7 @@ class TorusFlow(Corners):
         """
         rates, rest = self.frequencies, np.zeros(len(times))
         if physical and self.clock:
-            rates, rest = self.clock.pace, self.clock.at(times)[2]
+            rates, rest = self.loops.wide(self.rates[4:6], self.setup.wide), self.clock.at(times)[2]
         found = []
         for n, rate, nu in zip(periods, rates, self.frequencies, strict=True):
             # wide numbers: the fractions of many turns
@@ -139,12 +141,12 @@ class TorusFlow(Corners):
 
     def _rows_at_tau(self, tau: np.ndarray) -> np.ndarray:
         out = np.empty(6 * len(tau))
-        self._check(tau, self.frequencies)
-        self.loops.states_at_tau(self.torus, self._frequency_row, tau, out)
+        self._check(tau, self._turns)
+        self.loops.states_at_tau(self.torus, self.rates[6:8], tau, out)
         return out.reshape(-1, 6)
 
-    def _check(self, times: np.ndarray, rates: Any) -> None:
-        turns = np.abs(times).max(initial=0) * max(abs(float(x)) for x in rates)
+    def _check(self, times: np.ndarray, rates: list[float]) -> None:
+        turns = np.abs(times).max(initial=0) * max(map(abs, rates))
         if turns > MOST_TURNS:
             raise PrecisionLoss(
                 f"time {np.abs(times).max()}: {turns:.1e} turns of a phase are more than the {MOST_TURNS:.1e} whose "
@@ -152,49 +154,92 @@ class TorusFlow(Corners):
             )
 
     @cached_property
-    def _frequency_row(self) -> Any:
-        return self.loops.row(self.frequencies)
+    def _scale(self) -> float:
+        """Units of the flow's own time in one of τ."""
+        return float(self.loops.floats(self._problem[TIME_SCALE : TIME_SCALE + 1])[0])
 
-    def _rates(self) -> np.ndarray:
-        """The spectrum of 1/g: in slow directions to more digits, they will be divided by its frequency."""
-        slow = [SLOW * abs(float(nu) / float(self.setup.time_scale)) for nu in self.frequencies]
-        noise = [min(self.loops.noise, max(EXTENDED, x)) for x in slow]
-        return self.resolved(spectrum, (noise[0], noise[1]))
+    @cached_property
+    def _turns(self) -> list[float]:
+        """Of both phases in a unit of τ."""
+        return self._of_rates(6, 8)
+
+    def _of_rates(self, begin: int, end: int) -> list[float]:
+        found: list[float] = self.loops.floats(self.rates[begin:end]).tolist()
+        return found
+
+    def _spectrum(self) -> tuple[Any, tuple[int, int]]:
+        """The spectrum of 1/g as :mod:`integrable.torus.clock_modes` has it, and the shape of its grid: in slow
+        directions to more digits, they will be divided by its frequency.
+        """
+        loops, scale = self.loops, self._scale
+        first, second = (min(loops.noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in self._turns)
+
+        def transformed(samples: np.ndarray) -> tuple[Any, tuple[int, int]]:
+            half = half_spectrum(samples)
+            values = loops.long_row(half.ravel().view(half.real.dtype))
+            room = np.empty(samples.shape[0] // 2 + samples.shape[1] // 2 + 2)
+            return (values, samples.shape), loops.sizes_needed(values, samples.shape, (first, second), room)
+
+        found: tuple[Any, tuple[int, int]] = self.resolved(transformed)
+        return found
 
 
 class TorusClock:
     """t(τ) and τ(t) of a TorusFlow, in the user's units."""
 
-    def __init__(self, flow: TorusFlow, rates: np.ndarray) -> None:
+    def __init__(self, flow: TorusFlow, values: Any, grid: tuple[int, int]) -> None:
         self._flow = flow
-        row, scale, nu = flow.loops.row, float(flow.setup.time_scale), flow.frequencies
-        first, second = (x / n for x, n in zip(nu, flow.doubled, strict=True))
-        noise, least = max(flow.closure, flow.loops.noise / 64), LEAST_SWING / scale
-        series = TorusSeries(rates, (first, second), long_double(flow.mean), noise, least)
+        noise, scale = max(flow.closure, flow.loops.noise / 64), flow._scale
+        limits = Limits(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
         # the loops count phases in periods of 1/g
-        modes, coefficients = series.loudest(LOUD / scale, MOST_LOUD)
-        origin, parts = flow.loops.long_row((-sum(coefficients[::2]),)), flow.loops.long_row(coefficients)
-        loud = flow.loops.joined(origin, row((2 * flow.setup.wide.context.pi,)), parts)
-        packed = series.packed()
-        quiet = series.packed(without=modes) if len(modes) else packed
-        self.pace = tuple(x / flow.mean for x in nu)
-        pace = row((*self.pace, *nu, 1 / flow.mean, flow.mean))
-        clock = Clock(flow.doubled, series.packed(ROUGH), packed, quiet, modes, loud, pace)
-        self._clock, self._room = flow.loops.packed(clock), 2 * max(part.width for part in clock[1:4])
+        series = series_of(flow.loops, values, grid, flow.rates[10:], limits)
+        self._clock = flow.loops.packed(Clock(flow.doubled, *series, flow.rates[4:10]))
+        self._room = 2 * max(part.width for part in series[:2])
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """(γ and M, τ, τ − t·mean dτ/dt) at physical times, shapes (N, 6), (N,) and (N,)."""
         flow = self._flow
-        flow._check(times, self.pace)
+        flow._check(times, flow._of_rates(4, 6))
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        room = np.empty(self._room)
-        flow.loops.states_at_times(flow.torus, self._clock, times, tau, delays, out, room)
+        flow.loops.states_at_times(flow.torus, self._clock, times, tau, delays, out, np.empty(self._room))
         return out.reshape(-1, 6), tau, delays
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         flow = self._flow
-        flow._check(tau, flow.frequencies)
+        flow._check(tau, flow._turns)
         times = np.empty(len(tau))
         flow.loops.times_at_tau(self._clock, tau, times, np.empty(self._room))
         return times
+
+
+def series_of(
+    loops: Any, values: Any, grid: tuple[int, int], rates: Any, limits: Limits
+) -> tuple[Series, Series, Series, np.ndarray, Any]:
+    """What a :class:`Clock` has between ``doubled`` and ``pace``, of a spectrum of 1/g (:func:`clock_series`).
+
+    PrecisionLoss where a mode is in resonance.
+    """
+    size, height = grid[0] // 2 * grid[1], grid[0] // 2
+    floats, lines = np.empty((4, 4 * size)), np.empty((2, 3 * height), dtype=np.int64)
+    pairs, counts = np.empty(2 * MOST_LOUD, dtype=np.int64), np.empty(9, dtype=np.int64)
+    tables, loud = (
+        Tables(floats[0], lines[0], floats[1], lines[1], floats[2], floats[3], pairs, counts),
+        loops.room(2 + 2 * MOST_LOUD),
+    )
+    bound, origin, rest, mean = loops.clock_series(values, grid, rates, limits, tables, loud)
+    *found, count = counts.tolist()
+    if count < 0:
+        k, i = divmod(-1 - count, grid[1])
+        raise in_resonance(k, i - grid[1] // 2)
+    first, second = loops.floats(rates[:2]).tolist()
+
+    def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> Series:
+        # of the room only what is used is kept
+        least, width, used, total = sizes
+        kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
+        return Series(*kept, least, width, (first, second), bound, origin, mean)
+
+    whole, rough = packed(found[:4], lines[0], floats[1], origin), packed(found[4:], lines[1], floats[2], origin)
+    quiet = packed(found[:4], lines[0], floats[3], rest) if count else whole
+    return rough, whole, quiet, pairs[: 2 * count], loud[: 2 + 2 * count]

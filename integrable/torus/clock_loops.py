@@ -15,16 +15,13 @@ class Series(NamedTuple):
     """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
 
     For every first mode k = 0, 1, … three ``lines`` are the place of its first second mode, and where its coefficients
-    begin and end; for k > 0 they are doubled, in place of those of −k. The coefficients are those of S and of its
-    slope; ``least`` is the least second mode, ``width`` how many there are, ``bound`` one of |S|, ``origin`` what S is
-    without it at the start, negative, ``mean`` the mean rate.
+    begin and end; for k > 0 they are doubled, in place of those of −k. ``parts`` are the real parts of all coefficients
+    of S, the imaginary ones, and the same of its slope; ``least`` is the least second mode, ``width`` how many there
+    are, ``bound`` one of |S|, ``origin`` what S is without it at the start, negative, ``mean`` the mean rate.
     """
 
     lines: Row
-    real: Row
-    imaginary: Row
-    slope_real: Row
-    slope_imaginary: Row
+    parts: Row
     least: int
     width: int
     frequencies: tuple[float, float]
@@ -143,8 +140,9 @@ def delay(rough: Series, series: Series, a: float, b: float, room: Row) -> tuple
 def swing_and_rate(series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
     """(S, mean rate + dS/dτ) at the phases (a, b) in turns; ``room`` is for twice the number of second modes."""
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
-    real, imaginary = series.real, series.imaginary
-    slope_real, slope_imaginary = series.slope_real, series.slope_imaginary
+    total = len(series.parts) // 4
+    real, imaginary = series.parts[:total], series.parts[total : 2 * total]
+    slope_real, slope_imaginary = series.parts[2 * total : 3 * total], series.parts[3 * total :]
     x, y = cos(2 * pi * b), sin(2 * pi * b)
     p, q = cos(2 * pi * b * least), sin(2 * pi * b * least)
     for m in range(count):

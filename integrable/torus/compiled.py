@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.moving_point.compiled import SPECIAL
-from integrable.torus import clock_loops, states, survey, tables, walks, witness
+from integrable.torus import clock_loops, clock_modes, lattice, states, survey, tables, walks, witness
 from integrable.torus.clock_loops import Clock, Series
+from integrable.torus.clock_modes import Limits, Tables
 from integrable.torus.lattice import Chart
 from integrable.torus.states import Torus
 from integrable.torus.tables import Room, SmallSteps
@@ -24,7 +25,7 @@ _FLAGS, _INTS, _FLOATS = TupleKind((BOOL, BOOL)), TupleKind((INT, INT)), TupleKi
 _SIGNS = TupleKind((FLOAT,) * 6)
 _CURVE = record(Curve, WIDES, WIDES, WIDES)
 _SMALL = record(SmallSteps, WIDES, _FLOATS, WIDES, INT, WIDES)
-_SERIES = record(Series, INTS, FLOATS, FLOATS, FLOATS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
+_SERIES = record(Series, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
 KINDS: dict[Any, TupleKind] = {
     kind.named: kind
     for kind in (
@@ -35,6 +36,7 @@ KINDS: dict[Any, TupleKind] = {
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
         record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS),
         record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
+        record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
     )
 }
@@ -130,7 +132,9 @@ _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
-        "reached": (witness.reached, (WIDES, WIDES, WIDES, FLOAT, WIDES, WIDES, WIDES)),
+        "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
+        "reached": (witness.reached, (WIDES, FLOATS, WIDES, FLOATS)),
+        "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
         "directions": (
@@ -145,6 +149,11 @@ LIBRARY = Library(
         "points_at_tau": (points_at_tau, (_TORUS, WIDES, FLOATS, WIDES)),
         "states_at_times": (states_at_times, (_TORUS, _CLOCK, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+        "sizes_needed": (clock_modes.sizes_needed, (WIDES, _INTS, _FLOATS, FLOATS)),
+        "clock_series": (
+            clock_modes.clock_series,
+            (WIDES, _INTS, WIDES, record(Limits, *(FLOAT,) * 5), KINDS[Tables], WIDES),
+        ),
         "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
     },
     SPECIAL,

@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.torus.lattice import TorusLattice, Units, motion_row
+from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
-from integrable.torus.series import needed_sizes
 from integrable.torus.states import Torus
 from integrable.torus.tables import SmallSteps
-from integrable.torus.walks import KNOWN, Curve, Fine, Walk
+from integrable.torus.walks import KNOWN, Fine, Walk
 from integrable.torus.witness import seamless
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.roots import root
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -45,18 +43,19 @@ class Corners:
     def __init__(self, setup: Setup, loops: Any, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
         # the motion in an abscissa of its own
-        self.units = units = Units.of(setup)
-        row = loops.row(motion_row(setup, units))
-        self.lattice = lattice = TorusLattice(setup, loops, row)
+        self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
+        self.lattice = lattice = TorusLattice(loops, motion)
         self.sizes, self.turns = lattice.cells, lattice.turns
         self.signs = tuple(self.turns.ravel().tolist())
         odd = [bool(np.prod(signs) < 0) for signs in self.turns]
         self.odd = odd[0], odd[1]
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
-        leans = setup.bare_problem.axes[7] != 0
+        leans = loops.floats(self.curve.axes[7:])[0] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
-        self.curve = self._curve(row)
-        tables, self._halves = self._translations(row)
+        self.rates = loops.room(14)
+        pi = motion[9:10]
+        loops.rates(self._problem, lattice.found, pi, (self.units.length, self.units.lift), self.doubled, self.rates)
+        tables, self._halves = self._translations(motion)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
@@ -76,9 +75,8 @@ class Corners:
     @cached_property
     def frequencies(self) -> tuple[Any, Any]:
         """Turns of either phase in a unit of τ, wide."""
-        nu1, nu2 = self.loops.wide(self.lattice.frequencies, self.setup.wide)
-        scale = self.setup.time_scale * self.units.time
-        return nu1 * scale, nu2 * scale
+        nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
+        return nu1, nu2
 
     @cached_property
     def mean(self) -> Any:
@@ -86,23 +84,12 @@ class Corners:
 
         That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
         """
-        problem, K, reals = self.setup.bare_problem, self.setup.wide, self.setup.reals
-        d, (u0, u1), (x, y, z) = problem.d, problem.start[:2], problem.start[4:7]
-        slowness = self.loops.wide(self.lattice.slowness, K)[0] / self.units.lift**2
-        with reals:
-            # g² is a multiple of (1 − du₁)(1 − du₂)
-            scale = problem.axes[6] * root((1 + d * (u1 + d * u0)) / (x * x + y * y + z * z))
-        return reals.element(K, scale) * slowness
+        return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 
     @cached_property
     def torus(self) -> Any:
         """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
-        problem = self.setup.bare_problem
-        a, b, c, d = problem.matrix or (1, 0, 0, 1)
-        with self.setup.reals:
-            momentum = problem.momentum * self.units.lift
-            matrix = self.loops.row((a, b * momentum, c, d * momentum))
-        return self.loops.packed(Torus(self.curve, matrix, self.states, self.small, self.signs, self.sizes))
+        return self.loops.packed(Torus(self.curve, self.rates[:4], self.states, self.small, self.signs, self.sizes))
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
@@ -110,16 +97,17 @@ class Corners:
         self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
         return out.reshape(-1, 6)
 
-    def resolved(self, spectrum: Callable[[Any], np.ndarray], noise: tuple[float, float]) -> np.ndarray:
-        """The ``spectrum`` of 1/g, on a grid of its periods whose last modes are below ``noise`` both ways."""
+    def resolved(self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]]) -> Any:
+        """The spectrum of 1/g on a grid of its periods that shows it: ``transformed(samples)`` are the spectrum and the
+        shape of a grid that is fine enough.
+        """
         sizes, known = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1])), None
         while sizes[0] * sizes[1] <= self._most:
             known = self.samples(sizes, known)
-            grid = spectrum(known)
-            wanted = needed_sizes(grid, noise)
-            if wanted == grid.shape:
-                return grid
-            sizes = (sizes[0] * wanted[0] // grid.shape[0], sizes[1] * wanted[1] // grid.shape[1])
+            found, wanted = transformed(known)
+            if wanted == known.shape:
+                return found
+            sizes = (sizes[0] * wanted[0] // known.shape[0], sizes[1] * wanted[1] // known.shape[1])
         raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
@@ -162,17 +150,6 @@ class Corners:
         return fine
 
     # --- set-up
-
-    def _curve(self, motion: Any) -> Curve:
-        setup, units, row = self.setup, self.units, self.loops.row
-        curve = self.loops.room(9)
-        self.loops.about_centre(motion, curve)
-        joined, axes, (*kappas, alpha, beta) = self.loops.joined, curve[6:], setup.bare_problem.axes[3:]
-        with setup.reals:
-            kappas = [kappa / (units.length * units.length) for kappa in kappas]
-            self._start = row(units.of_point(setup.bare_problem.start))
-            others = row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
-        return Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
 
     @cached_property
     def _packed_curve(self) -> Any:

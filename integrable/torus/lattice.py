@@ -12,7 +12,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.bare_problem import HEAVINESS, RATIO, problem_row
 from integrable.torus import survey as torus_survey
+from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -23,6 +25,12 @@ if TYPE_CHECKING:
 
 # branch points that are as close as this, in the unit of the largest, count from an origin and in a unit of their own
 CLOSE = 2.0**-6
+# and those that are farther apart in units of either, and so M and γ, lose next to no digits where they stand
+APART = 2.0**-6
+# sizes whose powers stay in the range of floats
+FAR = 1e30
+
+Row = Any
 
 
 class Chart(NamedTuple):
@@ -40,13 +48,13 @@ class TorusLattice:
     """The periods, frequencies and cells of a motion's torus, in the units of ``motion``.
 
     ``periods`` are Λ₁ and Λ₂, ``frequencies`` ν with (τ, 0) = τ(ν₁Λ₁ + ν₂Λ₂), ``parts`` s₁ of Λ₁ and Λ₂ and s₂ of both
-    over their reaches, ``slowness`` the mean of 1/√((1 − du₁)(1 − du₂)): rows of numbers of ``loops``, as are those of
-    ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many cells are
-    needed.
+    over their reaches, ``found`` what :func:`integrable.torus.survey.survey` gives: rows of numbers of ``loops``, as
+    are those of ``motion``, a :func:`motion_row`. ``turns`` are :func:`signs_of_periods`. PrecisionLoss where too many
+    cells are needed.
     """
 
-    def __init__(self, setup: Setup, loops: Any, motion: Any) -> None:
-        found, points = loops.room(11), [0.0] * (4 + (setup.bare_problem.d != 0))
+    def __init__(self, loops: Any, motion: Any) -> None:
+        found, points = loops.room(11), [0.0] * (4 + int(loops.floats(motion[8:9])[0] != 0))
         c1, c2, reach1, reach2, m1, n1, m2, n2, rows, columns = loops.survey(motion, loops.short, points, found)
         if not 0 < rows * columns <= torus_survey.MOST_CELLS:
             raise PrecisionLoss(
@@ -55,8 +63,8 @@ class TorusLattice:
             )
         self.chart = Chart((c1, c2), (reach1, reach2), ((m1, n1), (m2, n2)), (rows, columns))
         self.periods, self.frequencies, self.parts = (found[:2], found[2:4]), found[4:6], found[6:10]
-        self.slowness = found[10:]
-        self.turns = signs_of_periods(setup, self.chart.basis)
+        self.found = found
+        self.turns = signs_of_periods(motion[4:8], self.chart.basis)
 
     @property
     def cells(self) -> tuple[int, int]:
@@ -64,16 +72,16 @@ class TorusLattice:
         return self.chart.cells
 
 
-def signs_of_periods(setup: Setup, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
-    """The signs that γ1, γ2, γ3 change by in either period of a basis, shape (2, 3).
+def signs_of_periods(points: Any, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
+    """The signs that γ1, γ2, γ3 change by in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
 
     γ_i vanishes where u₁ or u₂ passes α_i, which is once in a round of the oval that ends there, and its sign changes:
     that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
     """
     # axes that are one float are told apart
-    axes = setup.bare_problem.axes
+    *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
-    rounds = {low: 0, middle: 1 if setup.bare_problem.ratio < axes[middle] else 0, high: 1}
+    rounds = {low: 0, middle: 1 if zeta < axes[middle] else 0, high: 1}
     return np.array([[-1.0 if row[rounds[i]] % 2 else 1.0 for i in range(3)] for row in basis])
 
 
@@ -158,3 +166,58 @@ def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[An
     if second[0] - first[1] <= near:
         raise PrecisionLoss("the ovals of the curve have met: the torus of this motion is not compact")
     return first, second
+
+
+class Beginning(NamedTuple):
+    """What a torus is made from, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the curve and
+    the start in these, and the whole :func:`~integrable.moving_point.bare_problem.problem_row`, in units of its own.
+    """
+
+    units: Units
+    motion: Any
+    curve: Curve
+    start: Any
+    problem: Any
+
+
+def beginning(setup: Setup, loops: Any) -> Beginning:
+    """That of a motion: by the loops where branch points are well apart, else from more digits than theirs."""
+    found: Beginning | None = loops.begun(setup)
+    if found is not None:
+        return found
+    units = Units.of(setup)
+    motion, curve, row, problem = loops.row(motion_row(setup, units)), loops.room(9), loops.row, setup.bare_problem
+    loops.about_centre(motion, curve)
+    *kappas, alpha, beta = problem.axes[3:]
+    with setup.reals:
+        kappas = [kappa / (units.length * units.length) for kappa in kappas]
+        start, others = row(units.of_point(problem.start)), row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
+    axes, joined = curve[6:], loops.joined
+    whole = Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
+    return Beginning(units, motion, whole, start, row(problem.row))
+
+
+def begun(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
+    """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; whether the numbers have the digits for
+    that: sizes near 1 and branch points well apart. ``constants`` are π and 1, ``numbers`` is room.
+    """
+    x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
+                        float(given[7]), float(given[8]), float(given[9]))  # fmt: skip
+    least, most = min(given[0], given[1], given[2]), max(given[0], given[1], given[2])
+    square, u, v, w = a * a + b * b + c * c, y * c - z * b, z * a - x * c, x * b - y * a
+    if least < 1 / FAR or most + given[3] > FAR or not 1 / FAR < square < FAR or 0 < given[3] < 1 / FAR:
+        return False
+    if (u * u + v * v + w * w) < APART * square:
+        return False
+    problem_row(given, tilted, problem, numbers)
+    first, second, third, zeta, d = problem[6], problem[7], problem[8], problem[RATIO], problem[HEAVINESS]
+    low, high = min(first, second, third), max(first, second, third)
+    middle = max(min(first, second), min(max(first, second), third))
+    one = constants[1]
+    motion[0], motion[1], motion[2], motion[3] = low, min(zeta, middle), max(zeta, middle), high
+    motion[4], motion[5], motion[6], motion[7] = first, second, third, zeta
+    motion[8], motion[9], motion[10], motion[11] = d, constants[0], one, 0 * one
+    for k in range(3):
+        if not motion[k + 1] - motion[k] > APART * motion[k + 1]:
+            return False
+    return low > 0 and one - d * high > APART

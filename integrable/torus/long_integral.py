@@ -12,7 +12,7 @@ from integrable.moving_point.addition import moving_point, shift
 from integrable.torus.corners import Corners
 from integrable.torus.long_clock import phases
 from integrable.torus.loops import ReadableLoops
-from integrable.torus.series import LongSeries, long_spectrum
+from integrable.torus.series import LongSeries, long_spectrum, needed_sizes
 from integrable.torus.states import turned
 from integrable.torus.walks import KNOWN
 from jacobian.numbers.long_reals import BallReals
@@ -41,7 +41,12 @@ class LongIntegral:
         nu = [rate / n / setup.time_scale for rate, n in zip(corners.frequencies, corners.doubled, strict=True)]
         self._frequencies = nu[0], nu[1]
         noise = 8 * loops.noise
-        both = corners.resolved(lambda samples: long_spectrum(samples, self._wide, loops.reals), (noise, noise))
+
+        def transformed(samples: Any) -> tuple[np.ndarray, tuple[int, int]]:
+            grid = long_spectrum(samples, self._wide, loops.reals)
+            return grid, needed_sizes(grid, (noise, noise))
+
+        both = corners.resolved(transformed)
         # those of the real and of the imaginary part: c and the conjugate of its opposite
         with loops.reals:
             other = np.roll(both[::-1, ::-1], (1, 1), axis=(0, 1))

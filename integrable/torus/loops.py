@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from math import ceil, log2
+from math import ceil, log2, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.moving_point.bare_problem import ROW
+from integrable.moving_point.short_rows import NUMBERS
 from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.torus import clock_modes, walks, witness
 from integrable.torus import survey as torus_survey
-from integrable.torus import walks, witness
 from integrable.torus.clock_loops import Clock, panel_values, states_at_times, times_at_tau
+from integrable.torus.lattice import Beginning, Units
 from integrable.torus.states import Torus, states_at_phases, states_at_tau
 from integrable.torus.tables import Room, directions
+from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS, split
 
@@ -29,6 +33,10 @@ SERIES = 85
 TERMS = 18
 TERMS_A_DIGIT = 1.6
 BITS_A_TERM = 1.3
+
+
+# π, then what are the κ and the rate of a translation's axes
+_CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
 
 class NotClosed(PrecisionLoss):
@@ -65,7 +73,7 @@ class ReadableLoops:
     def long_row(self, values: Any) -> Any:
         """Long doubles as working ones."""
         with self.reals:
-            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
+            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values.tolist()]
 
     def room(self, count: int) -> Any:
         """Room for so many."""
@@ -106,10 +114,18 @@ class ReadableLoops:
 
     panel_values = staticmethod(panel_values)
 
-    def reached(self, *args: Any) -> None:
+    def reached(self, problem: Any, times: Any, room: Any, out: Any) -> None:
         """:func:`integrable.torus.witness.reached`."""
         with self.reals:
-            witness.reached(*args)
+            witness.reached(problem, times.tolist(), room, out)
+
+    def begun(self, setup: Any) -> None:
+        """None: a set-up in as many digits is there."""
+
+    def rates(self, *args: Any) -> None:
+        """:func:`integrable.torus.survey.rates`."""
+        with self.reals:
+            torus_survey.rates(*args)
 
     def about_centre(self, motion: Any, out: Any) -> None:
         """:func:`integrable.torus.survey.about_centre` about the origin."""
@@ -157,6 +173,16 @@ class ReadableLoops:
         with self.reals:
             times_at_tau(clock, tau.tolist(), times, room.tolist())
 
+    def sizes_needed(self, *args: Any) -> tuple[int, int]:
+        """:func:`integrable.torus.clock_modes.sizes_needed`."""
+        with self.reals:
+            return clock_modes.sizes_needed(*args)
+
+    def clock_series(self, *args: Any) -> Any:
+        """:func:`integrable.torus.clock_modes.clock_series`."""
+        with self.reals:
+            return clock_modes.clock_series(*args)
+
 
 class CompiledLoops:
     """The same compiled, on arrays of double-double numbers."""
@@ -180,8 +206,12 @@ class CompiledLoops:
         self.points_at_tau: Any = entries.points_at_tau
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
+        self.sizes_needed: Any = entries.sizes_needed
+        self.clock_series: Any = entries.clock_series
         self.panel_values: Any = entries.panel_values
         self.reached: Any = entries.reached
+        self.rates: Any = entries.rates
+        self._begun: Any = entries.begun
         self._about_centre: Any = entries.about_centre
 
     def packed(self, value: Any) -> Any:
@@ -190,6 +220,18 @@ class CompiledLoops:
     def row(self, values: Any) -> Any:
         return np.array([split(x) for x in values])
 
+    def begun(self, setup: Any) -> Beginning | None:
+        if setup.floats_given is None:
+            return None
+        given, tilted = setup.floats_given
+        wide, numbers = np.zeros((10 + ROW + 12, 2)), np.empty(NUMBERS)
+        wide[:10, 0] = given
+        problem, motion = wide[10 : 10 + ROW], wide[10 + ROW :]
+        if not self._begun(wide[:10], tilted, _CONSTANTS, problem, numbers, motion):
+            return None
+        unit_axes = np.concatenate([problem[6:9], _CONSTANTS[1:]])
+        return Beginning(Units(), motion, Curve(problem[:6], problem[6:14], unit_axes), problem[14:24], problem)
+
     def about_centre(self, motion: Any, out: Any) -> None:
         self._about_centre(motion, 0.0, 1.0, out)
 
@@ -197,7 +239,10 @@ class CompiledLoops:
         return np.concatenate(rows)
 
     def long_row(self, values: Any) -> Any:
-        return np.array([(float(x), float(x - float(x))) for x in values]).reshape(-1, 2)
+        out = np.empty((len(values), 2))
+        out[:, 0] = values
+        out[:, 1] = values - out[:, 0]
+        return out
 
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))

@@ -6,12 +6,12 @@ series of F divided by the rates of its phases.
 
 from __future__ import annotations
 
-from math import ceil, inf, log2, pi
+from math import pi
 from typing import Any
 
 import numpy as np
 
-from integrable.torus.clock_loops import Series
+from integrable.torus.clock_modes import size_wanted
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
@@ -19,17 +19,15 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 TOGETHER = 256
 # floats hold no modes below
 TINY = 1e-290
-# 2π as the sum of two floats
-TWO_PI = np.longdouble(2 * pi) + 2.4492935982947064e-16
 
 
 class TorusSeries:
     """S for F of a given :func:`spectrum`; ``frequencies`` are turns in a unit of τ, wide numbers. S = 0 at the phases
     (0, 0).
 
-    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out, but
-    for those of modes of S above ``least``. A spectrum in long doubles has coefficients that are right to the last
-    digit: that of a slow mode is divided by its rate. PrecisionLoss where a mode of F is in resonance: k·ν = 0.
+    ``scale`` divides S (the mean rate of a clock); coefficients below ``noise`` times the largest are left out. A
+    spectrum in long doubles has coefficients that are right to the last digit: that of a slow mode is divided by its
+    rate. PrecisionLoss where a mode of F is in resonance: k·ν = 0.
     """
 
     def __init__(
@@ -38,7 +36,6 @@ class TorusSeries:
         frequencies: tuple[Any, Any],
         scale: Any = 1.0,
         noise: float = 2.0**-54,
-        least: float = inf,
         rounding: float | None = None,
     ) -> None:
         grid = grid / scale
@@ -61,9 +58,8 @@ class TorusSeries:
         self._swing = np.zeros_like(self._slope)
         self._swing[kept] = half[kept] / (2j * pi * turns[kept])
         swings = np.abs(self._swing)
-        kept &= (sizes > noise * largest) | (swings > least)
+        kept &= sizes > noise * largest
         self._swing[~kept] = 0
-        self._fine = half
         # S + origin has the mean 0
         self.origin = float(self._swing[kept].real.sum())
         # |S| is below
@@ -79,54 +75,8 @@ class TorusSeries:
         for i, j in np.argwhere(close).tolist():
             turns[i, j] = float(i * self.frequencies[0] + (j + self._first) * self.frequencies[1])
             if turns[i, j] == 0:
-                raise PrecisionLoss(
-                    f"the mode ({i}, {j + self._first}) of a function on the torus is in resonance with the motion"
-                )
+                raise in_resonance(i, j + self._first)
         return turns
-
-    def loudest(self, least: float, most: int) -> tuple[np.ndarray, list[Any]]:
-        """The modes of S from ``least`` on, the ``most`` largest of them: integers k, m one after the other, and the
-        real and imaginary parts of their coefficients likewise, in long doubles.
-        """
-        sizes = np.abs(self._swing)
-        loud = np.flatnonzero(sizes >= least)
-        chosen = loud[np.argsort(sizes.flat[loud])[::-1][:most]].tolist()
-        modes, coefficients = [], []
-        nu1, nu2 = self.frequencies
-        for n in chosen:
-            k, m = n // sizes.shape[1], n % sizes.shape[1] + self._first
-            turns = k * nu1 + m * nu2
-            # over 2πi
-            value = self._fine.flat[n] / (TWO_PI * long_double(turns))
-            modes += [k, m]
-            coefficients += [value.imag, -value.real]
-        return np.array(modes, dtype=np.int64), coefficients
-
-    def packed(self, part: float = 0.0, without: Any = ()) -> Series:
-        """What compiled loops take; only modes of F beyond ``part`` of its mean, or without some modes as
-        :meth:`loudest` gives them and without their part of the value at the start.
-        """
-        kept = self._kept & (np.abs(self._slope) > part * abs(self.mean))
-        left_out = np.array(without[::2], dtype=int), np.array(without[1::2], dtype=int) - self._first
-        kept[left_out] = False
-        # a difference of sums would have the rounding of the largest modes
-        origin = float(self._swing[kept].real.sum()) if len(without) else self.origin
-        used, columns = kept.any(axis=1), np.arange(kept.shape[1])
-        modes = np.flatnonzero(kept.any(axis=0))
-        least, count = (int(modes[0]), int(modes[-1] - modes[0]) + 1) if len(modes) else (-self._first, 1)
-        height = int(np.flatnonzero(used).max(initial=0)) + 1
-        kept, used = kept[:height], used[:height]
-        # of every row what lies between its first mode and its last
-        begin = np.where(used, kept.argmax(axis=1), least)
-        end = np.where(used, len(columns) - kept[:, ::-1].argmax(axis=1), least)
-        inside = (columns >= begin[:, None]) & (columns < end[:, None])
-        places = np.concatenate([[0], np.cumsum(end - begin)])
-        lines = np.column_stack([begin - least, places[:-1], places[1:]]).ravel()
-        swing, slope = (np.where(kept, table[:height], 0)[inside] for table in (self._swing, self._slope))
-        s, t, u, v = (np.ascontiguousarray(x) for x in (swing.real, swing.imag, slope.real, slope.imag))
-        nu1, nu2 = map(float, self.frequencies)
-        least += self._first
-        return Series(lines, s, t, u, v, least, count, (nu1, nu2), self.bound, -origin, self.mean)
 
     def at(self, first: np.ndarray, second: np.ndarray) -> np.ndarray:
         """S at arrays of phases, in turns."""
@@ -246,16 +196,20 @@ def half_plane(grid: np.ndarray) -> np.ndarray:
     return half
 
 
-def long_double(x: Any) -> Any:
-    """A wide number as a long double, where the machine has them."""
-    return np.longdouble(float(x)) + float(x - float(x))
+def in_resonance(k: int, m: int) -> PrecisionLoss:
+    """What is said of a mode with k·ν₁ + m·ν₂ = 0."""
+    return PrecisionLoss(f"the mode ({k}, {m}) of a function on the torus is in resonance with the motion")
+
+
+def half_spectrum(samples: np.ndarray) -> np.ndarray:
+    """The rows of :func:`spectrum` up to half of them, that one included: the others are conjugate."""
+    return np.fft.fft(np.fft.rfft(samples, axis=0, norm="forward"), axis=1, norm="forward")
 
 
 def spectrum(samples: np.ndarray) -> np.ndarray:
     """The Fourier coefficients of samples at the phases (i/rows, j/columns), of their shape."""
-    half = np.fft.rfft2(samples, axes=(1, 0)) / samples.size
+    half = half_spectrum(samples)
     rows = len(samples)
-    # the others are conjugate
     other = half[1 : rows - rows // 2][::-1].conj()
     other[:, 1:] = other[:, :0:-1].copy()
     grid: np.ndarray = np.concatenate([half, other])
@@ -284,10 +238,6 @@ def _transform(values: np.ndarray, turns: np.ndarray) -> np.ndarray:
     return np.concatenate([even + odd, even - odd])
 
 
-# modes that are small and level are rounding
-LEVEL = 1e-8
-
-
 def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int]:
     """Powers of 2: the shape of a :func:`spectrum` where it ends, its last modes below ``noise`` in either direction
     (relative), else a larger one where their decay leads, or the number of samples that averages their rounding.
@@ -299,22 +249,6 @@ def needed_sizes(grid: np.ndarray, noise: tuple[float, float]) -> tuple[int, int
 
 
 def _needed(modes: np.ndarray, noise: float) -> int:
-    size = len(modes)
-    half = size // 2
-    # envelope[k]: the largest of the modes from ±k on
+    half = len(modes) // 2
     folded = np.maximum(modes[: half + 1], np.roll(modes[::-1], 1)[: half + 1])
-    envelope = np.maximum.accumulate(folded[::-1])[::-1]
-    last = float(envelope[half - max(1, size // 16)])
-    if last < noise:
-        return size
-    if envelope[half // 2] < min(LEVEL, 8 * last):
-        # the samples' own rounding: it falls with the root of their number, and is random (hence a quarter)
-        return int(max(2 * size, 2 ** ceil(log2(size * (last / noise) ** 2 / 4))))
-    known = int(np.flatnonzero(envelope > 32 * noise)[-1])
-    if known < 2:
-        return 2 * size
-    decay = log2(float(envelope[known // 2]) / float(envelope[known])) / (known - known // 2)
-    if decay <= 0:
-        return 4 * size
-    wanted = known + 2 * (log2(float(envelope[known])) - log2(noise / 8)) / decay
-    return int(min(max(2 * size, 2 ** ceil(log2(wanted))), 8 * size))
+    return size_wanted(folded.tolist(), len(modes), noise)

@@ -11,6 +11,7 @@ from __future__ import annotations
 from math import floor, sqrt
 from typing import Any
 
+from integrable.moving_point.bare_problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from jacobian.numbers.roots import root
 
 Real = Any
@@ -316,6 +317,24 @@ def survey(
     out[8], out[9] = second1 / reach2, second2 / reach2
     out[10] = mean_slowness(ends, d, r, pi, near, determinant)
     return chart
+
+
+def rates(problem: Row, found: Row, pi: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row) -> None:
+    """In the user's units, of a :func:`survey`: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers),
+    the turns of both phases in a unit of t and of τ, dτ/dt and dt/dτ in the mean, then the turns of the ``doubled``
+    periods in a unit of τ, dt/dτ again and 2π.
+
+    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`, ``units`` the length and the lift of
+    those of the survey.
+    """
+    length, lift = units
+    momentum, scale = problem[MOMENTUM] * lift, problem[TIME_SCALE] * (length * lift)
+    mean = problem[SLOWNESS] * found[10] / (lift * lift)
+    nu1, nu2 = found[4] * scale, found[5] * scale
+    out[0], out[1] = problem[MATRIX], problem[MATRIX + 1] * momentum
+    out[2], out[3] = problem[MATRIX + 2], problem[MATRIX + 3] * momentum
+    out[4], out[5], out[6], out[7], out[8], out[9] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
+    out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * pi[0]
 
 
 def about_centre(motion: Row, centre: float, unit: float, out: Row) -> None:

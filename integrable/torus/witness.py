@@ -9,15 +9,18 @@ What translations lose beside a corner is seen where cells meet: a state on the 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.addition import moving_point, near_identity, put, shift
+from integrable.moving_point.addition import moving_point, near_identity, shift
+from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, START, TIME_SCALE
 from integrable.moving_point.problem import vectors
+from integrable.moving_point.short_rows import axes_of, curve_of, unit_axes
 from integrable.moving_point.translations import power_series
+from integrable.phase.coordinates import directions_of
 from jacobian.numbers.abreast import abreast
 
 Row = Any
@@ -41,26 +44,25 @@ SEAM = 1e-13
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
-def confirmed(setup: Setup, frequencies: Sequence[Any], states: Callable[[np.ndarray], np.ndarray], loops: Any) -> bool:
+def confirmed(
+    setup: Setup, problem: Any, rates: list[float], states: Callable[[np.ndarray], np.ndarray], loops: Any
+) -> bool:
     """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
-    sign that a period changes has been changed, in both directions. First in the numbers of the ``loops``; where these
-    do not suffice, digits decide.
+    sign that a period changes has been changed, in both directions. First in the numbers of the ``loops``, in which
+    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`; where these do not suffice, digits
+    decide. ``rates`` are turns of the phases in a unit of τ.
     """
-    rates = [float(nu) for nu in frequencies]
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
-    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest).tolist()
-    found, problem = states(np.array(tau)), setup.bare_problem
-    momentum, matrix = float(problem.momentum), problem.matrix and tuple(map(float, problem.matrix))
-    points, room, row = loops.room(10 * len(tau)), loops.room(2 * TERMS), loops.row
-    with setup.reals:
-        times = row([t * problem.time_scale for t in tau])
-    f, axes, start = row(problem.f), row(problem.axes), row(problem.start)
-    loops.reached(f, axes, start, float(problem.half_step), times, room, points)
-    quick = [vectors(point, momentum, matrix) for point in loops.floats(points).reshape(-1, 10).tolist()]
+    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
+    found, quick = states(tau), np.empty((len(tau), 6))
+    loops.reached(problem, tau, loops.room(2 * TERMS), quick.ravel())
     if _difference(found, quick) <= ROUGH:
         return True
-    return _difference(found, [vectors(_in_digits(setup, x), momentum, matrix) for x in tau]) <= RIGHT
+    with setup.reals:
+        momentum, matrix = setup.bare_problem.momentum, setup.bare_problem.matrix
+        exact = [vectors(_in_digits(setup, t), momentum, matrix) for t in tau.tolist()]
+    return _difference(found, np.array([(*gamma, *M) for gamma, M in exact], dtype=float)) <= RIGHT
 
 
 def seamless(cells: tuple[int, int], states: Callable[[np.ndarray], np.ndarray]) -> bool:
@@ -76,33 +78,40 @@ def seamless(cells: tuple[int, int], states: Callable[[np.ndarray], np.ndarray])
     return bool(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(one[:, 3:]).max()) <= SEAM)
 
 
-def reached(f: Row, axes: Row, start: Row, half_step: float, times: Row, room: Row, out: Row) -> None:
-    """The moving points at some times of the flow, one after the other into ``out``; what their additions lose is not
-    known. ``room`` is for two series.
+def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
+    """γ and M at some times of the flow, six floats each; what their additions lose is not known. ``room`` is for two
+    series.
     """
-    series, roots = room[:TERMS], room[TERMS:]
-    unit_axes = (axes[0], axes[1], axes[2], 1.0, 1.0, 1.0, 1.0, 0.0)
+    series, roots, half_step = room[:TERMS], room[TERMS:], float(problem[HALF_STEP])
+    f, axes = curve_of(problem), axes_of(problem)
     power_series(f, -1, series)
     power_series(f, 1, roots)
     farthest = half_step
     for time in times:
-        farthest = max(farthest, abs(float(time)))
+        farthest = max(farthest, abs(float(time * problem[TIME_SCALE])))
     doublings = ceil(log2(farthest / half_step)) + HALVINGS
     for i in abreast(0, len(times)):
-        step = near_identity(series, roots, f[0], unit_axes, times[i] / 2.0**doublings, NEWTON_PASSES)
+        eps = times[i] * problem[TIME_SCALE] / 2.0**doublings
+        step = near_identity(series, roots, f[0], unit_axes(problem), eps, NEWTON_PASSES)
         for _ in range(doublings):
-            step = shift(f, unit_axes, step, step)
-        put(shift(f, axes, moving_point(start), step), out, 10 * i)
+            step = shift(f, unit_axes(problem), step, step)
+        gamma, M = directions_of(shift(f, axes, moving_point(problem, START), step))
+        p, q, r, s, momentum = (
+            problem[MATRIX], problem[MATRIX + 1], problem[MATRIX + 2], problem[MATRIX + 3], problem[MOMENTUM],
+        )  # fmt: skip
+        for c in range(3):
+            out[6 * i + c] = float(p * gamma[c] + q * (momentum * M[c]))
+            out[6 * i + 3 + c] = float(r * gamma[c] + s * (momentum * M[c]))
 
 
 def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:
     """The moving point at τ, in the wide precision."""
     with setup.reals:
         step = setup.translations.near(setup.reals.number(tau) * setup.reals.number(setup.time_scale))
-        return tuple(map(float, shift(setup.bare.f, setup.bare.axes, setup.bare.start, step)))
+        return shift(setup.bare.f, setup.bare.axes, setup.bare.start, step)
 
 
-def _difference(rows: np.ndarray, states: list[Any]) -> float:
+def _difference(rows: np.ndarray, states: np.ndarray) -> float:
     """The largest difference in γ and in M/|M|."""
-    gaps = np.abs(rows - np.array([(*gamma, *M) for gamma, M in states]))
+    gaps = np.abs(rows - states)
     return float(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(rows[:, 3:]).max()))

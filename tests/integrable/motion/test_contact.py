@@ -9,8 +9,7 @@ from integrable.motion import contact
 from integrable.motion.flow import Flow
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
-from integrable.torus.panel_calculus import integrals
-from integrable.torus.panels import Panels
+from integrable.torus.panels import Panels, integrals
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 

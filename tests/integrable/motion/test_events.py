@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.torus.panel_calculus import integrals, zeros
-from integrable.torus.panels import Panels
+from integrable.torus.panels import Panels, integrals, zeros
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 

@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion.precise import PreciseFlow
 from integrable.oracles.reference import taylor
-from integrable.torus.access import TorusFlow
+from integrable.torus.access import TorusFlow, series_of
 from integrable.torus.clock_loops import swing_and_rate
+from integrable.torus.clock_modes import Limits
 from integrable.torus.corners import Corners
+from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
-from integrable.torus.series import TorusSeries, needed_sizes, spectrum
+from integrable.torus.series import TorusSeries, half_spectrum, needed_sizes, spectrum
 from integrable.torus.tables import small_translation
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -197,11 +201,20 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
     w1, w2 = 2 * np.pi * (0.9 + 0.71), -4 * np.pi * 0.71
     swing = np.sin(w1 * tau) / w1 - 0.5 * (1 - np.cos(w2 * tau)) / w2
     assert series.at(0.3 * tau, -0.71 * tau) == pytest.approx(swing, abs=1e-14)
-    packed = series.packed()
-    for t, expected in zip(tau, swing, strict=True):
-        found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed.width))
-        assert found == pytest.approx(expected, abs=1e-14)
-        assert slope == pytest.approx(rate(0.3 * t, -0.71 * t), abs=1e-13)
+    for setup in (None, BALL.flow(BALL.state(*START)).setup):
+        loops = ReadableLoops(setup) if setup else CompiledLoops()
+        values = loops.long_row(half_spectrum(rate(first, second)).ravel().view(float))
+        rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
+        rough, packed, quiet, modes, _ = series_of(
+            loops, values, first.shape, rates, Limits(1e-15, 1e-15, inf, 0.3, inf)
+        )
+        assert quiet is packed
+        assert not len(modes)
+        assert (len(packed.parts), len(rough.parts)) == (8, 4)
+        for t, expected in zip(tau, swing, strict=True):
+            found, slope = swing_and_rate(packed, 0.3 * t, -0.71 * t, np.empty(2 * packed.width))
+            assert 2 * found == pytest.approx(expected, abs=1e-14)
+            assert 2 * slope == pytest.approx(rate(0.3 * t, -0.71 * t), abs=1e-13)
 
 
 def test_a_mode_in_resonance_is_refused() -> None:
@@ -346,3 +359,38 @@ def test_cells_that_do_not_fit(monkeypatch):
     monkeypatch.setattr(Corners, "_walk", rough)
     with pytest.raises(NotClosed, match="cells of this motion's torus do not fit"):
         TorusFlow(flow.setup, CompiledLoops())
+
+
+class FromMoreDigits(CompiledLoops):
+    """Loops that leave the beginning of a torus to more digits."""
+
+    def begun(self, setup):
+        return None
+
+
+@pytest.mark.parametrize("tilted", [False, True])
+@pytest.mark.parametrize("system", [BALL, EulerTop((3, 1, 2)), ChaplyginBall((2, 0.5, 1.3), 4.0)])
+def test_what_loops_begin_with_is_what_more_digits_begin_with(system, tilted) -> None:
+    state = system.state(START[0], (1.104, 2.18, -0.528) if tilted else START[1], tilted=tilted)
+    setup = system.flow(state).setup
+    quick, exact = beginning(setup, CompiledLoops()), beginning(setup, FromMoreDigits())
+    assert quick.units == Units()
+    assert np.abs(quick.problem - exact.problem).max() < 1e-16
+    with setup.reals:
+        gaps = [
+            float(setup.reals.number(high) + setup.reals.number(low) - x) / max(1e-2, abs(float(x)))
+            for (high, low), x in zip(quick.problem.tolist(), setup.bare_problem.row, strict=True)
+        ]
+    assert max(map(abs, gaps)) < 1e-29
+    torus, other = TorusFlow(setup, CompiledLoops()), TorusFlow(setup, FromMoreDigits())
+    times = np.array([-1e12, 1e3, 1e9])
+    assert np.abs(torus.at(times)[0] - other.at(times)[0]).max() < 2e-16
+
+
+@pytest.mark.parametrize(
+    ("moments", "d", "start"),
+    [((1, 1 + 1e-9, 2), 0.7, START), ((1, 2, 3), 1e3, START), ((1, 2, 3), 0.7, ((0, 0, 1), (1e-4, 1, 0)))],
+)
+def test_branch_points_that_are_close_take_more_digits_to_begin_with(moments, d, start) -> None:
+    ball = ChaplyginBall(moments, d)
+    assert CompiledLoops().begun(ball.flow(ball.state(*start)).setup) is None

@@ -132,7 +132,7 @@ def test_directions_add_up() -> None:
 def test_the_basis_of_the_lattice_is_unimodular_and_cells_are_within_reach(ball) -> None:
     setup = setup_of(ball, *START)
     loops, wide = ReadableLoops(setup), setup.wide
-    lattice = TorusLattice(setup, loops, loops.row(motion_row(setup, Units())))
+    lattice = TorusLattice(loops, loops.row(motion_row(setup, Units())))
     (a, b), (c, d) = lattice.chart.basis
     assert abs(a * d - b * c) == 1
     nu, periods = loops.wide(lattice.frequencies, wide), [loops.wide(period, wide) for period in lattice.periods]

@@ -1,0 +1,221 @@
+"""The series of a clock from the spectrum of 1/g, on bare reals compiled as they stand.
+
+A spectrum is flat: for k = 0, …, rows/2 all second modes in the order of a discrete transform, real and imaginary parts
+one after the other (:func:`integrable.torus.series.half_spectrum`); ``grid`` is the shape of the samples, powers of 2.
+"""
+
+from __future__ import annotations
+
+from math import ceil, log2, sqrt
+from typing import Any, NamedTuple
+
+Real = Any
+Row = Any
+
+# modes that are small and level are rounding
+LEVEL = 1e-8
+# so many modes at most are summed in long numbers
+MOST_LOUD = 8
+
+
+class Limits(NamedTuple):
+    """Which modes a clock keeps: above ``rounding`` times the largest those that are above ``noise`` times it, or by
+    which τ swings more than ``least``; in its rough series those above ``rough`` of the mean rate; apart from the
+    others those by which τ swings ``loud`` or more.
+    """
+
+    rounding: float
+    noise: float
+    least: float
+    rough: float
+    loud: float
+
+
+class Tables(NamedTuple):
+    """Room: four numbers for each mode in ``modes``; what a :class:`~integrable.torus.clock_loops.Series` calls lines
+    and parts, of all modes and of the largest, and the parts without the loud ones, of which ``pairs`` are (k, m).
+    ``counts``: the least second mode, how many there are, rows and modes of all, the same of the largest, and how many
+    are loud, or −1 − n where the n-th place of ``modes`` is in resonance.
+    """
+
+    modes: Row
+    lines: Row
+    parts: Row
+    rough_lines: Row
+    rough_parts: Row
+    quiet_parts: Row
+    pairs: Row
+    counts: Row
+
+
+def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float], room: Row) -> tuple[int, int]:
+    """:func:`integrable.torus.series.needed_sizes` of such a spectrum; ``room`` for half of rows and columns, and 2."""
+    rows, columns = grid
+    height, width = rows // 2 + 1, columns // 2 + 1
+    for k in range(height + width):
+        room[k] = 0.0
+    for k in range(height):
+        for j in range(columns):
+            size = size_of(float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1]))
+            m = height + min(j, columns - j)
+            room[k], room[m] = max(room[k], size), max(room[m], size)
+    largest = 0.0
+    for k in range(height):
+        largest = max(largest, room[k])
+    for k in range(height + width):
+        room[k] = room[k] / largest
+    return size_wanted(room, rows, noise[0]), size_wanted(room[height:], columns, noise[1])
+
+
+def size_of(x: float, y: float) -> float:
+    """|x + iy|."""
+    return sqrt(x * x + y * y)
+
+
+def size_wanted(modes: Row, size: int, noise: float) -> int:
+    """How many samples show the modes to ``noise``: ``modes`` are the largest of ±k, k ≤ size/2, beside the largest of
+    all; they are replaced by the largest from there on.
+    """
+    half = size // 2
+    for k in range(half - 1, -1, -1):
+        modes[k] = max(modes[k], modes[k + 1])
+    last = modes[half - max(1, size // 16)]
+    if last < noise:
+        return size
+    if modes[half // 2] < min(LEVEL, 8 * last):
+        # the samples' own rounding: it falls with the root of their number, and is random (hence a quarter)
+        ratio = last / noise
+        return int(max(2.0 * size, 2.0 ** ceil(log2(size * ratio * ratio / 4))))
+    known = 0
+    for k in range(half + 1):
+        if modes[k] > 32 * noise:
+            known = k
+    if known < 2:
+        return 2 * size
+    decay = log2(modes[known // 2] / modes[known]) / (known - known // 2)
+    if decay <= 0:
+        return 4 * size
+    wanted = known + 2 * (log2(modes[known]) - log2(noise / 8)) / decay
+    return int(min(max(2.0 * size, 2.0 ** ceil(log2(wanted))), 8.0 * size))
+
+
+def clock_series(
+    values: Row, grid: tuple[int, int], rates: Row, limits: Limits, tables: Tables, loud: Row
+) -> tuple[float, float, float, float]:
+    """S with dS/dτ = (1/g − mean)/mean from the spectrum of 1/g, into ``tables``; (a bound of S, −S at the start, the
+    same of the quiet modes, the mean of the samples over that of 1/g).
+
+    ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is what
+    :func:`integrable.torus.clock_loops.loud_swing` takes.
+    """
+    height, columns = grid[0] // 2, grid[1]
+    resonant, bound, swing = swings(values, grid, rates, limits, tables.modes)
+    tables.counts[8] = -1 - resonant
+    if resonant >= 0:
+        return bound, swing, swing, bound
+    rough = packed(tables.modes, height, columns, limits.rough, tables.rough_lines, tables.rough_parts)
+    series = packed(tables.modes, height, columns, 0.0, tables.lines, tables.parts)
+    for n in range(4 * series[3]):
+        tables.quiet_parts[n] = tables.parts[n]
+    count, rest = 0, swing
+    loud[0], loud[1] = 0 * rates[3], rates[3]
+    while count < MOST_LOUD:
+        place, k, i = loudest(tables.lines, series, tables.quiet_parts, limits.loud)
+        if place < 0:
+            break
+        m = i + series[0]
+        x, y = swing_of(values, columns, k, m, rates)
+        tables.pairs[2 * count], tables.pairs[2 * count + 1] = k, m
+        loud[2 + 2 * count], loud[3 + 2 * count] = x, y
+        loud[0] = loud[0] - x
+        count += 1
+        rest = 0.0
+        for part in range(4):
+            tables.quiet_parts[part * series[3] + place] = 0.0
+        for n in range(series[3]):
+            rest += tables.quiet_parts[n]
+    for n in range(4):
+        tables.counts[n], tables.counts[4 + n] = series[n], rough[n]
+    tables.counts[8] = count
+    return bound + abs(swing), -swing, -rest, float(values[0] / rates[2])
+
+
+def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Real, Real]:
+    """The coefficient of S with the mode (k, m), conjugate modes counted with it: that of 1/g over its rate."""
+    n = 2 * (k * columns + (m if m >= 0 else m + columns))
+    factor = 2 / (rates[3] * (k * rates[0] + m * rates[1]) * rates[2])
+    return values[n + 1] * factor, -values[n] * factor
+
+
+def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, modes: Row) -> tuple[int, float, float]:
+    """The coefficients of S and of its slope into ``modes``, four numbers for k = 0, 1, … and m = −columns/2, …, zeros
+    for what is not kept; (−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
+    """
+    rows, columns = grid
+    half, bound, total, largest = columns // 2, 0.0, 0.0, 0.0
+    for n in range(rows // 2 * columns):
+        largest = max(largest, size_of(float(values[2 * n]), float(values[2 * n + 1])))
+    mean = float(rates[2])
+    for k in range(rows // 2):
+        for i in range(columns):
+            m, place = i - half, 4 * (k * columns + i)
+            n = 2 * (k * columns + (m if m >= 0 else m + columns))
+            for c in range(4):
+                modes[place + c] = 0.0
+            # those beside k = 0 are counted with their conjugates, as is the other half of that row
+            x, y = 2 * float(values[n]), 2 * float(values[n + 1])
+            size = size_of(x, y)
+            if (k == 0 and m <= 0) or size <= limits.rounding * largest:
+                continue
+            if k * rates[0] + m * rates[1] == 0:
+                return k * columns + i, 0.0, 0.0
+            s, t = swing_of(values, columns, k, m, rates)
+            p, q = float(s), float(t)
+            swing = size_of(p, q)
+            if size > limits.noise * largest or swing > limits.least:
+                modes[place], modes[place + 1] = p, q
+                modes[place + 2], modes[place + 3] = x / mean, y / mean
+                bound += swing
+                total += p
+    return -1, bound, total
+
+
+def packed(modes: Row, height: int, columns: int, least: float, lines: Row, parts: Row) -> tuple[int, int, int, int]:
+    """The modes whose slope is above ``least`` as a :class:`~integrable.torus.clock_loops.Series` has them: (least
+    second mode, their number, rows, modes in all).
+    """
+    low, high, used, total = columns, 0, 1, 0
+    for k in range(height):
+        begin, end = columns, 0
+        for i in range(columns):
+            n = 4 * (k * columns + i)
+            if size_of(modes[n + 2], modes[n + 3]) > least:
+                begin, end = min(begin, i), i + 1
+        lines[3 * k], lines[3 * k + 1] = min(begin, end), end
+        if end > 0:
+            low, high, used, total = min(low, begin), max(high, end), k + 1, total + end - begin
+    if high == 0:
+        low, high = columns // 2, columns // 2 + 1
+    place = 0
+    for k in range(used):
+        begin, end = lines[3 * k], lines[3 * k + 1]
+        lines[3 * k], lines[3 * k + 1] = max(0, begin - low), place
+        for i in range(begin, end):
+            n = 4 * (k * columns + i)
+            inside = size_of(modes[n + 2], modes[n + 3]) > least
+            for part in range(4):
+                parts[part * total + place] = modes[n + part] if inside else 0.0
+            place += 1
+        lines[3 * k + 2] = place
+    return low - columns // 2, high - low, used, total
+
+
+def loudest(lines: Row, series: tuple[int, int, int, int], parts: Row, least: float) -> tuple[int, int, int]:
+    """(place, k, m − least second mode) of the mode by which τ swings most, ``least`` or more; (−1, 0, 0) if none."""
+    total, most, found, first, second = series[3], least, -1, 0, 0
+    for k in range(series[2]):
+        for n in range(lines[3 * k + 1], lines[3 * k + 2]):
+            size = size_of(parts[n], parts[total + n])
+            if size >= most and size > 0:
+                most, found, first, second = size, n, k, lines[3 * k] + n - lines[3 * k + 1]
+    return found, first, second
