@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -9,10 +10,15 @@ import numpy as np
 
 from integrable.ensembles.computing import REFUSED, Said, gathered, held, short_runs
 from integrable.ensembles.members import common_count, numbers, plain, time_rows, times_of
-from integrable.ensembles.runs import Runs
+from integrable.ensembles.runs import Runs, joined_times
+from integrable.files.exported import Exported
+from integrable.files.frame import Frame
+from integrable.files.quantities import status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
+from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
 from integrable.laboratory.tensor import ORTHOGONAL, matrices_of
+from integrable.motion.refusals import common_reasons
 from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
@@ -22,6 +28,8 @@ from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from scipy.spatial.transform import Rotation
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
@@ -81,6 +89,12 @@ class LaboratoryEnsemble(Record):
         which = chosen(which, len(self))
         parts = {name: getattr(self, name)[which] for name in ("orientations", "omega", "contacts")}
         return replaced(self, **parts)
+
+    def _joined(self, others: Iterable[LaboratoryEnsemble]) -> LaboratoryEnsemble:
+        """These members and those of ``others``."""
+        every = (self, *others)
+        names = ("orientations", "omega", "contacts")
+        return replaced(self, **{name: np.concatenate([getattr(many, name) for many in every]) for name in names})
 
     def motion(self, member: int) -> LaboratoryMotion:
         """The motion of one member; raises what refuses it."""
@@ -185,7 +199,7 @@ def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.nda
     return rows, frames, quick & plain(rows, rolls)
 
 
-class LaboratoryRuns(Runs):
+class LaboratoryRuns(Runs, Exported):
     """Orientations and ω of K motions at N times each, ``times`` in s.
 
     ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory, ``omega_body`` (K, N, 3) is ω
@@ -241,11 +255,36 @@ class LaboratoryRuns(Runs):
             found[k] = self[k].contact
         return read_only(found)
 
+    def concatenated(self, *others: LaboratoryRuns) -> LaboratoryRuns:
+        """These members and those of the ``others``: of the same body, at the same times, or as many of their own."""
+        for other in others:
+            same = isinstance(other, LaboratoryRuns) and other.ensemble.body == self.ensemble.body
+            if not same or other._times.shape[1] != self._times.shape[1]:
+                raise ArgumentError(f"others: {shown(other)} given; the same body and number of times are needed")
+        every = (self, *others)
+        numbers, reasons = common_reasons([runs.reasons for runs in every])
+        status = np.concatenate([mine[runs.status] for mine, runs in zip(numbers, every, strict=True)])
+        matrices = np.concatenate([runs.matrices for runs in every])
+        omega_body = np.concatenate([runs.omega_body for runs in every])
+        ensemble = self.ensemble._joined(runs.ensemble for runs in others)
+        return LaboratoryRuns(ensemble, joined_times(every), matrices, omega_body, status, reasons)
+
     def _one(self, member: int) -> LaboratoryRun:
         run = LaboratoryRun(self.ensemble.motion(member), times_of(self._times, member))
         if self.status[member]:
             raise self._refusal(member)
         return replaced(run, _found=(self.matrices[member], self.omega_body[member]))
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        return usual(self.ensemble.body)
+
+    def _frame(self, quantities: Any) -> Frame:
+        dims, coordinates = self._dimensions()
+        variables = columns_of(dims, self, quantities)
+        variables["status"] = status_column(dims[:1], self.status, self.reasons)
+        reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
+        return Frame(dims, coordinates, variables, about_body(self.ensemble.body, reasons=reasons))
 
     def _value(self) -> tuple[Any, ...]:
         # without the NaN of what was refused, which equal nothing

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from typing import Any, TypeVar
 
 import numpy as np
 
 from integrable.ensembles.members import times_of_some
+from integrable.files.frame import Column
 from jacobian.errors import ArgumentError, chosen, whole
 from jacobian.immutable import Record, read_only, replaced
 
@@ -51,6 +52,13 @@ class Runs(Record):
     def __iter__(self) -> Iterator[Any]:
         return map(self.__getitem__, range(len(self)))
 
+    def _dimensions(self) -> tuple[tuple[str, str], dict[str, Column]]:
+        """Those of a frame: "member" and "time", or "row" where every member has its own times, and the coordinates."""
+        own = len(self._times) > 1
+        dims = ("member", "row" if own else "time")
+        time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
+        return dims, {"member": Column(dims[:1], np.arange(len(self)), "1", "number of the member"), "time": time}
+
     def _member(self, member: Any) -> int:
         count = len(self)
         return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
@@ -69,3 +77,11 @@ class Runs(Record):
     def _some(self: Kind, places: np.ndarray) -> Kind:
         parts = {"_times": times_of_some(self._times, places), "status": self.status[places], **self._of_some(places)}
         return replaced(self, ensemble=self.ensemble[places], **parts)
+
+
+def joined_times(every: Sequence[Runs]) -> np.ndarray:
+    """Times of the members of all: of shape (1, N) where they are the same, else (K, N)."""
+    times = every[0]._times
+    if len(times) == 1 and all(np.array_equal(runs._times, times) for runs in every):
+        return times
+    return np.concatenate([np.broadcast_to(runs._times, (len(runs), times.shape[1])) for runs in every])

@@ -10,10 +10,11 @@ import numpy as np
 
 from integrable.ensembles.computing import WORDS, Outcome, statuses
 from integrable.ensembles.members import Members, motion_of, system_of, times_of
-from integrable.ensembles.runs import Runs
+from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
 from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, status_column
+from integrable.motion.refusals import common_reasons
 from integrable.motion.trajectory import Trajectory
 from integrable.phase import attitude
 from jacobian.errors import ArgumentError
@@ -103,13 +104,7 @@ class Trajectories(Runs, Exported):
                 raise ArgumentError(f"others: {other!r} given; Trajectories of such motions are needed")
             if other.ensemble.system != self.ensemble.system or other._rows.shape[1] != self._rows.shape[1]:
                 raise ArgumentError(f"others: {other!r} given; the same system and number of times are needed")
-        times = self._times
-        if (
-            any(other._times.shape != times.shape or (other._times != times).any() for other in others)
-            or len(times) > 1
-        ):
-            times = np.concatenate([np.broadcast_to(x._times, x._rows.shape[:2]) for x in every])
-        return joined(every, times)
+        return joined(every, joined_times(every))
 
     def _along(self, name: str) -> np.ndarray:
         """A quantity of every state, not-a-number where there is none."""
@@ -132,10 +127,7 @@ class Trajectories(Runs, Exported):
         return attitude.quaternions(system._attitude_along(gamma, M))
 
     def _frame(self, quantities: Any) -> Frame:
-        own = len(self._times) > 1
-        dims = ("member", "row" if own else "time")
-        time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
-        member = Column(dims[:1], np.arange(len(self)), "1", "number of the member")
+        dims, coordinates = self._dimensions()
         rows = statuses(self.status, self._partial, self._rows.shape[1])
         words = ("refused", *WORDS)
         many = self.ensemble
@@ -149,7 +141,7 @@ class Trajectories(Runs, Exported):
         }
         reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
         about_all = about(many.system, tilted=int(many.tilted), reasons=reasons)
-        return Frame(dims, {"member": member, "time": time}, variables, about_all)
+        return Frame(dims, coordinates, variables, about_all)
 
     def _of_some(self, places: np.ndarray) -> dict[str, Any]:
         partial = {i: self._partial[k] for i, k in enumerate(places.tolist()) if k in self._partial}
@@ -163,15 +155,14 @@ class Trajectories(Runs, Exported):
 
 def joined(every: tuple[Trajectories, ...], times: np.ndarray) -> Trajectories:
     """All members of ``every``, one after the other, at ``times``."""
-    reasons: dict[str, int] = {"": 0}
+    numbers, reasons = common_reasons([part.reasons for part in every])
     status, partial, begin = [], {}, 0
-    for part in every:
-        numbers = np.array([reasons.setdefault(reason, len(reasons)) for reason in part.reasons])
-        status.append(numbers[part.status])
-        partial.update({begin + k: numbers[rows] for k, rows in part._partial.items()})
+    for mine, part in zip(numbers, every, strict=True):
+        status.append(mine[part.status])
+        partial.update({begin + k: mine[rows] for k, rows in part._partial.items()})
         begin += len(part)
     first = every[0]
     ensemble = replaced(first.ensemble, members=np.concatenate([part.ensemble.members for part in every]))
     ways = np.concatenate([part._ways for part in every])
-    outcome = Outcome(np.concatenate(status), ways, tuple(reasons), partial)
+    outcome = Outcome(np.concatenate(status), ways, reasons, partial)
     return type(first)(ensemble, times, np.concatenate([part._rows for part in every]), outcome)

@@ -10,38 +10,46 @@ from jacobian.immutable import Record
 if TYPE_CHECKING:
     from integrable.files.frame import Frame
 
-__all__ = ["USUAL", "Exported"]
+__all__ = ["Exported"]
 
 USUAL = ("gamma", "M", "omega")
-"""The quantities that are written where nothing else is said."""
 
 
 class Exported(Record):
     """Base of results that are arrays with names and units. ``quantities`` are those that
-    :data:`integrable.files.quantities.QUANTITIES` names: "gamma", "M", "omega", "quaternion", "contact". Libraries are
-    those of the extra ``io``; ArgumentError names one that is not installed.
+    :data:`integrable.files.quantities.QUANTITIES` names: "gamma", "M", "omega", "quaternion", "contact" (in the
+    laboratory :data:`integrable.laboratory.in_files.QUANTITIES`), by default the usual ones. Libraries are those of the
+    extra ``io``; ArgumentError names one that is not installed.
     """
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        """What is written where nothing else is said."""
+        return USUAL
+
+    def _asked(self, quantities: Any) -> Frame:
+        return self._frame(self._usual if quantities is None else quantities)
 
     def _frame(self, quantities: Any) -> Frame:
         """What is written."""
         raise NotImplementedError
 
-    def to_xarray(self, quantities: Any = USUAL) -> Any:
+    def to_xarray(self, quantities: Any = None) -> Any:
         """An ``xarray.Dataset`` with dimensions, units and, as attributes, what the motion is."""
         from integrable.files.frame import dataset
 
-        return dataset(self._frame(quantities))
+        return dataset(self._asked(quantities))
 
-    def to_dataframe(self, quantities: Any = USUAL) -> Any:
+    def to_dataframe(self, quantities: Any = None) -> Any:
         """A ``pandas.DataFrame`` with a row for each state and columns ``gamma_1`` …; ``attrs`` has the units."""
         from integrable.files.frame import dataframe
 
-        return dataframe(self._frame(quantities))
+        return dataframe(self._asked(quantities))
 
-    def save(self, path: str | os.PathLike[str], quantities: Any = USUAL) -> None:
+    def save(self, path: str | os.PathLike[str], quantities: Any = None) -> None:
         """Write a .nc, .h5, .zarr, .parquet, .csv or .mat file, complete or not at all; MP(digits) to .csv only
         (:func:`integrable.files.writing.save`).
         """
         from integrable.files.writing import save
 
-        save(lambda: self._frame(quantities), path)
+        save(lambda: self._asked(quantities), path)

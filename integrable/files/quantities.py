@@ -11,7 +11,18 @@ import numpy as np
 from integrable.files.frame import Column, Frame, version
 from jacobian.errors import ArgumentError, entries, shown
 
-__all__ = ["AXES", "QUANTITIES", "about", "checked", "columns", "status_column", "trajectory_frame"]
+__all__ = [
+    "AXES",
+    "QUANTITIES",
+    "Quantity",
+    "about",
+    "checked",
+    "columns",
+    "number",
+    "provenance",
+    "status_column",
+    "trajectory_frame",
+]
 
 
 class Quantity(NamedTuple):
@@ -35,12 +46,12 @@ QUANTITIES = {
 UNITS = "those of SI, or of the consistent set that the body and M were given in"
 
 
-def checked(quantities: Any) -> tuple[str, ...]:
-    """Names among QUANTITIES, or an ArgumentError."""
-    known = ", ".join(QUANTITIES)
+def checked(quantities: Any, among: Mapping[str, Quantity] = QUANTITIES) -> tuple[str, ...]:
+    """Names ``among`` quantities, or an ArgumentError."""
+    known = ", ".join(among)
     asked = [quantities] if isinstance(quantities, str) else entries(quantities, "quantities", f"a list of {known}")
     for name in asked:
-        if not isinstance(name, str) or name not in QUANTITIES:
+        if not isinstance(name, str) or name not in among:
             raise ArgumentError(f"quantities: {shown(name)} given; choose among {known}")
     return tuple(dict.fromkeys(asked))
 
@@ -50,21 +61,26 @@ def about(system: Any, **more: Any) -> dict[str, Any]:
     return {
         "title": f"motion of {system!r}",
         "system": type(system).__name__,
-        "field": system.field.name,
-        "inertia": [_number(x) for x in system.body.inertia],
-        "d": _number(system.body.d),
+        "inertia": [number(x) for x in system.body.inertia],
+        "d": number(system.body.d),
         "units_note": UNITS,
-        "source": f"jacobian-integrable {version()}",
-        "version": version(),
+        **provenance(system.field),
         **more,
     }
 
 
-def columns(dims: tuple[str, ...], arrays: Mapping[str, np.ndarray]) -> dict[str, Column]:
+def provenance(field: Any) -> dict[str, Any]:
+    """In which numbers something was computed, and by what."""
+    return {"field": field.name, "source": f"jacobian-integrable {version()}", "version": version()}
+
+
+def columns(
+    dims: tuple[str, ...], arrays: Mapping[str, np.ndarray], among: Mapping[str, Quantity] = QUANTITIES
+) -> dict[str, Column]:
     """Quantities along ``dims``."""
     found = {}
     for name, values in arrays.items():
-        dim, parts, units, long_name = QUANTITIES[name]
+        dim, parts, units, long_name = among[name]
         found[name] = Column((*dims, dim), values, units, long_name, parts)
     return found
 
@@ -102,5 +118,6 @@ def _values(run: Any, name: str) -> np.ndarray:
     return filled
 
 
-def _number(x: Any) -> Any:
+def number(x: Any) -> Any:
+    """A float, or the digits of a number of more."""
     return float(x) if isinstance(x, float) or not hasattr(x, "context") else str(x)

@@ -7,15 +7,19 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from integrable.files.exported import Exported
 from integrable.laboratory.ways import numbers
 from integrable.phase import attitude
 from jacobian import RR
-from jacobian.errors import NotRepresentable, one_or_more
-from jacobian.immutable import Immutable, Record, read_only
+from jacobian.errors import ArgumentError, NotRepresentable, chosen, one_or_more, shown, whole
+from jacobian.immutable import Immutable, read_only, replaced
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from scipy.spatial.transform import Rotation
 
+    from integrable.files.frame import Frame
     from integrable.laboratory.fit import OrientationFit
     from integrable.portrait.portrait import Portrait
 
@@ -72,10 +76,11 @@ class LaboratoryMotion(Immutable):
         return f"<motion of {self.body!r}>"
 
 
-class LaboratoryRun(Record):
+class LaboratoryRun(Exported):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
-    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to.
+    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to. ``run[k]``, a slice or an array
+    of numbers or truth values gives the run at some of the times.
     """
 
     def __init__(self, motion: LaboratoryMotion, times: Any) -> None:
@@ -83,6 +88,39 @@ class LaboratoryRun(Record):
 
     def __len__(self) -> int:
         return len(self.times)
+
+    def __getitem__(self, which: Any) -> LaboratoryRun:
+        if not (isinstance(which, slice) or np.ndim(which)):
+            which = [whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)]
+        places = np.arange(len(self))[chosen(which, len(self))]
+        found = {"_found": tuple(part[places] for part in self._found)} if "_found" in vars(self) else {}
+        return replaced(self, times=self.times[places], **found)
+
+    def __iter__(self) -> Iterator[LaboratoryRun]:
+        return map(self.__getitem__, range(len(self)))
+
+    def concatenated(self, *others: LaboratoryRun) -> LaboratoryRun:
+        """These times and those of the ``others``, which are of the same motion."""
+        for other in others:
+            if not isinstance(other, LaboratoryRun) or other.motion != self.motion:
+                raise ArgumentError(f"others: {shown(other)} given; runs of the same motion are needed")
+        every = (self, *others)
+        return replaced(
+            self,
+            times=np.concatenate([run.times for run in every]),
+            _found=tuple(np.concatenate(parts) for parts in zip(*(run._found for run in every), strict=True)),
+        )
+
+    @property
+    def _usual(self) -> tuple[str, ...]:
+        from integrable.laboratory.in_files import usual
+
+        return usual(self.motion.body)
+
+    def _frame(self, quantities: Any) -> Frame:
+        from integrable.laboratory.in_files import run_frame
+
+        return run_frame(self, quantities)
 
     def animate(self, path: Any, fps: int = 25) -> None:
         """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or .mp4 (which takes ffmpeg):

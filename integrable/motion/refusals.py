@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -102,3 +102,10 @@ def _refusal(compute: Compute, values: np.ndarray) -> str:
     except REFUSALS as error:
         return str(error)
     return ""
+
+
+def common_reasons(parts: Iterable[Sequence[str]]) -> tuple[list[np.ndarray], tuple[str, ...]]:
+    """One list of reasons for several, and for each of these the numbers that its numbers become."""
+    reasons: dict[str, int] = {"": 0}
+    numbers = [np.array([reasons.setdefault(reason, len(reasons)) for reason in part]) for part in parts]
+    return numbers, tuple(reasons)

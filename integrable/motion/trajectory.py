@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 import numpy as np
 
 from integrable.files.exported import Exported
-from integrable.motion.refusals import Rows, kept_rows, refused_rows
+from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_rows
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
 from jacobian import RR
@@ -381,12 +381,9 @@ def joined(first: Trajectory, *others: Trajectory) -> Trajectory:
             raise ArgumentError(f"others: {shown(other)} given; Trajectories of the same motion are needed")
         if other.system != first.system or other.flow.state != first.flow.state:
             raise ArgumentError(f"others: {other!r} given; the same system and the same start are needed")
-    reasons: dict[str, int] = {"": 0}
-    status = []
-    for run in every:
-        numbers = np.array([reasons.setdefault(reason, len(reasons)) for reason in run.reasons])
-        status.append(numbers[run.status])
+    numbers, reasons = common_reasons([run.reasons for run in every])
+    status = np.concatenate([mine[run.status] for mine, run in zip(numbers, every, strict=True)])
     times = None if all(run.given_in_tau for run in every) else np.concatenate([run.times for run in every])
     tau, rows = (np.concatenate([getattr(run, name) for run in every]) for name in ("tau", "_rows"))
     way = ", ".join(dict.fromkeys(word for run in every for word in run.way.split(", ")))
-    return Trajectory(first.flow, times, tau, rows, way, np.concatenate(status), tuple(reasons))
+    return Trajectory(first.flow, times, tau, rows, way, status, reasons)

@@ -1,0 +1,49 @@
+"""What files hold of motions in the laboratory: quantities with their parts and units, and what is said of the body."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from integrable.files.frame import Column, Frame
+from integrable.files.quantities import AXES, Quantity, checked, columns, number, provenance
+
+__all__ = ["about_body", "columns_of", "run_frame", "usual"]
+
+SPACE = ("x", "y", "z")
+QUANTITIES = {
+    "quaternion": Quantity("component", ("w", *SPACE), "1", "rotation from the axes of the tensor to the laboratory"),
+    "omega": Quantity("axis", SPACE, "rad s-1", "angular velocity in the axes of the laboratory"),
+    "omega_body": Quantity("axis", AXES, "rad s-1", "angular velocity in the axes of the tensor"),
+    "contact": Quantity("direction", SPACE[:2], "m", "point of contact in the laboratory"),
+    "centre": Quantity("axis", SPACE, "m", "centre of the ball in the laboratory"),
+}
+"""What a run in the laboratory can be asked for: each is the name of an attribute of its own."""
+
+
+def usual(body: Any) -> tuple[str, ...]:
+    """What is written where nothing else is said."""
+    return ("quaternion", "omega") if body.radius is None else ("quaternion", "omega", "contact")
+
+
+def about_body(body: Any, **more: Any) -> dict[str, Any]:
+    """What is said of a motion of this body: numbers, strings and lists of numbers. ``axes`` are those of the moments
+    in the axes of the tensor, one after the other.
+    """
+    said = {"inertia": [number(x) for x in body.moments], "axes": [number(x) for x in np.ravel(body.axes.T)]}
+    said |= {name: number(x) for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}
+    title = f"motion of {body!r}"
+    return {"title": title, "system": type(body).__name__, **said, **provenance(body.field), **more}
+
+
+def columns_of(dims: tuple[str, ...], run: Any, quantities: Any) -> dict[str, Column]:
+    """Quantities of one run or of many, along ``dims``."""
+    names = checked(quantities, QUANTITIES)
+    return columns(dims, {name: getattr(run, name) for name in names}, QUANTITIES)
+
+
+def run_frame(run: Any, quantities: Any) -> Frame:
+    """A :class:`integrable.laboratory.motion.LaboratoryRun`, along "time"."""
+    time = Column(("time",), run.times, "s", "physical time t")
+    return Frame(("time",), {"time": time}, columns_of(("time",), run, quantities), about_body(run.motion.body))
