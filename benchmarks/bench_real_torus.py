@@ -1,4 +1,4 @@
-"""Motions of genus 2 linear in time: many points on the compiled torus, and the same by additions in long numbers.
+"""Motions of genus 2 linear in time, and Veselova's: many points on the compiled torus, and the same by additions in long numbers.
 
 100 000 times up to 10⁶, processor time, the least of several; errors are beside the states of the additions.
 """
@@ -14,10 +14,12 @@ from benchmarks.curves import least_seconds
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
 
 MOTIONS: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Neumann on S²": (Neumann((1, 2, 4)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "Toda, three particles": (TodaLattice(3), (0, 0.5, -0.25), (1, -0.75, -0.25)),
+    "Veselova's body": (Veselova((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "Garnier, two axes": (Garnier((0, 1)), (0.3, 0.5), (0.2, -0.4)),
 }
 

@@ -15,18 +15,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from math import ceil, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.motion import Start
 from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
-from integrable.mumford.system import MumfordFlow, MumfordSystem, Point, Spectral, all_of, on_sphere
+from integrable.mumford.system import MumfordFlow, MumfordSystem, Path, Point, Spectral, all_of, on_sphere
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
+from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
+if TYPE_CHECKING:
+    from integrable.mumford.body_torus import BodyTorus
+
 # digits of τ beyond those of a state; those for far times come in steps, so that few series are made
 GUARD, DIGITS_APART = 6, 4
+# of the numbers that a torus is set up with
+DIGITS = 50
 # a panel of the clock of a separatrix, in some radians
 STEP = 0.5
 
@@ -141,13 +147,14 @@ class BodySystem(MumfordSystem):
         lights = (2 * p - q * u[1], p * p - p * q * u[1] + q * q * u[0])
         X = (1 - lights[0] / size + lights[1] / size**2, lights[0] / size - 2)
         Y = ((v[0] + slope * (size - p)) / height, -slope * size / height)
-        pace = -q * height / size
-        return Unit(
-            tuple(1 - c / size for c in weights),
-            1 - (p + q * h1 / h2) / size,
-            (*X, *Y, *(sigma for sigma, _ in pairs)),
-            (pace, pace * (1 - p / size)),
-        )
+        pace, alphas = -q * height / size, tuple(1 - c / size for c in weights)
+        slopes = poly.derivative(N, poly.from_roots(N, alphas))
+        kappas = tuple(c * poly.evaluate(N, slopes, e) for c, e in zip(weights, alphas, strict=True))
+        momentum = N.sqrt(size * h2)
+        nus = (nu / (2 * momentum) for _, nu in pairs)
+        start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
+        direction = pace, pace * (1 - p / size)
+        return Unit(alphas, kappas, 1 - (p + q * h1 / h2) / size, start, direction, momentum)
 
 
 class BodyFlow(MumfordFlow):
@@ -176,6 +183,24 @@ class BodyFlow(MumfordFlow):
             # in τ
             length = STEP / (self._pace * float(max(self._body._weights(RR))) ** 0.5)
             return PanelClock(lambda tau: self._motion.row(tau, _rate, digits)[0][0], reals, digits, length)
+
+    @cached_property
+    def _torus(self) -> BodyTorus | None:  # type: ignore[override]
+        """The compiled torus in floats, where there is one."""
+        if hasattr(self.system.field, "dps") or interpreted():
+            return None
+        from integrable.mumford.body_torus import BodyTorus
+
+        K = MP(DIGITS)
+        try:
+            torus = BodyTorus(K, self._body._unit(K, self._inner(K)))
+        except (PrecisionLoss, ZeroDivisionError):
+            return None
+        return torus if self._confirmed(torus) else None
+
+    def _path(self, torus: Any, times: Any) -> Path:
+        rows, _ = torus.at(times)
+        return Path(times, rows[:, :3], rows[:, 3:])
 
     @cached_property
     def _pace(self) -> float:

@@ -24,14 +24,17 @@ MOST_STEPS = 100
 
 
 class Unit(NamedTuple):
-    """A curve Y² = (X − ζ)Π(α_i − X)(1 − X): the α_i and ζ, the start U_0, U_1, V_0, V_1 with σ_1, σ_2, σ_3 whose
-    1/√Σσ² is dt/dτ, and (ΣdX/Y, ΣXdX/Y) in a unit of τ.
+    """A body's curve as Y² = (X − ζ)Π(α_i − X)(1 − X): the α_i with the κ_i of their lifts, ζ, the start U_0, U_1, V_0,
+    V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ, (ΣdX/Y, ΣXdX/Y) in a unit of τ, and |M| over that of the
+    pairs (:func:`integrable.phase.coordinates.directions_of`).
     """
 
     alphas: tuple[Any, ...]
+    kappas: tuple[Any, ...]
     zeta: Any
     start: tuple[Any, ...]
     direction: tuple[Any, Any]
+    momentum: Any
 
 
 class Problem(NamedTuple):

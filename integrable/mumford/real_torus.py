@@ -146,10 +146,7 @@ class RealTorus(Corners):
         a, b, height = first + second * origin, second * length, height * length**2 * lift
         self._numbers = tuple(map(Column.of, (a, b, height)))
         self._read = [(k, Column.of(size * (length if i == 3 else 1)), i) for k, size, i in self._read]
-        d0, d1 = direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2
-        (a1, b1), (a2, b2) = (self.loops.wide(period, K) for period in self.lattice.periods)
-        size = a1 * b2 - b1 * a2
-        rates = (d0 * b2 - d1 * a2) / size, (d1 * a1 - d0 * b1) / size
+        rates = self.turns_along(direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2)
         self._rates = [float(x) for x in rates]
         self._fastest = max(map(abs, self._rates))
         self._row = self.loops.row((*rates, (1 - origin) / length))

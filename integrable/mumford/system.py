@@ -330,12 +330,12 @@ class MumfordFlow:
             return None
         return torus if self._confirmed(torus) else None
 
-    def _confirmed(self, torus: RealTorus) -> bool:
+    def _confirmed(self, torus: Any) -> bool:
         """Whether a torus has the states that additions in long numbers lead to, signs included."""
         import numpy as np
 
         path = self._path(torus, torus.witnesses)
-        for time, *rows in zip(torus.witnesses.tolist(), path.q, path.p, strict=True):
+        for time, *rows in zip(self._places(torus.witnesses.tolist()), path.q, path.p, strict=True):
             true = self._motion.row(time, self._reader(time), self.digits)
             for row, other in zip(rows, true, strict=True):
                 expected = np.array([float(x) for x in other])

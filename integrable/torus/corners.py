@@ -78,6 +78,12 @@ class Corners:
         nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
         return nu1, nu2
 
+    def turns_along(self, first: Any, second: Any) -> tuple[Any, Any]:
+        """Turns of either phase along (Σ∫dξ/η, Σ∫ξ dξ/η) = (first, second), wide."""
+        (a1, b1), (a2, b2) = (self.loops.wide(period, self.setup.wide) for period in self.lattice.periods)
+        area = a1 * b2 - b1 * a2
+        return (first * b2 - second * a2) / area, (second * a1 - first * b1) / area
+
     @cached_property
     def mean(self) -> Any:
         """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, whatever the samples are.

@@ -75,10 +75,12 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
 ESCAPING, BOUND = ((0.0625, -0.125), (0.03125, 0.0625)), ((0.01, -0.06), (0.005, 0.01))
 
 
-@pytest.mark.parametrize("name", ["bound", "bound behind a barrier", "escaping", "escaping behind a barrier", "garnier"])
+@pytest.mark.parametrize(
+    "name", ["bound", "bound behind a barrier", "escaping", "escaping behind a barrier", "garnier"]
+)
 def test_many_times_are_those_one_by_one(name) -> None:
-    """Of genus 2 they are read off the real torus, behind a barrier too; but not where q_0 runs over the saddle: a point
-    passes infinity there, and other roots of f are complex.
+    """Of genus 2 they are read off the real torus, behind a barrier too; but not where q_0 runs over the saddle: a
+    point passes infinity there, and other roots of f are complex.
     """
     system, state = REAL["garnier"](RR, 2)
     if name != "garnier":

@@ -10,6 +10,7 @@ import pytest
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
 from integrable.mumford.real_torus import RealTorus
 from integrable.mumford.system import MANY
 from integrable.torus.corners import Corners
@@ -40,8 +41,15 @@ TODA = [
     ((2, 0, -3), (5, 1, -6)),
     ((0, 0, 0.3), (0.1, 0.2, 0.3)),
 ]
+VESELOVA = [
+    ((1, 2, 3), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    ((4, 2, 1), (0.48, -0.6, 0.64), (0.384, 1.28, 0.912)),
+    ((100, 101, 103), (-0.6, 0.8, 0.0), (0.8, 0.6, -0.3)),
+    ((1, 2, 3), (0.6, 0.8, 0.0), (0.0, 0.0, 1.0)),  # about an axis for ever: an oval is a point
+]
 CASES = [on_sphere(a, q, np.array(p)) for a, q, p in NEUMANN]
 CASES += [(TodaLattice(3), TodaLattice(3).state(q, p)) for q, p in TODA]
+CASES += [(Veselova(moments), Veselova(moments).state(*row)) for moments, *row in VESELOVA]
 CASES += [(Garnier((0, 1)), Garnier((0, 1)).state((0.3, 0.5), (0.2, -0.4)))]
 TIMES = [0, 0.5, 1, -3.7, 20, 1e3, 1e6 + 0.25, -2e6]
 
@@ -87,6 +95,8 @@ def test_what_has_no_torus_takes_additions():
         flow = system.flow(system.state(q, p))
         assert flow._torus is None
         assert flow.at(np.linspace(0, 3, MANY)).q[0].tolist() == list(q)
+    body = Veselova((1, 2, 4))
+    assert body.flow(body.state((0.6, 0, 0.8), (0, 1, 0)))._torus is None
     lattice = TodaLattice(3)
     assert lattice.flow(lattice.state((0, 0, 0), (1, 1, 1)))._torus is None
     system, state = CASES[0]
