@@ -1,4 +1,4 @@
-"""Motions of genus 2 linear in time, and Veselova's: many points on the compiled torus, and the same by additions in long numbers.
+"""Motions of genus 2: many points on the compiled torus, and the same by additions in long numbers.
 
 100 000 times up to 10⁶, processor time, the least of several; errors are beside the states of the additions.
 """

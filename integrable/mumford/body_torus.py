@@ -3,7 +3,6 @@ its clock and its states, along another direction."""
 
 from __future__ import annotations
 
-from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,6 +23,7 @@ class Setup(NamedTuple):
     reals: BareReals
     time_scale: Any
     step_length: Any
+    floats_given: None = None
 
 
 class BodyTorus(TorusFlow):
@@ -33,26 +33,28 @@ class BodyTorus(TorusFlow):
     """
 
     def __init__(self, wide: Any, unit: Unit) -> None:
-        self._direction = unit.direction
+        self._direction, (u0, u1, *_) = unit.direction, unit.start
         reals = BareReals(wide.context.prec)
         one, none, scale = wide.one, wide.zero, abs(unit.direction[0])
+        slowness = wide.sqrt((1 + u1 + u0) / wide.dot(unit.start[4:7], unit.start[4:7]))
         axes, start = reals.row((*unit.alphas, *unit.kappas, one, none)), reals.row(unit.start)
-        zeta, single, nothing, momentum = reals.row((unit.zeta, one, none, unit.momentum))
-        problem = BareProblem((), axes, start, zeta, single, reals.number(scale), momentum, nothing, None)
+        zeta, d, scale_, half, momentum, slow = reals.row((unit.zeta, one, scale, none, unit.momentum, slowness))
+        problem = BareProblem((half,) * 6, axes, start, zeta, d, scale_, momentum, half, None, slow)
         super().__init__(Setup(problem, wide, reals, scale, one), CompiledLoops())  # type: ignore[arg-type]
 
-    @cached_property
-    def frequencies(self) -> tuple[Any, Any]:
-        """Turns of either phase in a unit of τ, wide."""
+    def _made_rates(self, pi: Any) -> Any:
         K, (origin, length, lift) = self.setup.wide, self.units
         first, second = self._direction
-        return self.turns_along(first * length * lift, (second - self.setup.reals.element(K, origin) * first) * lift)
+        origin, rates = self.setup.reals.element(K, origin), super()._made_rates(pi)
+        nu = self.turns_along(first * length * lift, (second - origin * first) * lift)
+        (mean,) = self.loops.wide(rates[9:10], K)
+        rates[4:12] = self.loops.row((*(x / mean for x in nu), *nu, 1 / mean, mean, *nu))
+        return rates
 
     @property
     def witnesses(self) -> np.ndarray:
         """Times at which every sign that a period changes has been changed, in both directions."""
-        assert self.clock
-        paces = [float(pace) for pace in self.clock.pace]
+        paces = self._of_rates(4, 6)
         farthest = MOST_TURNS / 8 / max(map(abs, paces))
         return np.clip([turns / pace for pace in paces for turns in (1.23, -1.38)], -farthest, farthest)
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import TIME_SCALE
+from integrable.moving_point.bare_problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, Series
 from integrable.torus.clock_modes import MOST_LOUD, Limits, Tables
 from integrable.torus.corners import Corners
@@ -61,7 +61,7 @@ class TorusFlow(Corners):
         super().__init__(setup, loops, most)
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if setup.body.d != 0:
+        if self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0:
             self.clock = TorusClock(self, *self._spectrum())
 
     def _check_walk(self) -> None:

@@ -52,15 +52,19 @@ class Corners:
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
         leans = loops.floats(self.curve.axes[7:])[0] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
-        self.rates = loops.room(14)
-        pi = motion[9:10]
-        loops.rates(self._problem, lattice.found, pi, (self.units.length, self.units.lift), self.doubled, self.rates)
+        self.rates = self._made_rates(motion[9:10])
         tables, self._halves = self._translations(motion)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
         self._walk_over()
         self._check_walk()
+
+    def _made_rates(self, pi: Any) -> Any:
+        """What :func:`integrable.torus.survey.rates` gives."""
+        rates, units = self.loops.room(14), (self.units.length, self.units.lift)
+        self.loops.rates(self._problem, self.lattice.found, pi, units, self.doubled, rates)
+        return rates
 
     def _check_walk(self) -> None:
         """NotClosed where the states at the corners are not to be trusted."""
