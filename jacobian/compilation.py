@@ -48,6 +48,14 @@ def batch_curves() -> dict[str, HyperellipticCurve]:
     }
 
 
+def two_word_curves() -> dict[str, HyperellipticCurve]:
+    """One curve for each kernel of two words, of single classes and of arrays."""
+    return {
+        f"GF(p), p < 2^128, genus 2, degree {len(f) - 1}": HyperellipticCurve(GF(2**127 - 1), f)
+        for f in (QUINTIC, SEXTIC)
+    }
+
+
 def float_curves() -> dict[str, HyperellipticCurve]:
     """One curve for each kernel of arrays of floats and of complex numbers."""
     fields = {"floats": RR, "complex numbers": CC}
@@ -77,7 +85,13 @@ def batch(C: HyperellipticCurve) -> None:
 
 def compile_all() -> Iterator[tuple[str, float]]:
     """Compiles the kernels one after the other: (name, seconds) each, tenths of a second for what the cache has."""
-    families = (("single", single, single_curves), ("arrays", batch, batch_curves), ("arrays", batch, float_curves))
+    families = (
+        ("single", single, single_curves),
+        ("single", single, two_word_curves),
+        ("arrays", batch, batch_curves),
+        ("arrays", batch, two_word_curves),
+        ("arrays", batch, float_curves),
+    )
     for family, action, curves in families:
         for name, C in curves().items():
             begun = perf_counter()

@@ -18,6 +18,7 @@ import numpy as np
 from numba import typeof, types
 from numba.extending import register_jitable
 
+from jacobian.addition import genus2_words_compiled  # noqa: F401  # the compiled formulas
 from jacobian.addition.cantor import Triple
 from jacobian.addition.cantor_words import (
     add_classes,
@@ -28,9 +29,18 @@ from jacobian.addition.cantor_words import (
     scratch,
     width,
 )
-from jacobian.addition.genus2_words import Quintic, Sextic, chord
-from jacobian.addition.genus2_words_compiled import cubic, product, sum_u, sum_v, tangent
-from jacobian.curve.curve import HyperellipticCurve, coefficient
+from jacobian.addition.genus2_words import (
+    Quintic,
+    Sextic,
+    chord,
+    cubic,
+    product,
+    short_equation,
+    sum_u,
+    sum_v,
+    tangent,
+)
+from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.table import TableField
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.tables import table_context
@@ -327,14 +337,6 @@ def context(K: Any) -> Any:
     tenth of the time of a multiple.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
-
-
-def short_equation(C: HyperellipticCurve, to_word: Any) -> Quintic | Sextic | None:
-    """The coefficients that the explicit formulas of genus 2 use, where they apply."""
-    if C.genus != 2 or C.h or (C.model == "ramified" and C.f[-1] != C.field.one):
-        return None
-    words = [to_word(coefficient(C.field, C.f, i)) for i in range(7)]
-    return Quintic(*words[2:5]) if C.model == "ramified" else Sextic(*words[2:])
 
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel:

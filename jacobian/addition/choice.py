@@ -9,6 +9,9 @@ Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements)
 cache has the kernels already. So a group begins with the kernel above, and changes over when the process has spent as
 much work on such groups as the change costs: READY additions where the kernels lie in numba's cache (``python -m
 jacobian compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
+
+Genus 2 over GF(p), p odd of two words (2^63 < p < 2^128), has compiled formulas of its own
+(:mod:`jacobian.addition.two_word_calls`), which need no numba and are had for less.
 """
 
 from __future__ import annotations
@@ -23,6 +26,7 @@ from typing import NamedTuple
 from jacobian.addition import cantor, cantor_flint, ladder, nucomp
 from jacobian.addition.genus2 import ExplicitFormulas
 from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
+from jacobian.addition.genus2_words import short_equation
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
@@ -37,6 +41,8 @@ READY = 100_000
 """Additions that take as long as loading numba and the compiled kernels from its cache (``benchmarks startup``)."""
 COLD = 2_000_000
 """Additions that take as long as compiling them."""
+TWO_WORDS_READY, TWO_WORDS_COLD = 20_000, 80_000
+"""The same for the compiled formulas of two words: a tenth of a second, and half a second."""
 SHARE = 64
 """Additions after which a group accounts for them: fewer do not pay for a compiled kernel of its own."""
 
@@ -74,7 +80,7 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
     if cantor_flint.pays(C):
         on_flint = cantor_flint.FlintCantor(C)
         chosen = _with_ladder(C, on_flint.sum_of, on_flint.double)
-    if adopt is None or not is_word_sized(C):
+    if adopt is None or not (is_word_sized(C) or is_two_words_long(C)):
         return chosen
     counted = Counted(C, chosen, adopt, work)
     return Kernel(counted.sum_of, counted.double, counted.multiple)
@@ -106,9 +112,24 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
     return isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63)
 
 
+def is_two_words_long(C: HyperellipticCurve) -> bool:
+    """Whether there are compiled formulas of two words for C: genus 2 with h = 0 and, in degree 5, a monic f."""
+    K = C.field
+    if type(K) is not PrimeField or not 1 << 63 < K.p < 1 << 128:
+        return False
+    return short_equation(C, int) is not None
+
+
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
     """The compiled kernel for C, an arithmetic model, or None where there is none for its field, or no compiling."""
-    if not is_word_sized(C) or interpreted():
+    if interpreted():
+        return None
+    if is_two_words_long(C):
+        from jacobian.addition.two_word_calls import TwoWordKernel
+
+        of_two_words = TwoWordKernel(C, python_kernel(C))
+        return Kernel(of_two_words.sum_of, of_two_words.double, of_two_words.multiple)
+    if not is_word_sized(C):
         return None
     from jacobian.addition.calls import word_kernel
 
@@ -149,14 +170,13 @@ class Counted:
     def _account(self) -> None:
         self._work.additions += SHARE - self._left
         self._left = SHARE
-        if self._work.additions < READY:
+        ready, cold = costs(self._curve)
+        if self._work.additions < ready:
             return
         try:
             if interpreted():
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
-            from jacobian.addition.calls import is_cached
-
-            chosen = compiled_kernel(self._curve) if self._work.additions >= COLD or is_cached() else None
+            chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_cached(self._curve) else None
         except (ImportError, RuntimeError) as error:
             # no numba, or no directory that it can write its cache to: nobody asked for it, so nobody's addition fails
             self._work.additions = -math.inf
@@ -165,6 +185,22 @@ class Counted:
         if chosen is not None:
             self._sum_of, self._double, self._multiple = chosen
             self._adopt(chosen)
+
+
+def costs(C: HyperellipticCurve) -> tuple[int, int]:
+    """Additions that take as long as having the compiled kernels of C, where they are on disk and where not."""
+    return (TWO_WORDS_READY, TWO_WORDS_COLD) if is_two_words_long(C) else (READY, COLD)
+
+
+def _is_cached(C: HyperellipticCurve) -> bool:
+    """Whether they seem to be on disk."""
+    if is_two_words_long(C):
+        from jacobian.addition.genus2_two_words import library_of
+
+        return library_of(C).is_kept()
+    from jacobian.addition.calls import is_cached
+
+    return is_cached()
 
 
 # --- in words
@@ -178,7 +214,7 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
     """
     runner = getattr(sum_of, "__self__", sum_of)
     if isinstance(runner, Counted):
-        return f"{explained(C, runner._sum_of)}\n{_prospects()}"
+        return f"{explained(C, runner._sum_of)}\n{_prospects(*costs(C))}"
     if isinstance(runner, partial):
         limit = NUCOMP_GENUS[C.model]
         if runner.func is nucomp.sum_of:
@@ -192,6 +228,11 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
         return f"explicit formulas on ints: genus 2 over GF(p), p of less than {GMP_BITS} bits"
     if isinstance(runner, ExplicitFormulas):
         return f"explicit formulas: genus 2 over {C.field.name}"
+    if is_two_words_long(C):
+        return (
+            "compiled code on two words, for genus 2 over GF(p), 2^63 < p < 2^128: explicit formulas, and "
+            "the kernel in Python in special positions"
+        )
     return f"compiled code, for {WORDS}: {_compiled(C)}"
 
 
@@ -203,10 +244,10 @@ def _compiled(C: HyperellipticCurve) -> str:
     return "explicit formulas, and Cantor in special positions"
 
 
-def _prospects() -> str:
+def _prospects(ready: int, cold: int) -> str:
     if math.isinf(PROCESS.additions):
         return "compiled code could not be had in this process: the logger jacobian has said why"
     return (
-        f"compiled code after {READY} additions in this process if it is on disk already, else after {COLD} "
+        f"compiled code after {ready} additions in this process if it is on disk already, else after {cold} "
         f"({round(PROCESS.additions)} so far); J.compile() changes over now"
     )

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections import namedtuple
 from typing import Any
 
+from jacobian.curve.curve import HyperellipticCurve, coefficient
 from jacobian.numbers.words import add, canonical, dot2, dot3, dot4, fit, mul, neg, settled, sub
 
 Line = tuple[Any, Any, Any, Any]
@@ -24,6 +25,14 @@ Quintic = namedtuple("Quintic", "f2 f3 f4")
 Quintic.__doc__ = "y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."
 Sextic = namedtuple("Sextic", "f2 f3 f4 f5 f6")
 Sextic.__doc__ = "y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."
+
+
+def short_equation(C: HyperellipticCurve, to_word: Any) -> Quintic | Sextic | None:
+    """The coefficients that the explicit formulas of genus 2 use, where they apply."""
+    if C.genus != 2 or C.h or (C.model == "ramified" and C.f[-1] != C.field.one):
+        return None
+    words = [to_word(coefficient(C.field, C.f, i)) for i in range(7)]
+    return Quintic(*words[2:5]) if C.model == "ramified" else Sextic(*words[2:])
 
 
 def chord(K: Any, first: Line, second: Line) -> Quotient:
@@ -154,3 +163,41 @@ def sum_v_sextic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -
     v1 = sub(K, fit(K, dot3(K, sub(K, e0, a0), s1, e1, q, neg(K, a1), s0)), b1)
     v0 = sub(K, fit(K, dot2(K, e0, q, neg(K, a0), s0)), b0)
     return canonical(K, v1), canonical(K, v0)
+
+
+# --- the steps under one name for both models; compiled code chooses when it is compiled
+
+
+def tangent(K: Any, C: Any, first: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) of the cubic that touches the curve in a divisor."""
+    return STEPS[tangent][type(C)](K, C, first)
+
+
+def product(K: Any, C: Any, quotient: Quotient) -> Any:
+    """What is to be inverted, 0 in every case that is not general."""
+    return STEPS[product][type(C)](K, C, quotient)
+
+
+def cubic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
+    """The cubic through both divisors, from the inverse of the product."""
+    return STEPS[cubic][type(C)](K, C, quotient, inverse, first)
+
+
+def sum_u(K: Any, C: Any, cubic: Line, first: Line, second: Line) -> tuple[Any, Any]:
+    """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
+    return STEPS[sum_u][type(C)](K, C, cubic, first, second)
+
+
+def sum_v(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple[Any, Any]:
+    """(v₁, v₀) of the sum's v = −ℓ modulo u."""
+    return STEPS[sum_v][type(C)](K, C, cubic, u, first)
+
+
+STEPS: dict[Any, dict[type, Any]] = {
+    tangent: {Quintic: tangent_quintic, Sextic: tangent_sextic},
+    product: {Quintic: product_quintic, Sextic: product_sextic},
+    cubic: {Quintic: cubic_quintic, Sextic: cubic_sextic},
+    sum_u: {Quintic: sum_u_quintic, Sextic: sum_u_sextic},
+    sum_v: {Quintic: sum_v_quintic, Sextic: sum_v_sextic},
+}
+"""The functions of either model."""

@@ -35,6 +35,10 @@ def engine(J: Jacobian) -> Any:
             from jacobian.batch.compiled_rows import CompiledRows
 
             found = CompiledRows(J)
+        elif J.curve.genus == 2 and type(K) is PrimeField and 1 << 63 < K.p < 1 << 128 and not interpreted():
+            from jacobian.batch.two_word_rows import TwoWordRows
+
+            found = TwoWordRows(J)
         elif K in (RR, CC) and J.curve.genus == 2 and J.curve.arithmetic_model is J.curve:
             from jacobian.batch.float_rows import FloatRows
 
@@ -57,13 +61,14 @@ class DivisorArray(Immutable):
 
     ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none:
     ascending coefficients in the curve's own coordinates, ints over GF(p), p < 2^63, and over GF(p^k) of at most 2^16
-    elements, float64 and complex128 over RR and CC in genus 2 (objects elsewhere). ``degree`` (N,) is deg u. ``status``
-    (N,): 0 for a row that holds a class, which over an exact field is each.
+    elements, float64 and complex128 over RR and CC in genus 2 (objects elsewhere: Python's ints over a longer GF(p)).
+    ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over an exact field is each.
 
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`): in genus 2, outside characteristic 2, by explicit formulas with an inversion
-    for 256 rows, else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
-    :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by row.
+    for 256 rows, for p of two words (p < 2^128) too, else by Cantor's algorithm; over RR and CC in genus 2 by the
+    composition of :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by
+    row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")

@@ -15,8 +15,8 @@ from __future__ import annotations
 import numpy as np
 from numba.extending import register_jitable
 
-from jacobian.addition.genus2_words import chord
-from jacobian.addition.genus2_words_compiled import cubic, product, sum_u, sum_v, tangent
+from jacobian.addition import genus2_words_compiled  # noqa: F401  # the compiled formulas
+from jacobian.addition.genus2_words import chord, cubic, product, sum_u, sum_v, tangent
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.words import canonical, inverse, mul, number
 from jacobian.numbers.words_compiled import INLINED

@@ -266,7 +266,7 @@ class Expressions(Operators):
         leaf = item.leaves[0]
         if is_abreast(address.kind):
             return self.gathered([self.element(row, self.lane(address, "ptr", k)) for k in range(LANES)])
-        parts = [self.write(f"load {leaf}, ptr {address.parts[0]}")]
+        parts = [self.write(f"load {leaf}, ptr {address.parts[0]}, align 8")]
         if len(item.leaves) == 2:
             beside = self.write(f"getelementptr inbounds {leaf}, ptr {address.parts[0]}, i64 1")
             parts.append(self.write(f"load {leaf}, ptr {beside}"))
@@ -302,7 +302,7 @@ class Expressions(Operators):
         for k, part in enumerate(self.cast(value, item).parts):
             leaf, there = item.leaves[k], address.parts[0]
             there = self.write(f"getelementptr inbounds {leaf}, ptr {there}, i64 1") if k else there
-            self.lines.append(f"  store {leaf} {part}, ptr {there}")
+            self.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
 
     def slice_of(self, row: Value, part: ast.Slice) -> Value:
         """A part of a flat array: the same memory."""

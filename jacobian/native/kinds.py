@@ -33,6 +33,8 @@ BOOL = Kind("bool", ("i1",), 0)
 INT = Kind("int", ("i64",), 1)
 FLOAT = Kind("float", ("double",), 2)
 WIDE = Kind("double-double", ("double", "double"), 3)
+LONG = Kind("long", ("i128",), 4)
+"""A natural number below 2^128."""
 NONE = Kind("None", ())
 _ABREAST = {
     kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
@@ -63,7 +65,7 @@ def single(kind: Any) -> Any:
 
 @dataclass(frozen=True)
 class ArrayKind:
-    """A C-contiguous array of ``item``, floats, integers or double-doubles; ``parts`` floats to an item in memory."""
+    """A C-contiguous array of ``item``, floats, integers, longs or double-doubles; ``parts`` words to an item."""
 
     item: Kind
     ndim: int = 1
@@ -76,12 +78,13 @@ class ArrayKind:
     @property
     def memory(self) -> str:
         """LLVM's type of what the pointer points to."""
-        return "i64" if self.item is INT else "double"
+        return "i64" if self.item in (INT, LONG) else "double"
 
 
 INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
 HIGHS = ArrayKind(FLOAT, parts=2)
 """The high parts of double-doubles."""
+LONGS = ArrayKind(LONG, parts=2)
 
 
 @dataclass(frozen=True)

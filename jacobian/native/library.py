@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.native import kept, machine
-from jacobian.native.kinds import INT, WIDE, ArrayKind, TupleKind, Value
+from jacobian.native.kinds import INT, LONG, WIDE, ArrayKind, TupleKind, Value
 from jacobian.native.program import Program
 from jacobian.numbers.compiler import say_once
 
@@ -48,6 +48,11 @@ class Library:
         for each, entry in self._entries.items():
             setattr(self, each, entry)
         return self._entries[name]
+
+    def is_kept(self) -> bool:
+        """Whether it is on disk, so that nothing has to be compiled."""
+        folder = kept.place()
+        return folder is not None and kept.find(folder, self.name, machine.name()) is not None
 
     def _load(self) -> None:
         folder, made_for = kept.place(), machine.name()
@@ -95,6 +100,7 @@ class Call:
         letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
         self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
+        self._longs = LETTERS["i128"] in back
 
     def __call__(self, *arguments: Any) -> Any:
         words: list[Any] = []
@@ -103,11 +109,33 @@ class Call:
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
         self._entry.call(addressof(c_char.from_buffer(memory)))
-        found = self._out.unpack_from(memory, self._in.size)
+        found = self._read(memory)
         return found if self._tuple else found[0] if found else None
 
+    def _read(self, memory: bytearray) -> tuple[Any, ...]:
+        """The result of a call."""
+        found = self._out.unpack_from(memory, self._in.size)
+        if self._longs:
+            return tuple([int.from_bytes(x, "little") if type(x) is bytes else x for x in found])
+        return found
 
-LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q"}
+    def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
+        """The entry with its first arguments given; those that are left are longs, and so are the words of all."""
+        words: list[bytes] = []
+        for value, kind in zip(given, self._kinds, strict=False):
+            flatten(value, kind, words)
+        head, room, call, read = b"".join(words), bytes(self._out.size), self._entry.call, self._read
+
+        def called(*longs: int) -> tuple[Any, ...]:
+            # the shortest way: it takes as long as the arithmetic
+            memory = bytearray(b"".join([head, *[x.to_bytes(16, "little") for x in longs], room]))
+            call(addressof(c_char.from_buffer(memory)))
+            return read(memory)
+
+        return called
+
+
+LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}
 
 
 def flatten(value: Any, kind: Any, words: list[Any]) -> None:
@@ -116,7 +144,9 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         words += value.words
     elif type(kind) is ArrayKind:
         # the kinds of most arguments: a call of a few panels takes not much longer than this
-        if value.dtype != (INTEGERS if kind.item is INT else REALS) or value.ndim != kind.ndim + (kind.parts == 2):
+        if value.dtype != (INTEGERS if kind.item in (INT, LONG) else REALS) or value.ndim != kind.ndim + (
+            kind.parts == 2
+        ):
             raise _unfit(value, kind)
         try:
             # refused where it is not C-contiguous
@@ -129,6 +159,8 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
             flatten(item, part, words)
     elif kind is WIDE:
         words += value
+    elif kind is LONG:
+        words.append(value.to_bytes(16, "little"))
     else:
         words.append(value)
 

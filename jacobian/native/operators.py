@@ -12,6 +12,7 @@ from jacobian.native.kinds import (
     BOOL,
     FLOAT,
     INT,
+    LONG,
     WIDE,
     CompileError,
     TupleKind,
@@ -85,6 +86,8 @@ class Operators(Code):
             return Value(kind, tuple(part for item in items for part in item.parts))
         if is_abreast(value.kind) or not (is_number(value.kind) and is_number(kind)):
             raise CompileError(f"{value.kind} for {kind}")
+        if kind is LONG:
+            return self.long_of(value)
         types = self.types
         if kind is INT:
             return Value(INT, (self.write(f"zext {types.bit} {value.parts[0]} to {types.word}"),))
@@ -96,6 +99,12 @@ class Operators(Code):
                 high = self.write(f"{name} {leaf} {value.parts[0]} to {types.double}")
             value = Value(FLOAT, (high,))
         return value if kind is FLOAT else Value(WIDE, (value.parts[0], self.literal("double", ZERO)))
+
+    def long_of(self, value: Value) -> Value:
+        """The long of an integer that is not negative."""
+        if value.kind is not INT:
+            raise CompileError(f"{value.kind} for {LONG}")
+        return Value(LONG, (value.parts[0] if value.is_known else self.write(f"zext i64 {value.parts[0]} to i128"),))
 
     def cast_lanes(self, value: Value, kind: Any) -> Value:
         """The value in a kind of values abreast."""
@@ -170,6 +179,8 @@ class Operators(Code):
             raise CompileError(f"{name} of {x.kind} and {y.kind}")
         if x.is_known and y.is_known and name in FOLDED and not (name == "Pow" and y.known() < 0):
             return integer(FOLDED[name](x.known(), y.known()))
+        if LONG in (x.kind, y.kind):
+            return Value(LONG, (self.long_binary(name, self.cast(x, LONG).parts[0], self.cast(y, LONG).parts[0]),))
         if WIDE in (x.kind, y.kind):
             return self.wide_binary(name, x, y)
         if name == "Div" or FLOAT in (x.kind, y.kind):
@@ -194,6 +205,13 @@ class Operators(Code):
         if y.kind is not WIDE:
             return self.wide("quotient_by_float", (*x.parts, self.float_of(y)))
         return self.wide("quotient", x.parts + y.parts)
+
+    def long_binary(self, name: str, x: str, y: str) -> str:
+        """The same of longs, for results that are longs: from 0 on, below 2^128."""
+        operation = {**ARITHMETIC, **BITS, "RShift": "lshr"}.get(name)
+        if operation is None:
+            raise CompileError(f"{name} of longs")
+        return self.write(f"{operation} i128 {x}, {y}")
 
     def float_binary(self, name: str, x: str, y: str) -> str:
         """The same of floats."""
@@ -235,11 +253,14 @@ class Operators(Code):
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
         double, word, bit = self.types[:3]
-        if kind is not WIDE:
+        if kind not in (WIDE, LONG):
             relation = (
                 f"fcmp {of_floats} {double}" if kind is FLOAT else f"icmp {of_integers} {word if kind is INT else bit}"
             )
             return Value(BOOL, (self.write(f"{relation} {x.parts[0]}, {y.parts[0]}"),))
+        if kind is LONG:
+            unsigned = of_integers.replace("s", "u")
+            return Value(BOOL, (self.write(f"icmp {unsigned} i128 {x.parts[0]}, {y.parts[0]}"),))
         strict = {"ole": "olt", "oge": "ogt"}.get(of_floats, of_floats)
         first = self.write(f"fcmp {strict} {double} {x.parts[0]}, {y.parts[0]}")
         second = self.write(f"fcmp {of_floats} {double} {x.parts[1]}, {y.parts[1]}")
@@ -368,6 +389,7 @@ DECLARED = "\n".join(
             f"declare {types.word} @llvm.fptosi.sat.{types.suffix.replace('f', 'i')}.{types.suffix}({types.double})"
             for types in (SINGLE, ABREAST)
         ),
+        "declare i128 @llvm.cttz.i128(i128, i1)",
         "declare double @frexp(double, ptr)",
         "declare double @ldexp(double, i32)",
     ]

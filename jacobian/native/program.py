@@ -8,6 +8,7 @@ import inspect
 import sys
 from collections.abc import Callable
 from functools import cache
+from itertools import accumulate
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -61,15 +62,18 @@ class Program:
 
     def entry(self, name: str, function: Any, kinds: tuple[Any, ...]) -> Any:
         """An entry that C can call: its only argument are words of 64 bits, those of the arguments in a row and then
-        room for those of the result, whose kind is returned.
+        room for those of the result, whose kind is returned. A long takes two.
         """
         instance = self.instance(function, kinds)
         body = Statements(self, function, "")
         values = []
         leaves = [leaf for kind in kinds for leaf in kind.leaves]
-        for k, leaf in enumerate(leaves):
+        places = list(
+            accumulate((2 if leaf == "i128" else 1 for leaf in (*leaves, *instance.result.leaves)), initial=0)
+        )
+        for k, leaf in zip(places, leaves, strict=False):
             there = body.write(f"getelementptr i64, ptr %words, i64 {k}")
-            word = body.write(f"load {'i64' if leaf == 'i1' else leaf}, ptr {there}")
+            word = body.write(f"load {'i64' if leaf == 'i1' else leaf}, ptr {there}, align 8")
             values.append(f"{leaf} {body.write(f'icmp ne i64 {word}, 0') if leaf == 'i1' else word}")
         call = f"call {instance.returned} @{instance.name}({', '.join(values)})"
         result = instance.result
@@ -82,8 +86,8 @@ class Program:
             part = body.write(f"extractvalue {instance.returned} {found}, {k}") if len(result.leaves) > 1 else found
             if leaf == "i1":
                 leaf, part = "i64", body.write(f"zext i1 {part} to i64")
-            there = body.write(f"getelementptr i64, ptr %words, i64 {len(leaves) + k}")
-            body.lines.append(f"  store {leaf} {part}, ptr {there}")
+            there = body.write(f"getelementptr i64, ptr %words, i64 {places[len(leaves) + k]}")
+            body.lines.append(f"  store {leaf} {part}, ptr {there}, align 8")
         lines = [f"define void @{name}(ptr %words) nounwind {{", *body.lines, "  ret void", "}"]
         self._texts.append("\n".join(lines))
         return result

@@ -5,9 +5,11 @@ import pytest
 from jacobian import compilation
 from jacobian.__main__ import main
 from jacobian.addition.calls import context, short_equation
+from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, library_of
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
+from jacobian.batch.two_word_rows import TwoWordRows
 
 
 def test_every_kernel_of_single_classes_is_listed():
@@ -31,6 +33,12 @@ def test_every_kernel_of_arrays_is_listed():
     assert kinds == several | {("BinaryTable", "NoneType")}
 
 
+def test_every_kernel_of_two_words_is_listed():
+    curves = compilation.two_word_curves().values()
+    assert all(type(engine(C.jacobian())) is TwoWordRows for C in curves)
+    assert {library_of(C) for C in curves} == set(SINGLE_LIBRARIES.values())
+
+
 def test_every_kernel_of_arrays_of_floats_is_listed():
     kinds = set()
     for C in compilation.float_curves().values():
@@ -45,6 +53,7 @@ def test_every_kernel_of_arrays_of_floats_is_listed():
 def test_the_command(monkeypatch, capsys):
     C = compilation.single_curves()["GF(p), p < 2^63, genus 2, degree 5"]
     monkeypatch.setattr(compilation, "single_curves", lambda: {"one": C})
+    monkeypatch.setattr(compilation, "two_word_curves", dict)
     monkeypatch.setattr(compilation, "batch_curves", dict)
     monkeypatch.setattr(compilation, "float_curves", dict)
     assert main(["compile"]) == 0

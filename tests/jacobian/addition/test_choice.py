@@ -11,6 +11,8 @@ from jacobian.addition import calls, choice
 from jacobian.addition.calls import LineKernel, WordKernel
 from jacobian.addition.choice import Counted, compiled_kernel, kernel, python_kernel
 from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
+from jacobian.addition.two_word_calls import TwoWordKernel
+from jacobian.native.library import Library
 from tests.jacobian.group_curves import random_curve
 from tests.jacobian.jacobian_rows import Row
 
@@ -105,6 +107,26 @@ def test_a_group_of_few_additions_stays_as_it_is(fresh):
     assert owner(J) is LineKernel
 
 
+def test_primes_of_two_words_change_over_earlier(fresh):
+    fresh.setattr(choice, "TWO_WORDS_READY", 200)
+    fresh.setattr(choice, "TWO_WORDS_COLD", 700)
+    fresh.setattr(Library, "is_kept", lambda self: False)
+    J = HyperellipticCurve(GF(2**89 - 1), [3, 1, 4, 1, 5, 1]).jacobian()
+    assert "compiled code after 200 additions" in J.explain()
+    D = E = J.random(Random(1))
+    sums = [E := E + D for _ in range(600)]
+    assert owner(J) is Counted
+    fresh.setattr(Library, "is_kept", lambda self: True)
+    sums += [E := E + D for _ in range(100)]
+    assert owner(J) is TwoWordKernel
+    assert J.explain().startswith("compiled code on two words, for genus 2 over GF(p), 2^63 < p < 2^128: explicit")
+    add = python_kernel(J.curve).sum_of
+    total = (D.u, D.v, D.n)
+    for found in sums:
+        total = add(total, (D.u, D.v, D.n))
+        assert (found.u, found.v, found.n) == total
+
+
 def test_compile_at_once(caplog):
     C = random_curve(GF(101), 2, "compile", model="split", with_h=True)
     J, rng = C.jacobian(), Random(2)
@@ -135,12 +157,14 @@ def test_a_moved_model_is_compiled_too():
         HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]),
         HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1]),
         HyperellipticCurve(GF(2), [1, 0, 0, 0, 0, 1], [1]),
-        HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1]),
-        HyperellipticCurve(GF(2**63 + 29), [1, 1, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2**128 + 51), [1, 1, 0, 0, 0, 1]),
+        HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 2]),
+        HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1], [1]),
+        HyperellipticCurve(GF(2**63 + 29), [1, 1, 0, 1]),
         HyperellipticCurve(GF(2**61 - 1, 2, (1, 0, 1)), [1, 1, 0, 0, 0, 1]),
         HyperellipticCurve(GF(2, 20), [1, 1, 0, 0, 0, 1], [1]),
     ],
-    ids=lambda C: C.field.name,
+    ids=repr,
 )
 def test_other_fields_have_no_compiled_kernel(C):
     J = C.jacobian()

@@ -452,7 +452,7 @@ def test_wrong_operands(A):
 # --- fields without a compiled kernel: the Jacobian itself
 
 
-@pytest.mark.parametrize("K", [QQ, GF(2**89 - 1), GF(2)], ids=str)
+@pytest.mark.parametrize("K", [QQ, GF(2**89 - 1), GF(2**128 + 51), GF(2)], ids=str)
 def test_rows_of_objects(K):
     C = HyperellipticCurve(K, [0, 24, 0, 1, 0, 1], [1] if K.characteristic == 2 else [])
     J = C.jacobian()

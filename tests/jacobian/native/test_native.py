@@ -16,6 +16,8 @@ from jacobian.native.kinds import (
     FLOATS,
     INT,
     INTS,
+    LONG,
+    LONGS,
     WIDES,
     ArrayKind,
     CompileError,
@@ -113,6 +115,10 @@ def ended(row, last=2):
     return row[last] + row[len(row) - 1]
 
 
+def total_of_longs(a, b, c):
+    return a + b + c, 7
+
+
 def wide_numbers(xs, y, n, out):
     total = 0
     for i in range(len(xs)):
@@ -121,6 +127,18 @@ def wide_numbers(xs, y, n, out):
     out[0], out[1], out[2] = total, root(abs(total)), max(total, xs[1], 3)
     out[3] = float(total) + negligible(xs[0], xs[1])
     out[4] = float(negligible(xs[0] * 1e-40, xs[1])) - n / xs[2]
+
+
+def long_numbers(a, b, n, row, out):
+    """Natural numbers below 2^128: sums, shifts, bits, relations, arrays; an integer beside one is one."""
+    x, best = 1, a
+    for i in range(len(row)):
+        x = x + row[i]
+        out[len(row) - 1 - i] = x - row[i]
+        if row[i] > best or row[i] == 5:
+            best = row[i]
+    k = n + (3 if a < b else 7)
+    return best, (a >> n) + (b >> k), a & b, a | b, a ^ b, (a & 255) << k, a <= b, a != b, bool(a), best if a > b else b
 
 
 ROWS = ArrayKind(FLOAT, 2)
@@ -133,6 +151,7 @@ LOOPS = Library(
         "widened": (widened, (INT,)),
         "tuples": (tuples, (record(Pair, FLOAT, INT), TupleKind((FLOAT,) * 3), INT)),
         "arrays": (arrays, (ROWS, INTS, FLOATS)),
+        "long_numbers": (long_numbers, (LONG, LONG, INT, LONGS, LONGS)),
         "wide_numbers": (wide_numbers, (WIDES, FLOAT, INT, WIDES)),
     },
     SPECIAL,
@@ -194,6 +213,24 @@ def test_arrays():
     arrays(table, counts, out)
     LOOPS.arrays(table, *found)
     assert (found[0].tolist(), found[1].tolist()) == (counts.tolist(), out.tolist())
+
+
+def test_long_numbers():
+    rng = Random(4)
+    for _ in range(100):
+        a, b = (rng.choice((rng.getrandbits(127), rng.getrandbits(63), 2**64, 2**128 - 1, 0, 7)) for _ in range(2))
+        row, n = [rng.getrandbits(rng.choice((60, 64, 65, 125))) for _ in range(6)] + [5], rng.randint(1, 100)
+        true_out = [0] * len(row)
+        true = long_numbers(a, b, n, row, true_out)
+        words = np.frombuffer(b"".join(x.to_bytes(16, "little") for x in row), np.int64).reshape(-1, 2)
+        out = np.zeros_like(words)
+        assert LOOPS.long_numbers(a, b, n, words, out) == true
+        assert [int.from_bytes(x.tobytes(), "little") for x in out] == true_out
+
+
+def test_an_entry_with_its_first_arguments_given():
+    library = Library("test_first", {"first": (total_of_longs, (LONG, LONG, LONG))}, SPECIAL)
+    assert library.first.of_longs(2**100)(1, 2) == library.first(2**100, 1, 2) == (2**100 + 3, 7)
 
 
 def test_wide_numbers():
@@ -275,6 +312,14 @@ def negative_index(row):
     return row[-1]
 
 
+def long_and_float(x):
+    return x + 0.5
+
+
+def long_quotient(x):
+    return x // 3
+
+
 def into_integers(counts):
     counts[0] = 0.5
 
@@ -288,6 +333,8 @@ def into_integers(counts):
         (recursive, INT, "calls itself"),
         (negative_index, FLOATS, "negative indices"),
         (into_integers, INTS, "into an array of"),
+        (long_and_float, LONG, "for Kind"),
+        (long_quotient, LONG, "FloorDiv of longs"),
     ],
 )
 def test_what_is_refused_says_where(function, kind, words):

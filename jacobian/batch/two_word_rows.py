@@ -1,0 +1,150 @@
+"""Batches of genus 2 over GF(p) for odd p from 2^63 on, below 2^128, compiled: every number is two words.
+
+The explicit formulas of :mod:`jacobian.addition.genus2_two_words` take the general rows, and the kernel of single
+classes in Python the others, one by one. Importing this module needs no numba.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from jacobian.addition.cantor import Triple
+from jacobian.addition.choice import python_kernel
+from jacobian.addition.genus2_two_words import BLOCK, CONTEXT, MODELS, ROW_LIBRARIES, SCRATCH
+from jacobian.addition.genus2_words import short_equation
+from jacobian.batch.stored_rows import Rows, StoredRows
+from jacobian.curve.curve import coefficient
+from jacobian.group import Jacobian
+from jacobian.native.library import Packed
+from jacobian.numbers.two_words import two_words
+
+WORDS = np.dtype([("low", np.uint64), ("high", np.uint64)])
+"""A number of two words."""
+
+
+def words_of(numbers: Any) -> Any:
+    """Numbers below 2^128 as an array of WORDS of the same shape."""
+    flat = np.asarray(numbers, object)
+    return np.frombuffer(b"".join([x.to_bytes(16, "little") for x in flat.ravel()]), WORDS).reshape(flat.shape)
+
+
+def numbers_of(words: Any) -> Any:
+    """The ints of an array of WORDS."""
+    return words["low"].astype(object) | words["high"].astype(object) << 64
+
+
+def pairs(words: Any) -> Any:
+    """The same memory as compiled loops take it, with a last axis of two words."""
+    return words.view(np.int64).reshape(*words.shape, 2)
+
+
+class TwoWordRows(StoredRows):
+    """The operations on rows of one Jacobian."""
+
+    compiled = False
+    """Whether arrays of field elements are of 64 bits."""
+    dtype, numbers, step = WORDS, object, 1 << 12
+
+    def __init__(self, J: Jacobian) -> None:
+        super().__init__(J)
+        self.K = two_words(self.field.p)
+        curve = self.equation.curve
+        formulas = short_equation(curve, self.K.to_word)
+        self._run = ROW_LIBRARIES[type(formulas)]
+        self._context, self._formulas = Packed(self.K, CONTEXT), Packed(formulas, MODELS[type(formulas)])
+        self._f = words_of([self.K.to_word(coefficient(self.field, curve.f, i)) for i in range(7)])
+        self._one_by_one = python_kernel(curve)
+
+    # --- conversion
+
+    def _encoded(self, elements: Any) -> Any:
+        found = words_of(elements).copy()
+        self._run.encode_rows(self._context, pairs(found))
+        return found
+
+    def _decoded(self, words: Any) -> Any:
+        found = words.copy()
+        self._run.decode_rows(self._context, pairs(found))
+        return numbers_of(found)
+
+    def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
+        if any(shift):
+            words = words_of([self.K.to_word(c) for c in shift])
+            self._run.shift_rows(self._context, pairs(words), pairs(x.data), x.degree.astype(np.int64))
+
+    def _scale(self, x: Rows, c: Any) -> None:
+        if c != self.field.one:
+            words = words_of([self.K.to_word(power) for power in self.equation.powers(c)])
+            self._run.scale_rows(self._context, pairs(words), pairs(x.data), x.degree.astype(np.int64))
+
+    def first_off_curve(self, x: Rows) -> int:
+        """The first row that is not on the curve, or −1."""
+        return self._run.first_off_curve(self._context, pairs(self._f), pairs(x.data), x.degree.astype(np.int64))
+
+    # --- the group law
+
+    def _add(self, x: Rows, y: Rows, out: Rows, begin: int, end: int) -> None:
+        self._rows("add_rows", self._one_by_one.sum_of, (x, y), out, (begin, end))
+
+    def _double(self, x: Rows, out: Rows, begin: int, end: int) -> None:
+        self._rows("double_rows", self._one_by_one.double, (x,), out, (begin, end))
+
+    def _rows(
+        self, name: str, single: Callable[..., Triple], operands: Sequence[Rows], out: Rows, span: tuple[int, int]
+    ) -> None:
+        """The rows of a span by the loop of that name; by ``single`` those that are not general."""
+        begin, end = span
+        special, scratch = np.empty(end - begin, np.int64), np.empty((SCRATCH, BLOCK, 2), np.int64)
+        arrays = [(pairs(x.data), x.degree[begin:end].astype(np.int64)) for x in operands]
+        loop = getattr(self._run, name)
+        count = loop(self._context, self._formulas, *arrays, pairs(out.data), span, special, scratch)
+        out.degree[begin:end] = 2
+        if self.split:
+            out.weight[begin:end] = 0
+        if not count:
+            return
+        chosen = special[:count]
+        triples = [
+            single(*parts) for parts in zip(*(self._triples(self.take(x, chosen)) for x in operands), strict=True)
+        ]
+        found = self._from_triples(triples)
+        out.data[:, chosen], out.degree[chosen] = found.data, found.degree
+        if self.split:
+            out.weight[chosen] = found.weight
+
+    def _triples(self, x: Rows) -> list[Triple]:
+        """Rows as triples on the equation that they are added on."""
+        columns = self._decoded(x.data).T.tolist()
+        weights = x.weight.tolist() if self.split else [None] * len(x)
+        found = []
+        for (u0, u1, *v), degree, n in zip(columns, x.degree.tolist(), weights, strict=True):
+            while v and not v[-1]:
+                v.pop()
+            found.append((((1,), (u0, 1), (u0, u1, 1))[degree], tuple(v), n))
+        return found
+
+    def _from_triples(self, triples: Sequence[Triple]) -> Rows:
+        elements = [[*u, 0, 0][:2] + [*v, 0, 0][:2] for u, v, _ in triples]
+        weight = np.array([n for _, _, n in triples] if self.split else (), np.uint8)
+        return Rows(
+            self._encoded(np.array(elements, object).T), np.array([len(u) - 1 for u, _, _ in triples], np.uint8), weight
+        )
+
+    def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
+        self._run.negate_rows(self._context, pairs(x.data), pairs(out.data), (begin, end))
+        out.degree[begin:end] = x.degree[begin:end]
+        if self.split:
+            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
+
+    def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
+        """Row i of the part choice[i], from (data, degree, weight) of all parts, stacked."""
+        data, degree, weight = stacked
+        rows = np.arange(len(choice))
+        return Rows(
+            np.ascontiguousarray(data[choice, :, rows].T),
+            degree[choice, rows],
+            weight[choice, rows] if self.split else np.empty(0, np.uint8),
+        )

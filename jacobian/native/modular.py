@@ -1,0 +1,107 @@
+"""The arithmetic of :mod:`jacobian.numbers.two_words` as compiled loops have it: long numbers modulo p.
+
+Each function takes the context as its first argument, and writes the instructions without a jump.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from jacobian.native.kinds import INT, LONG, Value
+from jacobian.native.operators import Operators, integer
+from jacobian.numbers import two_words, words
+
+LOW = str((1 << 64) - 1)
+
+
+def halves(b: Operators, x: str) -> tuple[str, str]:
+    """The low and the high 64 bits of a long, as longs: LLVM sees that a product of two takes one instruction."""
+    return b.write(f"and i128 {x}, {LOW}"), b.write(f"lshr i128 {x}, 64")
+
+
+def total(b: Operators, *terms: str) -> str:
+    """Their sum, which is a long."""
+    found = terms[0]
+    for x in terms[1:]:
+        found = b.write(f"add i128 {found}, {x}")
+    return found
+
+
+def product(b: Operators, x: str, y: str) -> tuple[str, str]:
+    """The low and the high 128 bits of a product of longs."""
+    (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
+    low, first, second, high = (b.write(f"mul i128 {s}, {t}") for s, t in ((x0, y0), (x0, y1), (x1, y0), (x1, y1)))
+    (low, carried), (a0, a1), (b0, b1) = halves(b, low), halves(b, first), halves(b, second)
+    middle = total(b, carried, a0, b0)
+    shifted = b.write(f"shl i128 {middle}, 64")
+    carried = b.write(f"lshr i128 {middle}, 64")
+    return b.write(f"or i128 {shifted}, {low}"), total(b, high, a1, b1, carried)
+
+
+def difference(b: Operators, p: str, x: str, y: str) -> str:
+    """x − y modulo p, for x < p and y ≤ p."""
+    plain, below = b.write(f"sub i128 {x}, {y}"), b.write(f"icmp ult i128 {x}, {y}")
+    more = b.write(f"select i1 {below}, i128 {p}, i128 0")
+    return total(b, plain, more)
+
+
+def addition(b: Operators, p: str, x: str, y: str) -> str:
+    """x + y modulo p."""
+    return difference(b, p, x, b.write(f"sub i128 {p}, {y}"))
+
+
+def dot(b: Operators, K: Value, *terms: Value) -> Value:
+    """terms[0]·terms[1] + terms[2]·terms[3] + …, reduced once."""
+    p, reciprocal = str(K.parts[0]), K.parts[1]
+    parts = [b.cast(x, LONG).parts[0] for x in terms]
+    low, high = product(b, parts[0], parts[1])
+    for x, y in zip(parts[2::2], parts[3::2], strict=True):
+        more, rest = product(b, x, y)
+        low = total(b, low, more)
+        carry = b.write(f"icmp ult i128 {low}, {more}")
+        rest = total(b, rest, b.write(f"zext i1 {carry} to i128"))
+        high = addition(b, p, high, rest)
+    quotient = b.write(f"mul i128 {low}, {reciprocal}")
+    return Value(LONG, (difference(b, p, high, product(b, quotient, p)[1]),))
+
+
+def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
+    """x + y."""
+    return Value(LONG, (addition(b, K.parts[0], x.parts[0], y.parts[0]),))
+
+
+def sub(b: Operators, K: Value, x: Value, y: Value) -> Value:
+    """x − y."""
+    return Value(LONG, (difference(b, K.parts[0], x.parts[0], y.parts[0]),))
+
+
+def neg(b: Operators, K: Value, x: Value) -> Value:
+    """−x."""
+    return Value(LONG, (difference(b, K.parts[0], "0", x.parts[0]),))
+
+
+def least(b: Operators, K: Value, x: Value) -> Value:
+    """x, which is the least residue already."""
+    return x
+
+
+def trailing_zeros(b: Operators, x: Value) -> Value:
+    """:func:`jacobian.numbers.two_words.trailing_zeros`."""
+    count = b.write(f"call i128 @llvm.cttz.i128(i128 {x.parts[0]}, i1 true)")
+    return Value(INT, (b.write(f"trunc i128 {count} to i64"),))
+
+
+MODULAR: dict[Any, Callable[..., Value]] = {
+    **dict.fromkeys((words.mul, words.dot2, words.dot3, words.dot4), dot),
+    **dict.fromkeys((words.fit, words.canonical, words.settled, words.number), least),
+    words.add: add,
+    words.sub: sub,
+    words.neg: neg,
+    words.inverse: lambda b, K, x: b.call(two_words.inverse, [K, x]),
+    words.encode: lambda b, K, x: dot(b, K, x, K.item(3)),
+    words.decode: lambda b, K, x: dot(b, K, x, integer(1)),
+    two_words.trailing_zeros: trailing_zeros,
+    two_words.long: lambda b, x: b.cast(x, LONG),
+}
+"""What compiled loops over a context of two words call."""

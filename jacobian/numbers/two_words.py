@@ -1,0 +1,98 @@
+"""Arithmetic modulo an odd prime below 2^128 on two words: Montgomery's representation, always the least residue.
+
+An element a is represented by a·2^128 modulo p, an int from 0 on and below p. Least residues need no room above p, so
+that one context serves every prime of two words: a sum is a difference, x − (p − y), and a negative one takes p more.
+Montgomery's reduction (1985) subtracts: with m = T/p modulo 2^128 the low halves of T and mp are equal, and the
+difference of the high ones lies between −p and p. Sums of products add up modulo 2^128·p before they are reduced.
+
+The names are those of :mod:`jacobian.numbers.words`, whose functions take a :class:`TwoWords` too, in Python as they
+stand and compiled by :mod:`jacobian.native.modular`; so what is written with them runs on one word and on two.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+from jacobian.errors import ArgumentError
+from jacobian.numbers.words import canonical, mul
+
+BITS = 128
+
+
+class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
+    """p; 1/p modulo 2^128; 2^128, 2^256 and 2^384 modulo p."""
+
+    __slots__ = ()
+
+    def to_word(self, a: int) -> int:
+        """The word of a residue."""
+        return (a << BITS) % self.p
+
+    def from_word(self, x: int) -> int:
+        """The residue 0 ≤ a < p of a word."""
+        return x * pow(2, -BITS, self.p) % self.p
+
+    def dot(self, *terms: int) -> int:
+        """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""
+        total = sum(a * b for a, b in zip(terms[::2], terms[1::2], strict=True))
+        quotient = total * self.reciprocal % (1 << BITS)
+        return (total - quotient * self.p >> BITS) % self.p
+
+    def add(self, x: int, y: int) -> int:
+        return (x + y) % self.p
+
+    def sub(self, x: int, y: int) -> int:
+        return (x - y) % self.p
+
+    def canonical(self, x: int) -> int:
+        return x % self.p
+
+    fit = settled = canonical
+
+    def invert(self, x: int) -> int:
+        return inverse(self, x)
+
+
+def two_words(p: int) -> TwoWords:
+    """The context of an odd prime p < 2^128."""
+    if p < 3 or p % 2 == 0 or p.bit_length() > BITS:
+        raise ArgumentError(f"p = {p}: two words take an odd prime below 2^128")
+    return TwoWords(p, pow(p, -1, 1 << BITS), *((1 << BITS * i) % p for i in (1, 2, 3)))
+
+
+def long(n: Any) -> Any:
+    """n ≥ 0 as a number of two words."""
+    return n
+
+
+def trailing_zeros(x: Any) -> Any:
+    """How often 2 divides x > 0."""
+    return (x & -x).bit_length() - 1
+
+
+def inverse(K: Any, x: Any) -> Any:
+    """1/x for a word x ≠ 0: the binary greatest common divisor, halvings made up for at the end (Kaliski 1995).
+
+    ``us + vr = p`` throughout, so that neither r nor s outgrows p; ``sx = 2^k·v`` and ``rx = −2^k·u`` modulo p.
+    """
+    k = trailing_zeros(x)
+    u, v, r, s = K.p, x >> k, long(0), long(1)
+    while u != v:
+        if u > v:
+            u -= v
+            r += s
+            zeros = trailing_zeros(u)
+            u >>= zeros
+            s <<= zeros
+        else:
+            v -= u
+            s += r
+            zeros = trailing_zeros(v)
+            v >>= zeros
+            r <<= zeros
+        k += zeros
+    # s·2^(256 − k) is 1/x times 2^256; its exponent is at most 192, and each step takes half of it
+    half = (2 * BITS - k) >> 1
+    lifted = mul(K, s, long(1) << half)
+    return canonical(K, mul(K, mul(K, lifted, long(1) << (2 * BITS - k - half)), K.cube))

@@ -1,0 +1,132 @@
+"""Arrays over primes of two words: equal to Cantor, row by row, on small groups and in every special case."""
+
+import pickle
+from random import Random
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from jacobian import GF, ArgumentError, NotOnCurve
+from jacobian.addition import cantor
+from jacobian.batch import DivisorArray, array, set_threads
+from jacobian.batch.object_rows import ObjectRows
+from jacobian.batch.two_word_rows import TwoWordRows
+from tests.jacobian.group_curves import random_curve
+
+MODELS = ("ramified", "split", "inert")
+PRIMES = (2**63 + 29, 2**64 - 59, 2**64 + 13, 2**89 - 1, 2**127 - 1, 2**128 - 159)
+
+
+def group(p, model, with_h=False):
+    """The Jacobian of a curve, whose rows are of two words however short p is."""
+    J = random_curve(GF(p), 2, "two words", model=model, with_h=with_h).jacobian()
+    J.__dict__["_rows"] = TwoWordRows(J)
+    return J
+
+
+def sums(J, A, B):
+    """A + B by Cantor in Python, on the arithmetic model."""
+    return [J._out(cantor.sum_of(J._model, J._in(D), J._in(E))) for D, E in zip(A, B, strict=True)]
+
+
+def assert_equal_to_cantor(J, classes):
+    """Sums and differences of every pair, doubles, opposites and multiples of every class."""
+    A = DivisorArray.stack([D for D in classes for _ in classes], J)
+    B = DivisorArray.stack([E for _ in classes for E in classes], J)
+    expected = sums(J, A, B)
+    assert (A + B).to_list() == expected
+    assert ((A + B) - B).to_list() == A.to_list()
+    C = DivisorArray.stack(classes, J)
+    assert C.double().to_list() == expected[:: len(classes) + 1]
+    assert (-C).to_list() == [J._out(cantor.negate(J._model, J._in(D))) for D in classes]
+    scalars = [7 * i - 60 for i in range(len(C))]
+    assert (scalars * C).to_list() == [m * D for m, D in zip(scalars, C, strict=True)]
+    assert (DivisorArray.from_arrays(J, C.u, C.v, C.n) == C).all()
+
+
+@pytest.mark.parametrize("with_h", [False, True])
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("p", [3, 5])
+def test_every_pair_of_a_small_group(p, model, with_h):
+    J = group(p, model, with_h)
+    classes = list(J.points())
+    assert len(classes) == J.order()
+    assert_equal_to_cantor(J, classes[:: max(1, len(classes) // 60)])
+
+
+def pool(J, rng):
+    """Classes that share points, opposite ones, those of weight below 2 and at infinity."""
+    C = J.curve
+    P, Q, R = (C.random_point(rng) for _ in range(3))
+    some = [(P, Q), (P, R), (P, P), (C.involution(P), Q), (Q, R)] + ([] if C.model == "inert" else [(P,), (Q,)])
+    some += [(point,) for point in C.points_at_infinity()] if C.model == "split" else []
+    return [J.zero(), *(J.from_points(points) for points in some)]
+
+
+@pytest.mark.parametrize("with_h", [False, True])
+@pytest.mark.parametrize("model", MODELS)
+@pytest.mark.parametrize("p", PRIMES)
+def test_special_rows_over_long_primes(p, model, with_h):
+    J = random_curve(GF(p), 2, "long", model=model, with_h=with_h).jacobian()
+    assert type(array.engine(J)) is TwoWordRows
+    assert_equal_to_cantor(J, pool(J, Random(p)))
+
+
+GROUPS = {f"{p.bit_length()} bits, {model}": group(p, model) for p in PRIMES[::2] for model in MODELS}
+
+
+@pytest.mark.parametrize("name", GROUPS)
+@settings(max_examples=8, deadline=None)
+@given(seed=st.integers(0, 2**32), count=st.integers(1, 530), m=st.integers(-(2**130), 2**130))
+def test_mixes_of_special_rows(name, seed, count, m):
+    J, rng = GROUPS[name], Random(seed)
+    classes = DivisorArray.stack(pool(J, rng))
+    draw = np.random.default_rng(seed)
+    A, B = (classes[draw.integers(len(classes), size=count)] for _ in range(2))
+    A = A + B
+    rows = draw.integers(count, size=20)
+    assert (A + B)[rows].to_list() == sums(J, A[rows], B[rows])
+    assert A.double()[rows].to_list() == sums(J, A[rows], A[rows])
+    assert (A + B - A == B).all()
+    assert (m * A)[rows[:2]].to_list() == [m * D for D in A[rows[:2]]]
+
+
+def test_reading_and_wrong_rows():
+    J = group(2**127 - 1, "ramified")
+    A = DivisorArray.stack(pool(J, Random(1)))
+    assert A.u.dtype == A.v.dtype == object
+    assert [tuple(row) for row in A.v[1:2].tolist()] == [A[1].v]
+    assert (pickle.loads(pickle.dumps(A)) == A).all()
+    assert A.sum() == sum(A.to_list(), J.zero())
+    assert (A + A[1]).to_list() == [D + A[1] for D in A]
+    wrong = A.v.copy()
+    wrong[1, 0] = (wrong[1, 0] + 1) % J.field.p
+    with pytest.raises(NotOnCurve, match="row 1"):
+        DivisorArray.from_arrays(J, A.u, wrong)
+    with pytest.raises(ArgumentError, match="lower degree"):
+        DivisorArray.from_arrays(J, [[1, 0, 0]], [[1, 0]])
+    none = A[:0]
+    assert len(none + none) == len(3 * none) == 0
+    assert none.u.shape == (0, 3)
+
+
+def test_threads_make_no_difference():
+    J = group(2**89 - 1, "split")
+    classes = DivisorArray.stack([J.random(Random(i)) for i in range(20)])
+    draw = np.random.default_rng(1)
+    A, B = (classes[draw.integers(20, size=9000)] for _ in range(2))
+    total = A + B
+    try:
+        set_threads(1)
+        again = A + B
+        assert (again == total).all()
+    finally:
+        set_threads(None)
+    assert (total - B == A).all()
+
+
+def test_longer_primes_and_other_genera_are_rows_of_divisors():
+    for C in (random_curve(GF(2**128 + 51), 2, "longer"), random_curve(GF(2**89 - 1), 3, "genus 3", model="ramified")):
+        assert type(array.engine(C.jacobian())) is ObjectRows
