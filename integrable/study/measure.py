@@ -10,6 +10,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from fractions import Fraction
 from functools import partial
+from math import inf
 from time import perf_counter
 from typing import Any
 
@@ -30,6 +31,9 @@ PILOT = 2.0**-7
 """Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
 ENOUGH = 0.1
 """Each trial goes four times as far, until one takes so many seconds, or is the whole run."""
+
+NEAR = 30.0
+"""An error so many times the allowed one is not rounding that adds up over too many steps."""
 
 TRIAL = 0.5
 """Seconds of successive steps from which the time of all of them is told."""
@@ -270,23 +274,48 @@ def _horizon(task: Task, _: Data | None, tick: Tick) -> Data:
     truth, floor = _truth(task, None, tick), _floor(task, None, tick)["floor_gamma"]
     flow = _flow(task, truth, tick)
     found: Data = {"time": scene.times.floats()[0], "flow": flow, "floor_gamma": floor, "peer": None}
-    system, state = scene.start(FLOAT_DIGITS)
+    error = max(flow["error_gamma"], floor)
     for method in sorted(METHODS.values(), key=lambda method: not method.compiled):
-        for setting in method.ladder(system, state) if method.takes(system) else ():
-            row = replace(task, method=method.name, value=setting)
-            try:
-                if found["peer"] is not None and _pilot(row, scene.times.at(FLOAT_DIGITS)) > found["peer"]["total"]:
-                    break  # and so would be what is more accurate
-                result = _comparator(row, truth, tick)
-            except TooLong:
-                break
-            except (JacobianError, ArithmeticError, RuntimeError):
-                continue
-            if result["error_gamma"] <= max(flow["error_gamma"], floor):
-                result |= {"method": method.name, "setting": f"{method.parameter} {setting:.3g}"}
-                found["peer"] = min(found["peer"] or result, result, key=lambda one: float(one["total"]))
-                break
+        result = _rival(replace(task, method=method.name), truth, error, found["peer"], tick)
+        if result is not None:
+            found["peer"] = min(found["peer"] or result, result, key=lambda one: float(one["total"]))
     return found
+
+
+def _rival(task: Task, truth: Data, error: float, fastest: Data | None, tick: Tick) -> Data | None:
+    """A method at its cheapest setting that has at most so large an error; None where it has none, or where even its
+    cheapest setting is slower than the fastest so far or than the study allows.
+
+    Settings are tried from the most accurate on, once each. Where steps are too small rounding adds up, and a cheaper
+    setting may have the smaller error: the first that misses by little is not the last that is tried.
+    """
+    method, (system, state) = METHODS[task.method], task.scene.start(FLOAT_DIGITS)
+    settings = method.ladder(system, state) if method.takes(system) else []
+    if not settings or _cheapest(replace(task, value=settings[0])) > (fastest or {"total": task.limits.run})["total"]:
+        return None
+    found, before = None, inf
+    for row in (replace(task, value=setting) for setting in reversed(settings)):
+        try:
+            met = _comparator(replace(row, limits=replace(task.limits, repeat=1)), truth, tick)["error_gamma"]
+        except (JacobianError, ArithmeticError, RuntimeError):
+            continue
+        if met <= error:
+            found = row
+        elif met >= min(before, NEAR * error):
+            break
+        before = met
+    if found is None:
+        return None
+    setting = f"{method.parameter} {found.value:.3g}"
+    return _comparator(found, truth, tick) | {"method": method.name, "setting": setting}
+
+
+def _cheapest(task: Task) -> float:
+    """Seconds of a whole run as short ones tell them; 0 where those fail, as they may where a whole one does not."""
+    try:
+        return _pilot(task, task.scene.times.at(FLOAT_DIGITS))
+    except (JacobianError, ArithmeticError, RuntimeError):
+        return 0.0
 
 
 def _orbit(task: Task, _: Data | None, __: Tick) -> Data:

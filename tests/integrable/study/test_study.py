@@ -534,6 +534,37 @@ def test_at_one_time_the_fastest_that_is_near_enough_stands_beside_the_flow(done
             assert found["peer"]["error_gamma"] <= max(found["flow"]["error_gamma"], found["floor_gamma"])
 
 
+@pytest.mark.parametrize(
+    ("errors", "chosen", "tried"),
+    [
+        ((1e-3, 1e-9, 1e-13, 2e-14), 2, 3),
+        ((1e-3, 1e-9, 5e-13, 2e-12), 2, 3),  # the smallest steps add up their rounding
+        ((1e-3, 1e-9, 3e-12, 2e-12), None, 2),
+        ((1e-3, 1e-9, 3e-10, 1e-9), None, 1),  # nothing cheaper can do it
+    ],
+)
+def test_the_cheapest_setting_that_is_near_enough_is_found_from_the_most_accurate(
+    done, monkeypatch, errors, chosen, tried
+):
+    from integrable.study import measure
+
+    task = replace(done[0][0], method="DOP853 of the test")
+    method = replace(METHODS["SciPy DOP853"], name=task.method, settings=(1e-4, 1e-6, 1e-8, 1e-10))
+    runs = []
+
+    def once(row, *_):
+        runs.append(row.value)
+        return {"error_gamma": errors[method.settings.index(row.value)], "total": 1.0}
+
+    monkeypatch.setattr(measure, "METHODS", {task.method: method})
+    monkeypatch.setattr(measure, "_comparator", once)
+    monkeypatch.setattr(measure, "_pilot", lambda *_: 0.5)
+    found = measure._rival(task, {}, 1e-12, None, lambda _: None)
+    assert len(runs) == tried + (chosen is not None)
+    assert (found and found["setting"]) == (None if chosen is None else f"tolerance {method.settings[chosen]:.3g}")
+    assert measure._rival(task, {}, 1e-12, {"total": 0.4}, lambda _: None) is None  # its cheapest is slower already
+
+
 def horizon(scene, T, ratio):
     flow = {"total": 0.5, "error_gamma": 1e-15}
     peer = ratio and {
