@@ -66,6 +66,11 @@ def float_curves() -> dict[str, HyperellipticCurve]:
     }
 
 
+def order_curves() -> dict[str, HyperellipticCurve]:
+    """A curve whose Cartier–Manin matrix takes the kernels of large primes."""
+    return {"GF(p), p > 2^20": HyperellipticCurve(GF(1_048_583), QUINTIC)}
+
+
 def single(C: HyperellipticCurve) -> None:
     """Compiles the kernels of single classes on C, or finds them in the cache."""
     J = C.jacobian()
@@ -83,6 +88,11 @@ def batch(C: HyperellipticCurve) -> None:
     A + B[::-1], -A, A.double(), 3 * A, A * [1, 2, 3], A.sum(), J.random(Random(1), size=2)
 
 
+def order(C: HyperellipticCurve) -> None:
+    """The same for the order of the group."""
+    C.cartier_manin()
+
+
 def compile_all() -> Iterator[tuple[str, float]]:
     """Compiles the kernels one after the other: (name, seconds) each, tenths of a second for what the cache has."""
     families = (
@@ -91,6 +101,7 @@ def compile_all() -> Iterator[tuple[str, float]]:
         ("arrays", batch, batch_curves),
         ("arrays", batch, two_word_curves),
         ("arrays", batch, float_curves),
+        ("orders", order, order_curves),
     )
     for family, action, curves in families:
         for name, C in curves().items():

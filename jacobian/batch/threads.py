@@ -1,51 +1,5 @@
-"""The threads that batches run on: ranges of rows, in kernels that release Python's lock."""
+"""The threads that batches run on, by the name that they have here: :mod:`jacobian.numbers.threads`."""
 
-from __future__ import annotations
+from jacobian.numbers.threads import in_ranges, set_threads, threads
 
-import os
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
-from typing import Any
-
-from jacobian.errors import whole
-
-_count: int | None = None
-_pools: dict[tuple[int, int], ThreadPoolExecutor] = {}
-
-
-def threads() -> int:
-    """The number of threads that large batches are spread over: the processors this process may use, or what
-    :func:`set_threads` said.
-    """
-    if _count is not None:
-        return _count
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def set_threads(count: int | None) -> None:
-    """Spread large batches over ``count`` threads; None for as many as there are processors."""
-    global _count
-    if count is not None:
-        count = whole(count, "count", "an int ≥ 1, or None for all processors", 1)
-    _count = count
-
-
-def in_ranges(total: int, size: int, work: Callable[[int, int], Any], most: int | None = None) -> list[Any]:
-    """work(begin, end) for ranges of at most ``size`` rows that make up ``total``, in order, on all threads, or on
-    ``most``.
-
-    Where there is more than one range, every thread has as many, of equal length.
-    """
-    pieces = -(-total // size)
-    count = min(threads() if most is None else most, pieces)
-    if count > 1:
-        pieces = -(-pieces // count) * count
-        size = -(-total // pieces)
-    ranges = [(begin, min(begin + size, total)) for begin in range(0, total, size)]
-    if count < 2:
-        return [work(begin, end) for begin, end in ranges]
-    # a pool does not survive a fork
-    key = os.getpid(), count
-    if key not in _pools:
-        _pools[key] = ThreadPoolExecutor(count, thread_name_prefix="jacobian-batch")
-    return list(_pools[key].map(lambda ends: work(*ends), ranges))
+__all__ = ["in_ranges", "set_threads", "threads"]

@@ -19,11 +19,11 @@ from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
+from jacobian.finite.elimination import alone
 
 Element = tuple[int, ...]
 """Σ c_i ζ^i, i < ℓ: one of many ways to write it."""
 DEGREES = (5, 7)
-DRAWS = 20
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
@@ -39,18 +39,9 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
     if all(pow(p, i, degree) != 1 for i in range(1, degree - 1)):
         # x → x^ℓ is bijective on GF(p^i) for all i < 2g
         return [p**g, *[0] * (2 * g - 1), 1]
-    return _decided(C, list(_candidates(p, degree))) if p % degree == 1 else None
-
-
-def _decided(C: HyperellipticCurve, candidates: list[list[int]]) -> list[int] | None:
-    """The candidate whose value at 1 annihilates random classes, if that is one alone."""
-    J, rng = C.jacobian(), Random(0)
-    for _ in range(DRAWS):
-        D = J.random(rng)
-        candidates = [chi for chi in candidates if not sum(chi) * D]
-        if len(candidates) == 1:
-            return candidates[0]
-    return None
+    if p % degree != 1:
+        return None
+    return alone(list(_candidates(p, degree)), [(C.jacobian(), sum)], Random(0))
 
 
 def _candidates(p: int, degree: int) -> Iterator[list[int]]:

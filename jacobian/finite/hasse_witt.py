@@ -2,8 +2,9 @@
 
 For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). They
 obey a linear recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p.
-The coefficients below p, i = 1, are had from it in O(g·p) operations, and those of g translates F(x + a) determine the
-matrix (Harvey and Sutherland 2016).
+The coefficients below p, i = 1, are had from it in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by
+:mod:`jacobian.finite.matrix_products`; those of g translates F(x + a) determine the matrix (Harvey and Sutherland
+2016).
 """
 
 from __future__ import annotations
@@ -13,12 +14,19 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import Infeasible
+from jacobian.fields.factor import roots
 from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
 WORD_SAFE = 1 << 29
 """Below, the recurrence runs on machine integers."""
+PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
+"""From and to which p products of matrices are taken, up to which degree of F: from about 3·10^5 on they are cheaper,
+but the first compiles for seconds."""
+PLAIN_TO = 10**8
+"""Where the recurrence would take an hour in Python."""
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
@@ -30,7 +38,7 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
     K: Any = C.field
     if K.characteristic == 2:
         return None
-    matrix = cartier_manin(C)
+    matrix = cartier_manin(_of_odd_degree(C) if K.characteristic > PRODUCTS_FROM else C)
     if matrix is None:
         return None
     norm = factor = matrix
@@ -40,6 +48,13 @@ def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
         norm = _product(K, norm, factor)
         power *= K.characteristic
     return [int(c) for c in _characteristic_polynomial(K, norm)]
+
+
+def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
+    """An isomorphic curve whose F has a root at infinity, if one of F is rational, else C: its matrices are smaller."""
+    K, F = C.field, C.discriminant
+    zeros = roots(K, F) if len(F) == 2 * C.genus + 3 else []
+    return HyperellipticCurve(K, poly.shift(K, F, zeros[0])[::-1]) if zeros else C
 
 
 def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
@@ -56,8 +71,8 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     if shifts is None:
         return None
     rows = []
-    for a in shifts:
-        column = _first_column(K, poly.shift(K, F, a), g)
+    for i, a in enumerate(shifts):
+        column = _first_column(K, poly.shift(K, F, a), g, i)
         binomial = _binomial_matrix(K, a, g)
         rows.append([K.power(a, p * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
     # [V | B] with V·Aᵀ = B, V the matrix of powers, invertible for g different a
@@ -84,12 +99,17 @@ def _binomial_matrix(K: Any, a: Any, g: int) -> list[list[Any]]:
     return rows
 
 
-def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
-    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0."""
+def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
+    """The coefficients of x^(p−1), …, x^(p−g) in F^((p−1)/2), F(0) ≠ 0, the translate of this index of g."""
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]
-    if K.order == p and COMPILED_FROM < p < WORD_SAFE and not interpreted():
+    compiled = K.order == p and not interpreted()
+    if compiled and PRODUCTS_FROM < p < PRODUCTS_TO and len(ratios) <= PRODUCTS_DEGREE:
+        from jacobian.finite.matrix_products import Products
+
+        return Products(p, ratios, (index, g)).last(start, g)
+    if compiled and COMPILED_FROM < p < WORD_SAFE:
         import numpy as np
 
         window = np.zeros(max(len(ratios), g), np.int64)
@@ -99,6 +119,11 @@ def _first_column(K: Any, F: poly.Poly, g: int) -> list[Any]:
             np.array(ratios, np.int64), p, np.array(weights, np.int64), np.empty(256, np.int64), window
         )
         return [int(c) for c in window[:g]]
+    if p > PLAIN_TO:
+        raise Infeasible(
+            f"field = {K.name}: the Cartier–Manin matrix is had up to p = 2^{PRODUCTS_TO.bit_length() - 1} over GF(p), "
+            f"deg F ≤ {PRODUCTS_DEGREE}, where numba compiles, and up to p = {PLAIN_TO} elsewhere"
+        )
     return _recurrence(K, ratios, start, g)
 
 

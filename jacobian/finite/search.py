@@ -2,15 +2,17 @@
 
 In the notation of :mod:`jacobian.finite.weil`, the r_i that counting over GF(q^i) can give are counted, and the others
 are known modulo p from the Cartier–Manin matrix (:mod:`jacobian.finite.hasse_witt`). What remains is searched by baby
-steps and giant steps for an order that annihilates a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii
-2002; Sutherland 2009), on the curve and on its quadratic twist, until one polynomial is left. Nothing is guessed: a
-candidate falls only when a known divisor of one of the two orders does not divide its value.
+steps and giant steps for orders that annihilate a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii
+2002; Sutherland 2009), on the curve and on its quadratic twist, until one polynomial is left. Where many stay, as for
+groups of small exponent, the structures of the two groups decide. Nothing is guessed: a candidate falls only when its
+order does not annihilate a class, or is not divisible by a known divisor of the order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from itertools import islice
 from math import comb, gcd, isqrt, lcm, prod
 from random import Random
@@ -20,7 +22,8 @@ from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import Infeasible
 from jacobian.finite import counting, weil
-from jacobian.finite.hasse_witt import WORD_SAFE, frobenius_modulo_p
+from jacobian.finite.elimination import alone
+from jacobian.finite.hasse_witt import PRODUCTS_TO, frobenius_modulo_p
 from jacobian.finite.integers import factorization
 from jacobian.finite.orders import reduce_order
 from jacobian.finite.scalar import FixedBase
@@ -33,6 +36,7 @@ if TYPE_CHECKING:
 COUNT_LIMIT = 200_000
 SEARCH_LIMIT = 10**12
 _LONGEST_LIST = 20_000
+_FEW = 100
 
 
 @dataclass(frozen=True)
@@ -141,13 +145,24 @@ class Side:
 
     def _annihilator(self, D: Divisor, candidates: Candidates) -> int:
         """A positive multiple of the order of D among the orders of the candidates."""
+        for prefix, value in self._annihilating(D, candidates):
+            return self.order([*prefix, value], candidates.q)
+        raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
+
+    def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
+        """The R whose orders annihilate D, or None where they are more than _FEW."""
+        found = [[*prefix, value] for prefix, value in islice(self._annihilating(D, candidates), _FEW + 1)]
+        return found if len(found) <= _FEW else None
+
+    def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[tuple[tuple[int, ...], int]]:
+        """(1, r_1 … r_(g−1)) and r_g of the candidates whose orders annihilate D."""
         q, m = candidates.q, candidates.modulus
         step = isqrt(sum(len(candidates.last(prefix)) for prefix in candidates.prefixes())) + 1
         sign = self.sign**candidates.genus
-        table: dict[Divisor, int] = {}
+        table: dict[Divisor, list[int]] = {}
         small, baby = -sign * m * D, self.J.zero()
         for i in range(step):
-            table.setdefault(baby, i)
+            table.setdefault(baby, []).append(i)
             baby = baby + small
         giant, multiples = -step * small, FixedBase(D)
         for prefix in candidates.prefixes():
@@ -157,11 +172,8 @@ class Side:
             start = self.constant(prefix, q)[0] + sign * values[0]
             place = multiples(start)
             for j in range(0, len(values), step):
-                found = table.get(place)
-                if found is not None:
-                    return start + sign * m * (j + found)
+                yield from ((prefix, values[j + i]) for i in table.get(place, ()) if j + i < len(values))
                 place = place + giant
-        raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
 
     def grow(self, D: Divisor) -> None:
         """Adds D, of an order that divides the exponent, to the subgroup whose order is ``divisor``."""
@@ -174,13 +186,16 @@ class Side:
 def search(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius of C, ascending.
 
-    Counting takes O(q) operations, the matrix O(g·p), the search the root of the number of candidates: seconds for
-    prime fields up to 10^7 in genus 2 and 3 and up to 10^3 in genus 4, a minute at 2^29 in genus 2. Infeasible for
-    prime q above 2^29 and other q above 2^20, or where more than 10^12 candidates are left.
+    Counting takes O(q) operations, the matrix O(g·p), from p = 2^20 on Õ(√p), the search the root of the number of
+    candidates: seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in genus 4, half a minute at 10^12
+    in genus 2. Infeasible for prime q above 2^49 and other q above 2^20, or where more than 10^12 candidates are left.
     """
     candidates = _candidates(C)
     rng = Random(0)
     sides = (Side(_with_classes(C, rng), 1), Side(_with_classes(twist(C), rng), -1))
+    found = _without_factors(candidates, sides, rng)
+    if found is not None:
+        return weil.from_real_part(found, candidates.q)
     for effort in range(60):
         for side in sides:
             D = side.J.random(rng)
@@ -198,17 +213,29 @@ def search(C: HyperellipticCurve) -> list[int]:
     )
 
 
+def _without_factors(candidates: Candidates, sides: tuple[Side, Side], rng: Random) -> list[int] | None:
+    """The R that is left by multiples of classes alone, for which no order has to be factored; None if several are."""
+    q = candidates.q
+    few = sides[0].fitting(sides[0].J.random(rng), candidates)
+    if few is None:
+        return None
+    return alone([r for r in few if _is_weil(r, q)], [(side.J, partial(side.order, q=q)) for side in sides], rng)
+
+
 def _candidates(C: HyperellipticCurve) -> Candidates:
     q: Any = C.field.order
     g = C.genus
     prime = q == C.field.characteristic != 2
     limit = counting.ARRAY_SIZE if prime else counting.TABLE_SIZE
-    if q > limit and not (prime and q < WORD_SAFE and not interpreted()):
+    if q > limit and not (prime and q < PRODUCTS_TO and not interpreted()):
         raise Infeasible(
             f"field = {C.field.name}: characteristic polynomials of Frobenius are found for prime q up to "
-            f"{WORD_SAFE}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime field; give "
-            "#J to the functions that need it, where it is known"
+            f"{PRODUCTS_TO}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime field; "
+            "give #J to the functions that need it, where it is known"
         )
+    if q > limit:
+        # known without counting, whatever the residues are
+        _check_size(C, Candidates(q, g, (1, 0), (0,) * (g - 1), q), f"{C.field.name} in genus {g}")
     residues = frobenius_modulo_p(C) if g > 1 or q > limit else None
     excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
@@ -220,12 +247,16 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
             break
         excess.append(counting.count_points(C, i) - q**i - 1)
         candidates = _with_counts(C, excess, residues)
+    _check_size(C, candidates, f"the counts over GF({q}^{len(excess)})")
+    return candidates
+
+
+def _check_size(C: HyperellipticCurve, candidates: Candidates, known: str) -> None:
     if candidates.size() > SEARCH_LIMIT:
         raise Infeasible(
-            f"{C!r}: about {candidates.size():.1e} characteristic polynomials fit the counts over "
-            f"GF({q}^{len(excess)}); the search ends at {SEARCH_LIMIT:.0e}"
+            f"{C!r}: about {candidates.size():.1e} characteristic polynomials fit {known}; the search ends at "
+            f"{SEARCH_LIMIT:.0e}"
         )
-    return candidates
 
 
 def _excess(C: HyperellipticCurve, residues: list[int] | None) -> int:

@@ -10,6 +10,7 @@ from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
 from jacobian.batch.two_word_rows import TwoWordRows
+from jacobian.finite.matrix_products import Products
 
 
 def test_every_kernel_of_single_classes_is_listed():
@@ -50,12 +51,22 @@ def test_every_kernel_of_arrays_of_floats_is_listed():
     assert kinds == {("float64", 6), ("float64", 7), ("complex128", 7)}
 
 
+def test_the_kernels_of_orders_are_listed(monkeypatch):
+    (C,) = compilation.order_curves().values()
+    used = []
+    monkeypatch.setattr(Products, "last", lambda work, *given: used.append(work.beta) or [1, 2])
+    compilation.order(C)
+    # so that there is a doubling
+    assert used == [1024, 1024]
+
+
 def test_the_command(monkeypatch, capsys):
     C = compilation.single_curves()["GF(p), p < 2^63, genus 2, degree 5"]
     monkeypatch.setattr(compilation, "single_curves", lambda: {"one": C})
     monkeypatch.setattr(compilation, "two_word_curves", dict)
     monkeypatch.setattr(compilation, "batch_curves", dict)
     monkeypatch.setattr(compilation, "float_curves", dict)
+    monkeypatch.setattr(compilation, "order_curves", dict)
     assert main(["compile"]) == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert line.endswith(" s  single: one")

@@ -1,0 +1,142 @@
+"""The last coefficients below x^p of F^((p−1)/2) in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
+
+The window of d = deg F neighbouring coefficients goes on by a matrix M(k)/k, linear in k
+(:mod:`jacobian.finite.hasse_witt`), and Π k = (p − 1)! = −1 is left for the end (Wilson). For β = 2^m near √p the
+entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of degree β − 1. Their values at x = 0, β, 2β, … are had by
+doubling: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors, and the values at x + n come from those at
+x by shifts, each a convolution with 1/(a + t) (Bostan, Gaudry and Schost, theorem 5); those of later points likewise.
+No a + t vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
+"""
+
+from __future__ import annotations
+
+import logging
+from math import log2
+from threading import Lock
+from time import perf_counter
+from typing import Any
+
+import numpy as np
+
+from jacobian.finite import product_kernels as kernels
+from jacobian.numbers.convolution import LEAST, LONGEST, Convolutions, balanced
+from jacobian.numbers.threads import in_ranges
+
+LOG = logging.getLogger(__name__)
+SAID_AGAIN = 5.0
+"""Seconds from one message to the next."""
+FIRST = LEAST // 2
+"""The values of so many points are had factor by factor."""
+MEMORY = 3 << 30
+"""Bytes for the values of the products, about."""
+
+
+class Products:
+    """The products for one polynomial F, F(0) ≠ 0, over GF(p), p < 2^49: ``ratios`` are f_i/f_0, i = 1 … d.
+
+    ``part`` = (i, g) for the i-th of g such polynomials: what is logged is the progress of all.
+    """
+
+    def __init__(self, p: int, ratios: list[int], part: tuple[int, int] = (0, 1), beta: int | None = None) -> None:
+        self.p, self.d = p, len(ratios)
+        self.beta = beta = step(p, self.d) if beta is None else beta
+        self.convolutions = Convolutions(p, 2 * beta)
+        self.P: Any = self.convolutions.P
+        half = (p + 1) // 2
+        rows = [[half * i * c for i, c in enumerate(ratios, 1)], ratios]
+        self.c = np.array([[balanced(c, p) for c in row] for row in rows])
+        self.factorials = np.empty(beta)
+        kernels.inverse_factorials(self.P, self.factorials)
+        work = transforms(p, beta) * self.d**2
+        self.progress = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
+
+    def last(self, start: int, count: int) -> list[int]:
+        """The ``count`` coefficients below x^p, the last first, ``start`` that of x^0."""
+        p, beta = self.p, self.beta
+        window = np.zeros(max(self.d, count))
+        window[0] = balanced(-start, p)
+        part = window[: self.d]
+        values, room = (np.empty((self.d**2, beta)) for _ in range(2))
+        self._double(values, room)
+        points = (p - 1) // beta
+        kernels.chain(self.P, self.c, float(beta), 0, values[:, :points], part)
+        for first in range(beta, points, beta):
+            self._shift(values, [(first, room)])
+            kernels.chain(self.P, self.c, float(beta), first, room[:, : points - first], part)
+        kernels.walk(self.P, self.c, points * beta + 1, p, part)
+        return [int(c) % p for c in window[:count]]
+
+    def _double(self, values: Any, room: Any) -> None:
+        """The values at 0, β, … (β − 1)β."""
+        n = FIRST
+        kernels.direct(self.P, self.c, float(self.beta), n - 1, values[:, :n])
+        while n < self.beta:
+            a = n * pow(self.beta, -1, self.p) % self.p
+            self._shift(values[:, :n], [(n, values[:, n:]), (a, room), (a + n, room[:, n:])])
+            n *= 2
+
+            def work(begin: int, end: int, n: int = n) -> None:
+                block = kernels.BLOCK
+                kernels.join(self.P, self.c, float(self.beta), float(n // 2), room, values, begin * block, end * block)
+
+            in_ranges(n // kernels.BLOCK, max(64, n // kernels.BLOCK // 8), work)
+
+    def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
+        """The values at a, a + 1, … (in units of β) from those at 0, 1, … n − 1, into the first n columns, for each
+        (a, array)."""
+        n, work = values.shape[1], self.convolutions
+        weights = np.empty(n)
+        kernels.lagrange(self.P, self.factorials, weights)
+        prepared = []
+        for a, array in targets:
+            reciprocals, falling = np.empty(2 * n - 1), np.empty(n)
+            kernels.inverses(self.P, balanced(a - n + 1, self.p), reciprocals)
+            kernels.falling(self.P, balanced(a, self.p), reciprocals, falling)
+            prepared.append((work.transform(reciprocals, 2 * n), falling, array))
+
+        def entries(begin: int, end: int) -> None:
+            weighted = np.empty(n)
+            for e in range(begin, end):
+                kernels.scaled(self.P, values[e], weights, weighted)
+                transformed = work.transform(weighted, 2 * n)
+                for kernel, falling, array in prepared:
+                    work.product(transformed, kernel, n - 1, falling, array[e, :n])
+                self.progress.add((1 + len(prepared)) * n * log2(n))
+
+        in_ranges(self.d**2, 1, entries)
+
+
+class Progress:
+    """Logs at level INFO, every few seconds, what part of the work is done and how long the rest takes."""
+
+    def __init__(self, name: str, work: float, part: tuple[int, int]) -> None:
+        self.name, self.work, self.part = name, work, part
+        self._done, self._begun, self._lock = 0.0, perf_counter(), Lock()
+        self._said = self._begun
+
+    def add(self, work: float) -> None:
+        """So much more is done."""
+        with self._lock:
+            self._done += work
+            now, (before, parts) = perf_counter(), self.part
+            if now - self._said < SAID_AGAIN:
+                return
+            self._said = now
+        done = self._done / self.work
+        left = (now - self._begun) / done * (parts - before - done)
+        LOG.info("%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
+
+
+def step(p: int, d: int) -> int:
+    """The β that takes the least work within the memory."""
+    largest = min(LONGEST // 2, MEMORY // (16 * d * d))
+    sizes = (1 << m for m in range(FIRST.bit_length() - 1, largest.bit_length()))
+    return min((beta for beta in sizes if 4 * beta < p), key=lambda beta: transforms(p, beta))
+
+
+def transforms(p: int, beta: int) -> float:
+    """The work for one entry: a transform of length 2n counts n·log₂ n, at each doubling four, then two for every β
+    points more."""
+    levels = range(FIRST.bit_length() - 1, beta.bit_length() - 1)
+    more = ((p - 1) // beta - 1) // beta
+    return sum(4 * (1 << m) * m for m in levels) + 2 * more * beta * log2(beta)

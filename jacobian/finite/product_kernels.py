@@ -1,0 +1,171 @@
+"""The loops of :mod:`jacobian.finite.matrix_products`, compiled: residues modulo p < 2^49 as floats within ±p/2.
+
+A matrix M(k) has the first row Σ (c_i(n + 1) − k·c_i), i = 1 … d, and k below its diagonal. A product of d × d matrices
+at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c, i]``. Importing this module
+imports numba.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import register_jitable
+
+from jacobian.numbers.compiler import njit
+from jacobian.numbers.words import canonical, inverse, mul
+from jacobian.numbers.words_compiled import INLINED
+
+JIT = {"nogil": True, "error_model": "numpy"}
+BLOCK = 64
+"""Points that are computed side by side."""
+
+
+@njit(**JIT)
+def inverses(P, a, out):  # type: ignore[no-untyped-def]  # compiled, as all below
+    """out[t] = 1/(a + t), none of them 0 (Montgomery 1987)."""
+    total = 1.0
+    for t in range(len(out)):
+        out[t] = total
+        total = canonical(P, mul(P, total, canonical(P, mul(P, a + t, 1.0))))
+    total = inverse(P, total)
+    for t in range(len(out) - 1, -1, -1):
+        out[t] = canonical(P, mul(P, total, out[t]))
+        total = canonical(P, mul(P, total, canonical(P, mul(P, a + t, 1.0))))
+
+
+@njit(**JIT)
+def inverse_factorials(P, out):  # type: ignore[no-untyped-def]
+    """out[j] = 1/j!."""
+    total = 1.0
+    for j in range(1, len(out)):
+        total = canonical(P, mul(P, total, float(j)))
+    total = inverse(P, total)
+    for j in range(len(out) - 1, -1, -1):
+        out[j] = total
+        total = canonical(P, mul(P, total, float(max(j, 1))))
+
+
+@njit(**JIT)
+def lagrange(P, factorials, out):  # type: ignore[no-untyped-def]
+    """out[j] = (−1)^(k − j)/(j!(k − j)!), k = len(out) − 1: the weights of Lagrange's interpolation at 0 … k."""
+    k = len(out) - 1
+    for j in range(k + 1):
+        weight = canonical(P, mul(P, factorials[j], factorials[k - j]))
+        out[j] = -weight if (k - j) % 2 else weight
+
+
+@njit(**JIT)
+def falling(P, a, reciprocals, out):  # type: ignore[no-untyped-def]
+    """out[i] = Π (a + i − j), j = 0 … k, k = len(out) − 1; ``reciprocals``: 1/(a − k), 1/(a − k + 1), …"""
+    size = len(out)
+    total = 1.0
+    for j in range(size):
+        total = canonical(P, mul(P, total, a - j))
+    for i in range(size):
+        out[i] = total
+        total = canonical(P, mul(P, mul(P, total, a + i + 1), reciprocals[i]))
+
+
+@njit(**JIT)
+def scaled(P, x, y, out):  # type: ignore[no-untyped-def]
+    """out = x·y, number by number, canonical."""
+    for j in range(len(out)):
+        out[j] = canonical(P, mul(P, x[j], y[j]))
+
+
+@register_jitable(**INLINED)
+def _step(P, c, d, k, S, row):  # type: ignore[no-untyped-def]
+    """S ← M(k_j)·S for the matrices S[:, :, j]; ``c`` (2, d): c_i(n + 1) and c_i; ``row`` is room for d × BLOCK."""
+    for column in range(d):
+        for j in range(BLOCK):
+            row[column, j] = 0.0
+        for i in range(d):
+            high, low = c[0, i], c[1, i]
+            for j in range(BLOCK):
+                row[column, j] += mul(P, canonical(P, high - mul(P, k[j], low)), S[i * d + column, j])
+    for i in range(d - 1, 0, -1):
+        for column in range(d):
+            for j in range(BLOCK):
+                S[i * d + column, j] = canonical(P, mul(P, k[j], S[(i - 1) * d + column, j]))
+    for column in range(d):
+        for j in range(BLOCK):
+            S[column, j] = canonical(P, mul(P, row[column, j], 1.0))
+
+
+@njit(**JIT)
+def direct(P, c, beta, steps, values):  # type: ignore[no-untyped-def]
+    """values = M(x + steps)·…·M(x + 1) at x = 0, β, 2β, …"""
+    d = c.shape[1]
+    S, row, x, k = np.empty((d * d, BLOCK)), np.empty((d, BLOCK)), np.empty(BLOCK), np.empty(BLOCK)
+    for begin in range(0, values.shape[1], BLOCK):
+        S[:] = 0.0
+        for i in range(d):
+            S[i * d + i] = 1.0
+        for j in range(BLOCK):
+            x[j] = mul(P, float(begin + j), beta)
+        for step in range(1, steps + 1):
+            for j in range(BLOCK):
+                k[j] = canonical(P, mul(P, x[j] + step, 1.0))
+            _step(P, c, d, k, S, row)
+        size = min(BLOCK, values.shape[1] - begin)
+        for e in range(d * d):
+            for j in range(size):
+                values[e, begin + j] = S[e, j]
+
+
+@njit(**JIT)
+def join(P, c, beta, middle, upper, values, begin, end):  # type: ignore[no-untyped-def]
+    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end, a multiple of BLOCK."""
+    d = c.shape[1]
+    S, U = np.empty((d * d, BLOCK)), np.empty((d * d, BLOCK))
+    row, k = np.empty((d, BLOCK)), np.empty(BLOCK)
+    for first in range(begin, end, BLOCK):
+        for j in range(BLOCK):
+            k[j] = canonical(P, mul(P, mul(P, float(first + j), beta) + middle, 1.0))
+        for e in range(d * d):
+            for j in range(BLOCK):
+                S[e, j] = values[e, first + j]
+                U[e, j] = upper[e, first + j]
+        _step(P, c, d, k, S, row)
+        for i in range(d):
+            for column in range(d):
+                for j in range(BLOCK):
+                    k[j] = 0.0
+                for inner in range(d):
+                    for j in range(BLOCK):
+                        k[j] += mul(P, U[i * d + inner, j], S[inner * d + column, j])
+                for j in range(BLOCK):
+                    values[i * d + column, first + j] = canonical(P, mul(P, k[j], 1.0))
+
+
+@njit(**JIT)
+def chain(P, c, beta, first, values, window):  # type: ignore[no-untyped-def]
+    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for the points i from ``first`` on."""
+    d = c.shape[1]
+    new = np.empty(d)
+    for i in range(values.shape[1]):
+        for r in range(d):
+            total = 0.0
+            for column in range(d):
+                total += mul(P, values[r * d + column, i], window[column])
+            new[r] = canonical(P, mul(P, total, 1.0))
+        for r in range(d):
+            window[r] = new[r]
+        _turn(P, c, canonical(P, mul(P, float(first + i + 1), beta)), window)
+
+
+@register_jitable(**INLINED)
+def _turn(P, c, k, window):  # type: ignore[no-untyped-def]
+    """window ← M(k)·window."""
+    total = 0.0
+    for i in range(len(window)):
+        total += mul(P, canonical(P, c[0, i] - mul(P, k, c[1, i])), window[i])
+    for i in range(len(window) - 1, 0, -1):
+        window[i] = canonical(P, mul(P, k, window[i - 1]))
+    window[0] = canonical(P, mul(P, total, 1.0))
+
+
+@njit(**JIT)
+def walk(P, c, begin, end, window):  # type: ignore[no-untyped-def]
+    """window ← M(end − 1)·…·M(begin)·window."""
+    for k in range(begin, end):
+        _turn(P, c, canonical(P, mul(P, float(k), 1.0)), window)

@@ -1,0 +1,210 @@
+"""Number-theoretic transforms on floats, compiled: modulo primes below 2^49, eight numbers of a vector at once.
+
+A block x of length 2m stands for a polynomial modulo X^(2m) − W² and is taken to its residues modulo X^m − W and
+X^m + W: one factor W for a whole block, so that loops over its numbers are vector instructions (Harvey 2014 on the
+arithmetic; the factors of block b are the same on each level, in the order of reversed bits). Blocks that fit into the
+processor's cache are finished one after the other. The last four levels are done side by side in SIDE blocks of 16, in
+whose order the values stay: pointwise products, and the transform back, ask for no other.
+
+Numbers are of any size below 4.5·q on entry, of size below 2·q from :func:`forward`, below 4.5·q from :func:`backward`.
+Importing this module imports numba.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba.extending import register_jitable
+
+from jacobian.numbers.compiler import njit
+from jacobian.numbers.words import canonical, mul
+from jacobian.numbers.words_compiled import INLINED
+
+JIT = {"nogil": True, "error_model": "numpy"}
+SIDE = 64
+LEAST = 16 * SIDE
+"""The shortest transform."""
+CACHED = 1 << 16
+"""Blocks of so many numbers stay in the cache."""
+
+
+@register_jitable(**INLINED)
+def _split(Q, a0, a1, a2, a3, outer, inner, other):  # type: ignore[no-untyped-def]  # compiled, as all below
+    """Two levels down: residues modulo X^(4m) − W² to those modulo X^m ∓ W' and X^m ∓ W''."""
+    a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
+    b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
+    return a0 + a2 + b1, a0 + a2 - b1, a0 - a2 + b3, a0 - a2 - b3
+
+
+@register_jitable(**INLINED)
+def _join(Q, c0, c1, c2, c3, outer, inner, other):  # type: ignore[no-untyped-def]
+    """The inverse of :func:`_split`, times four, with the inverse factors."""
+    b0, b2 = mul(Q, c0 + c1, 1.0), mul(Q, c2 + c3, 1.0)
+    b1, b3 = mul(Q, c0 - c1, inner), mul(Q, c2 - c3, other)
+    return b0 + b2, b1 + b3, mul(Q, b0 - b2, outer), mul(Q, b1 - b3, outer)
+
+
+@register_jitable(**INLINED)
+def _down(Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
+    outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
+    x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
+    x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
+    for j in range(m):
+        x0[j], x1[j], x2[j], x3[j] = _split(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
+
+
+@register_jitable(**INLINED)
+def _up(Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
+    outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
+    x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
+    x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
+    for j in range(m):
+        x0[j], x1[j], x2[j], x3[j] = _join(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
+
+
+@register_jitable(**INLINED)
+def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
+    """Four levels of the SIDE blocks of 16 from number b on."""
+    for k in range(SIDE):
+        for i in range(16):
+            S[i * SIDE + k] = x[begin + 16 * k + i]
+    for i in range(4):
+        for k in range(SIDE):
+            at = i * SIDE + k
+            S[at], S[at + 4 * SIDE], S[at + 8 * SIDE], S[at + 12 * SIDE] = _split(
+                Q,
+                S[at],
+                S[at + 4 * SIDE],
+                S[at + 8 * SIDE],
+                S[at + 12 * SIDE],
+                W[b + k],
+                W[2 * (b + k)],
+                W[2 * (b + k) + 1],
+            )
+    for i in range(4):
+        for k in range(SIDE):
+            at, c = 4 * i * SIDE + k, 4 * (b + k) + i
+            put = begin + at
+            x[put], x[put + SIDE], x[put + 2 * SIDE], x[put + 3 * SIDE] = _split(
+                Q, S[at], S[at + SIDE], S[at + 2 * SIDE], S[at + 3 * SIDE], W[c], W[2 * c], W[2 * c + 1]
+            )
+
+
+@register_jitable(**INLINED)
+def _first_up(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
+    for i in range(4):
+        for k in range(SIDE):
+            at, c = 4 * i * SIDE + k, 4 * (b + k) + i
+            get = begin + at
+            S[at], S[at + SIDE], S[at + 2 * SIDE], S[at + 3 * SIDE] = _join(
+                Q, x[get], x[get + SIDE], x[get + 2 * SIDE], x[get + 3 * SIDE], W[c], W[2 * c], W[2 * c + 1]
+            )
+    for i in range(4):
+        for k in range(SIDE):
+            at = i * SIDE + k
+            S[at], S[at + 4 * SIDE], S[at + 8 * SIDE], S[at + 12 * SIDE] = _join(
+                Q,
+                S[at],
+                S[at + 4 * SIDE],
+                S[at + 8 * SIDE],
+                S[at + 12 * SIDE],
+                W[b + k],
+                W[2 * (b + k)],
+                W[2 * (b + k) + 1],
+            )
+    for k in range(SIDE):
+        for i in range(16):
+            x[begin + 16 * k + i] = S[i * SIDE + k]
+
+
+@njit(**JIT)
+def forward(Q, W, x):  # type: ignore[no-untyped-def]
+    """Transforms x, of length 2^k ≥ LEAST, in place. ``W``: the factors, half as many as x has numbers."""
+    S = np.empty(LEAST)
+    whole, size = len(x), _even(len(x))
+    if size < whole:
+        for j in range(size):
+            low, high = mul(Q, x[j], 1.0), mul(Q, x[size + j], 1.0)
+            x[j], x[size + j] = low + high, low - high
+    while size > CACHED:
+        for b in range(whole // size):
+            _down(Q, W, x, b * size, size // 4, b)
+        size //= 4
+    for block in range(whole // size):
+        part = size
+        while part > 16:
+            for b in range(size // part):
+                _down(Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
+            part //= 4
+        for begin in range(block * size, (block + 1) * size, LEAST):
+            _last_down(Q, W, x, begin, begin // 16, S)
+
+
+@njit(**JIT)
+def backward(Q, W, x):  # type: ignore[no-untyped-def]
+    """The inverse of :func:`forward`, times the length, with the inverse factors."""
+    S = np.empty(LEAST)
+    whole, top = len(x), _even(len(x))
+    size = top
+    while size > CACHED:
+        size //= 4
+    for block in range(whole // size):
+        for begin in range(block * size, (block + 1) * size, LEAST):
+            _first_up(Q, W, x, begin, begin // 16, S)
+        part = 64
+        while part <= size:
+            for b in range(size // part):
+                _up(Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
+            part *= 4
+    while size < top:
+        size *= 4
+        for b in range(whole // size):
+            _up(Q, W, x, b * size, size // 4, b)
+    if top < whole:
+        for j in range(top):
+            low, high = mul(Q, x[j], 1.0), mul(Q, x[top + j], 1.0)
+            x[j], x[top + j] = low + high, low - high
+
+
+@register_jitable(**INLINED)
+def _even(length):  # type: ignore[no-untyped-def]
+    """The power of 4 that is the length, or half of it."""
+    size = LEAST
+    while 4 * size <= length:
+        size *= 4
+    return size
+
+
+@njit(**JIT)
+def factors(Q, roots, W):  # type: ignore[no-untyped-def]
+    """W[b] = Π roots[i] over the bits i of b; roots[i]: of order 2^(i+2)."""
+    W[0] = 1.0
+    filled, i = 1, 0
+    while filled < len(W):
+        for b in range(filled):
+            W[filled + b] = canonical(Q, mul(Q, W[b], roots[i]))
+        filled, i = 2 * filled, i + 1
+
+
+@njit(**JIT)
+def multiply(Q, x, y, out):  # type: ignore[no-untyped-def]
+    """out = x·y, number by number."""
+    for j in range(len(out)):
+        out[j] = mul(Q, x[j], y[j])
+
+
+@njit(**JIT)
+def combined(P, Q, c, residues, scale, out):  # type: ignore[no-untyped-def]
+    """out = scale·N modulo p, canonical, N the least number with residues[i]·c[i] for its residues (Garner 1959).
+
+    ``Q``: the contexts of three primes, of which two or three are used: ``residues`` (2 or 3, size). ``c``: a factor
+    for each, 1/q₁ modulo q₂, q₁ modulo p, 1/q₁ and 1/q₂ modulo q₃, q₁q₂ modulo p.
+    """
+    first, second, third = Q
+    for j in range(len(out)):
+        low = canonical(first, mul(first, residues[0, j], c[0]))
+        middle = canonical(second, mul(second, mul(second, residues[1, j], c[1]) - low, c[3]))
+        total = mul(P, low, 1.0) + mul(P, middle, c[4])
+        if len(residues) > 2:
+            high = mul(third, mul(third, residues[2, j], c[2]) - low, c[5]) - middle
+            total += mul(P, canonical(third, mul(third, high, c[6])), c[7])
+        out[j] = canonical(P, mul(P, total, scale[j]))
