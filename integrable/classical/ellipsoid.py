@@ -8,6 +8,9 @@ F_i = v_i² + Σ_j (x_iv_j − x_jv_i)²/(a_i − a_j):
 The roots of U are the elliptic coordinates, those of R the caustics; genus n. The motion is ±2e_0 in τ with
 dt = |U(0)|dτ, and Σu^g du/y = −2dt, so that t = −½Ω with the second-kind datum Ω, which the additions carry: no
 quadrature. At a branch point a_i the lift is (x_i, a_iv_i − λx_i).
+
+Its discretization is D + (l, m) − (0, 0): the tangent is followed to x + hv on Σy_i²/(a_i − l) = 1, and from there
+Ivory's affinity y_i ↦ √(a_i/(a_i − l))·y_i leads back; the same from the new point backwards, with the same h.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, shown
+from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
 
@@ -97,6 +101,44 @@ class Ellipsoid(MumfordSystem):
             "speed squared": N.dot(p, p),
             "Joachimsthal": self._over_axes(N, p, p) * N.dot(normal, normal),
         }
+
+    def discrete(self, state: Point, h: Any) -> Point:
+        """A step of ``h`` in time to second order, which keeps the integrals: that of the λ < 0 whose ellipsoid the
+        tangent meets at q + hp; h < 0 is a step back.
+        """
+        h = self._time_step(h)
+
+        def read(L: LongField) -> Point:
+            inner, length = self._constrained(L, self._inside(L, state)), L.coerce(h)
+            reached = [x + length * v for x, v in zip(*inner, strict=True)]
+            squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
+            while True:
+                # convex and growing: from the right, where λ is 0, Newton's steps are all to the left
+                parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
+                move = (sum(parts, -L.one)) / sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
+                if not move > L.eps * abs(x):
+                    return self._moved(L, inner, x, length)
+                x = x - move
+
+        return self._settled(read)
+
+    def step(self, state: Point, point: Sequence[Any]) -> Point:
+        """The state of D + (λ, μ) − (0, 0), of any h that leads to the quadric of λ; real for λ < 0. ArgumentError for
+        a point that is not on the curve, NotASquare where a_i/(a_i − λ) has no root.
+        """
+
+        def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
+            _, u, v = self._spectral(N, here)
+            slope = (y - poly.evaluate(N, v, x)) / poly.evaluate(N, u, x) - N.dot(*here)
+            return self._moved(N, here, x, x / slope)
+
+        return self._mapped(state, point, formula)
+
+    def _moved(self, N: Any, state: Point, x: Any, h: Any) -> Point:
+        """The state whose tangent leaves the quadric of λ = x by the same h as that of ``state`` reaches it."""
+        roots = [N.sqrt(e / (e - x)) for e in self._constants_in(N)]
+        q = tuple(r * (x + h * v) for r, x, v in zip(roots, *state, strict=True))
+        return Point(q, tuple((new - old / r) / h for r, new, old in zip(roots, q, state.q, strict=True)))
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

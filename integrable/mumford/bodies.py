@@ -180,9 +180,9 @@ class BodyFlow(MumfordFlow):
         except PrecisionLoss:
             # the ovals have met, or nearly
             reals = BareReals(K.context.prec)
-            # in τ
-            length = STEP / (self._pace * float(max(self._body._weights(RR))) ** 0.5)
-            return PanelClock(lambda tau: self._motion.row(tau, _rate, digits)[0][0], reals, digits, length)
+            fastest = float(max(self._body._weights(RR))) ** 0.5
+            length = STEP / (self._pace * fastest)
+            return PanelClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
 
     @cached_property
     def _torus(self) -> BodyTorus | None:  # type: ignore[override]

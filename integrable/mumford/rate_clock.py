@@ -19,7 +19,7 @@ from jacobian.numbers.long_reals import BareReals
 # digits of the field beyond those that a clock is good to
 SPARE = 20
 # panels of a quadrature at most, and the nodes of one for each digit
-MOST_PANELS, NODES_A_DIGIT = 256, 2
+MOST_PANELS, NODES_A_DIGIT = 64, 2
 MOST_STEPS = 100
 
 
@@ -72,10 +72,14 @@ class SeriesClock(MultiprecisionTorusClock):
 
 class PanelClock:
     """τ(t) by Legendre series of dt/dτ on panels of a ``length``: ``rate(τ)`` and the result are numbers of ``reals``,
-    good to ``digits``. PrecisionLoss for times beyond 256 panels, and where a panel is not resolved.
+    good to ``digits``, and nowhere above ``fastest``. PrecisionLoss for times beyond 64 panels, and where a panel is
+    not resolved.
     """
 
-    def __init__(self, rate: Callable[[Any], Any], reals: BareReals, digits: int, length: float) -> None:
+    def __init__(
+        self, rate: Callable[[Any], Any], reals: BareReals, digits: int, length: float, fastest: float
+    ) -> None:
+        self._longest = length * fastest
         self._rate, self._reals, self._digits = rate, reals, digits
         self._half = reals.number(length / 2)
         self._rule = LegendreSeries(reals, NODES_A_DIGIT * digits)
@@ -88,16 +92,15 @@ class PanelClock:
 
     def _at(self, t: Any) -> Any:
         step = 1 if t >= 0 else -1
+        if abs(t) > MOST_PANELS * self._longest:
+            raise self._too_far(t)
         # what the clock shows at the near end of the panel
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]
             panel += step
             if abs(panel) > MOST_PANELS:
-                raise PrecisionLoss(
-                    f"time {float(t)}: this motion is on a separatrix, where the way to a time is walked over; that is "
-                    f"more than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
-                )
+                raise self._too_far(t)
         series, whole = self._panel(panel)
         target = (t - shown if step > 0 else whole + t - shown) / self._half + integrate_series(series, -1 + 0 * t)[0]
         x = 0 * t
@@ -108,6 +111,12 @@ class PanelClock:
             if abs(move) <= self._reals.number(10) ** (-self._digits):
                 break
         return self._half * (2 * panel + 1 + x)
+
+    def _too_far(self, t: Any) -> PrecisionLoss:
+        return PrecisionLoss(
+            f"time {float(t)}: this motion is on a separatrix, where the way to a time is walked over; that is more "
+            f"than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
+        )
 
     def _panel(self, n: int) -> tuple[list[Any], Any]:
         """The series of dt/dτ from n to n + 1 lengths, and how long that takes."""

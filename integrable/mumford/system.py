@@ -226,7 +226,7 @@ class MumfordSystem(Immutable):
         found = entries(point, "point", "a pair (λ, μ)")
         if len(found) != 2:
             raise ArgumentError(f"point = {shown(point)}: a pair (λ, μ) is needed")
-        K, N = self.field, self.numbers
+        N = self.numbers
         x, y = (N.coerce(value, "point") for value in found)
         f = self._spectral(N, self._inside(N, state)).f
         rest = y * y - poly.evaluate(N, f, x)
@@ -241,6 +241,11 @@ class MumfordSystem(Immutable):
             root = L.sqrt(poly.evaluate(L, self._spectral(L, inner).f, at))
             return formula(L, inner, at, root if abs(root - L.coerce(y)) <= abs(root + L.coerce(y)) else -root)
 
+        return self._settled(read)
+
+    def _settled(self, read: Callable[[LongField], Point]) -> Point:
+        """A state that is made in long numbers, to the digits of the field."""
+        K = self.field
         rows = settled(read, getattr(K, "dps", ROUNDED_TO_FLOATS))
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 

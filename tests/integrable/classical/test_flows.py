@@ -289,6 +289,9 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Ellipsoid((1, 2)).state((1, 1), (0, 1)), "Σq_i²/a_i = 1"),
         (lambda: Ellipsoid((1, 2)).state((1, 0), (1, 1)), "Σq_i p_i/a_i = 0"),
         (lambda: Ellipsoid((1, 2)).state((1, 0), (0, 0)), "p ≠ 0"),
+        (lambda: Ellipsoid((1, 2)).discrete(Point((1, 0), (0, 1)), 0), "h = 0"),
+        (lambda: Ellipsoid((1, 2), CC).discrete(Point((1, 0), (0, 1)), 1), "field = CC"),
+        (lambda: Ellipsoid((1, 2)).step(Point((1, 0), (0, 1)), (3, 1)), "point = (3, 1)"),
         (lambda: Garnier((0, 1), 0), "alpha = 0"),
         (lambda: Garnier(()), "a = ()"),
         (lambda: HenonHeiles((1, 2), barriers=(1,)), "barriers = (1,)"),
@@ -353,6 +356,23 @@ def test_bad_input_is_named(call, words) -> None:
         call()
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_steps_along_geodesics_take_the_point_of_their_quadric() -> None:
+    """The tangent meets Σy²/(a − λ) = 1 at q + hp, and from the new state back; all integrals stay."""
+    system, state = REAL["ellipsoid"](RR, 3)
+    a, h = np.array(system.constants), 0.375
+    new = system.discrete(state, h)
+    ahead, behind = np.array(state.q) + h * np.array(state.p), np.array(new.q) - h * np.array(new.p)
+    ratios = (np.array(new.q) / ahead) ** 2
+    (x, *others) = a * (1 - 1 / ratios)
+    assert np.abs(np.array(others) - x).max() < 1e-13
+    assert x < 0
+    assert np.abs(behind * np.sqrt(ratios) - state.q).max() < 1e-14
+    for name, first in system.integrals(state).items():
+        assert np.abs(np.subtract(system.integrals(new)[name], first)).max() < 1e-13
+    both = [system.step(state, system.curve_point(state, x, sign)) for sign in (1, -1)]
+    assert min(np.abs(np.array(found) - np.array(new)).max() for found in both) < 1e-12
 
 
 @pytest.mark.parametrize("sheet", [1, -1])
