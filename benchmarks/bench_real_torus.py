@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.curves import least_seconds
+from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
@@ -21,6 +22,12 @@ MOTIONS: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Toda, three particles": (TodaLattice(3), (0, 0.5, -0.25), (1, -0.75, -0.25)),
     "Veselova's body": (Veselova((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
     "Garnier, two axes": (Garnier((0, 1)), (0.3, 0.5), (0.2, -0.4)),
+    "geodesic, a = 1, 2, 4": (Ellipsoid((1, 2, 4)), (1, 0, 0), (0, 0.6, 0.8)),
+    "geodesic on the earth, km": (
+        Ellipsoid((40681077.7, 40680197.6, 40408308.7)),
+        (0, 0, 40408308.7**0.5),
+        (0.6, 0.8, 0),
+    ),
 }
 
 

@@ -58,6 +58,11 @@ class BodyTorus(TorusFlow):
         farthest = MOST_TURNS / 8 / max(map(abs, paces))
         return np.clip([turns / pace for pace in paces for turns in (1.23, -1.38)], -farthest, farthest)
 
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether double-double numbers hold the fractions of all turns."""
+        turns: float = np.abs(times).max(initial=0) * max(map(abs, self._of_rates(4, 6)))
+        return turns <= MOST_TURNS
+
     def _check_walk(self) -> None:
         # held against additions by the flow
         Corners._check_walk(self)

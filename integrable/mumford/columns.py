@@ -81,11 +81,14 @@ def _settled(high: Floats, low: Floats) -> Column:
 
 
 class _Elementary:
-    """exp of numbers, and log of columns to a float's digits."""
+    """exp of numbers, exp and log of columns to a float's digits."""
 
     @staticmethod
     def exp(x: Column) -> Column:
-        """e^x of a number."""
+        """e^x."""
+        if isinstance(x.hi, np.ndarray):
+            high = np.exp(x.hi)
+            return Column(high, high * x.lo)
         field = MP(40)
         return Column.of(field.context.exp(field.coerce(float(x.hi)) + field.coerce(float(x.lo))))
 

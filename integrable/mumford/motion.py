@@ -24,8 +24,8 @@ APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # what rounding may leave of the rates of a pair that rests, in units of the last bit
 STILL = 2.0**16
-# steps of Newton's method for a clock, and what part of the unit of translations, which is small itself, one is where
-# Newton's method has converged and rounding may be what is left
+# steps to a time of a clock, and what part of the unit of translations, which is small itself, one is where rounding
+# may be what is left; where one is below the root of the last bit of that, the next is nothing
 MOST_STEPS, SMALL = 200, 256
 
 
@@ -111,6 +111,8 @@ class MumfordMotion:
         self._complex = complex
         self._genus = genus
         self._placed: dict[int, Placed] = {}
+        # where the clock showed the time of the last row
+        self._reached: tuple[Any, Any] = (None, None)
         # bits beyond those wanted that were enough so far
         self._extra = OF_START + OF_GENUS * genus
 
@@ -149,7 +151,12 @@ class MumfordMotion:
                 self._placed[bits] = Placed(K, self._place)
             placed = self._placed[bits]
             target, *further = map(K.coerce, times)
-            return read(K, placed.at(target, tuple(further)) if clock is None else _at_clock(placed, target, clock))
+            if clock is None:
+                return read(K, placed.at(target, tuple(further)))
+            time, near = self._reached
+            tau, D = _at_clock(placed, target, clock, K.coerce(near) if time == times[0] else None)
+            self._reached = times[0], tau
+            return read(K, D)
 
 
 def settled(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
@@ -186,24 +193,48 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     return True
 
 
-def _at_clock(placed: Placed, target: Any, clock: Any) -> Extended:
-    """D where the clock shows ``target``: Newton's method inside a bracket, by the mean rate where that is far."""
-    now, rate = clock(placed.field, placed.start)
-    tau, low, high = placed.field.zero, None, None
-    D, start, last = placed.start, now, None
-    for _ in range(MOST_STEPS):
+def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, Extended]:
+    """(τ, D) where the clock shows ``target``: from a τ ``near`` it, else from 0 by the mean rate, then by Newton's
+    method, and on the cubic through the nearest points on either side.
+    """
+    K, unit, D = placed.field, placed.translations().unit, placed.start
+    start, rate = clock(K, D)
+    tau, now, low, high, step = K.zero, start, None, None, unit
+    # of the points before
+    rests = [K.zero, K.zero]
+    for n in range(MOST_STEPS):
         rest = target - now
-        if rest == 0:
-            return D
-        low, high = (tau, high) if rest > 0 else (low, tau)
+        slow = 4 * abs(rest) > rests[-2]
+        # where rounding is reached, what is left no longer shrinks
+        if rest == 0 or (slow and abs(step) < unit / SMALL):
+            return tau, D
+        low, high = ((tau, now, rate), high) if rest > 0 else (low, (tau, now, rate))
         mean = (now - start) / tau if tau else rate
-        step = rest / (mean if abs(rest) > abs(mean) else rate)
-        if low is not None and high is not None and not low < tau + step < high:
-            step = (low + high) / 2 - tau
-        # where rounding is reached, steps no longer shrink as Newton's do
-        if last is not None and abs(last) < placed.translations().unit / SMALL and not 0 < 4 * abs(step) <= abs(last):
-            return D
-        tau, last = tau + step, step
+        step = rest / max(rate, mean / 4)
+        if near is not None:
+            step, near = near - tau, None
+        elif n < 2:
+            step = rest / mean
+        elif slow:
+            # beyond the target
+            step *= 2
+        elif low and high:
+            step = _between(low, high, target) - tau
+        if low and high and not low[0] < tau + step < high[0]:
+            step = (low[0] + high[0]) / 2 - tau
+        tau += step
         D = placed.at(tau)
-        now, rate = clock(placed.field, D)
+        if abs(step) < unit * K.eps**0.5 / SMALL:
+            return tau, D
+        now, rate = clock(K, D)
+        rests.append(abs(rest))
     raise PrecisionLoss("the clock was not inverted: use more digits")
+
+
+def _between(low: tuple[Any, ...], high: tuple[Any, ...], target: Any) -> Any:
+    """τ at a time between two of (τ, time, rate), on Hermite's cubic."""
+    (first, begin, rate), (last, end, other) = low, high
+    length = end - begin
+    s = (target - begin) / length
+    bend = length * s * (1 - s) * ((1 - s) / rate - s / other)
+    return first + (last - first) * s * s * (3 - 2 * s) + bend

@@ -1,37 +1,44 @@
-"""Motions of genus 2 on a compact real torus, linear in time, at the compiled speed of the ball.
+"""Motions of genus 2 on a compact real torus at the compiled speed of the ball.
 
 A real curve y² = f(x) whose roots are all real has two ovals that the points of a pair run round. An abscissa ξ,
 x = A + Bξ, takes it to the curve that :mod:`integrable.torus` knows, (ξ − ζ)Π(α_i − ξ)(1 − ξ) with the ovals before
 ξ = 1; on models of even degree the largest root E has been sent to infinity before, by 1/(E − x). Corners, periods and
 translations are those of the ball there; what is another is the direction, and what is read: the pair and its lifts.
+Data of the second and third kind, and time where it is not linear, are integrals of functions of U along the motion
+(:mod:`integrable.mumford.torus_integrals`).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.bare_problem import BareProblem
-from integrable.mumford.columns import Column
-from integrable.mumford.fields import cofactor
+from integrable.mumford.columns import Column, Columns
+from integrable.mumford.fields import cofactor, second_kind_rate
 from integrable.mumford.motion import Start
+from integrable.mumford.torus_integrals import GridRate, TorusIntegral, datum_after
+from integrable.torus.access import TorusClock
 from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops
 from jacobian import MP, RR, poly
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
 from jacobian.periods.quadrature import Numbers
-from jacobian.periods.roots import conjugated, simple_roots
-from jacobian.relatives.extended import Extended, Lift
+from jacobian.periods.roots import check_separated, conjugated, simple_roots
+from jacobian.relatives.extended import Extended, Lift, SecondKind, ThirdKind
 
 DIGITS = 50
 # U at a branch point, beside x², where σ is not read off it
 SMALL = 1e-20
-MOST_CELLS = 1 << 12
+MOST_CELLS, MOST_SAMPLES = 1 << 12, 1 << 16
 # turns of a phase beyond which the fractions of double-double numbers are too short
 MOST_TURNS = 2.0**50
+# turns to the witness of a clock's mean rate, and those up to which it serves floats
+FAR, CLOCKED = 2.0**40, 2.0**26
 # numbers of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
 COLUMNS = 12
 APART = "the points of the pair are not one in each oval"
@@ -57,43 +64,77 @@ class Setup(NamedTuple):
 
 
 class RealTorus(Corners):
-    """D(τ) of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
+    """D of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
 
-    ``place(K)`` makes the start in the numbers of K. PrecisionLoss where there is no such torus: branch points that are
-    not real or too close, points that are not one in each oval, data other than lifts at branch points of an odd model.
+    ``place(K)`` makes the start in the numbers of K; ``rate(K, u)`` is dt/dτ > 0 at a pair where time is not linear.
+    PrecisionLoss where there is no such torus: branch points that are not real or too close, points that are not one in
+    each oval, lifts at other points or on a model of even degree.
     """
 
-    def __init__(self, place: Callable[[Any], Start]) -> None:
+    def __init__(self, place: Callable[[Any], Start], rate: Callable[..., Any] | None = None) -> None:
         K, start = MP(DIGITS), place(MP(DIGITS))
-        if len(start.v) != 2 or not all(isinstance(kind, Lift) for kind in start.kinds):
-            raise PrecisionLoss("a motion of genus 2 without data but lifts is needed")
-        roots = real_roots(K, start.f)
+        if len(start.v) != 2 or not all(isinstance(kind, (Lift, SecondKind, ThirdKind)) for kind in start.kinds):
+            raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
+        ends = [kind.e for kind in start.kinds if isinstance(kind, Lift)]
+        roots = real_roots(K, start.f, ends)
         # what is sent to infinity
         self._pole = roots[-1] if len(roots) == 6 else None
-        if self._pole is not None and start.kinds:
+        lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
+        if self._pole is not None and lifts:
             raise PrecisionLoss("lifts on a model of even degree")
         odd = Model(start.f[-1], start.u[:2], start.v, start.direction, roots)
         model = odd if self._pole is None else without_root(odd)
-        lifts = {
-            min(roots, key=lambda e, at=kind.e: abs(e - at)): data  # type: ignore[attr-defined, misc]
-            for kind, data in zip(start.kinds, start.data, strict=True)
-        }
         super().__init__(self._set_up(K, model, lifts), CompiledLoops(), MOST_CELLS)  # type: ignore[arg-type]
         self._place_in_units(K, model.direction)
+        self._kinds, self._first = start.kinds, start.data
+        self._integrals(start, rate)
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which every sign that a period changes has been changed, in both directions."""
+        """Times at which every sign that a period changes has been changed, in both directions; by a clock a far one
+        too, which its mean rate decides.
+        """
         farthest = MOST_TURNS / 8 / self._fastest
-        return np.clip([turns / rate for rate in self._rates for turns in (1.23, -1.38)], -farthest, farthest)
+        tau = np.clip([turns / float(nu) for nu in self.frequencies for turns in (1.23, -1.38)], -farthest, farthest)
+        return tau if self.clock is None else np.append(tau, FAR / self._fastest) * float(self.mean)
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data, of columns of N numbers."""
-        turns = np.abs(times).max(initial=0) * self._fastest
+        turns = self._turns(times)
         if turns > MOST_TURNS:
             raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
-        out = self.loops.room(COLUMNS * len(times))
-        self.loops.points_at_tau(self.torus, self._row, times, out)
+        tau, phases = self._phases(times)
+        u, v, lifts = self.pairs(phases)
+        if self._second_kind is None:
+            return Extended(u, v, tuple(lifts))
+        omega, read = self._second_kind.at(times, tau, phases), iter(lifts)
+        data = [
+            next(read) if isinstance(kind, Lift) else datum_after(kind, Column.of(first), omega)
+            for kind, first in zip(self._kinds, self._first, strict=True)
+        ]
+        return Extended(u, v, tuple(data))
+
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether what the witnesses are right to makes these times right to the last bits of floats."""
+        return self._turns(times) <= (MOST_TURNS if self.clock is None else CLOCKED)
+
+    def _turns(self, times: np.ndarray) -> float:
+        rate = 1.0 if self.clock is None else float(self.mean)
+        return float(np.abs(times).max(initial=0)) / rate * self._fastest
+
+    def _phases(self, times: np.ndarray) -> tuple[Column, np.ndarray]:
+        """τ, and both phases in turns, shape (2N, 2)."""
+        if self.clock is None:
+            tau = Column(times, np.zeros(len(times)))
+            turned = [tau * Column.of(nu) for nu in self.frequencies]
+            return tau, np.stack([np.stack([x.hi, x.lo], axis=-1) for x in turned], axis=1).reshape(-1, 2)
+        phases, delays = self.clock.phases(times)
+        return Column(times) / Column.of(self.mean) + Column(delays), phases
+
+    def pairs(self, phases: np.ndarray) -> tuple[tuple[Any, ...], tuple[Any, ...], list[tuple[Any, ...]]]:
+        """U, V and the lifts at pairs of phases in turns, shape (2N, 2), as columns."""
+        out = self.loops.room(COLUMNS * (len(phases) // 2))
+        self.loops.points_at_phases(self.torus, self._row, phases, out)
         rows = np.ascontiguousarray(out.reshape(-1, COLUMNS, 2).T)
         u0, u1, v0, v1, *pairs = (Column(high, low) for high, low in zip(rows[0], rows[1], strict=True))
         a, b, height = self._numbers
@@ -102,11 +143,31 @@ class RealTorus(Corners):
         v: Sequence[Any] = (height * v0 - a * slope, slope)
         if self._pole is not None:
             u, v = with_root(Column.of(self._pole), u, v)
-        data = [
+        lifts = [
             (kappa, size * pairs[place], size * height / (b * b) * pairs[place + 4])
             for kappa, size, place in self._read
         ]
-        return Extended((*u, Column(1.0)), tuple(v), tuple(data))
+        return (*u, Column(1.0)), tuple(v), lifts
+
+    def _integrals(self, start: Start, rate: Callable[..., Any] | None) -> None:
+        """The clock, and Ω where a datum needs it."""
+        self._most, scale, clock = MOST_SAMPLES, 2 * pi * self._fastest, None
+        self.clock: TorusClock | None = None
+        self._second_kind: TorusIntegral | None = None
+        if rate is not None:
+            clock = GridRate(self, lambda phases: rate(Columns(), self.pairs(phases)[0]), scale)
+            if not clock.values.hi.min() > 0:
+                raise PrecisionLoss("time does not grow along this motion")
+            self.mean = mean = clock.mean
+            nu1, nu2 = self.frequencies
+            rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * self.setup.wide.context.pi)
+            self.clock = TorusClock(self, *clock.spectrum, self.loops.row(rates), scale)
+        if not all(isinstance(kind, Lift) for kind in start.kinds):
+            direction = tuple(map(Column.of, start.direction))
+            of_omega = GridRate(
+                self, lambda phases: second_kind_rate(Columns(), self.pairs(phases)[0], direction), scale
+            )
+            self._second_kind = TorusIntegral(of_omega, clock, self.frequencies)
 
     def _set_up(self, K: Any, model: Model, lifts: dict[Any, tuple[Any, ...]]) -> Setup:
         """The motion in ξ: x = first + second·ξ, y = height·η; and where and by what factor lifts are read."""
@@ -146,20 +207,26 @@ class RealTorus(Corners):
         a, b, height = first + second * origin, second * length, height * length**2 * lift
         self._numbers = tuple(map(Column.of, (a, b, height)))
         self._read = [(k, Column.of(size * (length if i == 3 else 1)), i) for k, size, i in self._read]
-        rates = self.turns_along(direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2)
-        self._rates = [float(x) for x in rates]
-        self._fastest = max(map(abs, self._rates))
-        self._row = self.loops.row((*rates, (1 - origin) / length))
+        self.frequencies = self.turns_along(
+            direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2
+        )
+        self._fastest = max(abs(float(nu)) for nu in self.frequencies)
+        self._row = self.loops.row(((1 - origin) / length,))
 
 
-def real_roots(K: Any, f: poly.Poly) -> list[Any]:
-    """The roots of f, ascending; PrecisionLoss where one is not real, or two are not told apart."""
+def real_roots(K: Any, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+    """The roots of f, ascending, some of them ``known``; PrecisionLoss where one is not real, or two are not told
+    apart.
+    """
+    rest = poly.quotient(K, f, poly.from_roots(K, known))
     # in floats first, where double roots are told soonest
     for numbers in (Numbers(RR), Numbers(K)):
-        roots = conjugated(numbers, simple_roots(numbers, [numbers.convert(c) for c in f]))
+        roots = conjugated(numbers, simple_roots(numbers, [numbers.convert(c) for c in rest]))
         if any(x.imag for x in roots):
             raise PrecisionLoss("branch points are not real")
-    return [K.coerce(x.real) for x in roots]
+    roots = sorted([*known, *(K.coerce(x.real) for x in roots)])
+    check_separated(Numbers(K), roots)
+    return roots
 
 
 def standard(K: Any, model: Model, e: Any, kappa: int) -> tuple[Any, Any, Any]:

@@ -9,7 +9,6 @@ and MP the flow at any time. Exact fields put their bare elements into jets with
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -304,10 +303,8 @@ class MumfordFlow:
 
         K = self.system.field
         given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
-        if len(given) >= MANY and self._torus is not None:
-            # beyond what double-doubles hold there are additions
-            with suppress(PrecisionLoss):
-                return self._path(self._torus, np.array(given))
+        if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
+            return self._path(self._torus, np.array(given))
         rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in self._places(given)]
         kind = object if hasattr(K, "dps") else float
         q, p = (
@@ -322,15 +319,15 @@ class MumfordFlow:
 
     @cached_property
     def _torus(self) -> RealTorus | None:
-        """The compiled torus of a motion of genus 2 in floats whose time is linear, where there is one."""
+        """The compiled torus of a motion of genus 2 in floats, where there is one."""
         from integrable.mumford.real_torus import RealTorus
 
         system = self.system
-        elsewhere = hasattr(system.field, "dps") or system.clocked or system.complex_data
+        elsewhere = hasattr(system.field, "dps") or system.complex_data
         if self._genus != 2 or elsewhere or interpreted():
             return None
         try:
-            torus = RealTorus(self._place)
+            torus = RealTorus(self._place, system._time_rate if system.clocked else None)
         except (PrecisionLoss, ZeroDivisionError):
             return None
         return torus if self._confirmed(torus) else None
@@ -341,7 +338,7 @@ class MumfordFlow:
 
         path = self._path(torus, torus.witnesses)
         for time, *rows in zip(self._places(torus.witnesses.tolist()), path.q, path.p, strict=True):
-            true = self._motion.row(time, self._reader(time), self.digits)
+            true = self._motion.row(time, self._reader(time), self.digits, self._clock)
             for row, other in zip(rows, true, strict=True):
                 expected = np.array([float(x) for x in other])
                 if np.abs(row - expected).max() > RIGHT * np.abs(expected).max():

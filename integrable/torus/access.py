@@ -18,7 +18,7 @@ import numpy as np
 from integrable.moving_point.bare_problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, Series
 from integrable.torus.clock_modes import MOST_LOUD, Limits, Tables
-from integrable.torus.corners import Corners
+from integrable.torus.corners import Corners, Samples
 from integrable.torus.loops import NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import half_spectrum, in_resonance
@@ -62,7 +62,8 @@ class TorusFlow(Corners):
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
         if self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0:
-            self.clock = TorusClock(self, *self._spectrum())
+            spectrum = resolved_spectrum(self, self._turns, self._scale)
+            self.clock = TorusClock(self, *spectrum, self.rates[4:], self._scale)
 
     def _check_walk(self) -> None:
         # before the borders of cells: these say of a wrong sign that digits are lost
@@ -167,33 +168,41 @@ class TorusFlow(Corners):
         found: list[float] = self.loops.floats(self.rates[begin:end]).tolist()
         return found
 
-    def _spectrum(self) -> tuple[Any, tuple[int, int]]:
-        """The spectrum of 1/g as :mod:`integrable.torus.clock_modes` has it, and the shape of its grid: in slow
-        directions to more digits, they will be divided by its frequency.
-        """
-        loops, scale = self.loops, self._scale
-        first, second = (min(loops.noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in self._turns)
 
-        def transformed(samples: np.ndarray) -> tuple[Any, tuple[int, int]]:
-            half = half_spectrum(samples)
-            values = loops.long_row(half.ravel().view(half.real.dtype))
-            room = np.empty(samples.shape[0] // 2 + samples.shape[1] // 2 + 2)
-            return (values, samples.shape), loops.sizes_needed(values, samples.shape, (first, second), room)
+def resolved_spectrum(
+    torus: Corners, turns: Sequence[float], scale: float, samples: Samples | None = None
+) -> tuple[Any, tuple[int, int]]:
+    """The spectrum of 1/g, or of what has other ``samples``, as :mod:`integrable.torus.clock_modes` has it, and the
+    shape of its grid: in slow directions to more digits, they will be divided by its frequency. ``turns`` are those of
+    both phases in a unit of τ, ``scale`` is as for :class:`TorusClock`.
+    """
+    loops = torus.loops
+    first, second = (min(loops.noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
-        found: tuple[Any, tuple[int, int]] = self.resolved(transformed)
-        return found
+    def transformed(samples: np.ndarray) -> tuple[Any, tuple[int, int]]:
+        half = half_spectrum(samples)
+        values = loops.long_row(half.ravel().view(half.real.dtype))
+        room = np.empty(samples.shape[0] // 2 + samples.shape[1] // 2 + 2)
+        return (values, samples.shape), loops.sizes_needed(values, samples.shape, (first, second), room)
+
+    found: tuple[Any, tuple[int, int]] = torus.resolved(transformed, samples)
+    return found
 
 
 class TorusClock:
-    """t(τ) and τ(t) of a TorusFlow, in the user's units."""
+    """t(τ) and τ(t) of a flow on a torus, in the user's units, of the spectrum of dt/dτ and the shape of its grid.
 
-    def __init__(self, flow: TorusFlow, values: Any, grid: tuple[int, int]) -> None:
+    ``rates`` are those of :func:`integrable.torus.survey.rates` without the matrix; in the unit 1/``scale`` of τ the
+    motion moves by some part of a radian.
+    """
+
+    def __init__(self, flow: Any, values: Any, grid: tuple[int, int], rates: Any, scale: float) -> None:
         self._flow = flow
-        noise, scale = max(flow.closure, flow.loops.noise / 64), flow._scale
+        noise = max(flow.closure, flow.loops.noise / 64)
         limits = Limits(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
         # the loops count phases in periods of 1/g
-        series = series_of(flow.loops, values, grid, flow.rates[10:], limits)
-        self._clock = flow.loops.packed(Clock(flow.doubled, *series, flow.rates[4:10]))
+        series = series_of(flow.loops, values, grid, rates[6:], limits)
+        self._clock = flow.loops.packed(Clock(flow.doubled, *series, rates[:6]))
         self._room = 2 * max(part.width for part in series[:2])
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -203,6 +212,13 @@ class TorusClock:
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
         flow.loops.states_at_times(flow.torus, self._clock, times, tau, delays, out, np.empty(self._room))
         return out.reshape(-1, 6), tau, delays
+
+    def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(the phases in turns, as the loops' numbers one pair after the other, τ − t·mean dτ/dt) at physical times."""
+        loops, delays = self._flow.loops, np.empty(len(times))
+        phases = loops.room(2 * len(times))
+        loops.phases_at_times(self._clock, times, phases, delays, np.empty(self._room))
+        return phases, delays
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""

@@ -47,27 +47,43 @@ class Clock(NamedTuple):
 
 def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
     """γ and M at physical times, six floats each, the times of the flow into ``tau``, and how far they are from their
-    mean into ``delays``.
-
-    τ = t·dτ/dt + x with a bounded x from :func:`delay`, whose rounding is then taken off. ``room`` is for powers.
+    mean into ``delays``. ``room`` is for powers.
     """
-    pace1, pace2, nu1, nu2, mean, _ = clock.pace
-    (double1, double2), modes = clock.doubled, clock.modes
     for i in range(len(times)):
-        first, turn1 = whole_turns(pace1 * times[i])
-        second, turn2 = whole_turns(pace2 * times[i])
-        a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
-        start, rate = delay(clock.rough, clock.series, a, b, room)
-        x = 0 * nu1 + start
-        if len(modes) > 0:
-            p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
-            rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
-            x -= (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
-        first, more1 = whole_turns(first + nu1 * x)
-        second, more2 = whole_turns(second + nu2 * x)
-        tau[i] = float(mean * times[i] + x)
+        first, second, turn1, turn2, x = phases_at_time(clock, times[i], room)
+        tau[i] = float(clock.pace[4] * times[i] + x)
         delays[i] = float(x)
-        state_at(torus, first, second, turn1 + more1, turn2 + more2, out, 6 * i)
+        state_at(torus, first, second, turn1, turn2, out, 6 * i)
+
+
+def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
+    """The phases at physical times in turns, whole ones included, one pair after the other, and into ``delays`` how far
+    the times of the flow are from their mean.
+    """
+    for i in range(len(times)):
+        first, second, turn1, turn2, x = phases_at_time(clock, times[i], room)
+        phases[2 * i], phases[2 * i + 1], delays[i] = first + turn1, second + turn2, float(x)
+
+
+def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int, int, Real]:
+    """The fractions of both phases at a physical time, their whole turns, and x.
+
+    τ = t·dτ/dt + x with a bounded x from :func:`delay`, whose rounding is then taken off.
+    """
+    pace1, pace2, nu1, nu2, _, _ = clock.pace
+    (double1, double2), modes = clock.doubled, clock.modes
+    first, turn1 = whole_turns(pace1 * time)
+    second, turn2 = whole_turns(pace2 * time)
+    a, b = (float(first) + turn1 % double1) / double1, (float(second) + turn2 % double2) / double2
+    start, rate = delay(clock.rough, clock.series, a, b, room)
+    x = 0 * nu1 + start
+    if len(modes) > 0:
+        p, q = (first + turn1 % double1 + nu1 * x) / double1, (second + turn2 % double2 + nu2 * x) / double2
+        rest, _ = swing_and_rate(clock.quiet, float(p), float(q), room)
+        x -= (loud_swing(modes, clock.loud, p, q) + x + rest) / rate
+    first, more1 = whole_turns(first + nu1 * x)
+    second, more2 = whole_turns(second + nu2 * x)
+    return first, second, turn1 + more1, turn2 + more2, x
 
 
 def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:

@@ -71,14 +71,19 @@ def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
-def points_at_tau(torus: Torus, along: Row, tau: Row, out: Row) -> None:
-    """:func:`integrable.torus.states.points_at_tau`."""
-    points_at(torus_numbered(torus), along, tau, out)
+def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
+    """:func:`integrable.torus.states.points_at_phases`."""
+    points_at(torus_numbered(torus), root_beyond, phases, out)
 
 
 def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.states_at_times`."""
     at_times(torus_numbered(torus), clock_numbered(clock), times, tau, delays, out, room)
+
+
+def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
+    """:func:`integrable.torus.clock_loops.phases_at_times`."""
+    phases_at(clock_numbered(clock), times, phases, delays, room)
 
 
 def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
@@ -124,8 +129,9 @@ def eight(row: Row) -> Any:
 
 walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
-points_at = states.points_at_tau
+points_at = states.points_at_phases
 at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
+phases_at = clock_loops.phases_at_times
 
 _TORUS, _CLOCK, _WALK, _FINE = KINDS[Torus], KINDS[Clock], KINDS[Walk], KINDS[Fine]
 _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
@@ -146,8 +152,9 @@ LIBRARY = Library(
         "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
         "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
-        "points_at_tau": (points_at_tau, (_TORUS, WIDES, FLOATS, WIDES)),
+        "points_at_phases": (points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
         "states_at_times": (states_at_times, (_TORUS, _CLOCK, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS)),
+        "phases_at_times": (phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
         "sizes_needed": (clock_modes.sizes_needed, (WIDES, _INTS, _FLOATS, FLOATS)),
         "clock_series": (

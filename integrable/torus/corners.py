@@ -30,6 +30,9 @@ MOST_AT_ONCE = 7
 # the first grid of 1/g
 FIRST_SIZE = 16
 
+Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
+"""Values on a grid of the given sizes, of which those of a coarser grid are known."""
+
 
 class Corners:
     """The moving points at the corners of a torus's cells, by loops of :mod:`integrable.torus.loops`.
@@ -107,18 +110,21 @@ class Corners:
         self.loops.states_at_phases(self.torus, np.ascontiguousarray(phases, dtype=np.float64).ravel(), out)
         return out.reshape(-1, 6)
 
-    def resolved(self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]]) -> Any:
-        """The spectrum of 1/g on a grid of its periods that shows it: ``transformed(samples)`` are the spectrum and the
-        shape of a grid that is fine enough.
+    def resolved(
+        self, transformed: Callable[[Any], tuple[Any, tuple[int, int]]], samples: Samples | None = None
+    ) -> Any:
+        """The spectrum of 1/g, or of what has other ``samples``, on a grid of its periods that shows it:
+        ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
+        samples = samples or self.samples
         sizes, known = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1])), None
         while sizes[0] * sizes[1] <= self._most:
-            known = self.samples(sizes, known)
+            known = samples(sizes, known)
             found, wanted = transformed(known)
             if wanted == known.shape:
                 return found
             sizes = (sizes[0] * wanted[0] // known.shape[0], sizes[1] * wanted[1] // known.shape[1])
-        raise PrecisionLoss(f"1/g needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+        raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
         """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of long doubles, or

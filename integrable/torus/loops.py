@@ -203,7 +203,8 @@ class CompiledLoops:
         self.sampled: Any = entries.sampled
         self.states_at_phases: Any = entries.states_at_phases
         self.states_at_tau: Any = entries.states_at_tau
-        self.points_at_tau: Any = entries.points_at_tau
+        self.points_at_phases: Any = entries.points_at_phases
+        self.phases_at_times: Any = entries.phases_at_times
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
         self.sizes_needed: Any = entries.sizes_needed

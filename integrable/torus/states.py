@@ -106,14 +106,14 @@ def states_at_tau(torus: Torus, frequencies: Any, tau: Row, out: Row) -> None:
         state_at(torus, first, second, turn1, turn2, out, 6 * i)
 
 
-def points_at_tau(torus: Torus, along: Any, tau: Row, out: Row) -> None:
-    """U, V, and σ and ν at three axes and at a root e beyond them, twelve numbers for each of the times ``tau``:
-    σ = √U(e), ν = V(e)/σ. ``along`` holds the frequencies and e.
+def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
+    """U, V, and σ and ν at three axes and at a root e beyond them, twelve numbers for each pair of phases in turns, one
+    after the other in ``phases``: σ = √U(e), ν = V(e)/σ.
     """
-    e = along[2]
-    for i in abreast(0, len(tau)):
-        first, turn1 = whole_turns(along[0] * tau[i])
-        second, turn2 = whole_turns(along[1] * tau[i])
+    e = root_beyond[0]
+    for i in abreast(0, len(phases) // 2):
+        first, turn1 = whole_turns(phases[2 * i])
+        second, turn2 = whole_turns(phases[2 * i + 1])
         point = point_at(torus, first, second, turn1, turn2)
         sigma, place = root(point[0] + (point[1] + e) * e), 12 * i
         out[place], out[place + 1], out[place + 2], out[place + 3] = point[0], point[1], point[2], point[3]

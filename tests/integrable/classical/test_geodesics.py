@@ -94,3 +94,15 @@ def test_opposite_points_have_a_geodesic_too():
     earth = Ellipsoid((1, 2, 3))
     found = joining(earth, (1, 0, 0), (-1, 0, 0))
     assert np.abs(earth.flow(found).at([1]).q[0] - [-1, 0, 0]).max() < 1e-14
+
+
+def test_where_newton_steps_for_a_length_alternate_it_is_found():
+    """From either side of the target Newton's steps led nearly to the point before."""
+    ellipsoid = Ellipsoid((0.08855663757593155, 0.21011479187620866, 1.5013137880610699))
+    start = Point(
+        (0.04796929684369781, 0.1892632198743626, -1.0983434383294137),
+        (-0.05438119773160505, 0.6490152892810466, 0.7588292559019554),
+    )
+    path = ellipsoid.flow(start).at([-3.83])
+    back = ellipsoid.flow(Point(tuple(path.q[0].tolist()), tuple(path.p[0].tolist()))).at([3.83])
+    assert np.abs(np.ravel(start) - np.hstack([back.q[0], back.p[0]])).max() < 1e-13

@@ -7,15 +7,19 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
+from integrable.mumford.motion import MumfordMotion
 from integrable.mumford.real_torus import RealTorus
-from integrable.mumford.system import MANY
+from integrable.mumford.system import MANY, Point
 from integrable.torus.corners import Corners
+from jacobian import RR
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.compiler import interpreted
+from jacobian.relatives.extended import SecondKind, ThirdKind
 
 pytestmark = pytest.mark.skipif(interpreted(), reason="the loops of the torus are compiled")
 
@@ -51,6 +55,21 @@ CASES = [on_sphere(a, q, np.array(p)) for a, q, p in NEUMANN]
 CASES += [(TodaLattice(3), TodaLattice(3).state(q, p)) for q, p in TODA]
 CASES += [(Veselova(moments), Veselova(moments).state(*row)) for moments, *row in VESELOVA]
 CASES += [(Garnier((0, 1)), Garnier((0, 1)).state((0.3, 0.5), (0.2, -0.4)))]
+GEODESICS = [
+    ((1, 2, 4), (0.5, 0.6, 0.9), (0.3, -0.8, 0.2)),
+    ((1, 2, 4), (0.3, 0.4, 0), (0.6, 0.8, 0.3)),  # on a coordinate plane
+    ((4, 1, 2), (1, 0, 0), (0, 3, 4)),  # a vertex, with another speed
+    ((0.03, 4, 10), (0.1, 0.5, 0.2), (0.1, 0.3, -0.6)),  # thin
+    ((40681077.7, 40680197.6, 40408308.7), (0, 0, 1), (0.6, 0.8, 0)),  # the earth, in km
+]
+
+
+def geodesic(a, q, p):
+    system = Ellipsoid(a)
+    return system, system._constrained(RR, Point(tuple(map(float, q)), tuple(map(float, p))))
+
+
+CASES += [geodesic(*case) for case in GEODESICS]
 TIMES = [0, 0.5, 1, -3.7, 20, 1e3, 1e6 + 0.25, -2e6]
 
 
@@ -59,19 +78,47 @@ def test_many_times_are_those_of_additions(case):
     system, state = CASES[case]
     flow = system.flow(state)
     assert flow._torus is not None
-    few, many = flow.at(TIMES), flow.at(TIMES * (MANY // len(TIMES) + 1))
+    # turns of a phase grow with the speed over the size
+    unit = max(map(abs, state.q)) / max(map(abs, state.p)) if isinstance(system, Ellipsoid) else 1.0
+    times = [unit * t for t in TIMES]
+    few, many = flow.at(times), flow.at(times * (MANY // len(TIMES) + 1))
     for found, true in ((many.q, few.q), (many.p, few.p)):
         assert np.abs(found[: len(TIMES)] - true).max() < 1e-15 * np.abs(true).max()
 
 
-def test_floats_at_a_million_periods_are_right():
-    system, state = CASES[0]
+@pytest.mark.parametrize("case", [CASES[0], geodesic(*GEODESICS[0])], ids=["Neumann", "geodesic"])
+def test_floats_at_a_million_periods_are_right(case):
+    system, state = case
     flow = system.flow(state)
-    period = 1 / max(map(abs, flow._torus._rates))
+    period = float(getattr(flow._torus, "mean", 1)) / flow._torus._fastest
     times = np.linspace(0, 1e6 * period, MANY)
-    true = [flow._motion.row(t, flow._reader(t), 40) for t in times[-3:].tolist()]
+    true = [flow._motion.row(t, flow._reader(t), 40, flow._clock) for t in times[-3:].tolist()]
     q = np.array([[float(x) for x in row[0]] for row in true])
     assert np.abs(flow.at(times).q[-3:] - q).max() < 1e-15
+
+
+def with_datum(system, state, kind, value):
+    """The start of a motion that carries one datum more."""
+
+    def place(N):
+        start = system._start(N, system._constrained(N, system._inside(N, state)))
+        return start._replace(kinds=(*start.kinds, kind), data=(*start.data, N.coerce(value)))
+
+    return place
+
+
+def test_data_of_the_second_and_third_kind_are_those_of_additions():
+    times = np.array([0, 0.5, -3.7, 20, 1e3])
+    toda, garnier = (next(case for case in CASES if isinstance(case[0], kind)) for kind in (TodaLattice, Garnier))
+    for (system, state), kind, value in ((toda, ThirdKind(1.0), 3), (garnier, SecondKind(), 0.25)):
+        place = with_datum(system, state, kind, value)
+        found, motion = RealTorus(place).at(times), MumfordMotion(place, 2)
+        true = [float(motion.row(t, lambda N, D: [D.data[-1:]], 16)[0][0]) for t in times.tolist()]
+        assert np.abs(found.data[-1].hi / true - 1).max() < 1e-14
+        if isinstance(kind, ThirdKind):
+            # the first particle: q_1 = q_1(0) + tΣp − ∫Σx²dx/y
+            q = system.flow(state).at(times).q[:, 0]
+            assert np.abs(state.q[0] + times * sum(state.p) - np.log(found.data[-1].hi / value) - q).max() < 1e-12
 
 
 def test_neighbours_on_the_torus_are_neighbours():
