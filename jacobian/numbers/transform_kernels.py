@@ -44,21 +44,33 @@ def _join(Q, c0, c1, c2, c3, outer, inner, other):  # type: ignore[no-untyped-de
 
 
 @register_jitable(**INLINED)
-def _down(Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
+def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
+    """Two levels of block b, of length 4m: ``turn`` is :func:`_split` or :func:`_join`."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
     x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
     x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
     for j in range(m):
-        x0[j], x1[j], x2[j], x3[j] = _split(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
+        x0[j], x1[j], x2[j], x3[j] = turn(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
 
 
 @register_jitable(**INLINED)
-def _up(Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
-    outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
-    x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
-    x2, x3 = x[begin + 2 * m : begin + 3 * m], x[begin + 3 * m : begin + 4 * m]
-    for j in range(m):
-        x0[j], x1[j], x2[j], x3[j] = _join(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
+def _beside(turn, Q, W, S, m, b):  # type: ignore[no-untyped-def]
+    """The same for SIDE blocks from b on, of which number i of block b + k is S[i·SIDE + k]; m = 1 or 4, and for
+    1 each is four blocks, from 4b on."""
+    for i in range(4):
+        first = (i if m == 4 else 4 * i) * SIDE
+        for k in range(SIDE):
+            c, put = b + k if m == 4 else 4 * (b + k) + i, first + k
+            S[put], S[put + m * SIDE], S[put + 2 * m * SIDE], S[put + 3 * m * SIDE] = turn(
+                Q,
+                S[put],
+                S[put + m * SIDE],
+                S[put + 2 * m * SIDE],
+                S[put + 3 * m * SIDE],
+                W[c],
+                W[2 * c],
+                W[2 * c + 1],
+            )
 
 
 @register_jitable(**INLINED)
@@ -67,50 +79,16 @@ def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
     for k in range(SIDE):
         for i in range(16):
             S[i * SIDE + k] = x[begin + 16 * k + i]
-    for i in range(4):
-        for k in range(SIDE):
-            at = i * SIDE + k
-            S[at], S[at + 4 * SIDE], S[at + 8 * SIDE], S[at + 12 * SIDE] = _split(
-                Q,
-                S[at],
-                S[at + 4 * SIDE],
-                S[at + 8 * SIDE],
-                S[at + 12 * SIDE],
-                W[b + k],
-                W[2 * (b + k)],
-                W[2 * (b + k) + 1],
-            )
-    for i in range(4):
-        for k in range(SIDE):
-            at, c = 4 * i * SIDE + k, 4 * (b + k) + i
-            put = begin + at
-            x[put], x[put + SIDE], x[put + 2 * SIDE], x[put + 3 * SIDE] = _split(
-                Q, S[at], S[at + SIDE], S[at + 2 * SIDE], S[at + 3 * SIDE], W[c], W[2 * c], W[2 * c + 1]
-            )
+    _beside(_split, Q, W, S, 4, b)
+    _beside(_split, Q, W, S, 1, b)
+    x[begin : begin + LEAST] = S
 
 
 @register_jitable(**INLINED)
 def _first_up(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
-    for i in range(4):
-        for k in range(SIDE):
-            at, c = 4 * i * SIDE + k, 4 * (b + k) + i
-            get = begin + at
-            S[at], S[at + SIDE], S[at + 2 * SIDE], S[at + 3 * SIDE] = _join(
-                Q, x[get], x[get + SIDE], x[get + 2 * SIDE], x[get + 3 * SIDE], W[c], W[2 * c], W[2 * c + 1]
-            )
-    for i in range(4):
-        for k in range(SIDE):
-            at = i * SIDE + k
-            S[at], S[at + 4 * SIDE], S[at + 8 * SIDE], S[at + 12 * SIDE] = _join(
-                Q,
-                S[at],
-                S[at + 4 * SIDE],
-                S[at + 8 * SIDE],
-                S[at + 12 * SIDE],
-                W[b + k],
-                W[2 * (b + k)],
-                W[2 * (b + k) + 1],
-            )
+    S[:] = x[begin : begin + LEAST]
+    _beside(_join, Q, W, S, 1, b)
+    _beside(_join, Q, W, S, 4, b)
     for k in range(SIDE):
         for i in range(16):
             x[begin + 16 * k + i] = S[i * SIDE + k]
@@ -127,13 +105,13 @@ def forward(Q, W, x):  # type: ignore[no-untyped-def]
             x[j], x[size + j] = low + high, low - high
     while size > CACHED:
         for b in range(whole // size):
-            _down(Q, W, x, b * size, size // 4, b)
+            _quarters(_split, Q, W, x, b * size, size // 4, b)
         size //= 4
     for block in range(whole // size):
         part = size
         while part > 16:
             for b in range(size // part):
-                _down(Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
+                _quarters(_split, Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
             part //= 4
         for begin in range(block * size, (block + 1) * size, LEAST):
             _last_down(Q, W, x, begin, begin // 16, S)
@@ -153,12 +131,12 @@ def backward(Q, W, x):  # type: ignore[no-untyped-def]
         part = 64
         while part <= size:
             for b in range(size // part):
-                _up(Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
+                _quarters(_join, Q, W, x, block * size + b * part, part // 4, block * (size // part) + b)
             part *= 4
     while size < top:
         size *= 4
         for b in range(whole // size):
-            _up(Q, W, x, b * size, size // 4, b)
+            _quarters(_join, Q, W, x, b * size, size // 4, b)
     if top < whole:
         for j in range(top):
             low, high = mul(Q, x[j], 1.0), mul(Q, x[top + j], 1.0)
