@@ -12,9 +12,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from integrable.deformations.check import Check
     from integrable.deformations.gyroscopic import Gyroscopic
-    from integrable.deformations.hat import Hat
+    from integrable.deformations.isometric import Check, Hat
     from integrable.deformations.tilde import Tilde
     from integrable.ensembles.ensemble import ensemble
     from integrable.ensembles.laboratory import laboratory_ensemble
@@ -28,10 +27,10 @@ if TYPE_CHECKING:
 
 _HOME = {
     "ChaplyginBall": "integrable.systems.chaplygin_ball",
-    "Check": "integrable.deformations.check",
+    "Check": "integrable.deformations.isometric",
     "EulerTop": "integrable.systems.euler_top",
     "Gyroscopic": "integrable.deformations.gyroscopic",
-    "Hat": "integrable.deformations.hat",
+    "Hat": "integrable.deformations.isometric",
     "RigidBody": "integrable.laboratory.bodies",
     "RollingBall": "integrable.laboratory.bodies",
     "Tilde": "integrable.deformations.tilde",

@@ -101,7 +101,7 @@ SHOWN = [
 ]  # fmt: skip
 # what is cut off at the right edge, and lies in nothing that scrolls
 CUT = """() => [...document.querySelectorAll('.bd-article *')]
-    .filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('table, pre, iframe'))
+    .filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest('table, pre, iframe, p:has(> img)'))
     .map(e => e.textContent.slice(0, 40))"""
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from importlib import metadata
 
+from docutils import nodes
+
 project = "jacobian-integrable"
 author = "The jacobian-integrable authors"
 copyright = "2026, the jacobian-integrable authors"
@@ -52,6 +54,9 @@ autodoc_default_options = {"members": True, "inherited-members": True}
 python_maximum_signature_line_length = 90
 
 
+# characters of a cell that stays in one line, and of a name that may take several
+SHORT, LONG = 18, 28
+
 _KEPT = re.compile(r"(``.*?``|:[\w:]+:`[^`]*`|`[^`]*`_?|>>> .*)")
 
 
@@ -63,6 +68,17 @@ def _plain_bars(app, what, name, obj, options, lines):
         lines[k] = "".join(parts)
 
 
+def _cells(app, doctree, page):
+    """Figures and short words in tables are not broken; names that are too long for a column are."""
+    for cell in doctree.findall(nodes.entry):
+        if len(cell.astext()) <= SHORT:
+            cell["classes"].append("short")
+        for name in cell.findall(nodes.literal):
+            if len(name.astext()) > LONG:
+                name["classes"].append("long")
+
+
 def setup(app):
     app.connect("autodoc-process-docstring", _plain_bars)
+    app.connect("doctree-resolved", _cells)
     return {"parallel_read_safe": True, "parallel_write_safe": True}

@@ -24,32 +24,37 @@ def write(source: Path, results: dict[str, Any]) -> None:
     cards = []
     for name in scene_names():
         scene = load_scene(name)
-        content = None
+        content, what = None, "γ on the sphere, the path of its tip"
         if scene.classical:
-            (folder / f"{name}.png").write_bytes(_drawn(scene))
-        elif not scene.finite_field:
+            picture, what = _drawn(scene), "Coordinates against time"
+        elif scene.finite_field:
+            picture, what = (
+                _dots(scene),
+                f"γ₁ against γ₂ after every step, numbers modulo the prime of {scene.finite_field}",
+            )
+        else:
             content = shown(scene, frames=FRAMES)
             html = page(content, '<script src="plotly.js"></script>')
             (moving / f"{name}.html").write_text(html, encoding="utf-8")
-            (folder / f"{name}.png").write_bytes(_thumbnail(content))
-        (folder / f"{name}.md").write_text(_page(scene, content, results.get(name)), encoding="utf-8")
-        what = "Coordinates against time" if scene.classical else "γ on the sphere"
-        drawn = content or scene.classical
-        picture = f":img-top: {name}.png\n:img-alt: {what}, {scene.title}\n" if drawn else ""
+            picture = _thumbnail(content)
+        (folder / f"{name}.png").write_bytes(picture)
+        (folder / f"{name}.md").write_text(_page(scene, what, content, results.get(name)), encoding="utf-8")
         cards.append(
-            f"::::{{grid-item-card}} {scene.title}\n:link: {name}\n:link-type: doc\n{picture}\n`{name}`\n::::\n"
+            f"::::{{grid-item-card}} {scene.title}\n:link: {name}\n:link-type: doc\n:img-top: {name}.png\n"
+            f":img-alt: {what}, {scene.title}\n\n`{name}`\n::::\n"
         )
     names = "\n".join(scene_names())
     (folder / "index.md").write_text(
         "# Gallery\n\nEvery scene that ships. The picture is the curve that γ, the direction “up” seen from the body, draws on a "
-        "sphere; of a system without a body its coordinates against time. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
+        "sphere; of a system without a body its coordinates against time; over a finite field two coordinates of every state. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
         f":::::{{grid}} 1 2 3 3\n:gutter: 3\n\n{''.join(cards)}:::::\n\n```{{toctree}}\n:hidden:\n\n{names}\n```\n",
         encoding="utf-8",
     )
 
 
-def _page(scene: Any, content: dict[str, Any] | None, found: Any) -> str:
+def _page(scene: Any, what: str, content: dict[str, Any] | None, found: Any) -> str:
     parts = [f"# {scene.title}\n\n{' '.join(scene.description.split())}\n"]
+    parts.append(f":::{{figure}} {scene.name}.png\n:alt: {what}, {scene.title}\n:align: left\n\n{what}.\n:::\n")
     commands = f"integrable run {scene.name}\n" + (f"integrable view {scene.name}\n" if content else "")
     parts.append(f"```console\n{commands}```\n")
     if found is not None and found.best:
@@ -85,20 +90,42 @@ def _drawn(scene: Any) -> bytes:
     return _light(coordinates(run.q, run.times, scene.title))
 
 
-def _thumbnail(content: dict[str, Any]) -> bytes:
-    """γ on the sphere, small, the front half strong and the back half faint."""
+def _dots(scene: Any) -> bytes:
+    """Two coordinates of the states of an orbit over a finite field, parts of its prime: they look like noise."""
+    from integrable.scene.orbit import orbit
+
+    system, state = scene.start(15)
+    run = orbit(scene.step(system, 15), state, scene.steps.count)
+    first, second = (np.array([int(x) for x in run.gamma[:, i]], dtype=float) for i in (0, 1))
+    axes = _square()
+    axes.plot(
+        first / system.field.characteristic, second / system.field.characteristic, ".", color="#0072B2", markersize=2
+    )
+    axes.set(xlim=(-0.02, 1.02), ylim=(-0.02, 1.02), aspect="equal")
+    return _light(axes.figure)
+
+
+def _square() -> Any:
+    """Axes that are not drawn."""
     from matplotlib.backends.backend_agg import FigureCanvasAgg
     from matplotlib.figure import Figure
 
+    figure = Figure(figsize=(2.6, 2.6))
+    FigureCanvasAgg(figure)
+    axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
+    axes.set_axis_off()
+    return axes
+
+
+def _thumbnail(content: dict[str, Any]) -> bytes:
+    """γ on the sphere, small, the front half strong and the back half faint."""
     gamma = np.array(content["gamma"])
     axis = np.array([1.0, 0.7, 0.6]) / np.linalg.norm([1.0, 0.7, 0.6])
     across = np.cross([0, 0, 1], axis)
     across /= np.linalg.norm(across)
     up = np.cross(axis, across)
     x, y, depth = gamma @ across, gamma @ up, gamma @ axis
-    figure = Figure(figsize=(2.6, 2.6))
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0.02, 0.02, 0.96, 0.96))
+    axes = _square()
     turn = np.linspace(0, 2 * np.pi, 181)
     axes.fill(np.cos(turn), np.sin(turn), color="#f2f4f7", zorder=0)
     axes.plot(np.cos(turn), np.sin(turn), color="#9aa3ad", linewidth=0.8)
@@ -109,8 +136,7 @@ def _thumbnail(content: dict[str, Any]) -> bytes:
             axes.plot(np.where(side, x, np.nan), np.where(side, y, np.nan), color=colour, linewidth=1.1)
     axes.plot(x[0], y[0], "o", color="#D55E00", markersize=4)
     axes.set(xlim=(-1.06, 1.06), ylim=(-1.06, 1.06), aspect="equal")
-    axes.set_axis_off()
-    return _light(figure)
+    return _light(axes.figure)
 
 
 def _light(figure: Any) -> bytes:

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.phase.state import State
-from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable
 
 if TYPE_CHECKING:
@@ -80,52 +79,3 @@ class Deformation(Hamiltonian):
                 f"{self!r}: divisors and steps are those of the two curves of a tilde, check or hat pair without "
                 "potential"
             )
-
-
-class IsometricDeformation(Deformation):
-    """A pair on e*(3), d = 0, isometric to the tilde pair of A⁻¹: base of :class:`Check` and :class:`Hat`."""
-
-    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
-        self._build(inertia, 0, potential, field)
-
-    @property
-    def separates(self) -> bool:
-        return self.potential is None
-
-    def flow(self, state: State) -> DeformedFlow:
-        """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
-        if not self.separates:
-            return super().flow(state)
-        from integrable.deformations.separated_flow import IsometricFlow
-
-        return IsometricFlow(self, self._checked(state))
-
-    def curves_of(self) -> Any:
-        return self.isometry()[2]
-
-    def divisor(self, state: State) -> TwoPoints:
-        """The two points of a state on the curves of the tilde pair of A⁻¹; NotASquare where the lift is not over the
-        field.
-        """
-        from integrable.deformations.two_curves import lifted
-
-        self._check_curves()
-        points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
-        return points
-
-    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        from integrable.deformations.two_curves import lifted, unlifted
-
-        self._check_curves()
-        model = None if like is None else lifted(self, self._checked(like))
-        return unlifted(self, self.curves_of().from_divisor(D, model))
-
-    def translation(
-        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
-    ) -> IsometricStep:
-        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on
-        its line."""
-        from integrable.deformations.two_curves import IsometricStep
-
-        self._check_curves()
-        return IsometricStep(self, self.curves_of().translation(points, sheets, multiple))

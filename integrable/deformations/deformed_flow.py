@@ -15,9 +15,10 @@ from typing import Any
 
 import numpy as np
 
+from integrable.deformations.enclosed import EnclosedMotion
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
-from integrable.motion.trajectory import Motion, Way
+from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
@@ -82,7 +83,7 @@ class CurvesCarrier(Carrier):
         return worst
 
 
-class DeformedFlow(Motion):
+class DeformedFlow(EnclosedMotion):
     """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
 
     Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
-from integrable.deformations.hamiltonian import Hamiltonian, dot
-from integrable.deformations.tape import recorded
+from integrable.deformations.enclosed import EnclosedMotion
+from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.tape import rates, recorded
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
-from integrable.motion.trajectory import Motion, Way
+from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
 from jacobian.errors import PrecisionLoss
@@ -26,24 +27,7 @@ LOST_DIGITS = 3
 PART = 1.2345e-4
 
 
-def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
-    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
-    unless ``physical``, the derivatives by τ, and of t.
-    """
-    rolls = system.body.rolls
-
-    def right_hand_side(y: Sequence[Any]) -> list[Any]:
-        rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        moved = [*rate.gamma, *rate.M]
-        if not rolls:
-            return moved
-        slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
-        return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
-
-    return right_hand_side
-
-
-class IntegratedMotion(Motion):
+class IntegratedMotion(EnclosedMotion):
     """The motion of a deformation through a state, by Taylor series of ``system.vector_field``, over RR or MP(digits).
 
     All is computed with guard digits, for floats in double-double numbers, each step to the last digit, and rounded

@@ -11,6 +11,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
+from integrable.deformations.hamiltonian import dot
+from integrable.phase.state import State
+
 VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT = range(8)
 
 
@@ -36,6 +39,23 @@ def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) 
     return Tape(kinds, left, right, recorder.constants, results)
 
 
+def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
+    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
+    unless ``physical``, the derivatives by τ, and of t.
+    """
+    rolls = system.body.rolls
+
+    def right_hand_side(y: Sequence[Any]) -> list[Any]:
+        rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        moved = [*rate.gamma, *rate.M]
+        if not rolls:
+            return moved
+        slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
+        return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
+
+    return right_hand_side
+
+
 class _Recorder:
     def __init__(self) -> None:
         self.nodes: list[tuple[int, int, int]] = []
@@ -43,7 +63,7 @@ class _Recorder:
         self._known: dict[Any, int] = {}
 
     def node(self, kind: int, left: int, right: int, constant: Any = 0) -> Recorded:
-        key = (kind, left, right, constant)
+        key = (kind, left, right, _known_by(constant))
         index = self._known.setdefault(key, len(self.nodes))
         if index == len(self.nodes):
             self.nodes.append((kind, left, right))
@@ -74,6 +94,15 @@ class _Recorder:
         if kind in (SUM, PRODUCT) and x.index > y.index:
             x, y = y, x
         return self.node(kind, x.index, y.index)
+
+
+def _known_by(constant: Any) -> Any:
+    """Equal constants are one, but for balls: those of one name may be different numbers."""
+    try:
+        hash(constant)
+    except ValueError:
+        return id(constant)
+    return constant
 
 
 _OPERATIONS: dict[int, Callable[[Any, Any], Any]] = {

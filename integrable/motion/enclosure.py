@@ -20,11 +20,13 @@ from mpmath import mag
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, is_bounded
+from integrable.moving_point.balls import BallField, BallTranslations, is_bounded, picard_box
 from integrable.moving_point.problem import MotionProblem, vectors
 from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian import RR
+from jacobian.errors import ArgumentError, PrecisionLoss, whole
+from jacobian.fields.multiprecision import MOST_DIGITS
 from jacobian.immutable import Record
 from jacobian.numbers.long_reals import BallReals
 
@@ -87,7 +89,7 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
         _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
         for t, tau in zip(times, starts, strict=True)
     ]
-    return Enclosure(_exact(times), rows)
+    return Enclosure(exact_times(times), rows)
 
 
 def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
@@ -101,10 +103,18 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
         _narrow(motions, (body, state, digits), t, _bits(body, state, digits, t), lambda motion, t=t: place(motion, t))
         for t in tau
     ]
-    return Enclosure(None if body.rolls else _exact(tau), rows)
+    return Enclosure(None if body.rolls else exact_times(tau), rows)
 
 
-def _exact(times: list[Any]) -> list[Any]:
+def ball_digits(field: Any, digits: int | None) -> int:
+    """The digits that balls are asked to have: by default those of the field, 15 for RR."""
+    if digits is None:
+        return 15 if field == RR else int(field.dps)
+    return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
+
+
+def exact_times(times: list[Any]) -> list[Any]:
+    """Times as balls of radius 0."""
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
@@ -139,14 +149,15 @@ def _narrow(
             if found and is_bounded(found):
                 radius = max(x.rad() for x in found).abs_upper()
                 if radius * motion.field.coerce(10) ** digits < 1:
-                    return scaled / motion.problem.time_scale, gamma, M, _rounded_up(radius)
+                    return scaled / motion.problem.time_scale, gamma, M, rounded_up(radius)
         bits = bits * 3 // 2 + 64
     raise PrecisionLoss(
         f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
     )
 
 
-def _rounded_up(radius: Any) -> float:
+def rounded_up(radius: Any) -> float:
+    """A float that is no smaller than a radius."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 
@@ -286,21 +297,14 @@ class BallMotion:
         """(radius, bound of |1/g|) of such a disc, the first radius found from ``start`` down; (0, None) for none that
         reaches ``enough``.
         """
-        acb, arb = self._flint.acb, self._flint.arb
         with self.reals.at(BOUND_BITS):
             speed = [abs(x).abs_upper() for x in self._velocity(point)]
             radius = min(start, 1.0)
             while radius > 1e-6 and not radius < enough:
-                sizes = [radius * (1.5 * x + 0.01) for x in speed]
-                for _ in range(6):
-                    box = [acb(x + arb(0, s), arb(0, s)) for x, s in zip(point, sizes, strict=True)]
-                    reach = [radius * x.abs_upper() for x in self._velocity(box)]
-                    if all(a <= b for a, b in zip(reach, sizes, strict=True)):
-                        bound = self._rate_bound(box)
-                        if bound is not None:
-                            return radius, bound
-                        break
-                    sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
+                found = picard_box(self._velocity, point, [radius * (1.5 * x + 0.01) for x in speed], radius)
+                bound = None if found is None else self._rate_bound(found[0])
+                if bound is not None:
+                    return radius, bound
                 radius *= 0.85
         return 0.0, None
 

@@ -24,8 +24,7 @@ from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
 from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss, one_of, whole
-from jacobian.fields.multiprecision import MOST_DIGITS
+from jacobian.errors import ArgumentError, PrecisionLoss, one_of
 from jacobian.immutable import replaced
 from jacobian.numbers.compiler import interpreted
 
@@ -128,22 +127,19 @@ class Flow(BodyMotion):
         with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
         (:mod:`integrable.motion.enclosure`)
         """
-        from integrable.motion.enclosure import enclosure
+        from integrable.motion.enclosure import ball_digits, enclosure
 
         given = self._checked(times, "times")
-        return enclosure(self.system.body, self.state, list(given), self._ball_digits(digits), self.setup.time_scale)
+        return enclosure(
+            self.system.body, self.state, list(given), ball_digits(self.system.field, digits), self.setup.time_scale
+        )
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
-        from integrable.motion.enclosure import enclosure_at_tau
+        from integrable.motion.enclosure import ball_digits, enclosure_at_tau
 
         given = self._checked(tau, "tau")
-        return enclosure_at_tau(self.system.body, self.state, list(given), self._ball_digits(digits))
-
-    def _ball_digits(self, digits: int | None) -> int:
-        if digits is None:
-            return 15 if self.system.field == RR else int(self.system.field.dps)
-        return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
+        return enclosure_at_tau(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))
 
     def events(
         self, condition: Callable[[np.ndarray, np.ndarray], np.ndarray], start: Any, end: Any, direction: int = 0

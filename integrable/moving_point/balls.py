@@ -9,7 +9,7 @@ by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.addition import abel_sums, carried, conjugate_points
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 
 MOST_TRIALS = 12
+MOST_BOXES = 6
 
 
 class BallField(InexactField):
@@ -57,6 +58,25 @@ def around(middle: Any, radius: Any) -> Any:
     from flint import arb
 
     return middle + arb(0, radius.abs_upper())
+
+
+def picard_box(
+    velocity: Callable[[Sequence[Any]], Sequence[Any]], point: Sequence[Any], sizes: Sequence[Any], radius: float
+) -> tuple[list[Any], list[Any]] | None:
+    """(box, reach): a box of complex balls around a point that the solution of ẋ = ``velocity``(x) from there does not
+    leave at complex times |t| ≤ ``radius``, and how far it gets, by Picard's theorem; None where none was seen.
+
+    ``sizes`` are those of the box to begin with. The velocity is analytic where it is finite.
+    """
+    from flint import acb, arb
+
+    for _ in range(MOST_BOXES):
+        box = [acb(x + arb(0, s), arb(0, s)) for x, s in zip(point, sizes, strict=True)]
+        reach = [radius * x.abs_upper() for x in velocity(box)]
+        if all(a <= b for a, b in zip(reach, sizes, strict=True)):
+            return box, reach
+        sizes = [max(s, 1.05 * x) for x, s in zip(reach, sizes, strict=True)]
+    return None
 
 
 class BallTranslations:

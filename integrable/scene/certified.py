@@ -1,7 +1,7 @@
-"""Certified trajectories: forty motions with proven bounds, to hold an integrator against.
+"""Certified trajectories: motions with proven bounds, to hold an integrator against.
 
-The data are balls of the flow in ball arithmetic (:mod:`integrable.motion.enclosure`); ``python -m
-benchmarks.make_certified`` makes them.
+The data are balls of the flow in ball arithmetic (:mod:`integrable.motion.enclosure`), of deformations balls of Taylor
+series (:mod:`integrable.deformations.enclosed`); ``python -m benchmarks.make_certified`` makes them.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ class Certified(NamedTuple):
     """A motion whose states are known: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
 
     The true motion is nowhere farther from the strings than ``bound[k]``, M relative to |M|; it starts at ``gamma[0]``,
-    ``M[0]``. ``inertia``, ``d`` and ``times`` are doubles and exact; the unit of time is that of M over the moments.
+    ``M[0]``. ``inertia``, ``d``, ``times``, and ``potential`` and ``c`` of deformations that have them, are doubles and
+    exact; the unit of time is that of the moments over M, for deformations as their equations have it.
     """
 
     name: str
@@ -35,15 +36,17 @@ class Certified(NamedTuple):
     gamma: tuple[tuple[str, str, str], ...]
     M: tuple[tuple[str, str, str], ...]
     bound: tuple[float, ...]
+    potential: tuple[float, ...] | None = None
+    c: float | None = None
 
     def start(self) -> tuple[Any, Any]:
         """(system, state) of the first row in floats."""
-        from integrable.systems.chaplygin_ball import ChaplyginBall
-        from integrable.systems.euler_top import EulerTop
+        from integrable.scene.data import system_class
 
-        system = EulerTop(self.inertia) if self.d == 0 else ChaplyginBall(self.inertia, self.d)
+        given = {"d": self.d or None, "potential": self.potential, "c": self.c}
+        system = system_class(self.system)(self.inertia, **{key: x for key, x in given.items() if x is not None})
         gamma, M = (tuple(map(float, rows[0])) for rows in (self.gamma, self.M))
-        return system, system.state(gamma, M, tilted=self.tilted)
+        return system, system.state(gamma, M, **({"tilted": True} if self.tilted else {}))
 
 
 def certified(name: str) -> Certified:
@@ -62,6 +65,8 @@ def certified(name: str) -> Certified:
         tuple(tuple(row["gamma"]) for row in rows),
         tuple(tuple(row["M"]) for row in rows),
         tuple(row["bound"] for row in rows),
+        tuple(given["potential"]) if "potential" in given else None,
+        given.get("c"),
     )
 
 

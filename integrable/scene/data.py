@@ -21,19 +21,21 @@ MOST_STEPS = 10_000_000
 
 
 class Kind(NamedTuple):
-    """A system of scenes: the room of its module, its class in it, and the keys of ``[body]``, its arguments."""
+    """A system of scenes: its room, its class there, the keys of ``[body]``, its arguments, and its module in the room
+    where that has not the system's name."""
 
     room: str
     name: str
     keys: tuple[str, ...]
+    module: str = ""
 
 
 SYSTEMS = {
     "chaplygin_ball": Kind("systems", "ChaplyginBall", ("inertia", "d", "mass", "radius")),
     "euler_top": Kind("systems", "EulerTop", ("inertia",)),
     "tilde": Kind("deformations", "Tilde", ("inertia", "d", "potential")),
-    "check": Kind("deformations", "Check", ("inertia", "potential")),
-    "hat": Kind("deformations", "Hat", ("inertia", "potential")),
+    "check": Kind("deformations", "Check", ("inertia", "potential"), "isometric"),
+    "hat": Kind("deformations", "Hat", ("inertia", "potential"), "isometric"),
     "gyroscopic": Kind("deformations", "Gyroscopic", ("inertia", "c")),
     "ellipsoid": Kind("classical", "Ellipsoid", ("a",)),
     "garnier": Kind("classical", "Garnier", ("a", "alpha", "beta")),
@@ -44,7 +46,13 @@ SYSTEMS = {
     "toda": Kind("classical", "TodaLattice", ("n",)),
     "veselova": Kind("classical", "Veselova", ("inertia",)),
 }
-"""The systems of scenes, each a module. One of ``classical`` needs no more than its line here."""
+"""The systems of scenes. One of ``classical`` needs no more than its line here."""
+
+
+def system_class(system: str) -> Any:
+    """The class of a system of SYSTEMS."""
+    kind = SYSTEMS[system]
+    return getattr(import_module(f"integrable.{kind.room}.{kind.module or system}"), kind.name)
 
 
 @dataclass(frozen=True)
@@ -187,8 +195,7 @@ class Scene:
             shape["potential"] = tuple(map(number, self.potential))
         with self._placed("[body]"):
             field = self._field(digits)
-            kind = SYSTEMS[self.system]
-            make = getattr(import_module(f"integrable.{kind.room}.{self.system}"), kind.name)
+            make = system_class(self.system)
             if self.classical:
                 from integrable.scene.classical import ClassicalSystem
 

@@ -7,9 +7,8 @@ from math import sqrt
 from random import Random
 from typing import Any
 
-from integrable.deformations.check import Check
 from integrable.deformations.gyroscopic import Gyroscopic
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Check, Hat
 from integrable.deformations.tilde import Tilde
 from integrable.phase.jets import JetField
 from integrable.phase.state import State

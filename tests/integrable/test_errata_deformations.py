@@ -6,7 +6,7 @@ from random import Random
 
 import pytest
 
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Hat
 from integrable.deformations.tilde import Tilde
 from integrable.phase.brackets import canonical_matrix, jacobian_matrix, weighted_matrix
 from integrable.phase.isometry import lift, roots

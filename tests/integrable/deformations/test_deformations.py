@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
-from integrable.deformations.check import Check
 from integrable.deformations.gyroscopic import Gyroscopic
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Check, Hat
 from integrable.deformations.tilde import Tilde
 from integrable.phase.body import cross
 from integrable.phase.brackets import ball_matrix, canonical_matrix, jacobi_defects, jacobian_matrix, pushed

@@ -7,8 +7,7 @@ from random import Random
 import pytest
 
 from integrable import EulerTop
-from integrable.deformations.check import Check
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Check, Hat
 from integrable.deformations.tilde import Tilde
 from integrable.phase.brackets import differential, pushed
 from integrable.phase.isometry import lift

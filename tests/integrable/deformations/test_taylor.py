@@ -10,8 +10,18 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations import taylor
 from integrable.deformations.deformed_flow import widened
-from integrable.deformations.integrated import rates
-from integrable.deformations.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, Tape, recorded
+from integrable.deformations.tape import (
+    CONSTANT,
+    DIFFERENCE,
+    MULTIPLE,
+    PRODUCT,
+    QUOTIENT,
+    ROOT,
+    SUM,
+    Tape,
+    rates,
+    recorded,
+)
 from jacobian import MP, PrecisionLoss
 from jacobian.errors import Infeasible
 from tests.integrable.deformations.extrapolation import extrapolate

@@ -160,7 +160,7 @@ def test_the_compiled_equations_are_the_written_ones(name):
 
 
 def test_only_bodies_are_compiled():
-    from integrable.deformations.check import Check
+    from integrable.deformations.isometric import Check
 
     with pytest.raises(ArgumentError, match="only the ball's and the top's equations are compiled"):
         compiled_equations.ball_constants(Check((1, 2, 3)))

@@ -12,9 +12,8 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.deformations.check import Check
 from integrable.deformations.gyroscopic import Gyroscopic
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Check, Hat
 from integrable.deformations.tilde import Tilde
 from integrable.oracles.discrete_tops import (
     hirota_kimura_factors,

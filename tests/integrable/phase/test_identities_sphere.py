@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.deformations.hat import Hat
+from integrable.deformations.isometric import Hat
 from integrable.phase import sphere
 from integrable.phase.brackets import canonical_matrix, image_brackets, jacobian_matrix, pushed, weighted_matrix
 from integrable.phase.isometry import lift

@@ -1,0 +1,207 @@
+"""Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, their rest bounded.
+
+From every state on, Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box; Cauchy's
+estimate on it bounds what the series leave out of a step of r/8. Balls grow with every step, so all is done with as
+many bits more as they lose. The cost grows with the time, and with the number of digits that the motion loses in it.
+(Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import ceil, log
+from typing import Any, NamedTuple
+
+from integrable.deformations.hamiltonian import Hamiltonian
+from integrable.deformations.series import coefficients, values_at
+from integrable.deformations.tape import CONSTANT, ROOT, rates, recorded
+from integrable.motion.enclosure import BOUND_BITS, Enclosure, ball_digits, exact_times, rounded_up
+from integrable.motion.trajectory import Motion
+from integrable.moving_point.balls import BallField, is_bounded, picard_box
+from integrable.moving_point.balls import around as widened
+from integrable.phase.state import State, onto_constraints
+from jacobian.errors import Infeasible, PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
+
+# of the radius of a disc: about what takes the fewest products (e⁻²)
+STEP = 0.125
+MOST_STEPS = 4_000
+KNOWN_FROM = 16
+"""Steps from which on the rest is judged from what is done."""
+SPARE_BITS = 64
+"""Bits that the balls of the first attempt may lose."""
+MOST_ATTEMPTS = 8
+MOST_AHEAD = 16.0
+"""How many times as far the next attempt may be expected to go."""
+SMALLEST_DISC = 1e-6
+
+
+class EnclosedMotion(Motion):
+    """A motion whose equations can be enclosed: base of those of deformations."""
+
+    def enclosure(self, times: Any, digits: int | None = None) -> Enclosure:
+        """Proven bounds of the states at physical times: balls of radius at most 10^(−digits) that contain them, M
+        relative to |M| at the start (unless that is 0).
+
+        The inputs count as exact, but for γ/|γ| and M less its part along γ; ``digits`` are by default those of the
+        field, 15 for RR. Infeasible where it would take more than 4,000 steps, PrecisionLoss where no such balls were
+        found, as beyond the end of a motion. (:mod:`integrable.deformations.enclosed`)
+        """
+        given = self._checked(times, "times")
+        return enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
+
+
+def enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) -> Enclosure:
+    """The motion of a system at physical times, in balls."""
+    rows: list[Any] = [None] * len(times)
+    for ahead in (True, False):
+        order = sorted((i for i in range(len(times)) if (times[i] >= 0) == ahead), key=lambda i: abs(times[i]))
+        found = _narrow(system, state, [times[i] for i in order], digits) if order else []
+        for i, row in zip(order, found, strict=True):
+            rows[i] = row
+    return Enclosure(exact_times(times), rows)
+
+
+def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
+    """The rows at times of one sign, ascending in size, with as many bits as they take."""
+    needed = ceil(3.33 * (digits + 2))
+    bits = needed + SPARE_BITS
+    for _ in range(MOST_ATTEMPTS):
+        march = _March(system, state, bits)
+        with march.reals:
+            rows, left = march.rows(times, digits), march.left(times[-1])
+        if len(rows) == len(times):
+            return rows
+        # what the balls lost on their way, over the whole of it, and a part more
+        bits = needed + SPARE_BITS + ceil(1.2 * (bits - needed) * min(left, MOST_AHEAD))
+    raise PrecisionLoss(
+        f"times: no balls of radius 1e-{digits} were reached at t = {times[-1]} with {bits} bits; ask for fewer digits"
+    )
+
+
+class _Around(NamedTuple):
+    """The motion around a time: on the disc of ``radius`` it is no farther than ``reach`` from where it is ``now``."""
+
+    now: Any
+    series: list[Any]
+    radius: float
+    reach: list[Any]
+
+
+class _March:
+    """The motion in balls of ``bits`` bits, step by step; to be used inside ``with march.reals``."""
+
+    def __init__(self, system: Hamiltonian, state: State, bits: int) -> None:
+        import flint
+
+        self._flint = flint
+        self.reals = BallReals(bits)
+        with self.reals:
+            wide = system.over(BallField(self.reals))
+            start = onto_constraints(wide, state)
+            self._rolls, zero = system.body.rolls, wide.field.zero
+            self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]
+            self._tape = recorded(rates(wide), len(self._point))
+            # what begins at rest has no size of its own
+            self._momentum = wide.field.dot(start.M, start.M).sqrt() if any(state.M) else wide.field.one
+            self._now = zero
+        self._order = ceil(bits * log(2) / -log(STEP))
+        self._longest = 0.0
+        self._steps = 0
+
+    def rows(self, times: Sequence[Any], digits: int) -> list[tuple[Any, Any, Any, float]]:
+        """(τ, γ, M, radius) at the times up to the first whose balls are not small enough."""
+        found: list[tuple[Any, Any, Any, float]] = []
+        least = self._flint.arb(10) ** -digits
+        around = self._around(0.0)
+        for time in map(self.reals.number, times):
+            while abs(time - around.now) > STEP * around.radius:
+                step = self._flint.arb(STEP * around.radius)
+                step = step if time > 0 else -step
+                self._point, self._now = self._at(around, step), around.now + step
+                if not self._width(self._point) < least:
+                    return found
+                self._check(times[-1])
+                around = self._around(1.5 * around.radius)
+            point = self._at(around, time - around.now)
+            width = self._width(point)
+            if not width < least:
+                return found
+            found.append((point[6] if self._rolls else time, point[:3], point[3:6], rounded_up(width)))
+        return found
+
+    def left(self, end: Any) -> float:
+        """How many times as far ``end`` is as what was reached."""
+        return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
+
+    def _width(self, point: list[Any]) -> Any:
+        """The largest radius of γ and M, M relative to |M|; NaN where one has no bound."""
+        found = [*point[:3], *(x / self._momentum for x in point[3:6])]
+        return max(x.rad() for x in found).abs_upper() if is_bounded(found) else self._flint.arb("nan")
+
+    def _check(self, end: Any) -> None:
+        """Infeasible where the last time would take too many steps."""
+        self._steps += 1
+        expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
+        if expected > MOST_STEPS:
+            raise Infeasible(
+                f"times: enclosing the motion to t = {float(end):g} takes about {expected:.2g} steps, more than "
+                f"{MOST_STEPS}; about |t| = {abs(float(end)) * MOST_STEPS / expected:.2g} is within reach"
+            )
+
+    # --- one step
+
+    def _around(self, radius: float) -> _Around:
+        """What is known of the motion from the present point on; ``radius`` is where to begin with the disc, 0 if
+        nothing is known of it.
+        """
+        radius, reach = self._disc(radius)
+        return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
+
+    def _at(self, around: _Around, distance: Any) -> list[Any]:
+        """The point at a distance in time: the series, and by Cauchy's estimate what it leaves out."""
+        count = len(self._point)
+        found = [self.reals.number(0)] * count
+        values_at(distance, self._order, around.series, count, found, 0)
+        part = (abs(distance) / around.radius).abs_upper()
+        tail = part ** (self._order + 1) / (1 - part)
+        return [widened(x, tail * size) for x, size in zip(found, around.reach, strict=True)]
+
+    def _series(self, point: Sequence[Any], order: int, kind: Any) -> list[Any]:
+        """The Taylor coefficients of all nodes of the tape about a point, in numbers of a ``kind``, arb or acb."""
+        tape, width = self._tape, order + 1
+        series = [kind(0)] * (width * len(tape.kinds))
+        for n, given in enumerate(tape.kinds):
+            if n < len(point):
+                series[n * width] = point[n]
+            elif given == CONSTANT:
+                series[n * width] = kind(tape.constants[n])
+        coefficients(tape.kinds, tape.left, tape.right, tape.results, order, series)
+        return series
+
+    def _velocity(self, point: Sequence[Any]) -> list[Any]:
+        """The derivatives at a point, or on a complex box; NaN where a root is not analytic there."""
+        kind = type(point[0])
+        series = self._series(point, 1, kind)
+        if any(
+            k == ROOT and not series[2 * i].real > 0 for k, i in zip(self._tape.kinds, self._tape.left, strict=True)
+        ):
+            return [kind("nan")] * len(point)
+        return series[1 : 2 * len(point) : 2]
+
+    def _disc(self, radius: float) -> tuple[float, list[Any]]:
+        """(radius, reach) of a disc of complex times on which Picard's theorem gives the motion."""
+        with self.reals.at(BOUND_BITS):
+            sizes = [*[1.0] * 3, *[float(self._momentum)] * 3, 1.0]
+            speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
+            rate = max(x / size for x, size in zip(speed, sizes, strict=False)) or 1.0
+            radius = radius or 1 / rate
+            least = SMALLEST_DISC * (self._longest or radius)
+            while radius > least:
+                wide = [radius * (1.5 * x + 0.01 * rate * size) for x, size in zip(speed, sizes, strict=False)]
+                found = picard_box(self._velocity, self._point, wide, radius)
+                if found is not None:
+                    self._longest = max(self._longest, radius)
+                    return radius, found[1]
+                radius *= 0.85
+        raise PrecisionLoss(f"times: the motion ends, or cannot be followed, near t = {float(self._now):g}")

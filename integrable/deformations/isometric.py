@@ -1,0 +1,162 @@
+"""The check pair and the hat pair on the sphere, isometric to tilde pairs, d = 0, with five-parameter potentials."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from integrable.deformations.deformation import Deformation
+from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
+from integrable.phase.state import State
+from jacobian import RR
+
+if TYPE_CHECKING:
+    from integrable.deformations.deformed_flow import DeformedFlow
+    from integrable.deformations.two_curves import IsometricStep, TwoPoints
+
+
+class IsometricDeformation(Deformation):
+    """A pair on e*(3), d = 0, isometric to the tilde pair of A⁻¹: base of :class:`Check` and :class:`Hat`."""
+
+    def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
+        self._build(inertia, 0, potential, field)
+
+    @property
+    def separates(self) -> bool:
+        return self.potential is None
+
+    def flow(self, state: State) -> DeformedFlow:
+        """The motion as additions on the two curves of the tilde pair of A⁻¹, without a potential: an IsometricFlow."""
+        if not self.separates:
+            return super().flow(state)
+        from integrable.deformations.separated_flow import IsometricFlow
+
+        return IsometricFlow(self, self._checked(state))
+
+    def curves_of(self) -> Any:
+        return self.isometry()[2]
+
+    def divisor(self, state: State) -> TwoPoints:
+        """The two points of a state on the curves of the tilde pair of A⁻¹; NotASquare where the lift is not over the
+        field.
+        """
+        from integrable.deformations.two_curves import lifted
+
+        self._check_curves()
+        points: TwoPoints = self.curves_of().divisor(lifted(self, self._checked(state)))
+        return points
+
+    def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
+        from integrable.deformations.two_curves import lifted, unlifted
+
+        self._check_curves()
+        model = None if like is None else lifted(self, self._checked(like))
+        return unlifted(self, self.curves_of().from_divisor(D, model))
+
+    def translation(
+        self, points: Sequence[Any], sheets: Sequence[int] | None = None, multiple: int = 1
+    ) -> IsometricStep:
+        """The step of the tilde pair of A⁻¹ (:class:`integrable.deformations.two_curves.CurveTranslation`), points on
+        its line."""
+        from integrable.deformations.two_curves import IsometricStep
+
+        self._check_curves()
+        return IsometricStep(self, self.curves_of().translation(points, sheets, multiple))
+
+
+class Check(IsometricDeformation):
+    """H = s·m1 − s²m2 − 2ξ², K = ξ²(s·m1 − ξ²) on e*(3), (γ, M) = 0, with a_i = 1/I_i.
+
+    ``potential`` = (a, b, β_1, β_2, β_3) adds a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σβ_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²).
+    Isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`). (Tsiganov, the check Hamiltonian as
+    corrected in docs/errata.md, item 22.) The kinetic energy is indefinite: a pole may attract, and γ_i reach 0 in
+    finite time.
+    """
+
+    def isometry(self) -> tuple[Any, Any, Any]:
+        """(B², m, system): B² = A, m = −e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
+        from integrable.deformations.tilde import Tilde
+
+        K, (a1, a2, a3) = self.field, self.a
+        return self.a, K.neg(K.mul(a1, K.mul(a2, a3))), Tilde(self.a, field=K)
+
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+        """(H, K)."""
+        square = q.xi * q.xi
+        energy, first, second = q.s * (q.m1 - q.s * q.m2) - 2 * square, q.s * q.m1 - square, square
+        if potential is not None:
+            a, b, _ = potential
+            trace = q.e2 / q.e3
+            energy = energy + self.potential_energy(q, potential)
+            first = first + (a + b * (1 / (q.s * q.s) - trace / q.s - q.q2 / (q.e3 * q.s))) / q.s
+            first = first - poles(q, potential, lambda a1, *_: 1 / a1)
+            terms = poles(q, potential, lambda a1, a2, a3: (1 / q.s - 1 / a2) * (1 / q.s - 1 / a3) / a1)
+            second = second + q.s * q.s * terms
+        return energy, first * second
+
+    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+        """V(γ)."""
+        a, b, _ = potential
+        inverse = 1 / q.s
+        terms = poles(q, potential, lambda a1, a2, a3: (1 / a2 + 1 / a3 - 2 * inverse) * q.s / a1)
+        return a * inverse + b * (inverse - q.e2 / q.e3) * inverse * inverse + terms
+
+    def motion(self, q: Scalars) -> tuple[Any, Any]:
+        """Ω = sAM − s²M − 2ξAγ, Ṁ = M × Ω + γ × [(m1 − 2s·m2)Aγ − 2ξAM]."""
+        omega = combination((q.s, q.AM), (-q.s * q.s, q.M), (-2 * q.xi, q.Ag))
+        pull = combination((q.m1 - 2 * q.s * q.m2, q.Ag), (-2 * q.xi, q.AM))
+        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+
+
+class Hat(IsometricDeformation):
+    """H = α·m1 − (σ + ατ)m2 = ν1 + ν2, K = (σξ + τζ)²(w, Aw) = −e3·ν1ν2 on e*(3), (γ, M) = 0, with a_i = 1/I_i.
+
+    α = σ·tr A⁻¹ − 2τ, τ = tr A − s, w = γ × M. K is minus e3·ν1ν2, so that it extends to the
+    ``potential`` = (a, b, β_1, β_2, β_3), which adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
+    S = e2/e3 − τ/σ. Isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
+    """
+
+    def isometry(self) -> tuple[Any, Any, Any]:
+        """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""
+        from integrable.deformations.tilde import Tilde
+
+        K, (a1, a2, a3) = self.field, self.a
+        squares = (K.mul(a2, a3), K.mul(a3, a1), K.mul(a1, a2))
+        return squares, K.mul(a1, squares[0]), Tilde(self.a, field=K)
+
+    def pair(self, q: Scalars, potential: Potential | None) -> tuple[Any, Any]:
+        """(H, K)."""
+        alpha, root = _alpha(q), q.sigma * q.xi + q.tau * q.zeta
+        energy = alpha * q.m1 - (q.sigma + alpha * q.tau) * q.m2
+        first, second = q.tau * q.m2 - q.m1, root * root
+        if potential is not None:
+            (a, b, _), S, trace = potential, _slope(q), q.e2 / q.e3
+            energy = energy + self.potential_energy(q, potential)
+            first = first - (a + b * (S * S - trace * S - 1 / q.sigma)) / q.sigma
+            first = first + poles(q, potential, lambda _, a2, a3: 1 / (a2 * a3))
+            terms = poles(q, potential, lambda _, a2, a3: (S - 1 / a2) * (S - 1 / a3) / (a2 * a3))
+            second = second - q.e3 * q.sigma * q.sigma * terms
+        return energy, first * second
+
+    def potential_energy(self, q: Scalars, potential: Potential) -> Any:
+        """V(γ)."""
+        (a, b, _), S = potential, _slope(q)
+        terms = poles(q, potential, lambda _, a2, a3: (1 / a2 + 1 / a3 - 2 * S) * q.sigma / (a2 * a3))
+        return a * S + b * (S - q.e2 / q.e3) * S * S + terms
+
+    def motion(self, q: Scalars) -> tuple[Any, Any]:
+        """Ω = αAM − (σ + ατ)M, Ṁ = M × Ω + γ × {[tr A⁻¹·A^∨γ + 2Aγ](m1 − τm2) + αm2·Aγ − m2·A^∨γ}."""
+        alpha, dual = _alpha(q), [a * x for a, x in zip(q.dual, q.gamma, strict=True)]
+        omega = combination((alpha, q.AM), (-q.sigma - alpha * q.tau, q.M))
+        height = q.m1 - q.tau * q.m2
+        pull = combination((q.e2 / q.e3 * height - q.m2, dual), (2 * height + alpha * q.m2, q.Ag))
+        return omega, combination((1, product(q.M, omega)), (1, product(q.gamma, pull)))
+
+
+def _alpha(q: Scalars) -> Any:
+    return q.sigma * (q.e2 / q.e3) - 2 * q.tau
+
+
+def _slope(q: Scalars) -> Any:
+    """S = e2/e3 − τ/σ."""
+    return q.e2 / q.e3 - q.tau / q.sigma
