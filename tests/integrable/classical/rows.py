@@ -15,8 +15,9 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.mumford.system import Point
+from integrable.mumford.system import Point, element
 from integrable.systems.on_layer import BodyOnLayer
+from jacobian.inexact.long_field import LongField
 from tests.integrable.exact_points import attempt
 
 
@@ -228,19 +229,26 @@ over_formulas = pytest.mark.parametrize(("name", "n"), [*CASES, ("kowalevski", 3
 
 
 def integrated(system, state, time, steps, order=20):
-    """q and p of a system at a time, by its vector field only."""
+    """q and p of a system over MP at a time, by its vector field only."""
     K, size = system.field, len(state.q)
 
-    def rate(z):
-        found = system.vector_field(Point(tuple(z[:size]), tuple(z[size:])))
-        return [*found.q, *found.p]
+    def point(z):
+        return Point(tuple(z[:size]), tuple(z[size:]))
 
-    def constrained(z):
-        # off the constraints, which rounding leaves, the equations of motion of spheres are unstable
-        found = system._constrained(K, Point(tuple(z[:size]), tuple(z[size:])))
-        return [*found.q, *found.p]
+    with LongField(K.context.prec + 8) as L:
 
-    z = extrapolated(K, rate, [*state.q, *state.p], K.coerce(time), steps, order, constrained)
+        def rate(z):
+            found = system._vector_field(L, point(z))
+            return [*found.q, *found.p]
+
+        def constrained(z):
+            # off the constraints, which rounding leaves, the equations of motion of spheres are unstable
+            found = system._constrained(L, point(z))
+            return [*found.q, *found.p]
+
+        start = [L.coerce(x) for x in (*state.q, *state.p)]
+        z = extrapolated(L, rate, start, L.coerce(time), steps, order, constrained)
+    z = [element(K, x) for x in z]
     return z[:size], z[size:]
 
 
