@@ -17,12 +17,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.domain import check_domain
+from integrable.motion.short import GuardedRuns, ShortFirst, ShortRuns
 from integrable.motion.trajectory import BodyMotion, Trajectory, Way
 from integrable.moving_point.setup import Setup
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State, rotation_axis
+from integrable.phase.upright import leaning
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
 from jacobian.immutable import replaced
@@ -35,7 +37,6 @@ if TYPE_CHECKING:
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.motion.rotation import PrincipalRotation
-    from integrable.motion.short import GuardedRuns, ShortRuns
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.body import Body
@@ -84,7 +85,7 @@ class Flow(BodyMotion):
             _ = self.setup
         if state.tilted:
             # M ∥ γ is refused in the precision of the state
-            system.upright(state)
+            leaning(system.field, state.gamma, state.M)
 
     @cached_property
     def setup(self) -> Setup:
@@ -197,7 +198,7 @@ class Flow(BodyMotion):
     @cached_property
     def _variations(self) -> TorusVariations | None:
         """None where floats and a compact torus do not carry derivatives."""
-        if self.system.field != RR or self._symmetric or self._rotation or not (self._torus and self._torus.compiled):
+        if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations
 
@@ -207,16 +208,12 @@ class Flow(BodyMotion):
             return None
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self._symmetric:
-            return self._symmetric
-        if self._rotation:
-            return self._rotation
+        if self._closed:
+            return self._closed
         if self.system.field != RR:
             return self._precise
         if self.kernel == "compiled":
             return self._far
-        from integrable.motion.short import ShortFirst
-
         return ShortFirst(self._short, vars(self).get("_torus") is not None, lambda: self._far)
 
     @property
@@ -226,8 +223,6 @@ class Flow(BodyMotion):
             return self._torus
         if not self._compiled:
             return self._precise
-        from integrable.motion.short import ShortFirst
-
         return ShortFirst(self._guarded, False, lambda: self._precise)
 
     @property
@@ -237,14 +232,10 @@ class Flow(BodyMotion):
 
     @cached_property
     def _short(self) -> ShortRuns:
-        from integrable.motion.short import ShortRuns
-
         return ShortRuns(self.system, self.state, self.kernel)
 
     @cached_property
     def _guarded(self) -> GuardedRuns:
-        from integrable.motion.short import GuardedRuns
-
         return GuardedRuns(self.system, self.state, self._many)
 
     @cached_property
@@ -264,6 +255,13 @@ class Flow(BodyMotion):
             return PreciseFlow(body, self.state, field.dps, self.setup)
         limits = Limits(MOST_RATES, CLOCK_DIGITS, self._compiled)
         return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
+
+    @cached_property
+    def _closed(self) -> SymmetricFlow | PreciseClosedForm | PrincipalRotation | None:
+        """The closed form of the motion, where it has one."""
+        if symmetry_axis(self.system.inertia) is not None:
+            return self._symmetric
+        return None if rotation_axis(self.state) is None else self._rotation
 
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseClosedForm | None:
@@ -329,7 +327,7 @@ class Flow(BodyMotion):
         Near a separatrix and on bodies beyond this precision an addition can lose every digit; it then leaves the
         level set.
         """
-        if rows.dtype == object or way.way == "short run":
+        if way.way == "short run" or rows.dtype == object:
             # these have compared them, the precise flow with more digits
             return super()._off(rows, way)
         found: list[np.ndarray] = []

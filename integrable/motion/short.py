@@ -17,9 +17,10 @@ from integrable.moving_point import short
 from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_rows import (
     CLOCK,
-    FINEST,
     FLOATS,
     GIVEN,
+    LOT,
+    MADE,
     PHYSICAL,
     SUMS,
     WIDES,
@@ -38,12 +39,12 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
-    from jacobian.native.library import Packed
+    from jacobian.native.library import Library, Packed
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
 # between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short)
-PANEL_COST, START_COST = 2.5, 130.0
-TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2800.0
+PANEL_COST, START_COST = 1.8, 88.0
+TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2000.0
 DENSE_FROM = 5000
 # the states of a torus are the nearest floats, those of panels some roundings off: one run has to be so many times
 # cheaper, many as cheap
@@ -123,7 +124,7 @@ class ShortRuns:
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count, 0.0, 0, [],
         )  # fmt: skip
         with reals:
-            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [1, 0, PASSES, 0])
+            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0, 0, PASSES, 0])
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):
@@ -195,29 +196,23 @@ class Asked(NamedTuple):
     ahead: int = 0
 
 
-# none of them
-NO_CENTRES = np.empty((0, 2))
-
-
 def compiled_runs(
-    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray, centres: np.ndarray = NO_CENTRES
+    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray, centres: np.ndarray | None = None
 ) -> tuple[np.ndarray, np.ndarray]:
     """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
     (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
     it has cost in panels), both of shape (K,). ``centres``, of one motion, as :class:`Request` has them, shape
     (10·panels, 2). Python's lock is free meanwhile.
     """
-    from integrable.moving_point.short_compiled import LIBRARY
-
     count, length = rows.shape[:2]
-    status, panels = np.zeros((2, count), dtype=np.intp)
-    order, made = times.argsort(axis=1, kind="stable"), np.empty(4, dtype=np.intp)
-    wide, floats = np.empty((GIVEN + WIDES, 2)), np.empty(FLOATS + 2 * length)
-    LIBRARY.entry(
-        asked.given, asked.tilted, _packed(), asked[2:], centres, times, order,
-        (rows.reshape(count, 6 * length), other, status, panels), floats[FLOATS:], wide, floats[:FLOATS], made,
+    compiled, packed, none = _prepared()
+    # a call takes as long for each of its arrays as for half an addition: what is worked in comes in few
+    numbers, order = np.empty(2 * count + MADE, dtype=np.intp), times.argsort(axis=1, kind="stable")
+    compiled.entry(
+        asked.given, asked.tilted, packed, asked[2:], none if centres is None else centres, times, order,
+        rows.reshape(count, 6 * length), other, np.empty((GIVEN + WIDES, 2)), np.empty(FLOATS + 2 * length), numbers,
     )  # fmt: skip
-    return status, panels
+    return numbers[:count], numbers[count : 2 * count]
 
 
 def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH) -> int:
@@ -259,8 +254,8 @@ class ShortFirst:
 def rule() -> Rule:
     """The nodes of a panel and what goes with them."""
     places: list[float] = []
-    for first, second in SUMS:
-        begin = 0.5**first if first <= FINEST else places[first - FINEST - 1]
+    for j, (first, second) in enumerate(SUMS):
+        begin = 0.5**first if j < LOT else places[first]
         places.append(begin + (0.5**second if second > 0 else -(0.5**-second)))
     nodes = np.array([-x for x in places] + places[::-1])
     count, wide = len(nodes), nodes.astype(np.longdouble)
@@ -271,10 +266,9 @@ def rule() -> Rule:
     matrix[0] /= 2
     weights = 1 / np.prod(wide[:, None] - wide + np.eye(count), axis=1)
     matrix = matrix @ lagrange(wide, weights, np.cos(angles))
-    ends = lagrange(wide, weights, np.array([-1, 1], dtype=np.longdouble))
     weights /= abs(weights).max()
-    coefficients, weights, ends = (part.ravel().astype(float) for part in (matrix.T, weights, ends))
-    return Rule(nodes, coefficients, weights, ends, np.array(SUMS, dtype=np.intp).ravel())
+    coefficients, weights = (part.ravel().astype(float) for part in (matrix.T, weights))
+    return Rule(nodes, coefficients, weights, np.array(SUMS, dtype=np.intp).ravel())
 
 
 def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.ndarray:
@@ -293,9 +287,9 @@ def _listed() -> Rule:
 
 
 @cache
-def _packed() -> Packed:
-    """The same for compiled ones."""
-    from integrable.moving_point.short_compiled import RULE
+def _prepared() -> tuple[Library, Packed, Packed]:
+    """The compiled loops, the same for them, and centres where there are none."""
+    from integrable.moving_point.short_compiled import CENTRES, LIBRARY, RULE
     from jacobian.native.library import Packed
 
-    return Packed(rule(), RULE)
+    return LIBRARY, Packed(rule(), RULE), Packed(np.empty((0, 2)), CENTRES)

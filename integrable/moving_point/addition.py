@@ -23,8 +23,12 @@ FLOAT_TERMS = 48
 
 def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
     """The moving point after the addition of a translation, its pairs settled on the divisor."""
-    # the divisor's own noise grows with the size of the translation's coefficients
-    return settled(f, axes, carried(f, axes, point, step), 0.003 * max(1, step[0] * step[0], step[1] * step[1]))
+    return settled(f, axes, carried(f, axes, point, step), noise(step))
+
+
+def noise(step: Row) -> Real:
+    """``trust`` of :func:`settle` after a translation: the divisor's noise grows with the size of its coefficients."""
+    return 0.003 * max(1, step[0] * step[0], step[1] * step[1])
 
 
 def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
@@ -42,23 +46,27 @@ def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
 
 def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
     """The point with every pair moved towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
-    b0, b1, c0, c1 = point[0], point[1], point[2], point[3]
+    divisor = point[0], point[1], point[2], point[3]
+    rest = cofactor(f, divisor)
+    x1, y1 = settled_pair(divisor, rest, axes[0], axes[3], point[4], point[7], trust)
+    x2, y2 = settled_pair(divisor, rest, axes[1], axes[4], point[5], point[8], trust)
+    x3, y3 = settled_pair(divisor, rest, axes[2], axes[5], point[6], point[9], trust)
+    return divisor[0], divisor[1], divisor[2], divisor[3], x1, x2, x3, y1, y2, y3
+
+
+def cofactor(f: Row, divisor: Row) -> Row:
+    """W = (f − V²)/U, ascending."""
+    b0, b1, c1 = divisor[0], divisor[1], divisor[3]
     w2 = f[4] - b1 * f[5]
     w1 = f[3] - b1 * w2 - b0 * f[5]
-    w0 = f[2] - c1 * c1 - b1 * w1 - b0 * w2
-    a = axes[0]
-    x1, y1 = settle(
-        point[4], point[7], axes[3], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
-    )
-    a = axes[1]
-    x2, y2 = settle(
-        point[5], point[8], axes[4], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
-    )
-    a = axes[2]
-    x3, y3 = settle(
-        point[6], point[9], axes[5], (a + b1) * a + b0, c1 * a + c0, ((f[5] * a + w2) * a + w1) * a + w0, trust
-    )
-    return b0, b1, c0, c1, x1, x2, x3, y1, y2, y3
+    return f[2] - c1 * c1 - b1 * w1 - b0 * w2, w1, w2, f[5]
+
+
+def settled_pair(divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real) -> Any:
+    """The pair at the branch point a as :func:`settled` has it; ``rest`` is W."""
+    b0, b1, c0, c1 = divisor
+    w0, w1, w2, w3 = rest
+    return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)
 
 
 def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust: Real) -> tuple[Real, Real]:

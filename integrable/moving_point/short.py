@@ -26,8 +26,10 @@ from integrable.moving_point.short_rows import (
     FIRST,
     FIRST_RATE,
     GROWTH,
+    HALF,
     LEVELS,
     LIFT,
+    LOT,
     MOST_GROWN,
     OFF,
     PANEL,
@@ -177,17 +179,17 @@ def centre_of(room: Room, h: float, n: int, sign: int) -> tuple[int, int]:
     if not grown + log(1 + 2 * h * n) < SPARE or (sequence and n >= SEQUENCE):
         return LOST, DOUBLINGS
     if n == 0:
-        moved(room.wide, room.points, START, room.steps, 0, sign, 0, room.point)
-        return 0, DOUBLINGS
-    if sequence:
-        moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
+        moved(room.wide, room.points, START, room.steps, HALF, sign, 0, room.point)
         return 0, DOUBLINGS
     k, above, j = 0, n & (n - 1), DOUBLINGS
-    while (n >> k) & 1 == 0:
+    while (n >> k) & 1 == 0 and not sequence:
         k += 1
     while room.made[0] <= k:
         doubled(room.wide, room.steps, PANEL + room.made[0])
         room.made[0] += 1
+    if sequence:
+        moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
+        return 0, DOUBLINGS
     if above > 0:
         j = 0
         while (above >> j) & 1 == 0:
@@ -206,7 +208,7 @@ def panel(
     while True:
         if level > 0:
             side = sign if place & 1 else -sign
-            moved(room.wide, room.points, level - 1, room.steps, level, side, level, room.point)
+            moved(room.wide, room.points, level - 1, room.steps, HALF - level, side, level, room.point)
         if level >= hint:
             status = piece(room, rule, request, h, careful, level, sign)
             if status == UNRESOLVED and level == LEVELS:
@@ -291,13 +293,8 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
 
 def stepless(room: Room, rule: Rule) -> float:
     """The largest step of γ or w from the last panel to the left end of this."""
-    count, values, worst = len(rule.nodes), room.values, 0.0
+    worst = 0.0
     for e in range(6):
-        left, right = 0.0, 0.0
-        for j in range(count):
-            left += rule.ends[j] * values[e * count + j]
-            right += rule.ends[count + j] * values[e * count + j]
-        room.ends[e], room.ends[6 + e] = left, right
-        step = abs(left - room.last[e])
+        step = abs(room.values[e * len(rule.nodes) + LOT] - room.last[e])
         worst = step if not step <= worst else worst
     return worst * room.numbers[LIFT]

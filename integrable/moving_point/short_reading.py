@@ -6,6 +6,7 @@ from math import sqrt
 
 from integrable.moving_point.short_rows import (
     INVARIANTS,
+    LOT,
     MATRIX,
     MOMENTUM,
     RATE,
@@ -15,37 +16,48 @@ from integrable.moving_point.short_rows import (
     Row,
     Rule,
 )  # fmt: skip
+from jacobian.numbers.abreast import abreast
+
+# steps of Newton below this are the last
+LAST = 1e-9
 
 
 def read_off(room: Room, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
     """The states at all times on the panel from ``left`` to left + 2·half, from the ``i``-th on; the next one."""
-    sums, clock = room.sums, request.physical or request.clock
+    clock = request.physical or request.clock
     full = antiderivative(room, rule, half) if clock else 0.0
-    while 0 <= i < len(request.order):
-        at = request.order[i]
-        high, low = abs(request.high[at]), sign * request.low[at]
+    end, length = i, full if request.physical else 2.0
+    while 0 <= end < len(request.order) and gone_by(room, request, left, half, request.order[end], sign) <= length:
+        end += sign
+    begin, stop = (i, end) if sign > 0 else (end + 1, i + 1)
+    for k in abreast(begin, stop):
+        at = request.order[k]
+        gone = gone_by(room, request, left, half, at, sign)
         if request.physical:
-            target = ((high - sums[0]) + (low - sums[1])) / half
-            if target > full:
-                break
-            x = place_of(room, target, full)
+            x = place_of(room, gone, full)
             request.other[at] = sign * (left + half * (1 + x))
         else:
-            x = ((high - left) + low) / half - 1
-            if x > 1:
-                break
+            x = gone - 1
             if clock:
-                request.other[at] = sign * (sums[0] + (sums[1] + half * clenshaw(room.elapsed, x)))
+                request.other[at] = sign * (room.sums[0] + (room.sums[1] + half * clenshaw(room.elapsed, x)))
         interpolated(room, rule, x, request.out, 6 * at)
-        i += sign
     if clock:
-        gone = half * full + sums[1]
-        total = sums[0] + gone
-        sums[1] = gone - (total - sums[0])
-        sums[0] = total
+        more = half * full + room.sums[1]
+        total = room.sums[0] + more
+        room.sums[1] = more - (total - room.sums[0])
+        room.sums[0] = total
+    count = len(rule.nodes)
     for e in range(6):
-        room.last[e] = room.ends[6 + e]
-    return i
+        room.last[e] = room.values[(e + 1) * count - 1 - LOT]
+    return end
+
+
+def gone_by(room: Room, request: Request, left: float, half: float, at: int, sign: int) -> float:
+    """How far a time that is asked for lies behind the left end of the panel, in halves of it."""
+    high, low = abs(request.high[at]), sign * request.low[at]
+    if request.physical:
+        return ((high - room.sums[0]) + (low - room.sums[1])) / half
+    return ((high - left) + low) / half
 
 
 def antiderivative(room: Room, rule: Rule, half: float) -> float:
@@ -82,18 +94,19 @@ def antiderivative(room: Room, rule: Rule, half: float) -> float:
 
 def place_of(room: Room, target: float, full: float) -> float:
     """x with the integral of 1/g from −1 to x equal to ``target``: Newton, held between the ends."""
-    low, high = -1.0, 1.0
+    low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    for _ in range(60):
-        gone = clenshaw(room.elapsed, x) - target
-        if gone > 0:
-            high = x
-        else:
-            low = x
-        step = gone / clenshaw(room.slowness, x)
-        if abs(step) < 1e-9:
-            return min(1.0, max(-1.0, x - step))
-        x = x - step if low < x - step < high else (low + high) / 2
+    # eight times eight steps: of times abreast those go on that are not there, and where all are, few are looked at
+    for _ in range(8):
+        if abs(step) >= LAST:
+            for _ in range(8):
+                if abs(step) >= LAST:
+                    gone = clenshaw(room.elapsed, x) - target
+                    low, high = low if gone > 0 else x, x if gone > 0 else high
+                    step = gone / clenshaw(room.slowness, x)
+                    there = x - step
+                    held = there if low < there < high else (low + high) / 2
+                    x = held if abs(step) >= LAST else min(1.0, max(-1.0, there))
     return x
 
 
@@ -101,7 +114,8 @@ def clenshaw(coefficients: Row, x: float) -> float:
     """A Chebyshev series at x (Clenshaw 1955)."""
     b1, b2 = 0.0, 0.0
     for k in range(len(coefficients) - 1, 0, -1):
-        b1, b2 = coefficients[k] + 2 * x * b1 - b2, b1
+        # in this order the next waits for one instruction only
+        b1, b2 = (coefficients[k] - b2) + 2 * x * b1, b1
     result: float = coefficients[0] + x * b1 - b2
     return result
 
@@ -109,27 +123,24 @@ def clenshaw(coefficients: Row, x: float) -> float:
 def interpolated(room: Room, rule: Rule, x: float, out: Row, place: int) -> None:
     """γ and M at x on the panel (Berrut & Trefethen 2004)."""
     count, values = len(rule.nodes), room.values
-    q0, q1, q2, q3, q4, q5, total, hit = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, -1
-    for j in range(count):
-        apart = x - rule.nodes[j]
-        if apart == 0:
-            hit = j
-            break
-        w = rule.weights[j] / apart
-        total += w
-        q0 += w * values[j]
-        q1 += w * values[count + j]
-        q2 += w * values[2 * count + j]
-        q3 += w * values[3 * count + j]
-        q4 += w * values[4 * count + j]
-        q5 += w * values[5 * count + j]
-    if hit >= 0:
-        q0, q1, q2 = values[hit], values[count + hit], values[2 * count + hit]
-        q3, q4, q5 = values[3 * count + hit], values[4 * count + hit], values[5 * count + hit]
-    elif total < 0:
-        # the lengths are divided out below
-        q0, q1, q2, q3, q4, q5 = -q0, -q1, -q2, -q3, -q4, -q5
-    state(room, q0, q1, q2, q3, q4, q5, out, place)
+    q0, q1, q2, q3, q4, q5, total = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for j in range(count // 2):
+        k = count - 1 - j
+        left, right = x - rule.nodes[j], x - rule.nodes[k]
+        # at a node it is the only one that counts: the lengths are divided out below
+        left, right = left if left != 0 else 1e-30, right if right != 0 else 1e-30
+        # one division for both
+        scale = 1 / (left * right)
+        w, v = rule.weights[j] * right * scale, rule.weights[k] * left * scale
+        total += w + v
+        q0 += w * values[j] + v * values[k]
+        q1 += w * values[count + j] + v * values[count + k]
+        q2 += w * values[2 * count + j] + v * values[2 * count + k]
+        q3 += w * values[3 * count + j] + v * values[3 * count + k]
+        q4 += w * values[4 * count + j] + v * values[4 * count + k]
+        q5 += w * values[5 * count + j] + v * values[5 * count + k]
+    side = 1.0 if total > 0 else -1.0
+    state(room, side * q0, side * q1, side * q2, side * q3, side * q4, side * q5, out, place)
 
 
 def state(

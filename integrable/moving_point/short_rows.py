@@ -11,11 +11,11 @@ Row = Any
 GIVEN = 10
 NODES = 28
 # panels may be halved so often; translations by half a panel over 2^l are tabled so far down, for every level one more
-LEVELS, FINEST = 6, 9
+LEVELS, FINEST = 6, 8
 # translations by 2^k panels that are tabled
 DOUBLINGS = 20
-# terms of power series
-TERMS = 26
+# terms of power series: at h/2^FINEST each brings two digits
+TERMS = 18
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
@@ -29,26 +29,26 @@ RATE, BEGIN, OFF = 10, 11, 17
 # rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
 POINTS = START + 1
-# rows of wide translations: by h/2^l, then by 2^k panels
-PANEL = FINEST + LEVELS + 1
-# the positive nodes of a panel, near those of Chebyshev, each by one addition: (a, b) is 2^−a, or from the row after
-# FINEST on a node before it, and 2^−|b| more, or less where b < 0
+# rows of wide translations, each twice the one before: by h, from there down by h/2^l and up by 2^k panels
+HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
+# the positive nodes of a panel, by one addition each, first those of (a, b), 2^−a and 2^−|b| more, or less where b < 0,
+# then those from the a-th of them on, so much more or less. None uses another of its lot, and each fits in the lanes of
+# a processor. They are near Chebyshev's between which ±1 lie (Lebesgue constant 3.5); the first of the second lot is 1
 SUMS = (
-    (0, -9), (0, -6), (10, -5), (11, -4), (0, -3), (14, -4), (10, -2), (13, -2), (1, 4), (1, -6), (1, -3), (2, 5),
-    (17, -1), (4, -7),
+    (0, -7), (0, -5), (0, -3), (1, -7), (1, -3), (2, 5), (3, 5), (4, 7),
+    (2, 3), (0, -4), (2, -4), (2, -3), (6, 1), (7, 1),
 )  # fmt: skip
+LOT = 8
 
 
 class Rule(NamedTuple):
-    """Nodes on [−1, 1], ascending, and the matrices that go with them."""
+    """Nodes on [−1, 1], those of :data:`SUMS` below 0 and then, backwards, above it, and what goes with them."""
 
     nodes: Row
     coefficients: Row
     """From values to Chebyshev coefficients, column by column: what each node gives to all of them."""
     weights: Row
     """Those of barycentric interpolation."""
-    ends: Row
-    """From values to the interpolant at −1, then at 1."""
     sums: Row
     """:data:`SUMS`, one after the other."""
 
@@ -78,8 +78,8 @@ class Room(NamedTuple):
     """Chebyshev coefficients of 1/g on the panel."""
     elapsed: Row
     """Those of its antiderivative, 0 at the left end."""
-    ends: Row
     last: Row
+    """γ and w at the right end of the panel before."""
     sums: Row
     """The time at the left end of the panel, high and low, and what the clock drifts by."""
 
@@ -114,28 +114,29 @@ class Request(NamedTuple):
     """
 
 
-# numbers in a room, wide and floats
+# numbers in a room: integers, wide ones and floats
+MADE = 4
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + 1 + DOUBLINGS) + NODE_STEPS + 2 * TERMS
-FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 21
+WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 2 * TERMS
+FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
-    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is (1, 0, steps of Newton from a float to a wide
+    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is (0, 0, steps of Newton from a float to a wide
     number, 0).
     """
     points, steps = WIDE, WIDE + 10 * POINTS
-    nodes = steps + 10 * (PANEL + 1 + DOUBLINGS)
+    nodes = steps + 10 * (PANEL + DOUBLINGS)
     series = nodes + NODE_STEPS
     point = NUMBERS + NODE_STEPS
     values = point + OFF + 1
-    ends = values + 9 * NODES + 1
+    last = values + 9 * NODES + 1
     return Room(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
         floats[NUMBERS:point], wide[series : series + TERMS], wide[series + TERMS :], made, floats[point:values],
         floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
-        floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : ends], floats[ends : ends + 12],
-        floats[ends + 12 : ends + 18], floats[ends + 18 :],
+        floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : last], floats[last : last + 6],
+        floats[last + 6 :],
     )  # fmt: skip
 
 

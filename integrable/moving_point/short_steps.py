@@ -6,11 +6,24 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.moving_point.addition import carried, moving_point, near_identity, opposite, put, rate_at, shift
+from integrable.moving_point.addition import (
+    carried,
+    cofactor,
+    moving_point,
+    near_identity,
+    noise,
+    opposite,
+    pair,
+    put,
+    rate_at,
+    settled_pair,
+    shift,
+)
 from integrable.moving_point.short_rows import (
     FINEST,
+    HALF,
+    LOT,
     OFF,
-    PANEL,
     RATE,
     Room,
     Row,
@@ -20,51 +33,65 @@ from integrable.moving_point.short_rows import (
     unit_axes,
 )  # fmt: skip
 from integrable.moving_point.translations import power_series
+from jacobian.inexact.genus2_real import add
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 
 def panel_steps(room: Room, h: float) -> None:
-    """The translations by h/2^l as far as FINEST, and the first by a panel."""
-    f, axes, steps = curve_of(room.wide), unit_axes(room.wide), room.steps
+    """The translations by h/2^l, as far down as FINEST."""
+    f = curve_of(room.wide)
     power_series(f, -1, room.series)
     power_series(f, 1, room.roots)
-    step = near_identity(room.series, room.roots, f[0], axes, (0 * f[0] + h) / 2.0**FINEST, room.made[2])
-    for level in range(FINEST, -1, -1):
-        put(step, steps, 10 * level)
-        step = shift(f, axes, step, step)
-    put(step, steps, 10 * PANEL)
-    room.made[0], room.made[1] = 1, 0
+    small_step(room, h, FINEST)
+    for place in range(HALF - FINEST + 1, HALF + 1):
+        doubled(room.wide, room.steps, place)
+    room.made[0], room.made[1] = 0, 0
+
+
+def small_step(room: Room, h: float, level: int) -> None:
+    """The translation by h/2^level, by its series."""
+    f, axes = curve_of(room.wide), unit_axes(room.wide)
+    eps = (0 * f[0] + h) / 2.0**level
+    put(near_identity(room.series, room.roots, f[0], axes, eps, room.made[2]), room.steps, 10 * (HALF - level))
 
 
 def node_steps(room: Room, rule: Rule, h: float) -> None:
     """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
-    f, axes, steps, nodes = curve_of(room.wide), unit_axes(room.wide), room.steps, room.wide_nodes
     level, count = room.made[1], len(rule.nodes)
     if level > 0:
-        eps = (0 * f[0] + h) / 2.0 ** (FINEST + level)
-        put(near_identity(room.series, room.roots, f[0], axes, eps, room.made[2]), steps, 10 * (FINEST + level))
-    last = level * count + count - 1
-    for j in range(count // 2):
-        first, second = rule.sums[2 * j], rule.sums[2 * j + 1]
-        if first <= FINEST:
-            origin = moving_point(steps, 10 * (level + first))
-        else:
-            origin = moving_point(nodes, 10 * (last - (first - FINEST - 1)))
-        step = moving_point(steps, 10 * (level + abs(second)))
-        if second < 0:
-            step = opposite(step)
-        there = shift(f, axes, origin, step)
-        put(there, nodes, 10 * (last - j))
-        put(opposite(there), nodes, 10 * (level * count + j))
+        small_step(room, h, FINEST + level)
+    for j in abreast(0, LOT):
+        put_node(room, rule, level, j, moving_point(room.steps, 10 * (HALF - level - rule.sums[2 * j])))
+    last = (level + 1) * count - 1
+    for j in abreast(LOT, count // 2):
+        put_node(room, rule, level, j, moving_point(room.wide_nodes, 10 * (last - rule.sums[2 * j])))
     for i in range(10 * level * count, 10 * (last + 1)):
-        room.nodes[i] = float(nodes[i])
+        room.nodes[i] = float(room.wide_nodes[i])
     room.made[1] += 1
+
+
+def put_node(room: Room, rule: Rule, level: int, j: int, origin: Any) -> None:
+    """The translations to the j-th positive node at a level, and to its mirror image, by one addition to an origin."""
+    count, power = len(rule.nodes), rule.sums[2 * j + 1]
+    step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
+    if power < 0:
+        step = opposite(step)
+    there = shift(curve_of(room.wide), unit_axes(room.wide), origin, step)
+    put(there, room.wide_nodes, 10 * ((level + 1) * count - 1 - j))
+    put(opposite(there), room.wide_nodes, 10 * (level * count + j))
 
 
 def doubled(wide: Row, steps: Row, place: int) -> None:
     """Twice the translation before it into row ``place`` of ``steps``."""
-    step = moving_point(steps, 10 * (place - 1))
-    put(shift(curve_of(wide), unit_axes(wide), step, step), steps, 10 * place)
+    one = 1 + 0 * wide[0]
+    before, here, step = 10 * (place - 1), 10 * place, moving_point(steps, 10 * (place - 1))
+    divisor, transfer = summed(wide, steps, place - 1, step, steps, place)
+    rest, trust = cofactor(curve_of(wide), divisor), noise(step)
+    for i in abreast(0, 3):
+        x, y = steps[before + 4 + i], steps[before + 7 + i]
+        sigma, nu = pair(wide[6 + i], one, x, y, x, y, transfer)
+        steps[here + 4 + i], steps[here + 7 + i] = settled_pair(divisor, rest, wide[6 + i], one, sigma, nu, trust)
 
 
 def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
@@ -74,9 +101,23 @@ def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int
     step = moving_point(steps, 10 * place)
     if sign < 0:
         step = opposite(step)
-    there = carried(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), step)
-    put(there, points, 10 * target)
+    _, transfer = summed(wide, points, origin, step, points, target)
+    before, by, there = 10 * origin, 10 * place, 10 * target
+    for i in abreast(0, 3):
+        x, y, sigma, nu = points[before + 4 + i], points[before + 7 + i], steps[by + 4 + i], sign * steps[by + 7 + i]
+        points[there + 4 + i], points[there + 7 + i] = pair(wide[6 + i], wide[9 + i], x, y, sigma, nu, transfer)
     looked_at(wide, points, target, point)
+
+
+def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: int) -> Any:
+    """The divisor of row ``origin`` of ``points`` after a translation, also into row ``target`` of ``into``, and the
+    transfer polynomials, by which the pairs follow: three alike, so that they are done abreast.
+    """
+    i, k = 10 * origin, 10 * target
+    point = points[i], points[i + 1], points[i + 2], points[i + 3]
+    divisor, transfer = add(curve_of(wide), point, (step[0], step[1], step[2], step[3]))
+    into[k], into[k + 1], into[k + 2], into[k + 3] = divisor
+    return divisor, transfer
 
 
 def looked_at(wide: Row, points: Row, target: int, point: Row) -> None:
@@ -105,7 +146,7 @@ def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored:
     translations begin; ``mirrored``: in the order of descending τ.
     """
     count = len(rates)
-    for j in range(count):
+    for j in abreast(0, count):
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, moving_point(steps, k))
         rates[j] = float(rate_at(axes, there))

@@ -41,12 +41,7 @@ class ChaplyginTransformation:
         Raises NotRepresentable at M ∥ γ (M = 0 included), NotASquare where k, s or p is not in the field.
         """
         K = body.field
-        integrals = body.integrals(gamma, M)
-        w = cross(K, gamma, M)
-        square = K.dot(w, w)
-        # at M ∥ γ, k = −1/c
-        if K.zero == integrals.H2 or not (K.exact or square > (16 * K.eps) ** 2 * integrals.H2):
-            raise parallel(integrals.C2)
+        integrals, square = body.integrals(gamma, M), leaning(K, gamma, M)
         k, rest = _root(body, integrals, square)
         if rest == K.zero:
             raise parallel(integrals.C2)
@@ -107,6 +102,16 @@ class ChaplyginTransformation:
         """1 − dkn, n = (γ, ω)."""
         K = self.body.field
         return K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
+
+
+def leaning(K: Any, gamma: Vector, M: Vector) -> Any:
+    """|γ × M|²; NotRepresentable at M ∥ γ, M = 0 included."""
+    w = cross(K, gamma, M)
+    square, size = K.dot(w, w), K.dot(M, M)
+    # there k = −1/c
+    if K.zero == size or not (K.exact or square > (16 * K.eps) ** 2 * size):
+        raise parallel(K.dot(gamma, M))
+    return square
 
 
 def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:

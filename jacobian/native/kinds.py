@@ -10,6 +10,8 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from jacobian.native.code import LANES
 
 
@@ -75,6 +77,16 @@ class ArrayKind:
     def leaves(self) -> tuple[str, ...]:
         return ("ptr",) + ("i64",) * self.ndim
 
+    @cached_property
+    def dtype(self) -> np.dtype[Any]:
+        """That of the array as Python has it."""
+        return np.dtype(np.int64 if self.item in (INT, LONG) else np.float64)
+
+    @cached_property
+    def axes(self) -> int:
+        """Its axes there."""
+        return self.ndim + (self.parts == 2)
+
     @property
     def memory(self) -> str:
         """LLVM's type of what the pointer points to."""
@@ -97,6 +109,11 @@ class TupleKind:
     @cached_property
     def leaves(self) -> tuple[str, ...]:
         return tuple(leaf for item in self.items for leaf in item.leaves)
+
+    @cached_property
+    def plain(self) -> bool:
+        """Whether its items are single words of a call as they are."""
+        return all(item in (BOOL, INT, FLOAT) for item in self.items)
 
     def place(self, index: int) -> tuple[Any, int, int]:
         """(kind, first scalar, the one after the last) of an item."""

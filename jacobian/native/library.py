@@ -12,12 +12,11 @@ from typing import Any
 import numpy as np
 
 from jacobian.native import kept, machine
-from jacobian.native.kinds import INT, LONG, WIDE, ArrayKind, TupleKind, Value
+from jacobian.native.kinds import LONG, WIDE, ArrayKind, TupleKind, Value
 from jacobian.native.program import Program
 from jacobian.numbers.compiler import say_once
 
 LOG = logging.getLogger(__name__)
-INTEGERS, REALS = np.dtype(np.int64), np.dtype(np.float64)
 
 
 class Library:
@@ -144,9 +143,7 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         words += value.words
     elif type(kind) is ArrayKind:
         # the kinds of most arguments: a call of a few panels takes not much longer than this
-        if value.dtype != (INTEGERS if kind.item in (INT, LONG) else REALS) or value.ndim != kind.ndim + (
-            kind.parts == 2
-        ):
+        if value.dtype != kind.dtype or value.ndim != kind.axes:
             raise _unfit(value, kind)
         try:
             # refused where it is not C-contiguous
@@ -154,6 +151,8 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         except (TypeError, ValueError):
             words.append(_unwritten(value, kind))
         words += value.shape[: kind.ndim]
+    elif type(kind) is TupleKind and kind.plain:
+        words += value
     elif type(kind) is TupleKind:
         for item, part in zip(value, kind.items, strict=True):
             flatten(item, part, words)

@@ -1,0 +1,57 @@
+"""Panels of short runs: their nodes, and what compiled loops do abreast beside the same loops interpreted."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall, EulerTop
+from integrable.motion.short import ShortRuns, lagrange, rule
+from integrable.moving_point.short import panel_half
+from integrable.moving_point.short_rows import LOT, SUMS
+from jacobian.native.code import LANES
+
+
+def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() -> None:
+    """None of a lot is made from another of it, ±1 are where the steps between panels are looked at."""
+    nodes = rule().nodes
+    assert max(LOT, len(SUMS) - LOT) <= LANES
+    assert all(0 <= first < LOT for first, _ in SUMS[LOT:])
+    assert (nodes[LOT], nodes[-1 - LOT]) == (-1, 1)
+    assert (nodes == -nodes[::-1]).all()
+    assert len(set(nodes)) == len(nodes)
+    between = np.setdiff1d(np.linspace(-1, 1, 20_001), nodes)
+    values = lagrange(nodes, 1 / np.prod(nodes[:, None] - nodes + np.eye(len(nodes)), axis=1), between)
+    assert values.sum(axis=1) == pytest.approx(1, abs=1e-12)
+    assert abs(values).sum(axis=1).max() < 3.6
+
+
+MOTIONS = {
+    "ball": (ChaplyginBall((1, 2, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
+    "tilted": (ChaplyginBall((1, 2, 3), 0.7), (0.48, 0.6, 0.64), (1.0, 0.3, -0.8), True),
+    "thin, panels are halved": (
+        ChaplyginBall((0.01, 0.02, 0.025), 1.0),
+        (0.48, 0.6, 0.64),
+        (0.384, 1.28, -1.488),
+        True,
+    ),
+    "top": (EulerTop((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), True),
+}
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_compiled_runs_are_interpreted_ones(name) -> None:
+    """As many times as lanes, fewer and more, in either direction, and where a panel begins, ends and has its nodes."""
+    system, gamma, M, tilted = MOTIONS[name]
+    state = system.state(gamma, M, tilted=tilted)
+    setup = system.flow(state).setup
+    half = panel_half(float(setup.problem.half_step)) / float(setup.time_scale)
+    places = np.concatenate([half * (rule().nodes + 1), 2 * half * np.arange(-3, 4)])
+    for tau in (places, places[:3], np.linspace(-2, 1, LANES), np.linspace(0, 2, LANES + 1), np.array([])):
+        runs = [ShortRuns(system, state, kernel) for kernel in ("auto", "python")]
+        (rows, times), (expected, expected_times) = (x._run(tau, False, False, True) for x in runs)
+        assert abs(rows - expected).max(initial=0) < 2e-14
+        assert abs(times - expected_times).max(initial=0) < 2e-14 * max(1, abs(times).max(initial=0))
+        (rows, back), (expected, _) = (x.at(times) for x in runs)
+        assert abs(rows - expected).max(initial=0) < 4e-14
+        assert abs(back - tau).max(initial=0) < 4e-14
