@@ -26,6 +26,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "jacobian.relatives.conic",
             "jacobian.relatives.signed",
             "jacobian.relatives.kummer",
+            "jacobian.relatives.pseudo_group",
             "jacobian.relatives.heights",
             "jacobian.models.standard",
             "jacobian.models.isomorphism",

@@ -21,8 +21,8 @@ from integrable.motion.short import (
 )
 from integrable.motion.trajectory import WAYS, Motion
 from integrable.systems.system import System
-from jacobian.batch.threads import in_ranges
 from jacobian.errors import ArgumentError, JacobianError
+from jacobian.native.threads import in_ranges
 from jacobian.numbers.compiler import interpreted
 
 COLUMNS = 7

@@ -15,10 +15,10 @@ import numpy as np
 
 from jacobian import poly
 from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
-from jacobian.batch.threads import in_ranges
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
 from jacobian.fields import CC, RR
+from jacobian.native.threads import in_ranges
 from jacobian.numbers.compiler import interpreted
 
 RANGE = 1 << 14

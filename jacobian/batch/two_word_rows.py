@@ -19,26 +19,8 @@ from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.curve.curve import coefficient
 from jacobian.group import Jacobian
 from jacobian.native.library import Packed
+from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
 from jacobian.numbers.two_words import two_words
-
-WORDS = np.dtype([("low", np.uint64), ("high", np.uint64)])
-"""A number of two words."""
-
-
-def words_of(numbers: Any) -> Any:
-    """Numbers below 2^128 as an array of WORDS of the same shape."""
-    flat = np.asarray(numbers, object)
-    return np.frombuffer(b"".join([x.to_bytes(16, "little") for x in flat.ravel()]), WORDS).reshape(flat.shape)
-
-
-def numbers_of(words: Any) -> Any:
-    """The ints of an array of WORDS."""
-    return words["low"].astype(object) | words["high"].astype(object) << 64
-
-
-def pairs(words: Any) -> Any:
-    """The same memory as compiled loops take it, with a last axis of two words."""
-    return words.view(np.int64).reshape(*words.shape, 2)
 
 
 class TwoWordRows(StoredRows):

@@ -15,7 +15,8 @@ from itertools import combinations
 from math import gcd, inf, log
 from typing import Any
 
-from jacobian.errors import ArgumentError, CurveMismatch, PrecisionLoss, entries, shown, whole
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, PrecisionLoss, entries, shown, whole
+from jacobian.fields import QQ
 from jacobian.law.divisor import Divisor
 from jacobian.numbers.long_reals import BallReals
 from jacobian.relatives.doubling_bounds import bad_part, real_bounds
@@ -97,6 +98,8 @@ def _polarized(both: Any, first: Any, second: Any, digits: int) -> Any:
 def _checked(D: Any, argument: str) -> Divisor:
     if not isinstance(D, Divisor):
         raise ArgumentError(f"{argument} = {shown(D)}: a divisor class of a curve of genus 2 over QQ has a height")
+    if D.jacobian.field != QQ:
+        raise FieldError(f"{argument} = {D}: canonical heights are those of curves of genus 2 over QQ")
     return D
 
 

@@ -1,4 +1,5 @@
-"""The Kummer surface of a curve of genus 2 over QQ, and doubling on it (Flynn 1993; Cassels & Flynn 1996, chapter 3).
+"""The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
+chapter 3). Sums on it are the business of :mod:`jacobian.relatives.pseudo_group`.
 
 For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − K∞ goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) − 2y₁y₂)/
 (x₁−x₂)²), the same for D and −D. Doubling is given by four quartic forms δ with integral coefficients. They are found
@@ -7,7 +8,7 @@ from doubled classes over finite fields, by linear algebra modulo primes and the
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations_with_replacement
@@ -20,6 +21,7 @@ from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.errors import CurveMismatch, FieldError, Infeasible, JacobianError
 from jacobian.fields import GF, QQ
 from jacobian.fields.primality import is_prime
+from jacobian.fields.prime import PrimeField
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 
@@ -41,16 +43,20 @@ Coordinates = tuple[Any, ...]
 
 
 class KummerSurface(Immutable):
-    """The Kummer surface of the Jacobian of a curve of genus 2 over QQ, by :func:`kummer_surface`.
+    """The Kummer surface of the Jacobian of a curve of genus 2 over QQ or GF(p), p odd, by :func:`kummer_surface`.
 
     ``f``: the integers of y² = f(x), which the curve becomes with ``scale``·(2y + h) for y.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
-        if check_curve(curve).field != QQ or curve.genus != 2:
-            raise FieldError(f"curve = {curve!r}: Kummer surfaces are here those of curves of genus 2 over QQ")
+        K = check_curve(curve).field
+        odd_prime = type(K) is PrimeField and K.p > 2
+        if not (odd_prime or K == QQ) or curve.genus != 2:
+            raise FieldError(
+                f"curve = {curve!r}: Kummer surfaces are here those of curves of genus 2 over QQ or GF(p), p odd"
+            )
         self.curve = curve
-        self.scale = lcm(*(c.denominator for c in curve.discriminant))
+        self.scale = 1 if odd_prime else lcm(*(c.denominator for c in curve.discriminant))
         numbers = [int(c * self.scale**2) for c in curve.discriminant]
         self.f = tuple(numbers + [0] * (7 - len(numbers)))
 
@@ -64,9 +70,15 @@ class KummerSurface(Immutable):
         return f"Kummer surface of {self.curve!r}"
 
     def point(self, D: Divisor) -> Coordinates:
-        """The image of D, four integers without a common divisor; CurveMismatch for a class of another curve."""
+        """The image of D, the same for −D; CurveMismatch for a class of another curve.
+
+        Over QQ four integers without a common divisor, over GF(p) residues, the first that is not 0 being 1.
+        """
         if check_divisor(D, "D").jacobian.curve != self.curve:
             raise CurveMismatch(f"D = {D} is not a divisor class of {self.curve!r}")
+        K: Any = self.curve.field
+        if K != QQ:
+            return normalized(K.p, self._coordinates(D))
         whole = [Fraction(x) for x in self._coordinates(D)]
         factor = lcm(*(x.denominator for x in whole))
         found = [int(x * factor) for x in whole]
@@ -88,15 +100,21 @@ class KummerSurface(Immutable):
             return 0, 1, x, 2 * f[6] * x**3 + f[5] * x**2 - 2 * slope * v[0]
         if D.n in (1, None):
             return 0, 0, 0, 1
-        return 0, 0, 1, Fraction(f[5] ** 2, 4 * f[6]) - f[4]
+        return 0, 0, 1, K.sub(K.div(K.coerce(f[5] ** 2), K.coerce(4 * f[6])), K.coerce(f[4]))
 
     @cached_property
     def delta(self) -> list[dict[tuple[int, ...], int]]:
         """δ₁ … δ₄, each as {exponents: coefficient}, modulo the equation of the surface; δ₄ has ξ₄⁴ once."""
+        whole = self.integers(4 * len(MONOMIALS), self._delta_modulo)
+        rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
+        return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
+
+    def integers(self, count: int, modulo: Callable[[int], list[int]]) -> list[int]:
+        """Coefficients that are integral polynomials of degree 4 in those of f, from what they are modulo primes."""
         size = max(map(abs, self.f)) ** 4
-        modulus, residues = 1, [0] * (4 * len(MONOMIALS))
+        modulus, residues = 1, [0] * count
         for p in self._primes():
-            found = self._delta_modulo(p)
+            found = modulo(p)
             step = pow(modulus, -1, p)
             residues = [r + modulus * ((c - r) * step % p) for r, c in zip(residues, found, strict=True)]
             modulus *= p
@@ -104,9 +122,8 @@ class KummerSurface(Immutable):
                 break
         whole = [r - modulus if 2 * r > modulus else r for r in residues]
         if max(map(abs, whole)) > size << SPARE_BITS:
-            raise Infeasible(f"{self.curve!r}: the doubling on the Kummer surface was not found")
-        rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
-        return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
+            raise Infeasible(f"{self.curve!r}: the forms of its Kummer surface were not found")
+        return whole
 
     def _primes(self) -> Iterator[int]:
         """Some primes below 2⁶¹ of good reduction."""
@@ -158,7 +175,9 @@ class KummerSurface(Immutable):
 
 
 def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
-    """The KummerSurface of a curve of genus 2 over QQ, the same for the same curve; FieldError for others."""
+    """The KummerSurface of a curve of genus 2 over QQ or GF(p), p odd, the same for the same curve; FieldError for
+    others.
+    """
     return _known_surface(check_curve(curve))
 
 
@@ -172,6 +191,12 @@ def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordin
     s, p = -u[1], u[0]
     last = s * s - p
     return 1, s, p, v[1] ** 2 - f[2] - s * f[3] - s * s * f[4] - s * last * f[5] - last * last * f[6]
+
+
+def normalized(p: int, x: Sequence[int]) -> Coordinates:
+    """The residues of the same point whose first that is not 0 is 1."""
+    inverse = pow(next(c for c in x if c % p), -1, p)
+    return tuple(int(c * inverse % p) for c in x)
 
 
 def monomials(x: Sequence[Any]) -> dict[tuple[int, ...], Any]:

@@ -16,6 +16,7 @@ from jacobian.relatives.extended import ExtendedGroup, Lift, SecondKind
 from jacobian.relatives.formal_sum import FormalSum, principal_divisor
 from jacobian.relatives.glued import GeneralizedJacobian
 from jacobian.relatives.kummer import kummer_surface
+from jacobian.relatives.pseudo_group import PseudoGroup
 from jacobian.relatives.ray_class import RayClassGroup
 from jacobian.relatives.signed import SignedGroup
 
@@ -75,7 +76,7 @@ def values_over(K):
         values |= {"generalized group": E.jacobian, "generalized class": E, "signed group": pairs}
         values["signed divisor"] = pairs.twist((K.coerce(2), K.coerce(3), K.one), (K.zero, K.zero))
     if GF(101) == K:
-        values |= {"pencil": representative(D, C.lift_x(0)), "structure": J.structure()}
+        values |= {"pseudo group": PseudoGroup(C), "pencil": representative(D, C.lift_x(0)), "structure": J.structure()}
         quadratics = (1, 0, 1), (2, 0, 1), (3, 1, 1)
         source = HyperellipticCurve(K, poly.mul(K, poly.mul(K, *quadratics[:2]), quadratics[2]))
         phi = RichelotIsogeny(source, quadratics)

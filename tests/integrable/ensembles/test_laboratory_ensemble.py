@@ -7,8 +7,8 @@ import pytest
 
 from integrable import RigidBody, RollingBall, ensemble, laboratory_ensemble
 from jacobian import MP
-from jacobian.batch.threads import set_threads
 from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.native.threads import set_threads
 from jacobian.numbers.compiler import interpreted
 from tests.integrable.laboratory.test_laboratory import MASS, RADIUS, UP, Unmade, lean, rotation, tensor
 

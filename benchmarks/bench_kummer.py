@@ -1,0 +1,70 @@
+"""Sums on Kummer surfaces beside the group of the curve: microseconds of processor time for one, on one thread.
+
+"sum" and "ladder" are single calls, "sum, array" and "ladder, array" a point of an array of 500; "m·D" is the same
+multiple in the group, compiled where there is such code, "m·D, array" in an array, and "flint m·D" that of Cantor on
+python-flint's polynomials by doubling and adding. "set-up" are the seconds that the forms of a curve take, once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from random import Random
+from time import process_time
+
+from benchmarks.bench_single import SCALAR
+from benchmarks.curves import genuine_curve
+from jacobian import GF, HyperellipticCurve
+from jacobian.batch import DivisorArray, set_threads
+from jacobian.relatives.pseudo_group import PseudoGroup
+from tests.jacobian.addition.flint_cantor import FlintCantor
+
+COUNT = 500
+
+
+def run(smoke: bool) -> list[dict[str, object]]:
+    """One row for each prime and equation."""
+    rows = []
+    for name, p in {"2^61-1": 2**61 - 1, "2^127-1": 2**127 - 1, "2^128-159": 2**128 - 159}.items():
+        curves = {"x^5 + 5x^2 + 3x + 7": HyperellipticCurve(GF(p), [7, 3, 5, 0, 0, 1])}
+        if not smoke:
+            curves["split"] = genuine_curve(GF(p), 2, "split", Random(name))
+        rows += [{"p": name, "equation": equation, **measure(C, smoke)} for equation, C in curves.items()]
+    return rows
+
+
+def measure(C: HyperellipticCurve, smoke: bool) -> dict[str, object]:
+    """The times of one curve."""
+    J = C.jacobian()
+    J.compile()
+    D, E = J.random(Random(1)), J.random(Random(2))
+    begun = process_time()
+    S = PseudoGroup(C)
+    x, y, difference = S.point(D), S.point(E), S.point(D - E)
+    if S.add(x, y, difference) != S.point(D + E) or S.multiple(SCALAR, x) != S.point(SCALAR * D):
+        raise AssertionError(f"{C!r}: the surface differs from the group")
+    found: dict[str, object] = {"set-up": process_time() - begun}
+    flint = FlintCantor(C)
+    a, classes = flint.convert((D.u, D.v, D.n)), DivisorArray.stack([D, E] * (COUNT // 2))
+    arrays = [[point] * COUNT for point in (x, y, difference)]
+    actions: dict[str, tuple[Callable[[], object], int]] = {
+        "sum": (lambda: S.add(x, y, difference), 1),
+        "sum, array": (lambda: S.add(*arrays), COUNT),
+        "ladder": (lambda: S.multiple(SCALAR, x), 1),
+        "ladder, array": (lambda: S.multiple(SCALAR, arrays[0]), COUNT),
+        "m·D": (lambda: SCALAR * D, 1),
+        "m·D, array": (lambda: SCALAR * classes, COUNT),
+        "flint m·D": (lambda: flint.multiply(SCALAR, a), 1),
+    }
+    samples: dict[str, list[float]] = {name: [] for name in actions}
+    set_threads(1)
+    try:
+        for _ in range(2 if smoke else 12):
+            for name, (action, count) in actions.items():
+                repeat = 1 if count > 1 or smoke else 5
+                begun = process_time()
+                for _ in range(repeat):
+                    action()
+                samples[name].append((process_time() - begun) / repeat / count)
+    finally:
+        set_threads(None)
+    return found | {name: 1e6 * min(values) for name, values in samples.items()}

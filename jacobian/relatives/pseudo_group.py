@@ -1,0 +1,321 @@
+"""What is left of the group on a Kummer surface over GF(p): doubles, sums of points with a known difference, multiples.
+
+On the surface D and −D are one point, so that κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): one is had when the
+other is given. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels &
+Flynn 1996, chapter 3). These are found as the doubling is in :mod:`jacobian.relatives.kummer`: from classes over finite
+fields, by linear algebra modulo primes and the Chinese remainder theorem. :mod:`jacobian.relatives.pseudo_sums` adds.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from collections.abc import Callable, Sequence
+from functools import cached_property, lru_cache
+from itertools import combinations_with_replacement
+from random import Random
+from typing import Any
+
+import numpy as np
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, FieldError, Infeasible, entries, shown
+from jacobian.fields import GF, QQ
+from jacobian.immutable import Immutable
+from jacobian.law.divisor import Divisor, check_scalar
+from jacobian.native.library import Packed
+from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
+from jacobian.native.threads import in_ranges
+from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.two_words import two_words
+from jacobian.relatives import pseudo_sums
+from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface
+from jacobian.relatives.pseudo_sums import COMPILED, CONTEXT, FORMS, SCRATCH, Forms
+
+INDICES = list(combinations_with_replacement(range(4), 2))
+"""(i, j) of the forms and of the quadratic monomials of a point."""
+TERMS = list(combinations_with_replacement(range(len(INDICES)), 2))
+LEADING = TERMS.index((INDICES.index((0, 0)), INDICES.index((3, 3))))
+"""b₁₁ has (ξ₁²η₄² + ξ₄²η₁²) once."""
+CLASSES = 2 * len(TERMS) + 6
+STEP = 1 << 8
+"""Points that one call adds."""
+
+WANTED = "a point, four residues, or an array (N, 4) of them,"
+
+Point = tuple[int, int, int, int]
+
+
+class Residues(namedtuple("Residues", "p one")):
+    """A prime of any length, in Python: the context of numbers that are their own words."""
+
+    __slots__ = ()
+
+    def to_word(self, a: int) -> int:
+        return a
+
+    from_word = to_word
+
+    def dot(self, *terms: int) -> int:
+        return sum(a * b for a, b in zip(terms[::2], terms[1::2], strict=True)) % self.p
+
+    def add(self, x: int, y: int) -> int:
+        return (x + y) % self.p
+
+    def sub(self, x: int, y: int) -> int:
+        return (x - y) % self.p
+
+    def canonical(self, x: int) -> int:
+        return x
+
+    def invert(self, x: int) -> int:
+        return pow(x, -1, self.p)
+
+
+class PseudoGroup(Immutable):
+    """The Kummer surface of a curve of genus 2 over GF(p), p odd, with what is left of its group.
+
+    A point is four residues, the first that is not 0 being 1; ``zero`` is κ(0) = (0, 0, 0, 1). Every operation takes
+    one point or an array (N, 4), and gives the same; all points are welcome, those of 0, of classes of order 2 and of
+    weight below 2 too. For p < 2^128 they are compiled, and arrays spread over the processors.
+    """
+
+    zero: Point = (0, 0, 0, 1)
+
+    def __init__(self, curve: HyperellipticCurve) -> None:
+        self.curve = curve
+        self.surface = kummer_surface(curve)
+        if curve.field == QQ:
+            raise FieldError(f"curve = {curve!r}: a curve of genus 2 over GF(p), p odd, is needed")
+        self._p: int = curve.field.p  # type: ignore[attr-defined]
+
+    def _value(self) -> tuple[Any, ...]:
+        return (self.curve,)
+
+    def __repr__(self) -> str:
+        return f"PseudoGroup({self.curve!r})"
+
+    def __reduce__(self) -> Any:
+        return PseudoGroup, self._value()
+
+    def explain(self) -> str:
+        """What adds here, in words."""
+        if self._is_compiled:
+            return (
+                "compiled code on two words, for GF(p), 2 < p < 2^128: biquadratic forms, one addition for every case"
+            )
+        return "biquadratic forms in Python: p has more than 128 bits, or nothing is compiled"
+
+    @property
+    def _is_compiled(self) -> bool:
+        return self._p < 1 << 128 and not interpreted()
+
+    # --- points
+
+    def point(self, D: Divisor) -> Point:
+        """κ(D), the same for −D; CurveMismatch for a class of another curve."""
+        return self.surface.point(D)
+
+    def double(self, x: Any) -> Any:
+        """κ(2D) for x = κ(D)."""
+        return self._run("double_point", {"x": self._residues(x, "x")})
+
+    def add(self, x: Any, y: Any, difference: Any) -> Any:
+        """κ(D + E) for x = κ(D), y = κ(E) and difference = κ(D − E).
+
+        That the difference is one of the two is not checked: others give points that mean nothing.
+        """
+        given = {"x": x, "y": y, "difference": difference}
+        return self._run("add_point", {name: self._residues(points, name) for name, points in given.items()})
+
+    def multiple(self, m: Any, x: Any) -> Any:
+        """κ(mD) for x = κ(D), by Montgomery's ladder; m is an int, or a sequence of one for each point."""
+        points = self._residues(x, "x")
+        each = isinstance(m, Sequence | np.ndarray) and not isinstance(m, str) and getattr(m, "ndim", 1) == 1
+        if each and (points[1] or 4 * len(m) != len(points[0])):
+            raise ArgumentError(f"m = {shown(m)} beside x = {shown(x)}: one int, or one for each point of an array")
+        scalars = [abs(check_scalar(c)) for c in (m if each else [m])]
+        longest = max(*(c.bit_length() for c in scalars), 1, 1)
+        bits = np.array([[c >> k & 1 for k in range(longest - 1, -1, -1)] for c in scalars], np.int64)
+        return self._run("multiply_point", {"x": points}, bits.reshape(-1, longest))
+
+    def _residues(self, x: Any, name: str) -> tuple[list[int], bool]:
+        """(the residues of some points, one after the other, whether it is one point alone); ArgumentError for what
+        is none.
+        """
+        if type(x) is tuple and len(x) == 4 and all(type(c) is int and 0 <= c < self._p for c in x):
+            return list(x), True
+        try:
+            array = np.array(entries(x, name, WANTED), object)
+        except ValueError:
+            raise ArgumentError(f"{name} = {shown(x)}: {WANTED} is needed") from None
+        if array.size == 0:
+            array = array.reshape(0, 4)
+        if array.ndim not in (1, 2) or array.shape[-1] != 4:
+            raise ArgumentError(f"{name} = {shown(x)}: {WANTED} is needed")
+        K: Any = self.curve.field
+        return [K.coerce(c, name) for c in array.ravel().tolist()], array.ndim == 1
+
+    # --- sums
+
+    def _run(self, name: str, found: dict[str, tuple[list[int], bool]], *bits: Any) -> Any:
+        """The operation of that name on single points, or the loop over arrays of them, by the names of arguments."""
+        if len({(len(values), single) for values, single in found.values()}) > 1:
+            raise ArgumentError(f"{', '.join(found)}: points, or as many of each, are needed")
+        operands, single = [values for values, _ in found.values()], next(iter(found.values()))[1]
+        if single:
+            which, *result = self._one(name, operands, *(row[0] for row in bits))
+            wrong = [which]
+        else:
+            wrong, result = self._many(name, operands, *bits)
+        for j, which in enumerate(wrong):
+            if which:
+                point = tuple(operands[which - 1][4 * j : 4 * j + 4])
+                raise ArgumentError(
+                    f"{list(found)[which - 1]}: {point} is no point of the surface whose first coordinate ≠ 0 is 1"
+                )
+        return tuple(result) if single else result
+
+    def _one(self, name: str, operands: list[list[int]], *bits: Any) -> Any:
+        if self._is_compiled:
+            return getattr(COMPILED, name)(*self._forms, *operands, *bits, np.empty((SCRATCH, 2), np.int64))
+        which, found = getattr(pseudo_sums, name)(*self._forms, *operands, *bits, [0] * SCRATCH)
+        return which, *found
+
+    def _many(self, name: str, operands: list[list[int]], *bits: Any) -> tuple[list[int], Any]:
+        compiled = self._is_compiled
+        rows = [np.array(values, object).reshape(-1, 4).T for values in operands]
+        columns = [pairs(words_of(x)) if compiled else x for x in rows]
+        out, wrong = np.zeros_like(columns[0]), np.zeros(rows[0].shape[1], np.int64)
+        loop = getattr(COMPILED if compiled else pseudo_sums, f"{name}s")
+
+        def work(begin: int, end: int) -> None:
+            scratch = np.empty((SCRATCH, 2), np.int64) if compiled else [0] * SCRATCH
+            loop(*self._forms, (*columns, *bits), out, wrong, (begin, end), scratch)
+
+        in_ranges(len(wrong), STEP, work)
+        return wrong.tolist(), np.ascontiguousarray((numbers_of(out.view(WORDS)[..., 0]) if compiled else out).T)
+
+    @cached_property
+    def _forms(self) -> Any:
+        """The context and the forms, as :mod:`jacobian.relatives.pseudo_sums` takes them."""
+        K: Any = two_words(self._p) if self._p < 1 << 128 else Residues(self._p, 1)
+        table = [[c % self._p for c in row] for row in biquadratic(self.surface)]
+        of = {key: dict(zip(TERMS, row, strict=True)) for key, row in zip(INDICES, table, strict=True)}
+        tables = [[of[min(i, j), max(i, j)] for j in range(4)] for i in range(4)]
+        own = {FACTORED[key]: c % self._p for key, c in equation(self.surface.f).items()}
+        forms = packed([*tables, [doubled(form, self._p) for form in tables[3]], [own]], K.to_word)
+        if not self._is_compiled:
+            return K, forms
+        return Packed(K, CONTEXT), Packed(forms._replace(coefficient=pairs(words_of(forms.coefficient))), FORMS)
+
+
+FACTORED: dict[tuple[int, ...], tuple[int, int]] = {}
+"""The first of TERMS for each monomial of degree four, by the indices of its factors."""
+for _pair in TERMS:
+    FACTORED.setdefault(tuple(sorted(INDICES[_pair[0]] + INDICES[_pair[1]])), _pair)
+
+
+def doubled(form: dict[tuple[int, int], int], p: int) -> dict[tuple[int, int], int]:
+    """The terms of a form at one point twice: products of its quadratic monomials, equal ones together."""
+    found: dict[tuple[int, int], int] = {}
+    for (k, m), c in form.items():
+        pair = FACTORED[tuple(sorted(INDICES[k] + INDICES[m]))]
+        found[pair] = (found.get(pair, 0) + (c if k == m else 2 * c)) % p
+    return found
+
+
+def packed(tables: Sequence[Sequence[dict[tuple[int, int], int]]], to_word: Callable[[int], int]) -> Forms:
+    """The terms and the forms of each table, those that are not 0 modulo p."""
+    pairs_of, ends, place, begin = [], [0], [], [0]
+    coefficients: list[int] = []
+    for table in tables:
+        used = sorted({pair for form in table for pair, c in form.items() if c})
+        pairs_of += used
+        ends.append(len(pairs_of))
+        for form in table:
+            terms = [(k, form[pair]) for k, pair in enumerate(used) if form.get(pair)]
+            terms += [(0, 0)] * (-len(terms) % 4)
+            place += [k for k, _ in terms]
+            coefficients += [to_word(c) for _, c in terms]
+            begin.append(len(place))
+    first, second = (np.array([pair[k] for pair in pairs_of], np.int64) for k in (0, 1))
+    begin_of, ends_of, places = (np.array(a, np.int64) for a in (begin, ends, place))
+    return Forms(first, second, ends_of, places, begin_of, coefficients)
+
+
+def equation(f: Sequence[int]) -> dict[tuple[int, ...], int]:
+    """The equation of the surface, K₂ξ₄² + K₁ξ₄ + K₀ (Cassels & Flynn 1996, (3.1.8)), by the indices of the four
+    factors of its monomials.
+    """
+    f0, f1, f2, f3, f4, f5, f6 = f
+    linear = {"000": 2 * f0, "001": f1, "002": 2 * f2, "012": f3, "022": 2 * f4, "122": f5, "222": 2 * f6}
+    rest = {
+        "0000": f1 * f1 - 4 * f0 * f2,
+        "0001": -4 * f0 * f3,
+        "0002": -2 * f1 * f3,
+        "0011": -4 * f0 * f4,
+        "0012": 4 * (f0 * f5 - f1 * f4),
+        "0022": f3 * f3 + 2 * f1 * f5 - 4 * f2 * f4 - 4 * f0 * f6,
+        "0111": -4 * f0 * f5,
+        "0112": 4 * (2 * f0 * f6 - f1 * f5),
+        "0122": 4 * (f1 * f6 - f2 * f5),
+        "0222": -2 * f3 * f5,
+        "1111": -4 * f0 * f6,
+        "1112": -4 * f1 * f6,
+        "1122": -4 * f2 * f6,
+        "1222": -4 * f3 * f6,
+        "2222": f5 * f5 - 4 * f4 * f6,
+    }
+    found = {"1133": 1, "0233": -4, **{f"{key}3": -2 * c for key, c in linear.items()}, **rest}
+    return {tuple(map(int, key)): c for key, c in found.items()}
+
+
+@lru_cache(maxsize=32)
+def biquadratic(surface: KummerSurface) -> list[list[int]]:
+    """The coefficients of the forms b_ij, in the order of INDICES, at the TERMS: with q_k the quadratic monomials,
+    q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y).
+    """
+    size = len(TERMS)
+    whole = surface.integers(len(INDICES) * size, lambda p: biquadratic_modulo(surface, p))
+    return [whole[i : i + size] for i in range(0, len(whole), size)]
+
+
+def biquadratic_modulo(surface: KummerSurface, p: int) -> list[int]:
+    """The same modulo a prime of 61 bits: b₁₁ and b₁₂ from their ratio, and the others from b₁₁."""
+    from flint import nmod_mat
+
+    rows, sums = zip(*_pairs_of_classes(surface.f, p), strict=True)
+    size, ratio = len(TERMS), []
+    for terms, values in zip(rows, sums, strict=True):
+        ratio += [c * values[1] % p for c in terms] + [-c * values[0] % p for c in terms]
+    kernel, dimension = nmod_mat(len(rows), 2 * size, ratio, p).nullspace()
+    if dimension != 1:
+        raise Infeasible(f"{surface!r}: its biquadratic forms were not found modulo {p}")
+    scale = pow(int(kernel[LEADING, 0]), -1, p)
+    first = [int(kernel[i, 0]) * scale % p for i in range(size)]
+    values = []
+    for terms, found in zip(rows[:size], sums[:size], strict=True):
+        factor = sum(c * t for c, t in zip(first, terms, strict=True)) * pow(found[0], -1, p) % p
+        values += [factor * v % p for v in found]
+    table = nmod_mat(size, size, [c for row in rows[:size] for c in row], p)
+    solved = table.solve(nmod_mat(size, len(INDICES), values, p))
+    return [int(solved[i, j]) for j in range(len(INDICES)) for i in range(size)]
+
+
+def _pairs_of_classes(f: Sequence[int], p: int) -> list[tuple[list[int], list[int]]]:
+    """(the terms at κ(D), κ(E), what the forms are there up to a factor) modulo p, for CLASSES pairs in general
+    position.
+    """
+    rng = Random(p)
+    found: list[tuple[list[int], list[int]]] = []
+    J = HyperellipticCurve(GF(p), [c % p for c in f]).jacobian()
+    D, E, step = J.random(rng), J.random(rng), J.random(rng)
+    while len(found) < CLASSES:
+        D, E = D + step, E + D
+        classes = D, E, D + E, D - E
+        if all(len(G.u) == 3 for G in classes):
+            a, b, x, y = ([c % p for c in coordinates(f, G.u, [*G.v, 0, 0])] for G in classes)
+            of_a, of_b = ([z[i] * z[j] % p for i, j in INDICES] for z in (a, b))
+            terms = [(of_a[k] * of_b[m] + (of_a[m] * of_b[k] if k != m else 0)) % p for k, m in TERMS]
+            found.append((terms, [(x[i] * y[j] + (x[j] * y[i] if i != j else 0)) % p for i, j in INDICES]))
+    return found

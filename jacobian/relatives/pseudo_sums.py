@@ -1,0 +1,222 @@
+"""Sums on a Kummer surface modulo a prime, from the biquadratic forms of :mod:`jacobian.relatives.pseudo_group`.
+
+With x = κ(a + b) and y = κ(a − b) the forms at κ(a), κ(b) are b_ij = x_i·y_j + x_j·y_i, b_ii = x_i·y_i, up to a common
+factor. Where y_i = 1, x_i = b_ii and x_j = b_ij − b_ii·y_j: four forms give the sum, whatever the points are, for no
+two classes have all forms 0. A double is the sum with the difference 0.
+
+The functions are compiled by :mod:`jacobian.native` for primes of two words, and run as they stand for longer ones.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
+from jacobian.native.library import Library
+from jacobian.native.modular import MODULAR
+from jacobian.numbers.two_words import TwoWords
+from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
+
+Forms = namedtuple("Forms", "first second ends place begin coefficient")
+Forms.__doc__ = """Tables of four forms: table i < 4 has b_i1 … b_i4, table 4 the doubling b_41 … b_44 at one point
+twice, table 5 the equation of the surface, likewise, as its first.
+
+The terms of table i are the pairs (first, second) from ``ends``[i] to ``ends``[i + 1]: the products of the quadratic
+monomials with these numbers, of a's and of b's, made symmetric. Its form j has the terms ``place``, counted from the
+first of the table, with ``coefficient``, from ``begin``[4i + j] on: a multiple of four of them.
+"""
+
+QUADRATIC = 10
+"""Quadratic monomials ξ₁², ξ₁ξ₂, … of one point."""
+TERMS = 2 * QUADRATIC
+"""Where the terms stand in the scratch array."""
+SCRATCH = TERMS + 55
+
+
+def monomials_into(K: Any, S: Any, at: Any, x: Any) -> None:
+    """The quadratic monomials of a point."""
+    for i in range(4):
+        for j in range(i, 4):
+            S[at] = mul(K, x[i], x[j])
+            at += 1
+
+
+def sum_of(K: Any, F: Any, S: Any, a: Any, b: Any, difference: Any, i: Any) -> Any:
+    """κ(a + b) from κ(a), κ(b) and κ(a − b), whose coordinate i is 1."""
+    monomials_into(K, S, 0, a)
+    monomials_into(K, S, QUADRATIC, b)
+    begin = F.ends[i]
+    for n in range(begin, F.ends[i + 1]):
+        k, m = F.first[n], F.second[n]
+        if k == m:
+            S[TERMS + n - begin] = mul(K, S[k], S[QUADRATIC + k])
+        else:
+            S[TERMS + n - begin] = dot2(K, S[k], S[QUADRATIC + m], S[m], S[QUADRATIC + k])
+    x = forms_of(K, F, S, i)
+    own = x[i]
+    return (
+        own if i == 0 else sub(K, x[0], mul(K, own, difference[0])),
+        own if i == 1 else sub(K, x[1], mul(K, own, difference[1])),
+        own if i == 2 else sub(K, x[2], mul(K, own, difference[2])),
+        own if i == 3 else sub(K, x[3], mul(K, own, difference[3])),
+    )
+
+
+def forms_of(K: Any, F: Any, S: Any, table: Any) -> Any:
+    """The values of the four forms of a table at its terms."""
+    return (
+        form(K, F, S, 4 * table),
+        form(K, F, S, 4 * table + 1),
+        form(K, F, S, 4 * table + 2),
+        form(K, F, S, 4 * table + 3),
+    )
+
+
+def form(K: Any, F: Any, S: Any, which: Any) -> Any:
+    """The value of one form at the terms."""
+    total = sub(K, K.one, K.one)
+    for n in range(F.begin[which], F.begin[which + 1], 4):
+        c, at = F.coefficient, F.place
+        first, second = S[TERMS + at[n]], S[TERMS + at[n + 1]]
+        third, fourth = S[TERMS + at[n + 2]], S[TERMS + at[n + 3]]
+        total = add(K, total, dot4(K, c[n], first, c[n + 1], second, c[n + 2], third, c[n + 3], fourth))
+    return total
+
+
+def identity(K: Any) -> Any:
+    """κ(0)."""
+    zero = sub(K, K.one, K.one)
+    return zero, zero, zero, K.one
+
+
+def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
+    """κ(2a): b_i4 at the difference κ(0)."""
+    monomials_into(K, S, 0, a)
+    begin = F.ends[4]
+    for n in range(begin, F.ends[5]):
+        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+    return forms_of(K, F, S, 4)
+
+
+def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
+    """Whether it is one of the surface, the first coordinate that is not 0 being 1."""
+    if a[unit(a)] != K.one:
+        return False
+    monomials_into(K, S, 0, a)
+    begin = F.ends[5]
+    for n in range(begin, F.ends[6]):
+        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+    return form(K, F, S, 20) == 0
+
+
+def multiple_of(K: Any, F: Any, S: Any, x: Any, i: Any, bits: Any) -> Any:
+    """κ(ma) by Montgomery's ladder (1987), the bits of m from the top; coordinate i of x = κ(a) is 1."""
+    low, high = identity(K), x
+    for n in range(len(bits)):
+        total = sum_of(K, F, S, low, high, x, i)
+        if bits[n] == 1:
+            low, high = total, double_of(K, F, S, high)
+        else:
+            low, high = double_of(K, F, S, low), total
+    return low
+
+
+def unit(x: Any) -> Any:
+    """The number of the first coordinate that is not 0."""
+    return 0 if x[0] != 0 else 1 if x[1] != 0 else 2 if x[2] != 0 else 3
+
+
+def encoded(K: Any, x: Any) -> Any:
+    """A point of residues in words."""
+    return encode(K, x[0]), encode(K, x[1]), encode(K, x[2]), encode(K, x[3])
+
+
+def normal(K: Any, x: Any) -> Any:
+    """The residues of a point, the first that is not 0 being 1."""
+    c = inverse(K, x[unit(x)])
+    return (
+        decode(K, mul(K, x[0], c)),
+        decode(K, mul(K, x[1], c)),
+        decode(K, mul(K, x[2], c)),
+        decode(K, mul(K, x[3], c)),
+    )
+
+
+# --- one point: (0, the result), or (which argument is no point, nothing of meaning)
+
+
+def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
+    """x + y where the difference is known."""
+    a, b, d = encoded(K, x), encoded(K, y), encoded(K, difference)
+    if not is_point(K, F, S, a):
+        return 1, x
+    if not is_point(K, F, S, b):
+        return 2, x
+    if not is_point(K, F, S, d):
+        return 3, x
+    return 0, normal(K, sum_of(K, F, S, a, b, d, unit(d)))
+
+
+def double_point(K: Any, F: Any, x: Any, S: Any) -> Any:
+    """2x."""
+    a = encoded(K, x)
+    if not is_point(K, F, S, a):
+        return 1, x
+    return 0, normal(K, double_of(K, F, S, a))
+
+
+def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
+    """mx."""
+    a = encoded(K, x)
+    if not is_point(K, F, S, a):
+        return 1, x
+    return 0, normal(K, multiple_of(K, F, S, a, unit(a), bits))
+
+
+# --- columns of points: what is no point is left as it is, its argument in ``wrong``
+
+
+def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
+    """x + y where the differences are known, for the columns of a span of (x, y, differences)."""
+    x, y, difference = operands
+    for j in range(span[0], span[1]):
+        wrong[j], found = add_point(K, F, column(x, j), column(y, j), column(difference, j), S)
+        out[0, j], out[1, j], out[2, j], out[3, j] = found
+
+
+def double_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
+    """2x, likewise, of (x,)."""
+    for j in range(span[0], span[1]):
+        wrong[j], found = double_point(K, F, column(operands[0], j), S)
+        out[0, j], out[1, j], out[2, j], out[3, j] = found
+
+
+def multiply_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:
+    """mx, likewise, of (x, bits): a row of bits for each, or one for all."""
+    x, bits = operands
+    for j in range(span[0], span[1]):
+        wrong[j], found = multiply_point(K, F, column(x, j), bits[min(j, bits.shape[0] - 1)], S)
+        out[0, j], out[1, j], out[2, j], out[3, j] = found
+
+
+def column(x: Any, j: Any) -> Any:
+    """The point of a column."""
+    return x[0, j], x[1, j], x[2, j], x[3, j]
+
+
+CONTEXT, FORMS = record(TwoWords, *[LONG] * 5), record(Forms, *[INTS] * 5, LONGS)
+POINT, POINTS, SPAN = TupleKind((LONG,) * 4), ArrayKind(LONG, 2, 2), TupleKind((INT, INT))
+_REST = (POINTS, INTS, SPAN, LONGS)
+COMPILED = Library(
+    "sums_on_kummer_surfaces",
+    {
+        "add_point": (add_point, (CONTEXT, FORMS, POINT, POINT, POINT, LONGS)),
+        "double_point": (double_point, (CONTEXT, FORMS, POINT, LONGS)),
+        "multiply_point": (multiply_point, (CONTEXT, FORMS, POINT, INTS, LONGS)),
+        "add_points": (add_points, (CONTEXT, FORMS, TupleKind((POINTS,) * 3), *_REST)),
+        "double_points": (double_points, (CONTEXT, FORMS, TupleKind((POINTS,)), *_REST)),
+        "multiply_points": (multiply_points, (CONTEXT, FORMS, TupleKind((POINTS, ArrayKind(INT, 2))), *_REST)),
+    },
+    MODULAR,
+)
