@@ -12,6 +12,7 @@ from operator import index
 from typing import Any, TypeVar
 
 Choice = TypeVar("Choice")
+NO_SEQUENCES = (str, bytes, bytearray, memoryview, dict, set, frozenset)
 SHOWN = 200
 """Characters of a value that a message shows."""
 MOST_ENTRIES = 10_000_000
@@ -63,16 +64,27 @@ class NotAMultiple(JacobianError):
 
 
 def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -> list[Any]:
-    """The entries of a sequence, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
-    if isinstance(values, (str, bytes, bytearray, memoryview)):
+    """The entries of a sequence, or an ArgumentError that names ``argument`` and says what is ``wanted``. Sets and
+    dictionaries are none; a table of pandas, which iterates over its labels, has the entries of its array.
+    """
+    if isinstance(values, NO_SEQUENCES):
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
     try:
-        found = list(values if hasattr(values, "ndim") else islice(values, MOST_ENTRIES + 1))
+        found = list(_unmasked(values) if hasattr(values, "ndim") else islice(values, MOST_ENTRIES + 1))
     except Exception as error:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed ({error})") from None
     if len(found) > MOST_ENTRIES and not hasattr(values, "ndim"):
         raise ArgumentError(f"{argument}: more than {MOST_ENTRIES} entries; {wanted} is needed")
     return found
+
+
+def _unmasked(values: Any, dtype: Any = None) -> Any:
+    """As numpy's array; ValueError where entries are masked."""
+    import numpy as np
+
+    if np.ma.is_masked(values):
+        raise ValueError("some entries are masked")
+    return np.asarray(values, dtype)
 
 
 def one_or_more(values: Any, argument: str) -> list[Any]:
@@ -108,10 +120,8 @@ def flag(value: Any, argument: str) -> bool:
 
 def floats(values: Any, argument: str, wanted: str) -> Any:
     """Numbers as an array of floats, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
-    import numpy as np
-
     try:
-        return np.asarray(values, dtype=np.float64)
+        return _unmasked(values, "float64")
     except Exception:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted}") from None
 

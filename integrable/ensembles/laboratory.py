@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from integrable.ensembles.computing import REFUSED, Said, gathered, held, short_runs
-from integrable.ensembles.members import common_count, numbers, plain, time_rows, times_of
+from integrable.ensembles.members import common_count, member_number, numbers, plain, time_rows, times_of
 from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Frame
@@ -28,7 +28,7 @@ from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator
 
     from scipy.spatial.transform import Rotation
 
@@ -84,8 +84,13 @@ class LaboratoryEnsemble(Record):
     def __repr__(self) -> str:
         return f"<LaboratoryEnsemble of {len(self)} motions of {self.body!r}>"
 
-    def __getitem__(self, which: Any) -> LaboratoryEnsemble:
-        """Those of the members that a slice, an array of numbers or of truth values chooses."""
+    def __iter__(self) -> Iterator[LaboratoryMotion]:
+        return map(self.motion, range(len(self)))
+
+    def __getitem__(self, which: Any) -> Any:
+        """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
+        if not (isinstance(which, slice) or np.ndim(which)):
+            return self.motion(member_number(which, len(self)))
         which = chosen(which, len(self))
         parts = {name: getattr(self, name)[which] for name in ("orientations", "omega", "contacts")}
         return replaced(self, **parts)

@@ -6,7 +6,8 @@ together, within which none of them refuses anything and short runs of compiled 
 
 from __future__ import annotations
 
-from typing import Any, TypeVar
+from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -19,7 +20,6 @@ from jacobian import RR
 from jacobian.errors import ArgumentError, chosen, floats, shown, whole
 from jacobian.immutable import Record, replaced
 
-Kind = TypeVar("Kind", bound="Members")
 # of what is refused: members nearer to a bound are looked at by themselves
 HALF, FAR_INSIDE = 0.5, 1e-3
 # the largest and the least moment differ by this part of the largest plus d; beside M ∥ γ and beside a principal axis
@@ -38,9 +38,20 @@ class Members(Record):
     def __repr__(self) -> str:
         return f"<{type(self).__name__} of {len(self)} motions of {type(self.system).__name__}>"
 
-    def __getitem__(self: Kind, which: Any) -> Kind:
-        """Those of the members that a slice, an array of numbers or of truth values chooses."""
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        heads = ["I1", "I2", "I3", "d", "γ1", "γ2", "γ3", "M1", "M2", "M3"]
+        return table(repr(self), ["member", *heads], [(k, *row) for k, row in enumerate(self.members.tolist())])
+
+    def __getitem__(self, which: Any) -> Any:
+        """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
+        if not (isinstance(which, slice) or np.ndim(which)):
+            return self.flow(member_number(which, len(self)))
         return replaced(self, members=self.members[chosen(which, len(self))])
+
+    def __iter__(self) -> Iterator[Motion]:
+        return map(self.flow, range(len(self)))
 
     @property
     def inertia(self) -> np.ndarray:
@@ -66,6 +77,11 @@ class Members(Record):
         """The motion of one member; raises what refuses it."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         return motion_of(self.system, self.members[member], self.tilted)
+
+
+def member_number(member: Any, count: int) -> int:
+    """The number of a member, from the end too, as 0 … count − 1."""
+    return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
 
 
 def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:

@@ -7,9 +7,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from integrable.ensembles.members import times_of_some
+from integrable.ensembles.members import member_number, times_of_some
 from integrable.files.frame import Column
-from jacobian.errors import ArgumentError, chosen, whole
+from jacobian.errors import ArgumentError, chosen
 from jacobian.immutable import Record, read_only, replaced
 
 Kind = TypeVar("Kind", bound="Runs")
@@ -33,6 +33,12 @@ class Runs(Record):
         said = f", {refused} of them refused" if refused else ""
         return f"<{type(self).__name__} of {len(self)} {motions} at {self._times.shape[1]} times{said}>"
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        rows = [(k, self.reasons[n] or "had") for k, n in enumerate(self.status.tolist())]
+        return table(repr(self), ["member", "status"], rows)
+
     @property
     def times(self) -> np.ndarray:
         """Physical times, shape (N,), or (K, N) where every member has its own."""
@@ -47,7 +53,7 @@ class Runs(Record):
         """A member (raises what refused it as a whole), or those of some members."""
         if isinstance(which, slice) or np.ndim(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
-        return self._one(self._member(which))
+        return self._one(member_number(which, len(self)))
 
     def __iter__(self) -> Iterator[Any]:
         return map(self.__getitem__, range(len(self)))
@@ -58,10 +64,6 @@ class Runs(Record):
         dims = ("member", "row" if own else "time")
         time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
         return dims, {"member": Column(dims[:1], np.arange(len(self)), "1", "number of the member"), "time": time}
-
-    def _member(self, member: Any) -> int:
-        count = len(self)
-        return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
 
     def _one(self, member: int) -> Any:
         """The motion of a member at its times, with what is known of it."""

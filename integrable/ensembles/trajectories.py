@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from integrable.ensembles.computing import WORDS, Outcome, statuses
-from integrable.ensembles.members import Members, motion_of, system_of, times_of
+from integrable.ensembles.members import Members, member_number, motion_of, system_of, times_of
 from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
@@ -80,7 +80,7 @@ class Trajectories(Runs, Exported):
 
     def row_status(self, member: int) -> np.ndarray:
         """0, or the number of the reason, for every row of a member: shape (N,)."""
-        member = self._member(member)
+        member = member_number(member, len(self))
         if member in self._partial:
             return read_only(self._partial[member])
         return read_only(np.full(self._rows.shape[1], self.status[member]))

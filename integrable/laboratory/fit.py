@@ -42,6 +42,17 @@ class OrientationFit(Record):
         """ω of the start in the laboratory."""
         return self.motion.at([0.0]).omega[0]
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        errors = np.sqrt(np.diag(self.covariance))
+        facts: list[tuple[str, Any]] = [
+            ("ratios", tuple(self.ratios.tolist())),
+            ("relative errors of the ratios", tuple(errors[6:].tolist())),
+        ]
+        facts += [("ω of the start, rad/s", tuple(self.omega.tolist())), ("rms, rad", self.rms)]
+        return named("motion nearest to orientations", facts)
+
     def __repr__(self) -> str:
         first, second = self.ratios.tolist()
         return f"<OrientationFit: ratios {first:.8g} and {second:.8g}, rms {self.rms:.2g} rad>"

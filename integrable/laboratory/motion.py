@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -76,11 +76,22 @@ class LaboratoryMotion(Immutable):
         return f"<motion of {self.body!r}>"
 
 
+class Instant(NamedTuple):
+    """A motion in the laboratory at one ``time``: ``matrix`` (3, 3) from the axes of the tensor to the laboratory,
+    ``omega`` (3,) in the axes of the laboratory, ``contact`` (2,), None for a free body.
+    """
+
+    time: Any
+    matrix: Any
+    omega: Any
+    contact: Any
+
+
 class LaboratoryRun(Exported):
     """Orientations, angular velocities and points of contact at ``times``, shape (N,), in s; computed on first use.
 
-    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to. ``run[k]``, a slice or an array
-    of numbers or truth values gives the run at some of the times.
+    Floats are float64 arrays, MP(digits) object arrays of mpf; none can be written to. ``run[k]`` is an
+    :class:`Instant`; a slice or an array of numbers or truth values gives the run at some of the times.
     """
 
     def __init__(self, motion: LaboratoryMotion, times: Any) -> None:
@@ -89,14 +100,16 @@ class LaboratoryRun(Exported):
     def __len__(self) -> int:
         return len(self.times)
 
-    def __getitem__(self, which: Any) -> LaboratoryRun:
+    def __getitem__(self, which: Any) -> Any:
         if not (isinstance(which, slice) or np.ndim(which)):
-            which = [whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)]
+            row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
+            contact = None if self.motion._contact is None else self.contact[row]
+            return Instant(self.times[row], self.matrices[row], self.omega[row], contact)
         places = np.arange(len(self))[chosen(which, len(self))]
         found = {"_found": tuple(part[places] for part in self._found)} if "_found" in vars(self) else {}
         return replaced(self, times=self.times[places], **found)
 
-    def __iter__(self) -> Iterator[LaboratoryRun]:
+    def __iter__(self) -> Iterator[Instant]:
         return map(self.__getitem__, range(len(self)))
 
     def concatenated(self, *others: LaboratoryRun) -> LaboratoryRun:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, entries, shown
 
 # a tensor is symmetric, and a body has I₁ + I₂ ≥ I₃, up to this part of the largest entry: drawings are rounded
 ROUNDED = 1e-9
@@ -123,7 +123,8 @@ def matrices_of(orientation: Any) -> Any:
 def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
     """A 3×3 matrix of K, of three ``moments`` a diagonal one; ArgumentError for other shapes."""
     try:
-        given = np.array([[*row] if hasattr(row, "__iter__") else row for row in values], dtype=object)
+        rows = entries(values, argument, wanted)
+        given = np.array([entries(row, argument) if hasattr(row, "__iter__") else row for row in rows], dtype=object)
     except Exception:
         given = np.empty(0, dtype=object)
     if given.shape == (3,) and moments:
@@ -131,8 +132,8 @@ def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = Fals
         return np.array([[diagonal[i] if i == j else K.zero for j in range(3)] for i in range(3)], dtype=object)
     if given.shape != (3, 3):
         raise ArgumentError(f"{argument} = {shown(values)}: give {wanted}")
-    rows = [[K.coerce(given[i, j], f"{argument}[{i}][{j}]") for j in range(3)] for i in range(3)]
-    return np.array(rows, dtype=object)
+    table = [[K.coerce(given[i, j], f"{argument}[{i}][{j}]") for j in range(3)] for i in range(3)]
+    return np.array(table, dtype=object)
 
 
 def determinant(table: Matrix) -> Any:

@@ -140,7 +140,7 @@ class Motion(Immutable):
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers of the field."""
         field = self.system.field
-        quick = isinstance(values, np.ndarray) and values.dtype == np.float64 and values.ndim == 1 and field == RR
+        quick = type(values) is np.ndarray and values.dtype == np.float64 and values.ndim == 1 and field == RR
         if quick and np.isfinite(values).all():
             # a copy: the times of a result do not change with the caller's array
             return np.array(values)

@@ -66,6 +66,12 @@ class Section(Record):
     def __len__(self) -> int:
         return len(self.phi)
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        columns = (self.tau, self.phi, self.momentum, self.theta)
+        return table(repr(self), ["τ", "φ", "M/|M|", "ϑ"], list(zip(*(x.tolist() for x in columns), strict=True)))
+
     def __repr__(self) -> str:
         return f"<Section of {len(self)} crossings of axis {self.axis}, {self.run.system!r}>"
 

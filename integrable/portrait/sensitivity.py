@@ -74,6 +74,14 @@ class Sensitivity(Record):
     def __len__(self) -> int:
         return len(self.times)
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        if not len(self):
+            return table(repr(self), ["", *COLUMNS], [])
+        rows = [(name, *row) for name, row in zip(COLUMNS, self.matrix[-1].tolist(), strict=False)]
+        return table(f"{self!r}; at t = {self.times[-1]}", ["", *COLUMNS], rows)
+
     def __repr__(self) -> str:
         return f"<Sensitivity at {len(self)} times, by {self.way}>"
 

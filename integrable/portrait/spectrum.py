@@ -50,6 +50,13 @@ class Spectrum(Record):
     def __len__(self) -> int:
         return len(self.frequencies)
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        sizes = (np.linalg.norm(x, axis=1).tolist() for x in (self.gamma, self.M, self.omega))
+        rows = list(zip(map(tuple, self.modes.tolist()), self.frequencies.tolist(), *sizes, strict=True))
+        return table(repr(self), ["mode", "frequency", "|γ|", "|M|", "|ω|"], rows)
+
     def __repr__(self) -> str:
         return f"<Spectrum of {len(self)} lines>"
 

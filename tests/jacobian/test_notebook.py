@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
 
-from integrable import ChaplyginBall, EulerTop, RigidBody, RollingBall
+from integrable import ChaplyginBall, EulerTop, RigidBody, RollingBall, ensemble, laboratory_ensemble
+from integrable.laboratory.fit import OrientationFit
+from integrable.portrait.sensitivity import Sensitivity
 from jacobian import GF, MP, QQ, HyperellipticCurve
 from jacobian.notebook import named, table
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
 FLOW = BALL.flow(BALL.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
 ROLLING = RollingBall((0.1, 0.12, 0.15), 2, 0.5).motion([[1, 0, 0], [0, 1, 0], [0, 0, 1]], (1, 2, 3))
+MANY = ensemble(BALL, FLOW.state.gamma, FLOW.state.M, d=[0.7, -1])
 CURVE = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1])
 VALUES = {
     "curve": (CURVE, "GF(101)"),
@@ -29,6 +33,16 @@ VALUES = {
     "body": (RigidBody((1, 2, 3)), "principal moments"),
     "rolling ball": (ROLLING.body, "mass, kg"),
     "laboratory": (ROLLING.at([0, 1]), "x, m"),
+    "members": (MANY, "<td>-1</td>"),
+    "runs of members": (MANY.at([0, 1]), "d = -1.0 is negative"),
+    "runs in the laboratory": (laboratory_ensemble(ROLLING.body, np.eye(3), [(1, 2, 3)] * 12).at([0]), "2 more"),
+    "section": (FLOW.section(3), "ϑ"),
+    "spectrum": (FLOW.spectrum(), "(0, -1)"),
+    "sensitivity": (Sensitivity(np.array([2.0]), np.ones((1, 6, 10)), None, "torus"), "at t = 2.0"),
+    "fit": (
+        OrientationFit(RigidBody((1, 2, 3)).motion(np.eye(3), (1, 2, 3)), np.array([0.5, 0.7]), 0.1, np.eye(8)),
+        "0.7",
+    ),
 }
 
 
