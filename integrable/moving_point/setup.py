@@ -65,10 +65,11 @@ class Setup:
 
     @property
     def floats_given(self) -> tuple[np.ndarray, bool] | None:
-        """Moments, d, γ and M, and whether the state is tilted; None for a body that is not of floats."""
-        if self.body.field != RR:
-            return None
-        return np.array((*self.body.inertia, self.body.d, *self._gamma, *self._M)), self._tilted
+        """Moments, d, γ and M, and whether the state is tilted; None where numbers have more digits (in the laboratory
+        those of a motion of floats, too).
+        """
+        given = (*self.body.inertia, self.body.d, *self._gamma, *self._M)
+        return (np.array(given), self._tilted) if all(isinstance(x, float) for x in given) else None
 
     @property
     def tilt(self) -> ChaplyginTransformation | None:
