@@ -49,9 +49,11 @@ def write(source: Path, data: dict[str, Any]) -> dict[str, SceneFindings]:
         _write(folder / f"{name}.md", f"# {title}\n\n[The scene in the gallery](../gallery/{name}.md)\n{body}")
     names = "\n".join(found.scene.name for found in study.findings)
     others = ", ".join(f"[{f.scene.name}]({f.scene.name}.md)" for f in study.findings if not f.standings)
+    if others:
+        others = f"Not in it, for nothing is timed there against others or no divisors move them: {others}.\n\n"
     _write(
         folder / "index.md",
-        f"{INTRO}\n```{{raw}} html\n{_chart(study)}```\n\nNot in it, for nothing is timed there against others or no divisors move them: {others}.\n\n"
+        f"{INTRO}\n```{{raw}} html\n{_chart(study)}```\n\n{others}"
         f"[All rows where the flow is not ahead](rows.md), in a table that can be sorted. [Details](details.md): long runs, floors, first use, orders, "
         f"additions, rows without a figure.\n\n## Claims\n\n{CLAIMS}\n\n{claims}\n"
         f"## How it was measured\n\n{introduction(study)}\n```{{toctree}}\n:hidden:\n\nrows\ndetails\n{names}\n```\n",
