@@ -52,6 +52,23 @@ def closed(K: Any, C: Any, S: Any, j: Any, back: Any, first: Any, second: Any) -
     return (*u, *sum_v(K, C, bent, u, first)), mul(K, back, S[3, j])
 
 
+def closed_block(K: Any, C: Any, S: Any, block: Any, total: Any, rows: Any, special: Any, count: Any) -> Any:
+    """The sums of a block (start, size) of ``rows``, (x, y, out), from the product of all that are general; the number
+    of special ones so far.
+    """
+    (start, size), (x, y, out) = block, rows
+    back = inverse(K, total)
+    for k in range(size):
+        j = size - 1 - k
+        if S[3, j] == 0:
+            special[count] = start + j
+            count += 1
+        else:
+            found, back = closed(K, C, S, j, back, line(x, start + j), line(y, start + j))
+            keep(out, start + j, found)
+    return count
+
+
 def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, special: Any, S: Any) -> Any:
     """out[:, j] = x[:, j] + y[:, j] for the general rows of a span (begin, end); the others go into ``special``, and
     their number is returned. ``first`` is x with its degrees in the span, ``second`` y with its.
@@ -69,15 +86,7 @@ def add_rows(K: Any, C: Any, first: Any, second: Any, out: Any, span: Any, speci
                     total = opened(K, C, S, j, total, tangent(K, C, D))
                 else:
                     total = opened(K, C, S, j, total, chord(K, D, E))
-        back = inverse(K, total)
-        for k in range(size):
-            j = size - 1 - k
-            if S[3, j] == 0:
-                special[count] = start + j
-                count += 1
-            else:
-                found, back = closed(K, C, S, j, back, line(x, start + j), line(y, start + j))
-                keep(out, start + j, found)
+        count = closed_block(K, C, S, (start, size), total, (x, y, out), special, count)
     return count
 
 
@@ -91,16 +100,7 @@ def double_rows(K: Any, C: Any, first: Any, out: Any, span: Any, special: Any, S
             S[3, j] = 0
             if degree[start + j - begin] == 2:
                 total = opened(K, C, S, j, total, tangent(K, C, line(x, start + j)))
-        back = inverse(K, total)
-        for k in range(size):
-            j = size - 1 - k
-            if S[3, j] == 0:
-                special[count] = start + j
-                count += 1
-            else:
-                D = line(x, start + j)
-                found, back = closed(K, C, S, j, back, D, D)
-                keep(out, start + j, found)
+        count = closed_block(K, C, S, (start, size), total, (x, x, out), special, count)
     return count
 
 
