@@ -21,7 +21,7 @@ from integrable import ChaplyginBall, ensemble
 from integrable.ensembles.ensemble import Ensemble
 from integrable.extras import installed
 from integrable.oracles.reference import body_equations
-from jacobian.native.threads import set_threads
+from jacobian.numbers.threads import set_threads
 
 OUTPUTS = 101
 CASES = (

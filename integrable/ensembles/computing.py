@@ -22,8 +22,8 @@ from integrable.motion.short import (
 from integrable.motion.trajectory import WAYS, Motion
 from integrable.systems.system import System
 from jacobian.errors import ArgumentError, JacobianError
-from jacobian.native.threads import in_ranges
 from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.threads import in_ranges
 
 COLUMNS = 7
 """γ, M and τ."""

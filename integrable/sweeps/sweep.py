@@ -28,7 +28,7 @@ from integrable.sweeps.grid import Grid
 from integrable.sweeps.jobs import BodyJob, SceneJob, done
 from integrable.sweeps.store import Layout, Store
 from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
-from jacobian.native.threads import threads
+from jacobian.numbers.threads import threads
 
 __all__ = ["SweepStopped", "Swept", "sweep"]
 
@@ -74,7 +74,7 @@ def sweep(
     times, or of an ensemble at ``times``. ``out`` ends with .zarr or .h5; it appears when it is complete.
 
     ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", … (docs/many.md).
-    ``executor``: "processes" or "threads", as many as :func:`jacobian.native.threads.threads` says, or any
+    ``executor``: "processes" or "threads", as many as :func:`jacobian.numbers.threads.threads` says, or any
     ``concurrent.futures.Executor``. Chunks of ``chunk`` members are kept as they come, beside ``out``; a sweep that was
     killed goes on with the same call. A member that is refused is a row with its reason. ``progress`` draws a bar on
     stderr. ArgumentError for wrong arguments, a disk that is full, and a file that is there; SweepStopped where the

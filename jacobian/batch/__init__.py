@@ -9,6 +9,6 @@ DivisorArray([(1, 0), (x, 1), (x^2, 1), …], 4 rows)
 """
 
 from jacobian.batch.array import DivisorArray
-from jacobian.native.threads import set_threads, threads
+from jacobian.numbers.threads import set_threads, threads
 
 __all__ = ["DivisorArray", "set_threads", "threads"]

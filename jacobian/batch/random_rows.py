@@ -21,7 +21,7 @@ from jacobian.batch import random_kernels
 from jacobian.batch.compiled_rows import CompiledRows, Rows
 from jacobian.curve.points import AffinePoint
 from jacobian.fields.randomness import random_below
-from jacobian.native.threads import in_ranges
+from jacobian.numbers.threads import in_ranges
 
 LISTED = 1 << 12
 """The points over a field of up to as many elements, and over fields of tables, are listed."""

@@ -15,7 +15,7 @@ from jacobian.batch.equation import Equation
 from jacobian.batch.multiples import multiply_by_each, multiply_by_one
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
-from jacobian.native.threads import in_ranges
+from jacobian.numbers.threads import in_ranges
 
 LADDER = 1 << 12
 """Rows that are multiplied together: their tables stay in the processor's cache."""

@@ -18,8 +18,8 @@ from jacobian.batch.float_kernels import Columns, add_columns, first_off_curve
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError
 from jacobian.fields import CC, RR
-from jacobian.native.threads import in_ranges
 from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.threads import in_ranges
 
 RANGE = 1 << 14
 """Columns that one thread takes at a time."""

@@ -24,8 +24,8 @@ from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_scalar
 from jacobian.native.library import Packed
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
-from jacobian.native.threads import in_ranges
 from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.two_words import two_words
 from jacobian.relatives import pseudo_sums
 from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface

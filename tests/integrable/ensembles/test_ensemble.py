@@ -8,7 +8,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, Tilde, ensemble
 from integrable.motion import short
 from jacobian import MP, ArgumentError
-from jacobian.native.threads import set_threads
+from jacobian.numbers.threads import set_threads
 
 BALL = ChaplyginBall((1, 2, 3), 0.7)
 GAMMA, M = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)

@@ -8,8 +8,8 @@ import pytest
 from integrable import RigidBody, RollingBall, ensemble, laboratory_ensemble
 from jacobian import MP
 from jacobian.errors import ArgumentError, NotRepresentable
-from jacobian.native.threads import set_threads
 from jacobian.numbers.compiler import interpreted
+from jacobian.numbers.threads import set_threads
 from tests.integrable.laboratory.test_laboratory import MASS, RADIUS, UP, Unmade, lean, rotation, tensor
 
 TENSOR = tensor((0.1, 0.12, 0.15), rotation(np.random.default_rng(1)))

@@ -12,7 +12,7 @@ from jacobian import GF, QQ, ArgumentError, CurveMismatch, Divisor, FieldError, 
 from jacobian.addition import cantor
 from jacobian.batch import DivisorArray, array, compiled_rows, set_threads, threads
 from jacobian.batch.multiples import signed_windows
-from jacobian.native.threads import in_ranges
+from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, word_context
 from tests.jacobian.group_curves import genus_two_rows, random_curve, small_fields, triple
 from tests.jacobian.jacobian_rows import ROWS

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jacobian import GF, QQ, ArgumentError, CurveMismatch, FieldError, HyperellipticCurve
-from jacobian.native.threads import set_threads
+from jacobian.numbers.threads import set_threads
 from jacobian.relatives.pseudo_group import PseudoGroup
 from tests.jacobian.group_curves import random_curve
 
