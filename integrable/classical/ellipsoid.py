@@ -25,6 +25,9 @@ from jacobian.errors import ArgumentError, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
+# of Newton's method for a step
+MOST_STEPS = 100
+
 
 class Ellipsoid(MumfordSystem):
     """Geodesics on Σx_i²/a_i = 1, len(a) ≥ 2, the a_i different and over real fields positive.
@@ -112,13 +115,16 @@ class Ellipsoid(MumfordSystem):
             inner, length = self._constrained(L, self._inside(L, state)), L.coerce(h)
             reached = [x + length * v for x, v in zip(*inner, strict=True)]
             squares, a, x = [y * y for y in reached], self._constants_in(L), L.zero
-            while True:
-                # convex and growing: from the right, where λ is 0, Newton's steps are all to the left
+            for _ in range(MOST_STEPS):
+                # 1/Σ is concave in −λ: from λ = 0 Newton's steps are all to the left
                 parts = [y / (e - x) for y, e in zip(squares, a, strict=True)]
-                move = (sum(parts, -L.one)) / sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
+                total = sum(parts, L.zero)
+                slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
+                move = (total - 1) * total / slope
                 if not move > L.eps * abs(x):
-                    return self._moved(L, inner, x, length)
+                    break
                 x = x - move
+            return self._moved(L, inner, x, length)
 
         return self._settled(read)
 

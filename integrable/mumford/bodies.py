@@ -14,7 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from math import ceil, log10
+from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.motion import Start
@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 
 # digits of τ beyond those of a state; those for far times come in steps, so that few series are made
 GUARD, DIGITS_APART = 6, 4
+# radians up to which a clock is set up
+FARTHEST = 1e100
 # of the numbers that a torus is set up with
 DIGITS = 50
 # a panel of the clock of a separatrix, in some radians
@@ -167,7 +169,13 @@ class BodyFlow(MumfordFlow):
 
     def _places(self, times: list[Any]) -> list[Any]:
         """τ, with the digits that the states are to have at the farthest of the times."""
-        far = max([abs(float(t)) for t in times], default=0) * self._pace
+        last = max([abs(float(t)) for t in times], default=0.0)
+        far = last * self._pace
+        if not far < FARTHEST:
+            raise PrecisionLoss(
+                f"time {last}: {far:.1e} radians are more than the {FARTHEST:.0e} of this clock; nearer times are "
+                "within reach"
+            )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
         if digits not in self._clocks:
             self._clocks = {digits: self._made(digits)}
@@ -205,8 +213,7 @@ class BodyFlow(MumfordFlow):
     @cached_property
     def _pace(self) -> float:
         """Some radians in a unit of time."""
-        M = self._inner(RR).p
-        return float(max(self._body._constants_in(RR)) * RR.dot(M, M) ** 0.5)
+        return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 
 def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:

@@ -114,8 +114,8 @@ class PanelClock:
 
     def _too_far(self, t: Any) -> PrecisionLoss:
         return PrecisionLoss(
-            f"time {float(t)}: this motion is on a separatrix, where the way to a time is walked over; that is more "
-            f"than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
+            f"time {float(t)}: this motion is on a separatrix or too near one, where the way to a time is walked "
+            f"over; that is more than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
         )
 
     def _panel(self, n: int) -> tuple[list[Any], Any]:

@@ -214,6 +214,19 @@ def test_times_far_along_a_separatrix_are_refused() -> None:
         system.flow(system.state((0.6, 0, 0.8), (0, 1, 0))).at(1e9)
 
 
+def test_times_beyond_its_clock_are_refused() -> None:
+    system = Veselova((1, 2, 4))
+    with pytest.raises(PrecisionLoss, match="more than the 1e\\+100 of this clock"):
+        system.flow(system.state((0.6, 0, 0.8), (0.8, 1, -0.6))).at(1e308)
+
+
+@pytest.mark.parametrize("h", [1e-150, 1e-8, -1e8, 1e150])
+def test_steps_along_geodesics_of_any_length_stay_on_the_ellipsoid(h) -> None:
+    system = Ellipsoid((1, 2, 4))
+    state = system.discrete(system.state((1, 0, 0), (0, 0.6, 0.8)), h)
+    assert system.integrals(system.state(*state))["speed squared"] == pytest.approx(1, rel=1e-14)
+
+
 def test_frequencies_are_those_of_small_motions() -> None:
     system = HenonHeiles.with_frequencies(1.5, 0.75)
     path = system.flow(system.state((1e-9, -1e-9), (0, 0))).at([2.0])
