@@ -23,7 +23,7 @@ from tests.integrable.portrait.variational import rates
 
 LONG = np.longdouble
 # bodies and times: as a whole, and in stretches
-WHOLE, CHAINED = ((50, 100.0), (10, 1e3)), ((50, 1e3), (20, 1e4), (5, 1e5), (1, 1e6))
+WHOLE, CHAINED = ((50, 100.0), (10, 1e3), (2, 1e4)), ((50, 1e3), (20, 1e4), (5, 1e5), (1, 1e6))
 STRETCH, LANES = 2.0, 8
 BESIDE = ((1e-1, 15.0), (1e-3, 15.0), (1e-5, 15.0))
 

@@ -78,13 +78,13 @@ def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -
     return found
 
 
-def _unmasked(values: Any, dtype: Any = None) -> Any:
-    """As numpy's array; ValueError where entries are masked."""
+def _unmasked(values: Any) -> Any:
+    """``values``, as an array what has dimensions and is none; ValueError where entries are masked."""
     import numpy as np
 
     if np.ma.is_masked(values):
         raise ValueError("some entries are masked")
-    return np.asarray(values, dtype)
+    return np.asarray(values) if hasattr(values, "ndim") and not isinstance(values, np.ndarray) else values
 
 
 def one_or_more(values: Any, argument: str) -> list[Any]:
@@ -120,8 +120,10 @@ def flag(value: Any, argument: str) -> bool:
 
 def floats(values: Any, argument: str, wanted: str) -> Any:
     """Numbers as an array of floats, or an ArgumentError that names ``argument`` and says what is ``wanted``."""
+    import numpy as np
+
     try:
-        return _unmasked(values, "float64")
+        return np.asarray(_unmasked(values), dtype=np.float64)
     except Exception:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted}") from None
 
