@@ -19,7 +19,7 @@ from integrable.moving_point.bare_problem import HEAVINESS, TIME_SCALE
 from integrable.torus.clock_loops import Clock, Series
 from integrable.torus.clock_modes import MOST_LOUD, Limits, Tables
 from integrable.torus.corners import Corners, Samples
-from integrable.torus.loops import NotClosed
+from integrable.torus.loops import BEYOND, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import half_spectrum, in_resonance
 from integrable.torus.witness import confirmed
@@ -61,11 +61,13 @@ class TorusFlow(Corners):
         super().__init__(setup, loops, most)
         self.clock: TorusClock | None = None
         self._lengths: dict[str, float] = {}
-        if self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0:
+        if self._rolls:
             spectrum = resolved_spectrum(self, self._turns, self._scale)
             self.clock = TorusClock(self, *spectrum, self.rates[4:], self._scale)
 
     def _check_walk(self) -> None:
+        if not np.isfinite(self._of_rates(4 if self._rolls else 6, 8)).all():
+            raise NotClosed(BEYOND)
         # before the borders of cells: these say of a wrong sign that digits are lost
         if not confirmed(self.setup, self._problem, self._turns, self._rows_at_tau, self.loops):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
@@ -154,6 +156,11 @@ class TorusFlow(Corners):
                 "fractions double-double numbers hold; use more digits"
             )
 
+    @property
+    def _rolls(self) -> bool:
+        """Whether there is a clock."""
+        return bool(self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0)
+
     @cached_property
     def _scale(self) -> float:
         """Units of the flow's own time in one of τ."""
@@ -210,7 +217,8 @@ class TorusClock:
         flow = self._flow
         flow._check(times, flow._of_rates(4, 6))
         out, tau, delays = np.empty(6 * len(times)), np.empty(len(times)), np.empty(len(times))
-        flow.loops.states_at_times(flow.torus, self._clock, times, tau, delays, out, np.empty(self._room))
+        room = np.empty(self._room), flow.loops.room(2 * len(times)), np.empty(2 * len(times), dtype=np.int64)
+        flow.loops.states_at_times(flow.torus, self._clock, times, (tau, delays, out), room)
         return out.reshape(-1, 6), tau, delays
 
     def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

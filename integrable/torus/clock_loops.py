@@ -6,6 +6,7 @@ from math import cos, floor, pi, sin
 from typing import Any, NamedTuple
 
 from integrable.torus.states import Torus, state_at, whole_turns
+from jacobian.numbers.abreast import abreast
 
 Real = Any
 Row = Any
@@ -45,15 +46,21 @@ class Clock(NamedTuple):
     pace: Row
 
 
-def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
-    """γ and M at physical times, six floats each, the times of the flow into ``tau``, and how far they are from their
-    mean into ``delays``. ``room`` is for powers.
+def states_at_times(
+    torus: Torus, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row, Row]
+) -> None:
+    """Into ``found`` the times of the flow at physical times, how far they are from their mean, and γ and M, six floats
+    each. ``room`` is for powers, and for two phases and their turns at each time.
     """
+    (tau, delays, out), (powers, phases, turns) = found, room
     for i in range(len(times)):
-        first, second, turn1, turn2, x = phases_at_time(clock, times[i], room)
+        first, second, turn1, turn2, x = phases_at_time(clock, times[i], powers)
         tau[i] = float(clock.pace[4] * times[i] + x)
         delays[i] = float(x)
-        state_at(torus, first, second, turn1, turn2, out, 6 * i)
+        phases[2 * i], phases[2 * i + 1] = first, second
+        turns[2 * i], turns[2 * i + 1] = turn1, turn2
+    for n in abreast(0, len(times)):
+        state_at(torus, phases[2 * n], phases[2 * n + 1], turns[2 * n], turns[2 * n + 1], out, 6 * n)
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:

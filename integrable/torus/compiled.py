@@ -34,7 +34,7 @@ KINDS: dict[Any, TupleKind] = {
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
         record(Room, WIDES, WIDES, WIDES),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
-        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS),
+        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS),
         record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
         record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),
@@ -76,9 +76,9 @@ def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> N
     points_at(torus_numbered(torus), root_beyond, phases, out)
 
 
-def states_at_times(torus: Torus, clock: Clock, times: Row, tau: Row, delays: Row, out: Row, room: Row) -> None:
+def states_at_times(torus: Torus, clock: Clock, times: Row, found: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.states_at_times`."""
-    at_times(torus_numbered(torus), clock_numbered(clock), times, tau, delays, out, room)
+    at_times(torus_numbered(torus), clock_numbered(clock), times, found, room)
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
@@ -153,7 +153,10 @@ LIBRARY = Library(
         "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
         "points_at_phases": (points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
-        "states_at_times": (states_at_times, (_TORUS, _CLOCK, FLOATS, FLOATS, FLOATS, FLOATS, FLOATS)),
+        "states_at_times": (
+            states_at_times,
+            (_TORUS, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES, INTS))),
+        ),
         "phases_at_times": (phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
         "sizes_needed": (clock_modes.sizes_needed, (WIDES, _INTS, _FLOATS, FLOATS)),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cached_property
+from functools import cache, cached_property
 from math import cos, pi
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.states import Torus
 from integrable.torus.tables import SmallSteps
-from integrable.torus.walks import KNOWN, Fine, Walk
+from integrable.torus.walks import Fine, Walk
 from integrable.torus.witness import seamless
 from jacobian.errors import PrecisionLoss
 
@@ -23,8 +23,8 @@ if TYPE_CHECKING:
 # a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
 ROUND = 1e-17
 CLOSED = 1e-13
-# a moving point's divisor, σ and ν
-PARTS = (slice(4), slice(4, 7), slice(7, 10))
+# where a moving point's divisor, σ and ν begin
+PARTS = (0, 4, 7)
 # corners are walked over in steps of fewer cells than this
 MOST_AT_ONCE = 7
 # the first grid of 1/g
@@ -32,6 +32,12 @@ FIRST_SIZE = 16
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
 """Values on a grid of the given sizes, of which those of a coarser grid are known."""
+
+
+@cache
+def nodes(count: int) -> tuple[float, ...]:
+    """Those of Chebyshev in z = (s/reach)², from 0 to 1: whatever floats they are."""
+    return tuple((1 + cos(pi * (k + 0.5) / count)) / 2 for k in range(count))
 
 
 class Corners:
@@ -50,7 +56,7 @@ class Corners:
         self.lattice = lattice = TorusLattice(loops, motion)
         self.sizes, self.turns = lattice.cells, lattice.turns
         self.signs = tuple(self.turns.ravel().tolist())
-        odd = [bool(np.prod(signs) < 0) for signs in self.turns]
+        odd = [signs.count(-1.0) % 2 == 1 for signs in self.turns.tolist()]
         self.odd = odd[0], odd[1]
         # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
         leans = loops.floats(self.curve.axes[7:])[0] != 0
@@ -102,7 +108,8 @@ class Corners:
     @cached_property
     def torus(self) -> Any:
         """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
-        return self.loops.packed(Torus(self.curve, self.rates[:4], self.states, self.small, self.signs, self.sizes))
+        curve, small = self._packed_curve, self._packed_small
+        return self.loops.packed(Torus(curve, self.rates[:4], self.states, small, self.signs, self.sizes))
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
@@ -156,13 +163,11 @@ class Corners:
         loops, cells = self.loops, self.sizes
         finer = sizes[0] // cells[0], sizes[1] // cells[1]
         steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
-        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts))
-        loops.offsets(self._packed_curve, loops.packed(self.small), fine)
+        coarser = (0, 0)
         if known is not None:
-            coarser = [n * m // k for n, m, k in zip(sizes, self.doubled, known.shape, strict=True)]
-            on_both = [(np.arange(n) - (n - 1) // 2) % m == 0 for n, m in zip(finer, coarser, strict=True)]
-            for place in np.flatnonzero(np.outer(*on_both)).tolist():
-                fine[-1][place] = KNOWN
+            coarser = sizes[0] * self.doubled[0] // known.shape[0], sizes[1] * self.doubled[1] // known.shape[1]
+        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts, coarser))
+        loops.offsets(self._packed_curve, self._packed_small, fine)
         return fine
 
     # --- set-up
@@ -171,13 +176,15 @@ class Corners:
     def _packed_curve(self) -> Any:
         return self.loops.packed(self.curve)
 
+    @cached_property
+    def _packed_small(self) -> Any:
+        return self.loops.packed(self.small)
+
     def _translations(self, motion: Any) -> tuple[Any, Any]:
         """The tables of both directions, one after the other, and the translations by half a cell."""
         loops = self.loops
-        # Chebyshev nodes in z = (s/reach)²: whatever floats they are
-        nodes = [(1 + cos(pi * (k + 0.5) / loops.terms)) / 2 for k in range(loops.terms)]
         tables, halves = loops.room(8 * loops.terms), loops.room(40)
-        loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes, tables, halves)
+        loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes(loops.terms), tables, halves)
         return tables, halves
 
     def _walk_over(self) -> None:
@@ -202,7 +209,7 @@ class Corners:
         self.states = loops.room(10 * cells[0] * cells[1])
         walk = Walk(cells, forward, most, self.signs, self._halves, loops.room(40))
         loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
-        gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10)
-        sizes = np.abs(loops.floats(self._start))
+        gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10).max(axis=0)
+        sizes = np.maximum.reduceat(np.abs(loops.floats(self._start)), PARTS)
         # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
-        self.closure = max(float(gaps[:, part].max() / sizes[part].max()) for part in PARTS)
+        self.closure = float((np.maximum.reduceat(gaps, PARTS) / sizes).max())

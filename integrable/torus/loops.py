@@ -35,6 +35,7 @@ TERMS_A_DIGIT = 1.6
 BITS_A_TERM = 1.3
 
 
+BEYOND = "periods beyond the range of floats; use more digits"
 # π, then what are the κ and the rate of a translation's axes
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
@@ -161,12 +162,10 @@ class ReadableLoops:
         with self.reals:
             states_at_tau(torus, frequencies, tau.tolist(), out)
 
-    def states_at_times(
-        self, torus: Torus, clock: Clock, times: Any, tau: Any, delays: Any, out: Any, room: Any
-    ) -> None:
+    def states_at_times(self, torus: Torus, clock: Clock, times: Any, *rows: Any) -> None:
         """:func:`integrable.torus.clock_loops.states_at_times`."""
         with self.reals:
-            states_at_times(torus, clock, times.tolist(), tau, delays, out, room.tolist())
+            states_at_times(torus, clock, times.tolist(), *rows)
 
     def times_at_tau(self, clock: Clock, tau: Any, times: Any, room: Any) -> None:
         """:func:`integrable.torus.clock_loops.times_at_tau`."""
@@ -250,7 +249,7 @@ class CompiledLoops:
 
     def wide(self, values: Any, field: Any) -> tuple[Any, ...]:
         if not np.isfinite(values).all():
-            raise NotClosed("periods beyond the range of floats; use more digits")
+            raise NotClosed(BEYOND)
         return tuple(field.coerce(high) + field.coerce(low) for high, low in values.tolist())
 
     def floats(self, values: Any) -> np.ndarray:

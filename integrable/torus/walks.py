@@ -67,7 +67,8 @@ class Stride(NamedTuple):
 
 class Fine(NamedTuple):
     """A grid of ``finer[0]`` × ``finer[1]`` points to a cell: ``odd`` is whether a period turns an odd number of γ_i,
-    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point.
+    ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point; those that are so many
+    points from one another as ``coarser`` says, unless that is 0, are KNOWN.
     """
 
     cells: tuple[int, int]
@@ -75,6 +76,7 @@ class Fine(NamedTuple):
     odd: tuple[bool, bool]
     steps: Row
     counts: Row
+    coarser: tuple[int, int]
 
 
 def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
@@ -95,14 +97,16 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
         left = moved(curve, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
+        # in every lane: compiled, a sum of lanes is the same function as that in other loops
+        step = 20 + 0 * i
         point = moving_point(states, place_of(walk, stride, i, 0))
         for j in range(walk.forward):
             put(point, states, place_of(walk, stride, i, j))
-            point = moved(curve, point, walk.steps, 20, parts1, False)
+            point = moved(curve, point, walk.steps, step, parts1, False)
         put(point, ends, 10 * (i + 1))
         point = moving_point(states, place_of(walk, stride, i, 0))
         for j in range(-1, walk.forward - columns - 1, -1):
-            point = moved(curve, point, walk.steps, 20, parts1, True)
+            point = moved(curve, point, walk.steps, step, parts1, True)
             put(point, states, place_of(walk, stride, i, j))
     put(moving_point(start), known, 0)
     turn(known, 0, walk.turns, 0)
@@ -193,7 +197,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     """The translations from a corner to the points of the grid around it, row by row: two in ``steps`` for each, of
     which ``counts`` says how many to take, 1 where their sum is well conditioned and none for the corner itself.
     """
-    parts, cells, finer, counts = small.parts, fine.cells, fine.finer, fine.counts
+    parts, cells, finer, counts, coarser = small.parts, fine.cells, fine.finer, fine.counts, fine.coarser
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n = 0 * parts[0], 0
     for i in range(-above, finer[0] - above):
@@ -202,6 +206,10 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
             x, y = parts[0] * a + parts[1] * b, parts[2] * a + parts[3] * b
             place = 20 * n
             counts[n] = 0
+            if coarser[0] > 0 and i % coarser[0] == 0 and j % coarser[1] == 0:
+                counts[n] = KNOWN
+                n += 1
+                continue
             if abs(x) > IDENTITY:
                 put(small_translation(small, 0, x), fine.steps, place)
                 counts[n] += 1
@@ -237,7 +245,7 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
                     continue
                 for j in abreast(0, columns):
                     corner = moving_point(states, (i * columns + j) * 10)
-                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n, fine.counts[n])
+                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n + 0 * j, fine.counts[n])
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != fine.odd[1]

@@ -10,6 +10,7 @@ What translations lose beside a corner is seen where cells meet: a state on the 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
@@ -67,15 +68,21 @@ def confirmed(
 
 def seamless(cells: tuple[int, int], states: Callable[[np.ndarray], np.ndarray]) -> bool:
     """Whether states on some borders of the cells are the same from both corners; ``states`` are those at phases."""
+    # a second difference, of which the motion itself has no part
+    before, one, other = states(_beside_borders(cells)).reshape(3, -1, 6)
+    gaps = np.abs(before - 2 * one + other)
+    return bool(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(one[:, 3:]).max()) <= SEAM)
+
+
+@lru_cache(maxsize=64)
+def _beside_borders(cells: tuple[int, int]) -> np.ndarray:
+    """Phases at distances −3, −1 and 1 from borders of cells: shape (6·BORDERS, 2)."""
     k = np.arange(BORDERS) / BORDERS
     first, second = (np.floor(k * n) / n for n in cells)
     across = np.column_stack([first + 0.5 / cells[0], second + 0.25 / cells[1]])
     along = np.column_stack([first + 0.25 / cells[0], second + 0.5 / cells[1]])
     borders, normals = np.concatenate([across, along]), np.repeat(np.eye(2), BORDERS, axis=0)
-    # a second difference, of which the motion itself has no part
-    before, one, other = (states(borders + step * BESIDE * normals) for step in (-3, -1, 1))
-    gaps = np.abs(before - 2 * one + other)
-    return bool(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(one[:, 3:]).max()) <= SEAM)
+    return np.concatenate([borders + step * BESIDE * normals for step in (-3, -1, 1)])
 
 
 def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
@@ -92,10 +99,11 @@ def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
     doublings = ceil(log2(farthest / half_step)) + HALVINGS
     for i in abreast(0, len(times)):
         eps = times[i] * problem[TIME_SCALE] / 2.0**doublings
-        step = near_identity(series, roots, f[0], unit_axes(problem), eps, NEWTON_PASSES)
+        step = near_identity(series, roots, f[0], (axes[0], axes[1], axes[2]), eps, NEWTON_PASSES)
         for _ in range(doublings):
             step = shift(f, unit_axes(problem), step, step)
-        gamma, M = directions_of(shift(f, axes, moving_point(problem, START), step))
+        # the start in every lane: one addition less to compile
+        gamma, M = directions_of(shift(f, axes, moving_point(problem, START + 0 * i), step))
         p, q, r, s, momentum = (
             problem[MATRIX], problem[MATRIX + 1], problem[MATRIX + 2], problem[MATRIX + 3], problem[MOMENTUM],
         )  # fmt: skip
