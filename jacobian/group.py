@@ -272,9 +272,11 @@ class Jacobian(FiniteGroup):
         if D.n is None or self.weight_of_zero is None:
             return Divisor(self, D.u, v, None)
         n = 2 * self.weight_of_zero - size - D.n
-        if n > self.curve.genus - size:
-            raise NotRepresentable(f"n = {D.n}: −D is reduced by a step at infinity, which {K.name} does not make")
-        return Divisor(self, D.u, v, n)
+        if n <= self.curve.genus - size:
+            return Divisor(self, D.u, v, n)
+        from jacobian.inexact import composition
+
+        return Divisor(self, *composition.negated(self.curve, (D.u, v, n)))
 
     def _add_inexact(self, D: Divisor, E: Divisor) -> Divisor:
         if not D or not E:

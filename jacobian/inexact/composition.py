@@ -10,10 +10,12 @@ and degrees are decided by what these bits make of them. PrecisionLoss where the
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Any, NamedTuple
 
-from jacobian.errors import NotRepresentable, PrecisionLoss
-from jacobian.inexact import stacked
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact import at_infinity, stacked
+from jacobian.inexact.at_infinity import Infinity, lean_of, weight_of
 from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
 from jacobian.inexact.stacked import Pair, Sum
 
@@ -35,20 +37,51 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
     Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where the sum on a
     split model has a point at infinity.
     """
-    _check_balanced(curve, first, second)
+    return _split(curve, first, second) if first[2] is not None else _balanced(curve, first, second)
+
+
+def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
     pairs = [(list(u), list(v)) for u, v, _ in (first, second)]
-    u, v, _, _ = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
-    return tuple(u), tuple(v), None if first[2] is None else (curve.genus + 1) // 2 - (len(u) - 1) // 2
+    total = compose(curve.field, curve.genus, curve.f, pairs[0], pairs[1], curve.h)
+    n = None if first[2] is None else weight_of(curve.genus, len(total.u) - 1, 0)
+    return tuple(total.u), tuple(total.v), n
 
 
-def _check_balanced(curve: Any, *summands: Triple) -> None:
-    """On a split model one function q·y − p adds only divisors whose points at infinity are shared evenly."""
-    for u, _, n in summands:
-        if n is not None and 2 * n != 2 * ((curve.genus + 1) // 2) - (len(u) - 1):
-            raise NotRepresentable(
-                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
-                "which inexact split models do not carry; use an exact field"
-            )
+def _split(curve: Any, *summands: Triple) -> Triple:
+    """The reduced triple of one or two on a split model: with points at infinity that are not shared evenly between the
+    two, or where the parity of the points leaves g + 1 of them, by steps at infinity, in more digits.
+    """
+    K, g = curve.field, curve.genus
+    lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
+    pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
+    degree = sum(len(u) - 1 for u, _ in pairs)
+    if len(pairs) == 2 and lean == 0 and (degree - g) % 2 == 0:
+        return _balanced(curve, *summands)
+    units = units_of(K, curve.f, curve.h, pairs)
+    high = curve.h[g + 1] if len(curve.h) > g + 1 else K.zero
+    plus = curve.infinity_plus + high / 2
+    infinity = Infinity(lean, complex(plus / abs(plus)))
+    total = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
+    return tuple(total.u), tuple(total.v), weight_of(g, len(total.u) - 1, total.lean)
+
+
+def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Sum, Number]:
+    """The reduced sum of no, one or two pairs with a lean, and the largest remainder."""
+    rest = field.zero
+    if len(pairs) == 2:
+        # reduction steps keep the parity
+        first, second = pairs
+        degree = len(first[0]) + len(second[0]) - 2
+        total, rest = stacked.compose(field, genus + (degree - genus) % 2, f, first, second, infinity.plus)
+    else:
+        total = Sum(*pairs[0] if pairs else ([field.one], []), [], field.zero)
+    total, left = at_infinity.reduced(field, genus, f, total, infinity)
+    return total, max(rest, left)
+
+
+def negated(curve: Any, D: Triple) -> Triple:
+    """The reduced triple of −D on a split model, (u, v) being the pair of −D already."""
+    return _split(curve, D)
 
 
 def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, h: Sequence[Number] = ()) -> Sum:
@@ -63,7 +96,9 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
         total = _quick(field, genus, f, h, (first, second), units)
     except (PrecisionLoss, ZeroDivisionError, OverflowError):
         total = None
-    return total or _careful(field, genus, f, h, (first, second), units)
+    if total:
+        return total
+    return _careful(field, lambda K, f, pairs: stacked.compose(K, genus, f, *pairs), f, h, (first, second), units)
 
 
 class Units(NamedTuple):
@@ -112,7 +147,7 @@ def _quick(
     if not _even(f, units):
         return None
     first, second = (_centred(units.of_u(u, move), units.of_p(v, move), half) for u, v in pairs)
-    (u, v, p, q), rest = stacked.compose(Plain(field), genus, f, first, second)
+    (u, v, p, q, _), rest = stacked.compose(Plain(field), genus, f, first, second)
     if not rest <= REMAINDER * field.eps:
         return None
     return _returned(u, v, p, q, half, units, move)
@@ -156,7 +191,7 @@ def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
 
 
 def _careful(
-    field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
+    field: Any, law: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
 ) -> Sum:
     """The sum with more digits, rounded."""
     from jacobian.inexact.decided import Passes
@@ -169,10 +204,10 @@ def _careful(
             half = [c / 2 for c in units.of_p(h, digits.number)]
             wide = added(units.of_p(f, digits.number, power=2), product(half, half))
             moved = [(units.of_u(u, digits.number), units.of_p(v, digits.number)) for u, v in pairs]
-            passes = Passes(digits, genus, wide, half, moved, _even(wide, units))
+            passes = Passes(digits, law, wide, half, moved, _even(wide, units))
             try:
-                u, v, p, q = passes.sum(2.0 ** max(units.low - units.x, -1000))
+                u, v, p, q, lean = passes.sum(2.0 ** max(units.low - units.x, -1000))
             except MoreDigits:
                 continue
-            return _returned(u, v, p, q, half, units, digits.element)
+            return _returned(u, v, p, q, half, units, digits.element)._replace(lean=lean)
     raise PrecisionLoss(f"{FACTORS[-1]} times the digits of {field.name} do not settle this sum; use more digits")

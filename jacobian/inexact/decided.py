@@ -19,7 +19,6 @@ from random import Random
 from typing import Any, NamedTuple
 
 from jacobian.errors import PrecisionLoss
-from jacobian.inexact import stacked
 from jacobian.inexact.dense import Coefficients, index_of_largest
 from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
 from jacobian.inexact.stacked import Pair, Sum
@@ -37,6 +36,8 @@ RESOLVED = 2**16
 WAYS = 4
 
 LOST = "rounding of the summands decides the degree of their sum; use more digits"
+
+Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Sum, Any]]
 
 
 class Question(NamedTuple):
@@ -73,19 +74,19 @@ class Pass:
     @property
     def coefficients(self) -> list[Any]:
         """All numbers of the sum."""
-        u, v, p, q = self.total
+        u, v, p, q, _ = self.total
         return [*u[:-1], *v, *p, q]
 
 
 class Passes:
     """The passes over one sum of pairs (u, v), in entered :class:`Digits`, on y² = curve with y + half in the place of
-    y; ``even``: all sizes are moderate.
+    y; ``even``: all sizes are moderate. ``law(field, curve, pairs)`` is the sum and what its divisions leave.
     """
 
     def __init__(
-        self, digits: Digits, genus: int, curve: Coefficients, half: Coefficients, pairs: Sequence[Pair], even: bool
+        self, digits: Digits, law: Law, curve: Coefficients, half: Coefficients, pairs: Sequence[Pair], even: bool
     ) -> None:
-        self._digits, self._genus, self._curve, self._half, self._pairs = digits, genus, curve, half, pairs
+        self._digits, self._law, self._curve, self._half, self._pairs = digits, law, curve, half, pairs
         self._even, self._rng = even, Random(0)
 
     def sum(self, least: float) -> Sum:
@@ -112,7 +113,7 @@ class Passes:
             return total
         # what was dropped takes the sum off the curve, within what is known of it
         u, v = on_curve(self._digits, self._curve, [], (total.u, total.v), self._even)
-        return Sum(u, v, total.p, total.q)
+        return total._replace(u=u, v=v)
 
     def _compared(self, first: list[Pair], others: Sequence[list[Pair]], forced: dict[int, bool]) -> Compared:
         run = self._run(Pass(self._digits, lambda k, x: forced.get(k, bool(abs(x) <= self._digits.floor))), first)
@@ -122,7 +123,7 @@ class Passes:
         return self._run(Pass(self._digits, lambda k, _: first.answers[k], first), pairs)
 
     def _run(self, field: Pass, pairs: list[Pair]) -> Pass:
-        field.total, field.rest = stacked.compose(field, self._genus, self._curve, *pairs)
+        field.total, field.rest = self._law(field, self._curve, pairs)
         return field
 
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
@@ -194,10 +195,9 @@ class Compared(NamedTuple):
         floor = self.digits.floor
         pairs = zip(self.first.coefficients, self.near.coefficients, strict=True)
         values = iter([0 * x if abs(x) <= floor and 2 * abs(x - y) > abs(x) else x for x, y in pairs])
-        u, v, p, _ = self.first.total
-        return Sum(
-            [*(next(values) for _ in u[:-1]), u[-1]], [next(values) for _ in v], [next(values) for _ in p], next(values)
-        )
+        u, v, p, _, lean = self.first.total
+        found = [*(next(values) for _ in u[:-1]), u[-1]], [next(values) for _ in v], [next(values) for _ in p]
+        return Sum(*found, next(values), lean)
 
     def _resolved(self) -> bool:
         """Whether the working precision knows every number of the sum as well as the field can, or the summands do."""

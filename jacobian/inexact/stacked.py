@@ -46,22 +46,30 @@ Pair = tuple[Coefficients, Coefficients]
 # the part of u by which p may be smaller, where the remainder of a division may be one unit in the last place
 FEWER = 16
 
-_UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
+UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
 _AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
 
 
 class Sum(NamedTuple):
-    """A reduced sum (u, v), and the function q·y − p(x) that relates it to the summands."""
+    """A reduced sum (u, v), the function q·y − p(x) that relates it to the summands, and on split models the lean of
+    :mod:`jacobian.inexact.at_infinity`.
+    """
 
     u: Coefficients
     v: Coefficients
     p: Coefficients
     q: Number
+    lean: int = 0
 
 
-def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair) -> tuple[Sum, Number]:
+def compose(
+    field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, plus: complex | None = None
+) -> tuple[Sum, Number]:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the
     divisions that should leave none, beside the size of its terms.
+
+    ``plus`` is as :class:`jacobian.inexact.at_infinity.Infinity` has it; without it NotRepresentable where the sum has
+    a point at infinity.
     """
     (u1, v1), (u2, v2) = first, second
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
@@ -70,22 +78,23 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
         # L and q are known to the last digit beside the largest of them, p beside itself to as many fewer
-        return Sum(both, v, p, q), max(_departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
+        return Sum(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
-    u, rest = _monic_quotient(field, f, p, q, both)
+    u, rest, lean = _monic_quotient(field, f, p, q, both, plus)
     if len(u) == 1:
-        return Sum([field.one], [], p, q), rest
+        return Sum([field.one], [], p, q, lean), rest
     slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
     v = _second_polynomial(field, f, u, p, q, summands)
     # p is q·V + U·L of either summand: what the last bits of the larger terms leave of it
     terms = added(product(absolute(u1), absolute(slope)), [abs(q * c) for c in v1])
     terms = added(terms, added(product(absolute(u2), absolute(slope2)), [abs(q * c) for c in v2]))
-    rest = max(rest, _departure(f, u, v), _mismatch(u, v, p, q, terms))
+    rest = max(rest, departure(f, u, v), _mismatch(u, v, p, q, terms))
     while len(u) - 1 > genus:
-        u, v = _reduction_step(field, f, u, v)
-        rest = max(rest, _departure(f, u, v))
-    return Sum(u, v, p, q), rest
+        u, v, more = _reduction_step(field, f, u, v, plus)
+        lean += more
+        rest = max(rest, departure(f, u, v))
+    return Sum(u, v, p, q, lean), rest
 
 
 def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tuple[Coefficients, Number]:
@@ -106,7 +115,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
     order, triangle = pivoted_qr(columns, field.largest)
     free = sum(field.is_zero(triangle[k][k], 1, of_degree=False) for k in range(m))
     if free == m:
-        raise PrecisionLoss(_UNDETERMINED)
+        raise PrecisionLoss(UNDETERMINED)
     if free:  # free + 1 pairs of opposite points: q = 0, and L vanishes at the other points of U'
         order, triangle = pivoted_qr(columns[: m - free], field.largest)
         solution = null_vector(order, triangle) + [field.zero] * (free + 1)
@@ -130,22 +139,36 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
         while p and field.is_zero(p[-1], scale):
             p.pop()
         if not p:
-            raise PrecisionLoss(_UNDETERMINED)
+            raise PrecisionLoss(UNDETERMINED)
     return p, q
 
 
 def _monic_quotient(
-    field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients
-) -> tuple[Coefficients, Number]:
-    """(p² − q²f)/(U·U'), made monic, and the remainder beside the size of the terms."""
-    psi = product(p, p)
+    field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients, plus: complex | None
+) -> tuple[Coefficients, Number, int]:
+    """(p² − q²f)/(U·U'), made monic, the remainder beside the size of the terms, and the lean."""
+    psi, lean = product(p, p), 0
     terms = size(psi)
     if q:
-        if len(psi) == len(f) and field.is_zero(psi[-1] - q * q * f[-1], abs(psi[-1])):
-            raise NotRepresentable(_AT_INFINITY)
+        cancels = len(psi) == len(f) and field.is_zero(psi[-1] - q * q * f[-1], abs(psi[-1]))
         psi = added(psi, [-q * q * c for c in f])
+        if cancels:
+            lean = _vanishing(field, psi, p[-1] / q, plus, terms)
     quotient, rest = divided(psi, both)
-    return [c / quotient[-1] for c in quotient[:-1]] + [field.one], size(rest) / (terms or 1)
+    return [c / quotient[-1] for c in quotient[:-1]] + [field.one], size(rest) / (terms or 1), lean
+
+
+def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
+    """The lean of a function y − w, w of the leading coefficient ``lead``, that vanishes at infinity; the leading
+    coefficients of ψ = w² − f that are zero for that are taken off it.
+    """
+    if plus is None:
+        raise NotRepresentable(_AT_INFINITY)
+    degree = len(psi)
+    psi.pop()
+    while psi and field.is_zero(psi[-1], scale):
+        psi.pop()
+    return len(psi) - degree if (lead * plus.conjugate()).real > 0 else degree - len(psi)
 
 
 def _second_polynomial(
@@ -191,22 +214,25 @@ def _second_polynomial(
     return solution
 
 
-def _reduction_step(field: Any, f: Coefficients, u: Coefficients, v: Coefficients) -> Pair:
-    """One step of Cantor's reduction (u, v) → ((f − v²)/u, −v)."""
+def _reduction_step(
+    field: Any, f: Coefficients, u: Coefficients, v: Coefficients, plus: complex | None
+) -> tuple[Coefficients, Coefficients, int]:
+    """One step of Cantor's reduction (u, v) → ((f − v²)/u, −v), and its lean."""
     scale = max(size(v), size(f) ** 0.5)
     v = list(v)
     while v and field.is_zero(v[-1], scale):
         v.pop()
+    psi, lean = added(f, [-c for c in product(v, v)]), 0
     if 2 * len(v) - 1 == len(f) and field.is_zero(f[-1] - v[-1] * v[-1], abs(f[-1])):
-        raise NotRepresentable(_AT_INFINITY)
-    quotient, _ = residue(f, u, v)
+        lean = _vanishing(field, psi, v[-1], plus, scale**2)
+    quotient, _ = divided(psi, u)
     if len(quotient) >= len(u):
         raise NotRepresentable(_AT_INFINITY)
     u = [c / quotient[-1] for c in quotient[:-1]] + [field.one]
-    return u, remainder([-c for c in v], u)
+    return u, remainder([-c for c in v], u), lean
 
 
-def _departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
+def departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
     """The largest remainder f − v² mod u, beside the size of its terms."""
     sizes = absolute(v)
     return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)

@@ -1,0 +1,84 @@
+"""Steps at infinity of inexact composition on split models: what balanced pairs (u, v) are beside their points.
+
+A pair with the ``lean`` s stands for the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
+leans, and its reduction steps keep them but where y − v vanishes at infinity. On models of odd genus no sum of classes
+in general position is a balanced one: of g + 1 points and the lean ∓2 one step with y ∓ P makes g points and ∓1, P
+being the polynomial part of √f at infinity (Galbraith, Harrison and Mireles Morales 2008).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.dense import Coefficients, Number, added, divided, product, remainder, size
+from jacobian.inexact.stacked import UNDETERMINED, Sum, departure
+from jacobian.numbers.roots import root
+
+
+class Infinity(NamedTuple):
+    """The ``lean`` of a sum, and about the value of y/x^(g+1) at ∞₊ beside its size, h/2 having been added to y."""
+
+    lean: int
+    plus: complex
+
+
+def lean_of(genus: int, degree: int, n: int) -> int:
+    """That of a triple with deg u = ``degree`` and the weight n at ∞₊."""
+    return 2 * n + degree - 2 * ((genus + 1) // 2)
+
+
+def weight_of(genus: int, degree: int, lean: int) -> int:
+    """The n of a pair; the pair is reduced where 0 ≤ n ≤ g − deg u."""
+    return (lean - degree) // 2 + (genus + 1) // 2
+
+
+def reduced(field: Any, genus: int, f: Coefficients, total: Sum, infinity: Infinity) -> tuple[Sum, Number]:
+    """The reduced pair of a class, deg u ≤ g + 1 before, and the largest remainder of its divisions, beside their
+    terms.
+    """
+    u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
+    plus = principal_part(genus, f, infinity.plus)
+    while not 0 <= (n := weight_of(genus, len(u) - 1, lean)) <= genus - (len(u) - 1):
+        part = [-c for c in plus] if n < 0 else plus
+        other, whole, left = _turned(field, f, u, v, part)
+        moved = 2 * (genus + 1) - (len(u) - 1) - (len(other) - 1)
+        lean += moved if n < 0 else -moved
+        u, v = other, remainder([-c for c in whole], other)
+        rest = max(rest, left, departure(f, u, v))
+    return total._replace(u=u, v=v, lean=lean), rest
+
+
+def principal_part(genus: int, f: Sequence[Number], plus: complex) -> Coefficients:
+    """The polynomial part of √f at ∞₊."""
+    top = root(f[-1])
+    if (top * plus.conjugate()).real < 0:
+        top = -top
+    descending = [top]
+    for i in range(1, genus + 2):
+        known = sum((x * y for x, y in zip(descending[1:], descending[:0:-1], strict=True)), 0 * top)
+        descending.append((f[len(f) - 1 - i] - known) / (2 * top))
+    return descending[::-1]
+
+
+def _turned(
+    field: Any, f: Coefficients, u: Coefficients, v: Coefficients, part: Coefficients
+) -> tuple[Coefficients, Coefficients, Number]:
+    """(u', w, remainder) with w ≡ v mod u near ``part``, and u' = (f − w²)/u, monic.
+
+    f − w² = (f − part²) − (w − part)(w + part): what cancels at infinity does so by itself.
+    """
+    change = remainder(added(v, [-c for c in part]), u)
+    scale = max(size(v), size(part))
+    while change and field.is_zero(change[-1], scale):
+        change.pop()
+    whole = added(part, change)
+    below = added(f, [-c for c in product(part, part)])[: len(part) - 1]
+    psi = added(below, [-c for c in product(change, added(part, whole))])
+    while not change and psi and field.is_zero(psi[-1], size(f)):
+        psi.pop()
+    if len(psi) < len(u):
+        raise PrecisionLoss(UNDETERMINED)
+    quotient, rest = divided(psi, u)
+    return [*(c / quotient[-1] for c in quotient[:-1]), field.one], whole, size(rest) / size(psi)

@@ -1,0 +1,57 @@
+"""Split models over floats and long numbers: classes with points at infinity, and odd genus, as over QQ."""
+
+from __future__ import annotations
+
+from itertools import product
+from random import Random
+
+import pytest
+
+from jacobian import CC, MP, RR
+from tests.jacobian.inexact.test_composition import assert_equal, into, rational_points, rounded, size
+from tests.jacobian.jacobian_rows import Row
+
+FIELDS = {"RR": RR, "MP(30)": MP(30), "CC": CC}
+
+
+def classes(curve, rng):
+    """Of every weight, from points, opposite ones among them, and either point at infinity."""
+    J, points, far = curve.jacobian(), rational_points(curve), curve.points_at_infinity()
+    found = [J.zero(), *(J.from_points([P] * curve.genus) for P in far)]
+    for weight in range(1, curve.genus + 1):
+        chosen, rest = rng.choices(points, k=weight), curve.genus - weight
+        found += [J.from_points(chosen), J.from_points([*chosen, *rng.choices(far, k=rest)])]
+        found.append(J.from_points([*map(curve.involution, chosen[:1]), *chosen[1:], *rng.choices(far, k=rest)]))
+    return found
+
+
+@pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
+@pytest.mark.parametrize("with_h", [False, True])
+@pytest.mark.parametrize("genus", [1, 3, 5])
+def test_sums_and_opposites_are_those_over_the_rationals(genus, with_h, K):
+    C = Row("QQ", "split", genus, with_h).curve
+    J, rng = rounded(K, C), Random(f"at infinity {genus}")
+    found = classes(C, rng)
+    for D in found:
+        assert_equal(-into(J, D), -D, size(D))
+    pairs = list(product(found, repeat=2))
+    for D, E in rng.sample(pairs, 24):
+        assert_equal(into(J, D) + into(J, E), D + E, size(D) * size(E))
+        # P + ιP and the like: all of it opposite
+        assert into(J, D) - into(J, D) == J.zero()
+
+
+def test_lone_points_of_even_genus_add():
+    C = Row("QQ", "split", 2, True).curve
+    J, found = rounded(RR, C), classes(C, Random("even genus"))
+    for D, E in product(found[1:], repeat=2):
+        if len((D + E).u) == 3:
+            assert_equal(into(J, D) + into(J, E), D + E, size(D) * size(E))
+
+
+@pytest.mark.parametrize("m", [-3, 5])
+def test_multiples_in_odd_genus(m):
+    C = Row("QQ", "split", 3, False).curve
+    D = C.jacobian().from_points(rational_points(C)[:3])
+    J = rounded(MP(60), C)
+    assert_equal(m * into(J, D), m * D, size(D, m * D) ** 2)
