@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.dense import Coefficients, Number, added, divided, product, remainder, size
-from jacobian.inexact.stacked import UNDETERMINED, Sum, departure
+from jacobian.inexact.stacked import UNDETERMINED, Total, departure
 from jacobian.numbers.roots import root
 
 
@@ -34,7 +34,7 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
     return (lean - degree) // 2 + (genus + 1) // 2
 
 
-def reduced(field: Any, genus: int, f: Coefficients, total: Sum, infinity: Infinity) -> tuple[Sum, Number]:
+def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
     """The reduced pair of a class, deg u ≤ g + 1 before, and the largest remainder of its divisions, beside their
     terms.
     """

@@ -17,7 +17,7 @@ from jacobian.errors import PrecisionLoss
 from jacobian.inexact import at_infinity, stacked
 from jacobian.inexact.at_infinity import Infinity, lean_of, weight_of
 from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
-from jacobian.inexact.stacked import Pair, Sum
+from jacobian.inexact.stacked import Pair, Total
 
 Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
@@ -29,6 +29,15 @@ SPREAD = 24
 REMAINDER = 64
 # the multiples of the field's bits that are tried
 FACTORS = (4, 12)
+
+
+class Sum(NamedTuple):
+    """A reduced sum (u, v), and the function q·y − p(x) that relates it to the summands."""
+
+    u: Coefficients
+    v: Coefficients
+    p: Coefficients
+    q: Number
 
 
 def add(curve: Any, first: Triple, second: Triple) -> Triple:
@@ -61,11 +70,11 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     high = curve.h[g + 1] if len(curve.h) > g + 1 else K.zero
     plus = curve.infinity_plus + high / 2
     infinity = Infinity(lean, complex(plus / abs(plus)))
-    total = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
-    return tuple(total.u), tuple(total.v), weight_of(g, len(total.u) - 1, total.lean)
+    total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
+    return tuple(total.u), tuple(total.v), weight_of(g, len(total.u) - 1, lean)
 
 
-def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Sum, Number]:
+def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
     """The reduced sum of no, one or two pairs with a lean, and the largest remainder."""
     rest = field.zero
     if len(pairs) == 2:
@@ -74,7 +83,7 @@ def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: 
         degree = len(first[0]) + len(second[0]) - 2
         total, rest = stacked.compose(field, genus + (degree - genus) % 2, f, first, second, infinity.plus)
     else:
-        total = Sum(*pairs[0] if pairs else ([field.one], []), [], field.zero)
+        total = Total(*pairs[0] if pairs else ([field.one], []), [], field.zero)
     total, left = at_infinity.reduced(field, genus, f, total, infinity)
     return total, max(rest, left)
 
@@ -98,7 +107,8 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
         total = None
     if total:
         return total
-    return _careful(field, lambda K, f, pairs: stacked.compose(K, genus, f, *pairs), f, h, (first, second), units)
+    total, _ = _careful(field, lambda K, f, pairs: stacked.compose(K, genus, f, *pairs), f, h, (first, second), units)
+    return total
 
 
 class Units(NamedTuple):
@@ -192,8 +202,8 @@ def _centred(u: Coefficients, v: Coefficients, half: Coefficients) -> Pair:
 
 def _careful(
     field: Any, law: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
-) -> Sum:
-    """The sum with more digits, rounded."""
+) -> tuple[Sum, int]:
+    """The sum with more digits, rounded, and its lean."""
     from jacobian.inexact.decided import Passes
     from jacobian.inexact.digits import Digits, MoreDigits
 
@@ -209,5 +219,5 @@ def _careful(
                 u, v, p, q, lean = passes.sum(2.0 ** max(units.low - units.x, -1000))
             except MoreDigits:
                 continue
-            return _returned(u, v, p, q, half, units, digits.element)._replace(lean=lean)
+            return _returned(u, v, p, q, half, units, digits.element), lean
     raise PrecisionLoss(f"{FACTORS[-1]} times the digits of {field.name} do not settle this sum; use more digits")

@@ -21,7 +21,7 @@ from typing import Any, NamedTuple
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.dense import Coefficients, index_of_largest
 from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
-from jacobian.inexact.stacked import Pair, Sum
+from jacobian.inexact.stacked import Pair, Total
 
 # a quantity is zero up to this multiple of what a unit in the last place of the summands does to it
 ZERO = 16
@@ -37,7 +37,7 @@ WAYS = 4
 
 LOST = "rounding of the summands decides the degree of their sum; use more digits"
 
-Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Sum, Any]]
+Law = Callable[[Any, Coefficients, Sequence[Pair]], tuple[Total, Any]]
 
 
 class Question(NamedTuple):
@@ -56,7 +56,7 @@ class Pass:
         self.questions: list[Question] = []
         self.answers: list[bool] = []
         self.columns: list[int] = []
-        self.total = Sum([], [], [], 0)
+        self.total = Total([], [], [], 0)
         self.rest: Any = 0
 
     def is_zero(self, x: Any, scale: Any, of_degree: bool = True) -> bool:
@@ -89,7 +89,7 @@ class Passes:
         self._digits, self._law, self._curve, self._half, self._pairs = digits, law, curve, half, pairs
         self._even, self._rng = even, Random(0)
 
-    def sum(self, least: float) -> Sum:
+    def sum(self, least: float) -> Total:
         """The sum. ``least``: the size of the point of the summands that is nearest to 0.
 
         PrecisionLoss where rounding of the summands decides, MoreDigits where this precision does not resolve it.
@@ -190,14 +190,14 @@ class Compared(NamedTuple):
         if not (self.first.rest <= CLEAR and self._known(UNKNOWN, least, (self.first.total.u[:-1],))):
             raise PrecisionLoss(LOST)
 
-    def sum(self) -> Sum:
+    def sum(self) -> Total:
         """The sum, with zeros for what is zero at every precision."""
         floor = self.digits.floor
         pairs = zip(self.first.coefficients, self.near.coefficients, strict=True)
         values = iter([0 * x if abs(x) <= floor and 2 * abs(x - y) > abs(x) else x for x, y in pairs])
         u, v, p, _, lean = self.first.total
         found = [*(next(values) for _ in u[:-1]), u[-1]], [next(values) for _ in v], [next(values) for _ in p]
-        return Sum(*found, next(values), lean)
+        return Total(*found, next(values), lean)
 
     def _resolved(self) -> bool:
         """Whether the working precision knows every number of the sum as well as the field can, or the summands do."""

@@ -50,10 +50,8 @@ UNDETERMINED = "the digits of the summands do not determine their sum; use more 
 _AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
 
 
-class Sum(NamedTuple):
-    """A reduced sum (u, v), the function q·y − p(x) that relates it to the summands, and on split models the lean of
-    :mod:`jacobian.inexact.at_infinity`.
-    """
+class Total(NamedTuple):
+    """A :class:`jacobian.inexact.composition.Sum`, and the lean of :mod:`jacobian.inexact.at_infinity`."""
 
     u: Coefficients
     v: Coefficients
@@ -64,7 +62,7 @@ class Sum(NamedTuple):
 
 def compose(
     field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, plus: complex | None = None
-) -> tuple[Sum, Number]:
+) -> tuple[Total, Number]:
     """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the
     divisions that should leave none, beside the size of its terms.
 
@@ -78,11 +76,11 @@ def compose(
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
         # L and q are known to the last digit beside the largest of them, p beside itself to as many fewer
-        return Sum(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
+        return Total(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest, lean = _monic_quotient(field, f, p, q, both, plus)
     if len(u) == 1:
-        return Sum([field.one], [], p, q, lean), rest
+        return Total([field.one], [], p, q, lean), rest
     slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
     v = _second_polynomial(field, f, u, p, q, summands)
@@ -94,7 +92,7 @@ def compose(
         u, v, more = _reduction_step(field, f, u, v, plus)
         lean += more
         rest = max(rest, departure(f, u, v))
-    return Sum(u, v, p, q, lean), rest
+    return Total(u, v, p, q, lean), rest
 
 
 def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tuple[Coefficients, Number]:

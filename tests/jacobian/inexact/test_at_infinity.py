@@ -27,15 +27,15 @@ def classes(curve, rng):
 
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 @pytest.mark.parametrize("with_h", [False, True])
-@pytest.mark.parametrize("genus", [1, 3, 5])
+@pytest.mark.parametrize("genus", [1, 3, pytest.param(5, marks=pytest.mark.slow)])
 def test_sums_and_opposites_are_those_over_the_rationals(genus, with_h, K):
     C = Row("QQ", "split", genus, with_h).curve
     J, rng = rounded(K, C), Random(f"at infinity {genus}")
     found = classes(C, rng)
-    for D in found:
+    for D in rng.sample(found, min(8, len(found))):
         assert_equal(-into(J, D), -D, size(D))
     pairs = list(product(found, repeat=2))
-    for D, E in rng.sample(pairs, 24):
+    for D, E in rng.sample(pairs, 12):
         assert_equal(into(J, D) + into(J, E), D + E, size(D) * size(E))
         # P + ιP and the like: all of it opposite
         assert into(J, D) - into(J, D) == J.zero()
