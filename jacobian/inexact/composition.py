@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import NotRepresentable, PrecisionLoss
 from jacobian.inexact import at_infinity, stacked
 from jacobian.inexact.at_infinity import Infinity, lean_of, weight_of
 from jacobian.inexact.dense import Coefficients, Number, added, index_of_largest, product, remainder
@@ -46,7 +46,20 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
     Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where the sum on a
     split model has a point at infinity.
     """
-    return _split(curve, first, second) if first[2] is not None else _balanced(curve, first, second)
+    if first[2] is None or curve.genus % 2 == 0:
+        _check_balanced(curve, first, second)
+        return _balanced(curve, first, second)
+    return _split(curve, first, second)
+
+
+def _check_balanced(curve: Any, *summands: Triple) -> None:
+    """On a split model of even genus classes without points at infinity are added."""
+    for u, _, n in summands:
+        if n is not None and lean_of(curve.genus, len(u) - 1, n):
+            raise NotRepresentable(
+                f"a summand of {len(u) - 1} points with the weight n = {n} at ∞₊ has a point at infinity, "
+                "which inexact split models of even genus do not carry; use an exact field"
+            )
 
 
 def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
@@ -57,15 +70,10 @@ def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _split(curve: Any, *summands: Triple) -> Triple:
-    """The reduced triple of one or two on a split model: with points at infinity that are not shared evenly between the
-    two, or where the parity of the points leaves g + 1 of them, by steps at infinity, in more digits.
-    """
+    """The reduced triple of one or two on a split model of odd genus, by steps at infinity, in more digits."""
     K, g = curve.field, curve.genus
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
-    degree = sum(len(u) - 1 for u, _ in pairs)
-    if len(pairs) == 2 and lean == 0 and (degree - g) % 2 == 0:
-        return _balanced(curve, *summands)
     units = units_of(K, curve.f, curve.h, pairs)
     high = curve.h[g + 1] if len(curve.h) > g + 1 else K.zero
     plus = curve.infinity_plus + high / 2
@@ -89,7 +97,7 @@ def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: 
 
 
 def negated(curve: Any, D: Triple) -> Triple:
-    """The reduced triple of −D on a split model, (u, v) being the pair of −D already."""
+    """The reduced triple of −D on a split model of odd genus, (u, v) being the pair of −D already."""
     return _split(curve, D)
 
 
