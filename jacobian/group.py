@@ -92,7 +92,7 @@ class Jacobian(FiniteGroup):
         deg u ≤ g is kept as it is (v is taken modulo u); a semi-reduced pair with deg u > g is reduced. ``n``, the
         weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int beside deg u > g; the default ⌈(g −
         deg u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError,
-        NotOnCurve with the remainder.
+        NotOnCurve with the remainder, PrecisionLoss where floats do not reach its terms.
         """
         self._check_representable()
         u = self._check_monic(poly.coerce(self.field, u, "u"))
@@ -219,12 +219,7 @@ class Jacobian(FiniteGroup):
         K: Any = self.field
         f, h = self.curve.f, self.curve.h
         remainder = poly.mod(K, poly.sub(K, poly.mul(K, v, poly.add(K, v, h)), f), u)
-        if K.exact:
-            on_curve = not remainder
-        else:
-            on_curve = all(
-                abs(c) <= 1e6 * K.eps * scale for c, scale in zip(remainder, self._scales(u, v), strict=False)
-            )
+        on_curve = not remainder if K.exact else all(map(K.is_rounding, remainder, self._scales(u, v)))
         if not on_curve:
             raise NotOnCurve(
                 f"(u, v) = ({poly.text(K, u)}, {poly.text(K, v)}) is not on {self.curve!r}: v² + hv − f leaves the "

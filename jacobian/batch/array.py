@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from typing import Any, overload
 
 import numpy as np
@@ -14,7 +14,7 @@ from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
-from jacobian.law.divisor import Divisor, GroupLaw, check_scalar, is_zero_int
+from jacobian.law.divisor import Divisor, GroupLaw, check_scalars, is_zero_int
 from jacobian.numbers.compiler import interpreted
 
 Matrix = np.ndarray[tuple[int, int], np.dtype[Any]]
@@ -278,7 +278,7 @@ class DivisorArray(Immutable):
         """m·A for an int m, or m_i·A_i for a sequence of N ints."""
         if isinstance(scalar, Divisor | DivisorArray):
             return NotImplemented
-        scalars = self._scalars(scalar)
+        scalars = check_scalars(scalar, len(self))
         if not self.jacobian.field.exact:
             self.jacobian._check_multiple(
                 max(map(abs, scalars), default=0) if isinstance(scalars, list) else abs(scalars)
@@ -286,17 +286,6 @@ class DivisorArray(Immutable):
         return self._like(self._engine.multiply(self._rows, scalars))
 
     __rmul__ = __mul__
-
-    def _scalars(self, scalar: Any) -> int | list[int]:
-        if not isinstance(scalar, Sequence | np.ndarray) or isinstance(scalar, str) or getattr(scalar, "ndim", 1) == 0:
-            return check_scalar(scalar)
-        if getattr(scalar, "ndim", 1) != 1 or len(scalar) != len(self):
-            raise ArgumentError(
-                f"scalar = {shown(scalar)} beside {len(self)} rows: one int, or a flat array of one for each row"
-            )
-        if isinstance(scalar, np.ndarray) and scalar.dtype.kind in "iu":
-            return scalar.tolist()
-        return [check_scalar(m, f"scalar[{i}]") for i, m in enumerate(scalar)]
 
     def sum(self, axis: int | None = None, out: None = None) -> Divisor:
         """Σ of all rows, by halves; of none, the identity. ``numpy.sum`` calls it with its ``axis`` and ``out``: there

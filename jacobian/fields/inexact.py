@@ -1,8 +1,9 @@
-"""What the inexact fields share: deciding zero against a scale."""
+"""What the inexact fields share: deciding what is zero, and what is rounding, against a scale."""
 
 from __future__ import annotations
 
 from collections.abc import Hashable
+from math import inf
 from typing import Any
 
 from jacobian.errors import PrecisionLoss
@@ -42,18 +43,30 @@ class InexactField(Immutable):
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
-        Up to 16·eps·scale it is; from 4096·eps·scale on it is not; between the two PrecisionLoss is raised. Without a
-        scale only an exact 0 is zero.
+        Up to 16·eps·scale it is; from 4096·eps·scale on it is not; between the two PrecisionLoss is raised, and
+        where the scale is beyond the range of floats. Without a scale only an exact 0 is zero.
         """
         if scale is None:
             return bool(x == 0)
-        size = abs(x)
-        if size <= 16 * self.eps * scale:
-            return True
-        if size >= 4096 * self.eps * scale:
-            return False
+        size, unit = abs(x), self.eps * scale
+        # beside an infinite scale everything is small, an infinite x too
+        if unit < inf:
+            if size <= 16 * unit:
+                return True
+            if size >= 4096 * unit:
+                return False
         raise PrecisionLoss(
             f"x = {x} beside terms of size scale = {scale}: {self.name} cannot tell it from zero; use more digits"
+        )
+
+    def is_rounding(self, x: Any, scale: Any) -> bool:
+        """Whether x is what rounding of given terms of size ``scale`` may leave, up to 10^6·eps·scale; PrecisionLoss
+        where floats do not reach the scale.
+        """
+        if scale < inf:
+            return bool(abs(x) <= 1e6 * self.eps * scale)
+        raise PrecisionLoss(
+            f"x = {x} beside terms of size scale = {scale}: beyond the range of {self.name}; use MP(digits)"
         )
 
     def key(self, x: Any) -> Hashable:

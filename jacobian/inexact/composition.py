@@ -43,8 +43,8 @@ class Sum(NamedTuple):
 def add(curve: Any, first: Triple, second: Triple) -> Triple:
     """The reduced sum of two Mumford triples (u, v, n) over an inexact field.
 
-    Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where the sum on a
-    split model has a point at infinity.
+    Raises PrecisionLoss where the digits of the summands do not determine it, and NotRepresentable where a summand or
+    the sum has a point at infinity on a split model of even genus.
     """
     if first[2] is None or curve.genus % 2 == 0:
         _check_balanced(curve, first, second)

@@ -47,7 +47,9 @@ Pair = tuple[Coefficients, Coefficients]
 FEWER = 16
 
 UNDETERMINED = "the digits of the summands do not determine their sum; use more digits"
-_AT_INFINITY = "the sum has a point at infinity, which inexact split models do not carry; use an exact field"
+_AT_INFINITY = (
+    "the sum has a point at infinity, which inexact split models of even genus do not carry; use an exact field"
+)
 
 
 class Total(NamedTuple):

@@ -6,7 +6,7 @@ above: :class:`jacobian.group.Jacobian`, :class:`jacobian.relatives.glued.Genera
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from operator import index
 from typing import Any, Literal, SupportsIndex
 
@@ -14,7 +14,7 @@ from jacobian import poly
 from jacobian.curve import latex
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import Point
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, shown, whole
+from jacobian.errors import NO_SEQUENCES, ArgumentError, CurveMismatch, FieldError, shown, whole
 from jacobian.fields.change import change_of_field
 from jacobian.fields.protocol import Field
 from jacobian.immutable import Immutable
@@ -275,3 +275,20 @@ def check_divisor(D: Any, argument: str) -> Divisor:
 def check_scalar(scalar: Any, argument: str = "scalar") -> int:
     """``scalar`` as an int (numpy integers too), or an ArgumentError that names ``argument``."""
     return scalar if type(scalar) is int else whole(scalar, argument)
+
+
+def check_scalars(scalars: Any, count: int, argument: str = "scalar") -> int | list[int]:
+    """One int, or a list of ``count`` of them from a sequence or a flat array; ArgumentError for all else."""
+    import numpy as np
+
+    several = isinstance(scalars, Sequence | np.ndarray) and not isinstance(scalars, NO_SEQUENCES)
+    if not several or getattr(scalars, "ndim", 1) == 0:
+        return check_scalar(scalars, argument)
+    if getattr(scalars, "ndim", 1) != 1 or len(scalars) != count:
+        raise ArgumentError(
+            f"{argument} = {shown(scalars)} beside {count} rows: one int, or a flat array of one for each row"
+        )
+    if isinstance(scalars, np.ndarray) and scalars.dtype.kind in "iu" and not np.ma.is_masked(scalars):
+        found: list[int] = scalars.tolist()
+        return found
+    return [check_scalar(m, f"{argument}[{i}]") for i, m in enumerate(scalars)]

@@ -15,7 +15,7 @@ from collections import namedtuple
 from typing import Any
 
 from jacobian.errors import ArgumentError
-from jacobian.numbers.words import canonical, mul
+from jacobian.numbers.words import add, canonical, mul
 
 BITS = 128
 
@@ -92,7 +92,8 @@ def inverse(K: Any, x: Any) -> Any:
             v >>= zeros
             r <<= zeros
         k += zeros
-    # s·2^(256 − k) is 1/x times 2^256; its exponent is at most 192, and each step takes half of it
-    half = (2 * BITS - k) >> 1
-    lifted = mul(K, s, long(1) << half)
-    return canonical(K, mul(K, mul(K, lifted, long(1) << (2 * BITS - k - half)), K.cube))
+    # s·2^(256 − k) is 1/x times 2^256; with one doubling before, as k = 1 for p = 3, two shifts stay below 128 bits
+    rest = 2 * BITS - 1 - k
+    half = rest >> 1
+    lifted = mul(K, add(K, s, s), long(1) << half)
+    return canonical(K, mul(K, mul(K, lifted, long(1) << (rest - half)), K.cube))

@@ -21,7 +21,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, FieldError, Infeasible, entries, shown
 from jacobian.fields import GF, QQ
 from jacobian.immutable import Immutable
-from jacobian.law.divisor import Divisor, check_scalar
+from jacobian.law.divisor import Divisor, check_scalar, check_scalars
 from jacobian.native.library import Packed
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
 from jacobian.numbers.compiler import interpreted
@@ -130,12 +130,11 @@ class PseudoGroup(Immutable):
     def multiple(self, m: Any, x: Any) -> Any:
         """κ(mD) for x = κ(D), by Montgomery's ladder; m is an int, or a sequence of one for each point."""
         points = self._residues(x, "x")
-        each = isinstance(m, Sequence | np.ndarray) and not isinstance(m, str) and getattr(m, "ndim", 1) == 1
-        if each and (points[1] or 4 * len(m) != len(points[0])):
-            raise ArgumentError(f"m = {shown(m)} beside x = {shown(x)}: one int, or one for each point of an array")
-        scalars = [abs(check_scalar(c)) for c in (m if each else [m])]
-        longest = max(*(c.bit_length() for c in scalars), 1, 1)
-        bits = np.array([[c >> k & 1 for k in range(longest - 1, -1, -1)] for c in scalars], np.int64)
+        residues, single = points
+        m = check_scalar(m, "m") if single else check_scalars(m, len(residues) // 4, "m")
+        scalars = [m] if isinstance(m, int) else m
+        longest = max((c.bit_length() for c in scalars), default=0) or 1
+        bits = np.array([[abs(c) >> k & 1 for k in range(longest - 1, -1, -1)] for c in scalars], np.int64)
         return self._run("multiply_point", {"x": points}, bits.reshape(-1, longest))
 
     def _residues(self, x: Any, name: str) -> tuple[list[int], bool]:

@@ -22,6 +22,7 @@ from jacobian.periods.abel import AbelMap
 from jacobian.periods.matrix import periods
 from jacobian.relatives.conic import representative
 from jacobian.relatives.glued import GeneralizedJacobian
+from jacobian.relatives.pseudo_group import PseudoGroup
 from jacobian.relatives.ray_class import RayClassGroup
 from tests.messages import Raising, assert_says
 
@@ -31,6 +32,7 @@ REAL = HyperellipticCurve(RR, [1, 0, 0, 0, 0, 1])
 INEXACT = HyperellipticCurve(RR, [1, 0.5, 0, 0, 0, 1]).jacobian()
 PLANE = HyperellipticCurve(GF(101), [1, 2, 0, 3, 1])
 FIBRE = RayClassGroup(J.curve, 2).fibre
+POINTS = PseudoGroup(J.curve)
 SQUARE = np.ones((2, 2))
 
 NONE = Raising()
@@ -114,6 +116,27 @@ CASES = {
         ArgumentError,
         "multiplicities = 2: ",
         "one for each point",
+    ),
+    "bytes as scalars": (lambda: b"ab" * DivisorArray.stack([D, D]), ArgumentError, "scalar = b'ab'", "an int"),
+    "masked scalars": (
+        lambda: DivisorArray.stack([D, D]) * np.ma.array([1, 2], mask=[0, 1]),
+        ArgumentError,
+        "scalar[1] = masked",
+        "an int",
+    ),
+    "bytes as scalars of points": (
+        lambda: POINTS.multiple(b"ab", [POINTS.zero] * 2),
+        ArgumentError,
+        "m = b'ab'",
+        "int",
+    ),
+    "a half of a point": (lambda: POINTS.multiple(0.5, POINTS.zero), ArgumentError, "m = 0.5", "an int"),
+    "scalars beside one point": (lambda: POINTS.multiple([1], POINTS.zero), ArgumentError, "m = [1]", "an int"),
+    "too few scalars of points": (
+        lambda: POINTS.multiple([1, 2.5], [POINTS.zero] * 2),
+        ArgumentError,
+        "m[1] = 2.5",
+        "an int",
     ),
     "no divisor to take logarithms of": (lambda: J.log(D, 5), ArgumentError, "target = 5: ", "a Divisor"),
     "no base": (lambda: J.log("D", D), ArgumentError, "base = 'D': ", "a Divisor"),

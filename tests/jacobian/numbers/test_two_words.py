@@ -8,6 +8,7 @@ from jacobian import ArgumentError
 from jacobian.native.kinds import LONG, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.modular import MODULAR
+from jacobian.numbers import two_words as module
 from jacobian.numbers import words
 from jacobian.numbers.two_words import TwoWords, two_words
 
@@ -76,6 +77,22 @@ def test_every_inverse_modulo_a_small_prime(p):
     K = two_words(p)
     for x in range(1, p):
         assert K.from_word(COMPILED.inverted(K, x)) * K.from_word(x) % p == 1
+
+
+class Long(int):
+    """A natural number below 2^128, as compiled code has it: a shift by 128 bits or more is undefined there."""
+
+    def __lshift__(self, n):
+        assert 0 <= n < 128
+        return int(self) << n
+
+
+@pytest.mark.parametrize("p", PRIMES)
+def test_an_inverse_shifts_by_less_than_two_words(p, monkeypatch):
+    monkeypatch.setattr(module, "long", Long)
+    K = two_words(p)
+    for x in {1, 2, 3 % p or 1, p // 2, p - 1}:
+        assert K.dot(module.inverse(K, x), x) == K.one
 
 
 @pytest.mark.parametrize("p", [2, 1, 2**64, 2**128 + 51, -7])

@@ -158,7 +158,7 @@ def test_what_is_refused():
     for wrong in (0.5, "7", [1], [[1, 2], [3]]):
         with pytest.raises(ArgumentError):
             S.multiple(wrong, x)
-    with pytest.raises(ArgumentError, match="one for each point"):
+    with pytest.raises(ArgumentError, match="one for each row"):
         S.multiple([1, 2], [x])
     with pytest.raises(CurveMismatch):
         S.point(GROUPS["split"].zero())
