@@ -130,7 +130,8 @@ class Ellipsoid(MumfordSystem):
 
     def step(self, state: Point, point: Sequence[Any]) -> Point:
         """The state of D + (λ, μ) − (0, 0), of any h that leads to the quadric of λ; real for λ < 0. ArgumentError for
-        a point that is not on the curve, NotASquare where a_i/(a_i − λ) has no root.
+        a point that is not on the curve, NotASquare where a_i/(a_i − λ) has no root, NotRepresentable or PrecisionLoss
+        where there is no such state, as for λ = a_i.
         """
 
         def formula(N: Any, here: Point, x: Any, y: Any) -> Point:
@@ -142,9 +143,11 @@ class Ellipsoid(MumfordSystem):
 
     def _moved(self, N: Any, state: Point, x: Any, h: Any) -> Point:
         """The state whose tangent leaves the quadric of λ = x by the same h as that of ``state`` reaches it."""
-        roots = [N.sqrt(e / (e - x)) for e in self._constants_in(N)]
-        q = tuple(r * (x + h * v) for r, x, v in zip(roots, *state, strict=True))
-        return Point(q, tuple((new - old / r) / h for r, new, old in zip(roots, q, state.q, strict=True)))
+        a, slope = self._constants_in(N), x / h
+        roots = [N.sqrt(e / (e - x)) for e in a]
+        q = tuple(r * (y + h * v) for r, y, v in zip(roots, *state, strict=True))
+        # (q̃ - q/r)/h, in which small steps would cancel
+        return Point(q, tuple(r * (v + slope * y / e) for r, e, y, v in zip(roots, a, *state, strict=True)))
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)

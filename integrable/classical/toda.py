@@ -46,7 +46,7 @@ class TodaLattice(MumfordSystem):
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         # an exponential is not 0
-        return [N.zero if x != N.zero else N.one for x in state.q] if N.exact else ()
+        return (N.one if N.exact and N.zero in state.q else N.zero,)
 
     _constraint_names = ("e^q ≠ 0",)
 

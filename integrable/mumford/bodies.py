@@ -177,9 +177,10 @@ class BodyFlow(MumfordFlow):
                 "within reach"
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
-        if digits not in self._clocks:
-            self._clocks = {digits: self._made(digits)}
-        return self._clocks[digits].tau(list(map(MP(digits + SPARE).coerce, times)))
+        clock = self._clocks.get(digits) or self._made(digits)
+        # the last one only; another thread may keep another
+        self._clocks = {digits: clock}
+        return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
     def _made(self, digits: int) -> SeriesClock | PanelClock:
         K = MP(digits + SPARE)

@@ -1,5 +1,10 @@
 """Motions of :mod:`integrable.mumford.bodies` on a compact real torus at the compiled speed of the ball: its corners,
-its clock and its states, along another direction."""
+its clock and its states, along another direction.
+
+The real torus with a clock (:mod:`integrable.mumford.real_torus`) has these motions too, but knows the mean rate of a
+clock only as a sum over a grid, in double-double numbers, and so leaves times beyond 2²⁶ turns to additions. That of a
+body is a determinant of elliptic integrals, as the ball's is, and serves floats up to 2⁵⁰ turns.
+"""
 
 from __future__ import annotations
 

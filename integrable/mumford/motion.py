@@ -69,13 +69,13 @@ class Placed:
         """D at τ, and at the times along the further directions."""
         if self._rests:
             return self._resting(tau)
-        if further not in self._carried:
+        D = self._carried.get(further)
+        if D is None:
             D = self.start
             for which, time in enumerate(further, 1):
                 D = D if time == 0 else self.translations(which).carried(D, time)
             # many τ come with the same further times
             self._carried = {further: D}
-        D = self._carried[further]
         return D if tau == 0 else self.translations().carried(D, tau)
 
     def _resting(self, tau: Any) -> Extended:
@@ -188,7 +188,8 @@ def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
     """Whether each vector has the same first bits twice."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
-        if not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
+        # ∞ agrees with anything
+        if not scale < math.inf or not all(abs(x - y) * 2**wanted <= scale for x, y in zip(a, b, strict=True)):
             return False
     return True
 

@@ -57,7 +57,7 @@ class Setup(NamedTuple):
 
 
 class SeriesClock(MultiprecisionTorusClock):
-    """t(τ) and τ(t) of a motion over ``wide``, MP(digits), to 20 digits fewer.
+    """τ(t) of a motion over ``wide``, MP(digits), to 20 digits fewer.
 
     PrecisionLoss where the torus is not compact: the ovals have met.
     """
@@ -67,7 +67,14 @@ class SeriesClock(MultiprecisionTorusClock):
         axes = (*unit.alphas, one, one, one, one, zero)
         problem = Problem(axes, unit.zeta, one, unit.start, zero)
         setup = Setup(problem, wide, BareReals(wide.context.prec), wide.dps - SPARE)
-        super().__init__(setup, direction=unit.direction)  # type: ignore[arg-type]
+        # Newton's method takes 1 for a time in which little turns, so t and τ are counted in such
+        first, second = unit.direction
+        self._unit = 1 / abs(first)
+        super().__init__(setup, direction=(first * self._unit, second * self._unit))  # type: ignore[arg-type]
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every t, all wide."""
+        return [tau * self._unit for tau in super().tau([t / self._unit for t in times])]
 
 
 class PanelClock:

@@ -17,7 +17,7 @@ from integrable.mumford.motion import MumfordMotion, Start, settled
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import Divisor, HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, PrecisionLoss, entries, one_of, one_or_more, shown, whole
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, one_of, one_or_more, shown, whole
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable, Record, replaced
 from jacobian.inexact.long_field import LongField
@@ -27,7 +27,7 @@ from jacobian.relatives.extended import Extended
 if TYPE_CHECKING:
     from integrable.mumford.real_torus import RealTorus
 
-# how far off its constraints a state may be, in units of the last digit, before it is refused
+# how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
 OFF = 2.0**24
 # from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
 MANY, RIGHT = 24, 1e-12
@@ -161,13 +161,24 @@ class MumfordSystem(Immutable):
     def _check(self, state: Point) -> None:
         N = self.numbers
         inside = self._inside(N, state)
-        size = None if N.exact else max(abs(x) for x in (*inside.q, *inside.p))
-        for i, value in enumerate(self._constraints(N, inside)):
-            if (value != N.zero) if size is None else not abs(value) < OFF * N.eps * (1 + size * size):
+        values = self._constraints(N, inside)
+        sizes = [None] * len(values) if N.exact else self._constraint_sizes(inside)
+        for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
+            if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
                 raise ArgumentError(
-                    f"q, p = {shown(tuple(state))} are no state: {self._constraint_names[i]} is needed, "
+                    f"q, p = {shown(tuple(state))} are no state: {name} is needed, "
                     f"and is off by {shown(self._bare(value))}"
                 )
+
+    def _constraint_sizes(self, state: Point) -> list[Any]:
+        """How much each constraint would change if all q changed by the largest of them, and all p likewise."""
+        jets, n = JetField(self.field, 2 * self.size), self.size
+        both = jets.variables((*state.q, *state.p))
+        sizes = [max(map(abs, state.q))] * n + [max(map(abs, state.p))] * n
+        return [
+            sum(abs(slope) * size for slope, size in zip(jets.coerce(value).slopes, sizes, strict=True))
+            for value in self._constraints(jets, Point(both[:n], both[n:]))
+        ]
 
     _constraint_names: tuple[str, ...] = ()
 
@@ -220,7 +231,8 @@ class MumfordSystem(Immutable):
 
     def _mapped(self, state: Point, point: Any, formula: Callable[[Any, Point, Any, Any], Point]) -> Point:
         """``formula(N, state, λ, μ)`` of a point (λ, μ) of the curve: over inexact fields in long numbers, where the
-        point is put on the curve of the state; ArgumentError where it is not near it.
+        point is put on the curve of the state; ArgumentError where it is not near it, NotRepresentable where an exact
+        formula divides by 0, PrecisionLoss where no precision settles it.
         """
         found = entries(point, "point", "a pair (λ, μ)")
         if len(found) != 2:
@@ -233,7 +245,12 @@ class MumfordSystem(Immutable):
         if (rest != N.zero) if size is None else abs(rest) > OFF * N.eps * size:
             raise ArgumentError(f"point = {shown(point)} is not on the curve of the state: μ² = f(λ) is needed")
         if N.exact:
-            return self._outside(formula(N, self._inside(N, state), x, y))
+            try:
+                return self._outside(formula(N, self._inside(N, state), x, y))
+            except ZeroDivisionError:
+                raise NotRepresentable(
+                    f"point = {shown(point)}: the step by it leads to no state; give another point"
+                ) from None
 
         def read(L: LongField) -> Point:
             inner, at = self._constrained(L, self._inside(L, state)), L.coerce(x)

@@ -46,7 +46,7 @@ class Translations:
         between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
-        self._doubles: list[Extended] = []
+        self._doubles: dict[int, Extended] = {}
         # single additions, where these are in general position
         self._single: dict[int, Extended] = {}
 
@@ -100,11 +100,10 @@ class Translations:
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
-        if not self._doubles:
-            self._doubles.append(self._near(self.unit))
-        while len(self._doubles) <= k:
-            E = self._doubles[-1]
-            self._doubles.append(self._moved(E, E))
+        # by their places: other threads may add the same
+        for j in range(len(self._doubles), k + 1):
+            E = self._doubles.get(j - 1)
+            self._doubles[j] = self._near(self.unit) if E is None else self._moved(E, E)
         return self._doubles[k]
 
     def _near(self, time: Any) -> Extended:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.system import Path, Point
 from jacobian import RR, Divisor
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
 if TYPE_CHECKING:
     from integrable.systems.system import System
@@ -21,7 +21,10 @@ class BodyOnLayer(BodySystem):
 
     def __init__(self, inertia: Any, d: Any = 0, field: Any = RR) -> None:
         self._set_up_moments(field, inertia)
-        self.parameters = (self.field.coerce(d, "d"),)
+        K, d = self.field, self.field.coerce(d, "d")
+        self.parameters = (d,)
+        if any(K.add(moment, d) == K.zero for moment in self.constants):
+            raise ArgumentError(f"d = {d}: with inertia = {shown(inertia)} one of I_i + d is 0, and must not be")
 
     def __repr__(self) -> str:
         return f"BodyOnLayer({self.constants}, {self.parameters[0]}, {self.field.name})"

@@ -1,5 +1,7 @@
 """Flows against an integration that knows the vector field only, against themselves, and at far times."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -12,9 +14,11 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.mumford.system import Point
+from integrable.mumford.motion import Placed
+from integrable.mumford.system import MANY, Point
 from integrable.systems.on_layer import BodyOnLayer
-from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError, PrecisionLoss
+from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError, NotRepresentable, PrecisionLoss
+from jacobian.inexact.long_field import LongField
 from tests.integrable.classical.rows import REAL, distance, extrapolated, integrated, over_cases
 
 REST = Point((1.0, 0.0), (0.0, 0.0))
@@ -72,6 +76,20 @@ def test_group_property_reversal_and_integrals(name, n) -> None:
         assert all(abs(x - y) < 1e-26 * (1 + abs(y)) for x, y in pairs), name
 
 
+@pytest.mark.parametrize("size", [2.0**100, 2.0**-100])
+@pytest.mark.parametrize("count", [1, MANY])
+def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None:
+    """γ(t) of (γ, cM) is γ(ct) of (γ, M): the clock has no unit of its own."""
+    ball, body = BodyOnLayer((1, 2, 3), 0.7), Veselova((1, 2, 3))
+    for system, flow in ((body, body.flow), (ball, ball.by_additions)):
+        state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+        times = np.linspace(1, 30, count)
+        path = flow(state).at(times)
+        fast = flow(system.state(state.q, [size * x for x in state.p])).at(times / size)
+        assert np.abs(fast.q - path.q).max() < 4e-16
+        assert np.abs(fast.p / size - path.p).max() < 1e-15
+
+
 ESCAPING, BOUND = ((0.0625, -0.125), (0.03125, 0.0625)), ((0.01, -0.06), (0.005, 0.01))
 
 
@@ -93,6 +111,23 @@ def test_many_times_are_those_one_by_one(name) -> None:
     one = flow.at(times[[3, 21]])
     assert np.abs(many.q[[3, 21]] - one.q).max() < 1e-14 * np.abs(many.q).max()
     assert np.abs(many.p[[3, 21]] - one.p).max() < 1e-14 * np.abs(many.p).max()
+
+
+def test_threads_may_share_a_flow(monkeypatch) -> None:
+    """What one thread makes while another makes the same is made twice, and no third thing."""
+    system, state = REAL["neumann"](RR, 2)
+    flow = system.flow(state)
+    with LongField(200) as K:
+        alone, shared = (Placed(K, flow._place).translations() for _ in range(2))
+        moved = shared._moved
+
+        def interrupted(D, E):
+            monkeypatch.setattr(shared, "_moved", moved)
+            shared._double(4)
+            return moved(D, E)
+
+        monkeypatch.setattr(shared, "_moved", interrupted)
+        assert [shared._double(k).u for k in (4, 5)] == [alone._double(k).u for k in (4, 5)]
 
 
 def test_a_flow_at_its_start_returns_it():
@@ -344,12 +379,20 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (1, 0, 0)), "(γ, M) = 0"),
         (lambda: Veselova((1, 2, 3)).state((1, 1, 0), (0, 0, 1)), "|γ| = 1"),
         (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (0, 0, 0)), "M ≠ 0"),
+        # of any size of q and p
+        (lambda: Ellipsoid((40681077.7, 40680197.6, 40408308.7)).state((6371, 0, 0), (0, 0.6, 0.8)), "Σq_i²/a_i = 1"),
+        (lambda: Neumann((1, 2, 4)).state((2, 0, 0), (0, 1e6, 0)), "|q| = 1"),
+        (lambda: Neumann((1, 2, 4)).state((1, 0, 0), (100, 1e6, 0)), "(q, p) = 0"),
+        (lambda: Veselova((1, 2, 3)).state((1, 0, 0), (1e-9, 1e-9, 0)), "(γ, M) = 0"),
+        (lambda: TodaLattice(2, GF(101)).state((1, 0), (1, 1)), "e^q"),
         (lambda: Veselova((1, 2, 3)).omega("rest"), "state = 'rest'"),
         (lambda: Veselova((1, 2, 3)).flow("rest"), "state = 'rest'"),
         (lambda: Veselova((1, 2, 3), CC).flow(Point((1, 0, 0), (0, 1, 0))), "field = CC"),
         (lambda: BodyOnLayer((1, 1, 2)), "inertia = (1, 1, 2)"),
         (lambda: BodyOnLayer((1, 2)), "inertia = (1, 2)"),
         (lambda: BodyOnLayer((1, 2, 3), "x"), "d = 'x'"),
+        (lambda: BodyOnLayer((1, 2, 3), -2), "d = -2.0"),
+        (lambda: BodyOnLayer((1, 2, 3), 4, GF(7)), "d = 4"),
         (lambda: BodyOnLayer((1, 2, 3)).by_additions(Point((1, 0, 0), (0, 1, 0))), "d = 0"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
@@ -394,6 +437,13 @@ def test_bad_input_is_named(call, words) -> None:
     assert "\n" not in str(caught.value)
 
 
+@pytest.mark.parametrize("size", [2.0**-60, 1.0, 2.0**60])
+def test_states_are_states_in_any_unit(size) -> None:
+    system = Ellipsoid([e * size * size for e in (1, 2, 4)])
+    state = Ellipsoid((1, 2, 4))._constrained(RR, Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
+    assert system.state([size * x for x in state.q], state.p).p == state.p
+
+
 def test_steps_along_geodesics_take_the_point_of_their_quadric() -> None:
     """The tangent meets Σy²/(a − λ) = 1 at q + hp, and from the new state back; all integrals stay."""
     system, state = REAL["ellipsoid"](RR, 3)
@@ -409,6 +459,24 @@ def test_steps_along_geodesics_take_the_point_of_their_quadric() -> None:
         assert np.abs(np.subtract(system.integrals(new)[name], first)).max() < 1e-13
     both = [system.step(state, system.curve_point(state, x, sign)) for sign in (1, -1)]
     assert min(np.abs(np.array(found) - np.array(new)).max() for found in both) < 1e-12
+
+
+@pytest.mark.parametrize("h", [1e-30, -1e-100, 1e-150])
+def test_small_steps_along_geodesics_keep_their_speed(h) -> None:
+    system, state = REAL["ellipsoid"](RR, 3)
+    new = system.discrete(state, h)
+    assert np.abs(np.subtract(new.q, state.q)).max() < 4e-16
+    assert np.abs(np.subtract(new.p, state.p)).max() < 4e-16
+
+
+def test_steps_to_infinity_are_refused() -> None:
+    """The quadric of λ = a_i is a plane, whose points are those at infinity of the ellipsoid."""
+    floats, exact = Ellipsoid((1, 2, 4)), Ellipsoid((1, 4), QQ)
+    state = floats._constrained(RR, Point((0.5, 0.6, 0.9), (0.3, -0.8, 0.2)))
+    with pytest.raises(PrecisionLoss, match="special position"):
+        floats.step(state, (1, 0))
+    with pytest.raises(NotRepresentable, match=re.escape("point = (4, 0)")):
+        exact.step(exact.state((1, 0), (0, 2)), (4, 0))
 
 
 @pytest.mark.parametrize("sheet", [1, -1])
