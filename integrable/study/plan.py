@@ -63,7 +63,7 @@ class Limits:
 
 HORIZONS = {"quick": (1, 1000), "full": (1, 10, 100, 1000, 10_000, 100_000, 1_000_000)}
 """The single times, in time scales of the motion, at which the flow is held against the fastest that is good enough."""
-LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(6, 90, 240, 5, 8.0)}
+LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(3, 90, 240, 5, 8.0, patience=1.5)}
 
 
 @dataclass(frozen=True)
