@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 
 Choice = TypeVar("Choice")
 NO_SEQUENCES = (str, bytes, bytearray, memoryview, dict, set, frozenset)
+"""What iterates over something else than the entries of a sequence."""
 SHOWN = 200
 """Characters of a value that a message shows."""
 MOST_ENTRIES = 10_000_000

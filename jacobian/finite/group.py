@@ -54,7 +54,7 @@ class FiniteGroup(GroupLaw):
 
         By counting, or by a search that reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p); over GF(p) of
         any size for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7; Infeasible beyond
-        (:mod:`jacobian.finite.frobenius`). Each way proves what it returns. From p = 10^12 on this takes minutes: the
+        (:mod:`jacobian.finite.frobenius`). Each way proves what it returns. From p = 10^13 on this takes minutes: the
         logger jacobian.finite.matrix_products says at level INFO how far it is and what is left.
         """
         from jacobian.finite.frobenius import frobenius_polynomial

@@ -169,7 +169,7 @@ class KummerSurface(Immutable):
                 count += 1
 
     def double(self, x: Sequence[Any]) -> list[Any]:
-        """δ(x), of integers or balls."""
+        """δ(x), of integers or balls, as it comes: no common divisor taken out, nothing reduced modulo p."""
         values = monomials(x)
         return [sum((c * values[m] for m, c in form.items()), 0 * x[0]) for form in self.delta]
 
