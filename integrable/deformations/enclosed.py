@@ -144,9 +144,10 @@ class _March:
         self._steps += 1
         expected = self._steps * self.left(end) if self._steps >= KNOWN_FROM else 0
         if expected > MOST_STEPS:
+            within = abs(float(self._now)) * MOST_STEPS / self._steps
             raise Infeasible(
-                f"times: enclosing the motion to t = {float(end):g} takes about {expected:.2g} steps, more than "
-                f"{MOST_STEPS}; about |t| = {abs(float(end)) * MOST_STEPS / expected:.2g} is within reach"
+                f"times: enclosing the motion to t = {end} takes about {expected:.3g} steps, more than "
+                f"{MOST_STEPS}; about |t| = {within:.3g} is within reach"
             )
 
     # --- one step
@@ -189,12 +190,21 @@ class _March:
             return [kind("nan")] * len(point)
         return series[1 : 2 * len(point) : 2]
 
+    def _size(self, speed: list[float]) -> float:
+        """What M is measured by in a disc: |M| at the start or, where a potential moves what was nearly at rest, what
+        it makes of M while γ turns by a radian.
+        """
+        turning, pull = max(speed[:3]), max(speed[3:6])
+        now = max(float(abs(x).abs_upper()) for x in self._point[3:6])
+        return max(float(self._momentum), (pull * now / turning) ** 0.5 if turning else 0.0)
+
     def _disc(self, radius: float) -> tuple[float, list[Any]]:
         """(radius, reach) of a disc of complex times on which Picard's theorem gives the motion."""
         with self.reals.at(BOUND_BITS):
-            sizes = [*[1.0] * 3, *[float(self._momentum)] * 3, 1.0]
             speed = [float(abs(x).abs_upper()) for x in self._velocity(self._point)]
-            rate = max(x / size for x, size in zip(speed, sizes, strict=False)) or 1.0
+            sizes = [*[1.0] * 3, *[self._size(speed)] * 3, 1.0]
+            # nothing depends on τ, whose rate has a unit of its own
+            rate = max(x / size for x, size in zip(speed[:6], sizes, strict=False)) or 1.0
             radius = radius or 1 / rate
             least = SMALLEST_DISC * (self._longest or radius)
             while radius > least:

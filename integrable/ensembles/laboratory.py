@@ -84,6 +84,12 @@ class LaboratoryEnsemble(Record):
     def __repr__(self) -> str:
         return f"<LaboratoryEnsemble of {len(self)} motions of {self.body!r}>"
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        heads = ["member", "ω_x, rad/s", "ω_y, rad/s", "ω_z, rad/s"]
+        return table(repr(self), heads, [(k, *row) for k, row in enumerate(self.omega.tolist())])
+
     def __iter__(self) -> Iterator[LaboratoryMotion]:
         return map(self.motion, range(len(self)))
 
@@ -259,6 +265,13 @@ class LaboratoryRuns(Runs, Exported):
         for k in np.flatnonzero(self.status == 0).tolist():
             found[k] = self[k].contact
         return read_only(found)
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        """(x, y, z) of the centres of the balls, (K, N, 3), in m."""
+        flat = self.contact
+        height = np.full((*flat.shape[:2], 1), self.ensemble.body.radius)
+        return read_only(np.concatenate([flat, np.where(np.isnan(flat[..., :1]), np.nan, height)], axis=-1))
 
     def concatenated(self, *others: LaboratoryRuns) -> LaboratoryRuns:
         """These members and those of the ``others``: of the same body, at the same times, or as many of their own."""

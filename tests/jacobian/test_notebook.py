@@ -35,6 +35,7 @@ VALUES = {
     "laboratory": (ROLLING.at([0, 1]), "x, m"),
     "members": (MANY, "<td>-1</td>"),
     "runs of members": (MANY.at([0, 1]), "d = -1.0 is negative"),
+    "starts in the laboratory": (laboratory_ensemble(ROLLING.body, np.eye(3), [(1, 2, 3)] * 12), "2 more"),
     "runs in the laboratory": (laboratory_ensemble(ROLLING.body, np.eye(3), [(1, 2, 3)] * 12).at([0]), "2 more"),
     "section": (FLOW.section(3), "ϑ"),
     "spectrum": (FLOW.spectrum(), "(0, -1)"),

@@ -52,6 +52,19 @@ def test_what_begins_at_rest_is_moved_by_its_potential():
     assert found.radius[0] <= 1e-12
 
 
+@pytest.mark.parametrize(("name", "size", "time"), [("tilde, d", 1e-9, 2.0**25), ("tilde, potential", 1e-8, 0.03125)])
+def test_a_slow_start_takes_no_more_steps(name, size, time):
+    """The unit of time of τ̇ = g is not that of a slow motion, and |M| at the start is none where a potential pulls."""
+    system = SYSTEMS[name](RR)
+    state = system.state(START[0], [size * x for x in START[1]])
+    found = system.motion_through(state).enclosure([time], digits=12)
+    assert found.radius[0] <= 1e-12
+    run = truth(system, state, [time])
+    with REALS:
+        assert contained(found.gamma, run.gamma)
+        assert contained(found.M, run.M)
+
+
 @pytest.mark.parametrize("order", [2, 5])
 def test_what_the_series_leave_out_is_in_the_balls(order):
     """Of a series that is cut off much too early the balls are wide, and contain the motion still."""

@@ -63,6 +63,13 @@ def test_files_are_read_back(suffix, result, tmp_path):
     assert [item.name for item in tmp_path.iterdir()] == [path.name]
 
 
+def test_centres_of_many_are_those_of_each():
+    np.testing.assert_array_equal(MANY.centre[2], MANY[2].centre)
+    assert np.isnan(MANY.centre[1]).all()
+    with pytest.raises(ValueError, match="read-only"):
+        MANY.centre[0, 0, 2] = 1
+
+
 def test_datasets():
     pytest.importorskip("xarray")
     data = RUN.to_xarray(["omega_body", "centre"])
@@ -74,6 +81,7 @@ def test_datasets():
     assert many.sel(member=2).omega.shape == (2, 3)
     assert many.status.values.tolist() == [0, 1, 0]
     assert "R Rᵀ differs from 1" in json.loads(many.attrs["reasons"])[0]
+    assert MANY.to_xarray("centre").centre.shape == (3, 2, 3)
     own = laboratory_ensemble(BALL, np.eye(3), [OMEGA, OMEGA]).at([[0, 1], [2, 3]])
     assert own.to_xarray().time.dims == ("member", "row")
 
@@ -118,7 +126,7 @@ def test_joined_members():
 @pytest.mark.parametrize(
     ("call", "said"),
     [
-        (lambda: RUN.save("run.nc", "gamma"), "quantities: 'gamma' given; choose among quaternion, omega, omega_body"),
+        (lambda: RUN.save("run.mat", "gamma"), "quantities: 'gamma' given; choose among quaternion, omega, omega_body"),
         (lambda: RUN[4], "row = 4"),
         (lambda: RUN["a"], "row = 'a'"),
         (lambda: RUN[[7]], "there are 4"),
