@@ -31,7 +31,7 @@ def test_the_file_is_what_its_schema_says():
     content = json.loads(FOLDER.joinpath("trajectories.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator.check_schema(schema())
     jsonschema.Draft202012Validator(schema()).validate(content)
-    assert content["count"] == len(content["motions"]) == len(certified_names()) == 40
+    assert content["count"] == len(content["motions"]) == len(certified_names()) == 46
     assert all(len(motion["rows"]) == 50 for motion in content["motions"])
 
 
