@@ -21,7 +21,7 @@ from typing import Any
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
@@ -122,9 +122,9 @@ class Ellipsoid(MumfordSystem):
                 slope = sum((part / (e - x) for part, e in zip(parts, a, strict=True)), L.zero)
                 move = (total - 1) * total / slope
                 if not move > L.eps * abs(x):
-                    break
+                    return self._moved(L, inner, x, length)
                 x = x - move
-            return self._moved(L, inner, x, length)
+            raise PrecisionLoss(f"h = {shown(h)}: the quadric that the step leads to was not found")
 
         return self._settled(read)
 

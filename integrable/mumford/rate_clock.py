@@ -56,7 +56,7 @@ class Setup(NamedTuple):
     digits: int
 
 
-class SeriesClock(MultiprecisionTorusClock):
+class SeriesClock:
     """τ(t) of a motion over ``wide``, MP(digits), to 20 digits fewer.
 
     PrecisionLoss where the torus is not compact: the ovals have met.
@@ -70,11 +70,12 @@ class SeriesClock(MultiprecisionTorusClock):
         # Newton's method takes 1 for a time in which little turns, so t and τ are counted in such
         first, second = unit.direction
         self._unit = 1 / abs(first)
-        super().__init__(setup, direction=(first * self._unit, second * self._unit))  # type: ignore[arg-type]
+        direction = first * self._unit, second * self._unit
+        self._clock = MultiprecisionTorusClock(setup, direction=direction)  # type: ignore[arg-type]
 
     def tau(self, times: list[Any]) -> list[Any]:
         """τ at every t, all wide."""
-        return [tau * self._unit for tau in super().tau([t / self._unit for t in times])]
+        return [tau * self._unit for tau in self._clock.tau([t / self._unit for t in times])]
 
 
 class PanelClock:
@@ -116,8 +117,8 @@ class PanelClock:
             move = (angle - target) / rate
             x = max(-1 + 0 * t, min(1 + 0 * t, x - move))
             if abs(move) <= self._reals.number(10) ** (-self._digits):
-                break
-        return self._half * (2 * panel + 1 + x)
+                return self._half * (2 * panel + 1 + x)
+        raise PrecisionLoss("the clock was not inverted: use more digits")
 
     def _too_far(self, t: Any) -> PrecisionLoss:
         return PrecisionLoss(

@@ -358,7 +358,7 @@ class MumfordFlow:
             true = self._motion.row(time, self._reader(time), self.digits, self._clock)
             for row, other in zip(rows, true, strict=True):
                 expected = np.array([float(x) for x in other])
-                if np.abs(row - expected).max() > RIGHT * np.abs(expected).max():
+                if not np.abs(row - expected).max() <= RIGHT * np.abs(expected).max():
                     return False
         return True
 

@@ -16,6 +16,7 @@ from integrable.moving_point.newton import step_inside
 from integrable.torus.oval_modes import modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
+from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -78,8 +79,8 @@ class MultiprecisionTorusClock:
                     rest.append(n)
             left = rest
             if not left:
-                break
-        return shifts
+                return shifts
+        raise PrecisionLoss("the clock was not inverted: use more digits")
 
 
 def phases(tau: Any, frequencies: tuple[Any, Any], field: Any) -> tuple[Any, Any]:

@@ -67,6 +67,13 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
         assert abs(again - t) < 1e-24
 
 
+def test_a_clock_that_is_not_inverted_says_so(monkeypatch) -> None:
+    clock = MultiprecisionTorusClock(setup_of(ChaplyginBall((1, 2, 3), 0.7), *START))
+    monkeypatch.setattr(clock, "_eps", -1)
+    with pytest.raises(PrecisionLoss, match="not inverted"):
+        clock.tau([clock.wide.one])
+
+
 @pytest.mark.parametrize("ball", [BALL, THIN], ids=["ball", "thin"])
 def test_the_arithmetic_geometric_mean_gives_the_periods_of_quadrature(ball) -> None:
     setup = setup_of(ball, *START)
