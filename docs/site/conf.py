@@ -50,7 +50,6 @@ suppress_warnings = ["mystnb.unknown_mime_type", "ref.python"]
 autodoc_member_order = "bysource"
 autodoc_typehints = "signature"
 autodoc_typehints_format = "short"
-autodoc_default_options = {"members": True, "inherited-members": True}
 python_maximum_signature_line_length = 90
 
 

@@ -54,6 +54,11 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "integrable.portrait.spectrum",
             "integrable.laboratory.motion",
             "integrable.motion.enclosure",
+            "integrable.deformations.deformed_flow",
+            "integrable.deformations.separated_flow",
+            "integrable.deformations.pole_flow",
+            "integrable.deformations.integrated",
+            "integrable.deformations.enclosed",
             "integrable.phase.state",
             "integrable.phase.body",
             "integrable.phase.separation",
@@ -143,13 +148,13 @@ def _module(name: str, seen: set[int], heading: bool) -> str:
         seen.add(id(thing))
         home = getattr(thing, "__module__", None) or name
         if isinstance(thing, type):
-            lines.append(f".. autoclass:: {home}.{thing.__qualname__}\n")
+            lines.append(f".. autoclass:: {home}.{thing.__qualname__}\n   :members:\n   :inherited-members:\n")
         elif callable(thing) and hasattr(thing, "__qualname__"):
             lines.append(f".. autofunction:: {home}.{thing.__qualname__}\n")
         else:
             lines.append(f".. autodata:: {name}.{entry}\n   :no-value:\n")
     if heading and summary:
-        parts.append("```{eval-rst}\n.. automodule:: " + name + "\n   :no-members:\n   :no-index:\n```\n")
+        parts.append("```{eval-rst}\n.. automodule:: " + name + "\n   :no-index:\n```\n")
     if lines:
         parts.append("```{eval-rst}\n" + "\n".join(lines) + "```\n")
     return "\n".join(parts)

@@ -25,6 +25,8 @@ from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, PrecisionLoss
 
+__all__ = ["DeformedFlow"]
+
 GUARD_DIGITS = 18
 ROUNDING = 6
 """Digits that the additions of one period may cost."""

@@ -23,6 +23,8 @@ from integrable.phase.state import State, onto_constraints
 from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
+__all__ = ["EnclosedMotion"]
+
 # of the radius of a disc: about what takes the fewest products (e⁻²)
 STEP = 0.125
 MOST_STEPS = 4_000

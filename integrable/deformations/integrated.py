@@ -20,6 +20,8 @@ from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
 from jacobian.errors import PrecisionLoss
 
+__all__ = ["IntegratedMotion"]
+
 # digits of a step beyond those asked for, and what all steps together may lose of H and K
 STEP_DIGITS = 2
 LOST_DIGITS = 3

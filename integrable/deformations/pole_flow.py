@@ -19,6 +19,8 @@ from integrable.phase.state import State
 from jacobian import poly
 from jacobian.errors import NotRepresentable
 
+__all__ = ["PoleFlow"]
+
 OVAL = 1e-9
 
 

@@ -20,6 +20,8 @@ from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
 from jacobian.errors import ArgumentError, NotRepresentable
 
+__all__ = ["IsometricFlow", "SeparatedFlow"]
+
 if TYPE_CHECKING:
     import numpy as np
 
@@ -49,7 +51,7 @@ class SeparatedFlow(_QuickFlow):
         return OvalCarrier(system, state)
 
     def translated(self, roots_of: Any) -> State:
-        """The state with the points ``roots_of``(k, field, μ_k, μ_k/I_i) added on the curves k = 0, 1: roots √(Z' −
+        """The state with the points ``roots_of(k, field, μ_k, μ_k/I_i)`` added on the curves k = 0, 1: roots √(Z' −
         μ_k/I_i) and how many times, or None.
         """
         many = self._curves.many
