@@ -79,7 +79,7 @@ def draw(rows: Rows, stem: Path) -> None:
             shown = [(row["value"], row["ms"]) for row in part if row["way"] == way and row["value"]]
             axes.loglog(*zip(*shown, strict=True), "o-" if way == "torus" else "s", label=way)
         axes.set_xlabel("distance from the separatrix" if varied == SEPARATRIX else "d, moments 1, 2, 3")
-        axes.legend()
+        axes.legend(loc="upper right" if varied == SEPARATRIX else "upper left")
     figure.axes[0].set_ylabel("set-up and a first state, ms")
     figure.axes[0].set_yticks(TICKS, map(str, TICKS))
     figure.axes[0].minorticks_off()
