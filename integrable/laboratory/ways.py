@@ -48,7 +48,7 @@ class WideFlow(Flow):
 
     @cached_property
     def _symmetric(self) -> Any:
-        if self.system.field != RR or super()._symmetric is None:
+        if self.system.field != RR:
             return super()._symmetric
         return SymmetricFlow(replaced(self.system, body=self._wide_body), self._wide_state)
 

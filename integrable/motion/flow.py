@@ -264,10 +264,8 @@ class Flow(BodyMotion):
         return None if rotation_axis(self.state) is None else self._rotation
 
     @cached_property
-    def _symmetric(self) -> SymmetricFlow | PreciseClosedForm | None:
-        """None where three moments differ."""
-        if symmetry_axis(self.system.inertia) is None:
-            return None
+    def _symmetric(self) -> SymmetricFlow | PreciseClosedForm:
+        """That of two equal moments."""
         from integrable.motion.symmetric import SymmetricFlow
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
@@ -276,10 +274,8 @@ class Flow(BodyMotion):
         return SymmetricFlow(self.system, self.state)
 
     @cached_property
-    def _rotation(self) -> PrincipalRotation | PreciseClosedForm | None:
-        """None where M is not along a principal axis with γ across it."""
-        if rotation_axis(self.state) is None:
-            return None
+    def _rotation(self) -> PrincipalRotation | PreciseClosedForm:
+        """That of M along a principal axis with γ across it."""
         from integrable.motion.rotation import PrincipalRotation, RotationForm
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
