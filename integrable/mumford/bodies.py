@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.mumford.motion import Start
 from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
 from integrable.mumford.system import MumfordFlow, MumfordSystem, Path, Point, Spectral, all_of, on_sphere
+from integrable.phase.body import cross
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.numbers.compiler import interpreted
@@ -81,7 +82,7 @@ class BodySystem(MumfordSystem):
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         omega = self._omega(N, state)
-        return Point(*(cross(part, omega) for part in state))
+        return Point(*(cross(N, part, omega) for part in state))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """H1 = (ω, M), H2 = (M, M)."""
@@ -89,7 +90,7 @@ class BodySystem(MumfordSystem):
 
     def _pairs(self, N: Any, state: Point) -> tuple[tuple[Any, Any], ...]:
         """The (σ_i, ν_i)."""
-        gamma, w = state.q, cross(*state)
+        gamma, w = state.q, cross(N, *state)
         stretch = self._stretch(N, gamma)
         lean = N.dot(self._weights(N), [x * y for x, y in zip(gamma, w, strict=True)]) / stretch
         root = N.sqrt(stretch)
@@ -130,7 +131,7 @@ class BodySystem(MumfordSystem):
         lean, root = N.dot(sigma, nu) / square, N.sqrt(square)
         gamma = tuple(x / root for x in sigma)
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
-        return Point(gamma, cross(w, gamma))
+        return Point(gamma, cross(N, w, gamma))
 
     def flow(self, state: Point) -> Any:
         """The motion of a state over RR or MP(digits), any time at once; on a separatrix times near the start."""
@@ -221,8 +222,3 @@ def _rate(N: Any, D: Extended) -> tuple[tuple[Any]]:
     """dt/dτ."""
     sigma = [datum[1] for datum in D.data]
     return ((1 / N.sqrt(N.dot(sigma, sigma)),),)
-
-
-def cross(x: Sequence[Any], y: Sequence[Any]) -> tuple[Any, ...]:
-    """x × y, of numbers with operators."""
-    return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
