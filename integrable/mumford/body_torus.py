@@ -17,6 +17,7 @@ from integrable.mumford.rate_clock import Unit
 from integrable.torus.access import MOST_TURNS, TorusFlow
 from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.witness import TURNS
 from jacobian.numbers.long_reals import BareReals
 
 
@@ -61,7 +62,7 @@ class BodyTorus(TorusFlow):
         """Times at which every sign that a period changes has been changed, in both directions."""
         paces = self._of_rates(4, 6)
         farthest = MOST_TURNS / 8 / max(map(abs, paces))
-        return np.clip([turns / pace for pace in paces for turns in (1.23, -1.38)], -farthest, farthest)
+        return np.clip([turns / pace for pace in paces for turns in TURNS], -farthest, farthest)
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-double numbers hold the fractions of all turns."""

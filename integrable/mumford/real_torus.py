@@ -21,9 +21,10 @@ from integrable.mumford.columns import Column, Columns
 from integrable.mumford.fields import cofactor, second_kind_rate
 from integrable.mumford.motion import Start
 from integrable.mumford.torus_integrals import GridRate, TorusIntegral, datum_after
-from integrable.torus.access import TorusClock
+from integrable.torus.access import MOST_TURNS, TorusClock
 from integrable.torus.corners import Corners
 from integrable.torus.loops import CompiledLoops
+from integrable.torus.witness import TURNS
 from jacobian import MP, RR, poly
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
@@ -35,8 +36,6 @@ DIGITS = 50
 # U at a branch point, beside x², where σ is not read off it
 SMALL = 1e-20
 MOST_CELLS, MOST_SAMPLES = 1 << 12, 1 << 16
-# turns of a phase beyond which the fractions of double-double numbers are too short
-MOST_TURNS = 2.0**50
 # turns to the witness of a clock's mean rate, and those up to which it serves floats
 FAR, CLOCKED = 2.0**40, 2.0**26
 # numbers of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
@@ -95,7 +94,7 @@ class RealTorus(Corners):
         too, which its mean rate decides.
         """
         farthest = MOST_TURNS / 8 / self._fastest
-        tau = np.clip([turns / float(nu) for nu in self.frequencies for turns in (1.23, -1.38)], -farthest, farthest)
+        tau = np.clip([turns / float(nu) for nu in self.frequencies for turns in TURNS], -farthest, farthest)
         return tau if self.clock is None else np.append(tau, FAR / self._fastest) * float(self.mean)
 
     def at(self, times: np.ndarray) -> Extended:
