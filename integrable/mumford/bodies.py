@@ -23,7 +23,6 @@ from integrable.mumford.system import MumfordFlow, MumfordSystem, Path, Point, S
 from integrable.phase.body import cross
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
-from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
@@ -194,19 +193,11 @@ class BodyFlow(MumfordFlow):
             length = STEP / (self._pace * fastest)
             return PanelClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
 
-    @cached_property
-    def _torus(self) -> BodyTorus | None:  # type: ignore[override]
-        """The compiled torus in floats, where there is one."""
-        if hasattr(self.system.field, "dps") or interpreted():
-            return None
+    def _made_torus(self) -> BodyTorus:
         from integrable.mumford.body_torus import BodyTorus
 
         K = MP(DIGITS)
-        try:
-            torus = BodyTorus(K, self._body._unit(K, self._inner(K)))
-        except (PrecisionLoss, ZeroDivisionError):
-            return None
-        return torus if self._confirmed(torus) else None
+        return BodyTorus(K, self._body._unit(K, self._inner(K)))
 
     def _path(self, torus: Any, times: Any) -> Path:
         rows, _ = torus.at(times)

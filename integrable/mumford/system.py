@@ -25,6 +25,7 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
+    from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.real_torus import RealTorus
 
 # how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
@@ -335,19 +336,21 @@ class MumfordFlow:
         return times
 
     @cached_property
-    def _torus(self) -> RealTorus | None:
+    def _torus(self) -> RealTorus | BodyTorus | None:
         """The compiled torus of a motion of genus 2 in floats, where there is one."""
-        from integrable.mumford.real_torus import RealTorus
-
-        system = self.system
-        elsewhere = hasattr(system.field, "dps") or system.complex_data
+        elsewhere = hasattr(self.system.field, "dps") or self.system.complex_data
         if self._genus != 2 or elsewhere or interpreted():
             return None
         try:
-            torus = RealTorus(self._place, system._time_rate if system.clocked else None)
+            torus = self._made_torus()
         except (PrecisionLoss, ZeroDivisionError):
             return None
         return torus if self._confirmed(torus) else None
+
+    def _made_torus(self) -> RealTorus | BodyTorus:
+        from integrable.mumford.real_torus import RealTorus
+
+        return RealTorus(self._place, self.system._time_rate if self.system.clocked else None)
 
     def _confirmed(self, torus: Any) -> bool:
         """Whether a torus has the states that additions in long numbers lead to, signs included."""
@@ -362,7 +365,7 @@ class MumfordFlow:
                     return False
         return True
 
-    def _path(self, torus: RealTorus, times: Any) -> Path:
+    def _path(self, torus: Any, times: Any) -> Path:
         """The states at times from a torus."""
         import numpy as np
 
