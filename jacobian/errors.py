@@ -129,17 +129,32 @@ def floats(values: Any, argument: str, wanted: str) -> Any:
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted}") from None
 
 
+def several(which: Any) -> bool:
+    """Whether ``which`` chooses some of many things (:func:`chosen`), and not one."""
+    import numpy as np
+
+    try:
+        return isinstance(which, slice) or np.ndim(which) > 0
+    except ValueError:
+        # lists of several lengths
+        return True
+
+
 def chosen(which: Any, count: int) -> Any:
     """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
     if isinstance(which, slice):
         return which
     import numpy as np
 
-    found = np.asarray(which)
+    wanted = "an int, a slice, or an array of ints or truth values is needed"
+    try:
+        found = np.asarray(_unmasked(which))
+    except Exception:
+        raise ArgumentError(f"[{shown(which)}]: {wanted}") from None
     if not found.size:
         return slice(0, 0)
     if found.ndim != 1 or not (found.dtype == bool or np.issubdtype(found.dtype, np.integer)):
-        raise ArgumentError(f"[{shown(which)}]: an int, a slice, or an array of ints or truth values is needed")
+        raise ArgumentError(f"[{shown(which)}]: {wanted}")
     fits = len(found) == count if found.dtype == bool else -count <= found.min() and found.max() < count
     if not fits:
         raise ArgumentError(f"[{shown(which)}]: there are {count}")

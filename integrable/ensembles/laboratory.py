@@ -23,7 +23,7 @@ from integrable.motion.short import MOST_TIMES
 from integrable.phase import attitude
 from integrable.phase.body import Body
 from jacobian import RR
-from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, shown, whole
+from jacobian.errors import ArgumentError, JacobianError, NotRepresentable, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, read_only, replaced
 from jacobian.numbers.compiler import interpreted
 
@@ -95,7 +95,7 @@ class LaboratoryEnsemble(Record):
 
     def __getitem__(self, which: Any) -> Any:
         """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
-        if not (isinstance(which, slice) or np.ndim(which)):
+        if not several(which):
             return self.motion(member_number(which, len(self)))
         which = chosen(which, len(self))
         parts = {name: getattr(self, name)[which] for name in ("orientations", "omega", "contacts")}

@@ -17,7 +17,7 @@ from integrable.phase.body import Body
 from integrable.systems.euler_top import EulerTop
 from integrable.systems.system import System
 from jacobian import RR
-from jacobian.errors import ArgumentError, chosen, floats, shown, whole
+from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
 # of what is refused: members nearer to a bound are looked at by themselves
@@ -46,7 +46,7 @@ class Members(Record):
 
     def __getitem__(self, which: Any) -> Any:
         """The motion of a member, or those of the members that a slice, an array of numbers or truth values chooses."""
-        if not (isinstance(which, slice) or np.ndim(which)):
+        if not several(which):
             return self.flow(member_number(which, len(self)))
         return replaced(self, members=self.members[chosen(which, len(self))])
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from integrable.ensembles.members import member_number, times_of_some
 from integrable.files.frame import Column
-from jacobian.errors import ArgumentError, chosen
+from jacobian.errors import ArgumentError, chosen, several
 from jacobian.immutable import Record, read_only, replaced
 
 Kind = TypeVar("Kind", bound="Runs")
@@ -51,7 +51,7 @@ class Runs(Record):
 
     def __getitem__(self, which: Any) -> Any:
         """A member (raises what refused it as a whole), or those of some members."""
-        if isinstance(which, slice) or np.ndim(which):
+        if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
         return self._one(member_number(which, len(self)))
 

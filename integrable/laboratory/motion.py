@@ -11,7 +11,7 @@ from integrable.files.exported import Exported
 from integrable.laboratory.ways import numbers
 from integrable.phase import attitude
 from jacobian import RR
-from jacobian.errors import ArgumentError, NotRepresentable, chosen, one_or_more, shown, whole
+from jacobian.errors import ArgumentError, NotRepresentable, chosen, one_or_more, several, shown, whole
 from jacobian.immutable import Immutable, read_only, replaced
 
 if TYPE_CHECKING:
@@ -101,7 +101,7 @@ class LaboratoryRun(Exported):
         return len(self.times)
 
     def __getitem__(self, which: Any) -> Any:
-        if not (isinstance(which, slice) or np.ndim(which)):
+        if not several(which):
             row = whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1)
             contact = None if self.motion._contact is None else self.contact[row]
             return Instant(self.times[row], self.matrices[row], self.omega[row], contact)

@@ -14,7 +14,17 @@ from integrable.motion.refusals import Rows, common_reasons, kept_rows, refused_
 from integrable.moving_point.setup import Setup
 from integrable.phase.state import State
 from jacobian import RR
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, chosen, flag, one_or_more, shown, whole
+from jacobian.errors import (
+    ArgumentError,
+    NotRepresentable,
+    PrecisionLoss,
+    chosen,
+    flag,
+    one_or_more,
+    several,
+    shown,
+    whole,
+)
 from jacobian.immutable import Immutable, read_only, replaced
 
 if TYPE_CHECKING:
@@ -221,7 +231,7 @@ class Trajectory(Exported):
         """The State of one row (NotRepresentable for one that was refused), or the Trajectory of those that a slice, or
         an array of numbers or truth values chooses.
         """
-        if isinstance(which, slice) or np.ndim(which):
+        if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
         return self._state(whole(which, "row", f"the rows are 0 … {len(self) - 1}", -len(self), len(self) - 1))
 

@@ -72,3 +72,14 @@ def test_members_are_indexed():
     for group in (many, starts):
         with pytest.raises(JacobianError, match="member = 2: the members are 0 … 1"):
             group[2]
+
+
+@pytest.mark.parametrize("which", [[[0], [0, 1]], np.ma.array([0, 1], mask=[False, True])], ids=["ragged", "masked"])
+def test_what_chooses_nothing_is_refused(which):
+    """Lists of several lengths were numpy's ValueError; a masked array chose what its mask hides."""
+    many = ensemble(BALL, STATE.gamma, STATE.M, d=[0.7, 0.8])
+    starts = laboratory_ensemble(RollingBall(TENSOR, 1.3, 0.5), np.eye(3), [(1, 2, 3), (3, 2, 1)])
+    results = [many.at([0, 1]), starts.at([0, 1]), starts[0].at([0, 1]), BALL.flow(STATE).at([0, 1])]
+    for group in (many, starts, *results):
+        with pytest.raises(JacobianError, match="an int, a slice, or an array of ints or truth values is needed"):
+            group[which]
