@@ -181,11 +181,16 @@ def _classical_step(system: Any, _: Any) -> Callable[[float], Any]:
 
 
 def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:
-    method, scene, truth = METHODS[task.method], task.scene, _truth_of(task, kept)
-    value = task.value or 0.0
+    truth = _truth_of(task, kept)
+    _affordable(_pilot(task), task)
+    return _compared(task, truth, tick)
+
+
+def _compared(task: Task, truth: Truth, tick: Tick) -> Data:
+    """A run of a method, however long it takes."""
+    method, scene, value = METHODS[task.method], task.scene, task.value or 0.0
     times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
     begin = method.digits(value)
-    _affordable(_pilot(task, times), task)
 
     def once() -> Timed:
         system, state = scene.start(begin)
@@ -229,10 +234,10 @@ def _affordable(told: float, task: Task) -> None:
         raise TooLong(f"not run: a whole run would take about {told:.2g} s, more than the {allowed:g} s of this study")
 
 
-def _pilot(task: Task, times: list[Any]) -> float:
+def _pilot(task: Task) -> float:
     """Seconds that a whole run would take, from short ones, each to four times the time of the one before."""
     system, state = task.scene.start(FLOAT_DIGITS)
-    last = float(max(times))
+    last = max(task.scene.times.floats())
     run = METHODS[task.method].prepare(system, state, task.value)
 
     def seconds_to(time: float) -> float:
@@ -272,17 +277,17 @@ def _horizon(task: Task, _: Data | None, tick: Tick) -> Data:
     scene = replace(task.scene, times=Times(given=(Fraction((task.value or 1.0) * scale),)))
     task = replace(task, scene=scene, value=None, limits=replace(task.limits, check=0.0))
     truth, floor = _truth(task, None, tick), _floor(task, None, tick)["floor_gamma"]
-    flow = _flow(task, truth, tick)
+    flow, judge = _flow(task, truth, tick), _truth_of(task, truth)
     found: Data = {"time": scene.times.floats()[0], "flow": flow, "floor_gamma": floor, "peer": None}
     error = max(flow["error_gamma"], floor)
     for method in sorted(METHODS.values(), key=lambda method: not method.compiled):
-        result = _rival(replace(task, method=method.name), truth, error, found["peer"], tick)
+        result = _rival(replace(task, method=method.name), judge, error, found["peer"], tick)
         if result is not None:
             found["peer"] = min(found["peer"] or result, result, key=lambda one: float(one["total"]))
     return found
 
 
-def _rival(task: Task, truth: Data, error: float, fastest: Data | None, tick: Tick) -> Data | None:
+def _rival(task: Task, truth: Truth, error: float, fastest: Data | None, tick: Tick) -> Data | None:
     """A method at its cheapest setting that has at most so large an error; None where it has none, or where even its
     cheapest setting is slower than the fastest so far or than the study allows.
 
@@ -296,7 +301,8 @@ def _rival(task: Task, truth: Data, error: float, fastest: Data | None, tick: Ti
     found, before = None, inf
     for row in (replace(task, value=setting) for setting in reversed(settings)):
         try:
-            met = _comparator(replace(row, limits=replace(task.limits, repeat=1)), truth, tick)["error_gamma"]
+            _affordable(_pilot(row), row)
+            met = _compared(replace(row, limits=replace(task.limits, repeat=1)), truth, tick)["error_gamma"]
         except (JacobianError, ArithmeticError, RuntimeError):
             continue
         if met <= error:
@@ -307,13 +313,14 @@ def _rival(task: Task, truth: Data, error: float, fastest: Data | None, tick: Ti
     if found is None:
         return None
     setting = f"{method.parameter} {found.value:.3g}"
-    return _comparator(found, truth, tick) | {"method": method.name, "setting": setting}
+    # it has run: another trial might refuse it on a busy machine, and with it the flow's own figures
+    return _compared(found, truth, tick) | {"method": method.name, "setting": setting}
 
 
 def _cheapest(task: Task) -> float:
     """Seconds of a whole run as short ones tell them; 0 where those fail, as they may where a whole one does not."""
     try:
-        return _pilot(task, task.scene.times.at(FLOAT_DIGITS))
+        return _pilot(task)
     except (JacobianError, ArithmeticError, RuntimeError):
         return 0.0
 

@@ -550,17 +550,22 @@ def test_the_cheapest_setting_that_is_near_enough_is_found_from_the_most_accurat
 
     task = replace(done[0][0], method="DOP853 of the test")
     method = replace(METHODS["SciPy DOP853"], name=task.method, settings=(1e-4, 1e-6, 1e-8, 1e-10))
-    runs = []
+    runs, trials = [], []
+
+    def trial(row):
+        trials.append(row.value)
+        return 0.5
 
     def once(row, *_):
         runs.append(row.value)
         return {"error_gamma": errors[method.settings.index(row.value)], "total": 1.0}
 
     monkeypatch.setattr(measure, "METHODS", {task.method: method})
-    monkeypatch.setattr(measure, "_comparator", once)
-    monkeypatch.setattr(measure, "_pilot", lambda *_: 0.5)
+    monkeypatch.setattr(measure, "_compared", once)
+    monkeypatch.setattr(measure, "_pilot", trial)
     found = measure._rival(task, {}, 1e-12, None, lambda _: None)
     assert len(runs) == tried + (chosen is not None)
+    assert trials == [method.settings[0], *runs[:tried]]  # what has run is not tried again, and cannot be refused
     assert (found and found["setting"]) == (None if chosen is None else f"tolerance {method.settings[chosen]:.3g}")
     assert measure._rival(task, {}, 1e-12, {"total": 0.4}, lambda _: None) is None  # its cheapest is slower already
 
