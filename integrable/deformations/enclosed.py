@@ -15,9 +15,9 @@ from typing import Any, NamedTuple
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.series import coefficients, values_at
 from integrable.deformations.tape import CONSTANT, ROOT, rates, recorded
-from integrable.motion.enclosure import BOUND_BITS, Enclosure, ball_digits, exact_times, rounded_up
+from integrable.motion.enclosure import BOUND_BITS, Enclosure, ball_digits, exact_times, rounded_up, widest
 from integrable.motion.trajectory import Motion
-from integrable.moving_point.balls import BallField, is_bounded, picard_box
+from integrable.moving_point.balls import BallField, picard_box
 from integrable.moving_point.balls import around as widened
 from integrable.phase.state import State, onto_constraints
 from jacobian.errors import Infeasible, PrecisionLoss
@@ -121,25 +121,21 @@ class _March:
                 step = self._flint.arb(STEP * around.radius)
                 step = step if time > 0 else -step
                 self._point, self._now = self._at(around, step), around.now + step
-                if not self._width(self._point) < least:
+                if not widest(self._point[:3], self._point[3:6], self._momentum) < least:
                     return found
                 self._check(times[-1])
                 around = self._around(1.5 * around.radius)
             point = self._at(around, time - around.now)
-            width = self._width(point)
+            gamma, M = point[:3], point[3:6]
+            width = widest(gamma, M, self._momentum)
             if not width < least:
                 return found
-            found.append((point[6] if self._rolls else time, point[:3], point[3:6], rounded_up(width)))
+            found.append((point[6] if self._rolls else time, gamma, M, rounded_up(width)))
         return found
 
     def left(self, end: Any) -> float:
         """How many times as far ``end`` is as what was reached."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
-
-    def _width(self, point: list[Any]) -> Any:
-        """The largest radius of γ and M, M relative to |M|; NaN where one has no bound."""
-        found = [*point[:3], *(x / self._momentum for x in point[3:6])]
-        return max(x.rad() for x in found).abs_upper() if is_bounded(found) else self._flint.arb("nan")
 
     def _check(self, end: Any) -> None:
         """Infeasible where the last time would take too many steps."""

@@ -11,6 +11,8 @@ polynomials. A given t is then inverted with dt/dτ = 1/g > 0. The body's consta
 from __future__ import annotations
 
 import sys
+from collections.abc import Sequence
+from contextlib import suppress
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
@@ -139,21 +141,22 @@ def _narrow(
         if bits not in motions:
             motions[bits] = BallMotion(given[0], given[1], bits, digits)
         motion = motions[bits]
-        with motion.reals:
-            try:
-                scaled = place(motion)
-                gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.problem.matrix)
-                found = [*gamma, *(x / motion.problem.momentum for x in M)]
-            except PrecisionLoss:
-                found = []
-            if found and is_bounded(found):
-                radius = max(x.rad() for x in found).abs_upper()
-                if radius * motion.field.coerce(10) ** digits < 1:
-                    return scaled / motion.problem.time_scale, gamma, M, rounded_up(radius)
+        with motion.reals, suppress(PrecisionLoss):
+            scaled = place(motion)
+            gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.problem.matrix)
+            radius = widest(gamma, M, motion.problem.momentum)
+            if radius * motion.field.coerce(10) ** digits < 1:
+                return scaled / motion.problem.time_scale, gamma, M, rounded_up(radius)
         bits = bits * 3 // 2 + 64
     raise PrecisionLoss(
         f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
     )
+
+
+def widest(gamma: Sequence[Any], M: Sequence[Any], momentum: Any) -> Any:
+    """The largest radius of γ and M, M relative to ``momentum``, as an upper bound; NaN where one has no bound."""
+    found = [*gamma, *(x / momentum for x in M)]
+    return max(x.rad() for x in found).abs_upper() if is_bounded(found) else type(momentum)("nan")
 
 
 def rounded_up(radius: Any) -> float:
