@@ -38,12 +38,14 @@ class BodyOnLayer(BodySystem):
 
     def divisor(self, state: Point) -> Divisor:
         """The class of the state's pair, of a top in the generalized Jacobian."""
-        return self.body.divisor(self.body.state(*state))
+        body = self.body
+        return body.divisor(body.state(*state))
 
     def flow(self, state: Point) -> Any:
         """The motion of a state as the body computes it; ``at(times)``."""
         self._check(state)
-        return _Flow(self.body.flow(self.body.state(*state)))
+        body = self.body
+        return _Flow(body.flow(body.state(*state)))
 
     def by_additions(self, state: Point) -> Any:
         """The motion of a state by additions in long numbers; ArgumentError at d = 0."""
