@@ -42,8 +42,13 @@ def whole_turns(x: Real) -> tuple[Real, int]:
 
 def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
     """γ and M at the phases (first, second) in [0, 1) after so many whole turns, into out[place … place + 5]."""
-    gamma, M = directions_of(point_at(torus, first, second, turn1, turn2))
-    p, q, r, s = torus.matrix
+    put_state(point_at(torus, first, second, turn1, turn2), torus.matrix, out, place)
+
+
+def put_state(point: Row, matrix: Row, out: Row, place: int) -> None:
+    """γ and M of a moving point into out[place … place + 5]: ``matrix`` takes γ and M/|M| there."""
+    gamma, M = directions_of(point)
+    p, q, r, s = matrix
     for c in range(3):
         out[place + c] = float(p * gamma[c] + q * M[c])
         out[place + 3 + c] = float(r * gamma[c] + s * M[c])

@@ -21,7 +21,7 @@ from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, ST
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import axes_of, curve_of, unit_axes
 from integrable.moving_point.translations import power_series
-from integrable.phase.coordinates import directions_of
+from integrable.torus.states import put_state
 from jacobian.numbers.abreast import abreast
 
 Row = Any
@@ -103,13 +103,9 @@ def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
         for _ in range(doublings):
             step = shift(f, unit_axes(problem), step, step)
         # the start in every lane: one addition less to compile
-        gamma, M = directions_of(shift(f, axes, moving_point(problem, START + 0 * i), step))
-        p, q, r, s, momentum = (
-            problem[MATRIX], problem[MATRIX + 1], problem[MATRIX + 2], problem[MATRIX + 3], problem[MOMENTUM],
-        )  # fmt: skip
-        for c in range(3):
-            out[6 * i + c] = float(p * gamma[c] + q * (momentum * M[c]))
-            out[6 * i + 3 + c] = float(r * gamma[c] + s * (momentum * M[c]))
+        point, momentum = shift(f, axes, moving_point(problem, START + 0 * i), step), problem[MOMENTUM]
+        matrix = problem[MATRIX], problem[MATRIX + 1] * momentum, problem[MATRIX + 2], problem[MATRIX + 3] * momentum
+        put_state(point, matrix, out, 6 * i)
 
 
 def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:
