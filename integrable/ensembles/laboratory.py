@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,7 +12,7 @@ from integrable.ensembles.members import common_count, member_number, numbers, p
 from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Frame
-from integrable.files.quantities import status_column
+from integrable.files.quantities import reasons_text, status_column
 from integrable.laboratory.bodies import NEARLY, RigidBody
 from integrable.laboratory.in_files import about_body, columns_of, usual
 from integrable.laboratory.motion import LaboratoryMotion, LaboratoryRun, going_on
@@ -301,8 +300,8 @@ class LaboratoryRuns(Runs, Exported):
         dims, coordinates = self._dimensions()
         variables = columns_of(dims, self, quantities)
         variables["status"] = status_column(dims[:1], self.status, self.reasons)
-        reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
-        return Frame(dims, coordinates, variables, about_body(self.ensemble.body, reasons=reasons))
+        said = about_body(self.ensemble.body, reasons=reasons_text(self.reasons))
+        return Frame(dims, coordinates, variables, said)
 
     def _value(self) -> tuple[Any, ...]:
         # without the NaN of what was refused, which equal nothing

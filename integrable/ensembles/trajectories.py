@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from functools import cached_property
 from typing import Any
 
@@ -13,7 +12,7 @@ from integrable.ensembles.members import Members, member_number, motion_of, syst
 from integrable.ensembles.runs import Runs, joined_times
 from integrable.files.exported import Exported
 from integrable.files.frame import Column, Frame
-from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, status_column
+from integrable.files.quantities import AXES, QUANTITIES, about, checked, columns, reasons_text, status_column
 from integrable.motion.refusals import common_reasons
 from integrable.motion.trajectory import Trajectory
 from integrable.phase import attitude
@@ -139,8 +138,7 @@ class Trajectories(Runs, Exported):
             "inertia": Column((dims[0], "axis"), many.inertia, "kg m2", "principal moments of inertia", AXES),
             "d": Column(dims[:1], many.d, "kg m2", "mass times square of the radius"),
         }
-        reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
-        about_all = about(many.system, tilted=int(many.tilted), reasons=reasons)
+        about_all = about(many.system, tilted=int(many.tilted), reasons=reasons_text(self.reasons))
         return Frame(dims, coordinates, variables, about_all)
 
     def _of_some(self, places: np.ndarray) -> dict[str, Any]:

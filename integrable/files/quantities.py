@@ -20,6 +20,7 @@ __all__ = [
     "columns",
     "number",
     "provenance",
+    "reasons_text",
     "status_column",
     "trajectory_frame",
 ]
@@ -91,6 +92,11 @@ def status_column(dims: tuple[str, ...], status: np.ndarray, reasons: Sequence[s
     return Column(dims, status.astype(np.int32), "1", "0: state was had, else the number of a reason", (), flags)
 
 
+def reasons_text(reasons: Sequence[str]) -> str:
+    """The reasons 1, 2, … as one attribute, a list in JSON."""
+    return json.dumps(reasons[1:], ensure_ascii=False)
+
+
 def trajectory_frame(run: Any, quantities: Any) -> Frame:
     """The rows of a run, along "time", of an orbit along "step"."""
     names, dims = checked(quantities), ("time",)
@@ -103,7 +109,7 @@ def trajectory_frame(run: Any, quantities: Any) -> Frame:
         variables["tau"] = Column(dims, run.tau, "s", "time of the flow, dτ = g dt")
     variables["status"] = status_column(dims, run.status, run.reasons)
     state = {} if orbit else {"tilted": int(run.flow.state.tilted)}
-    attributes = about(run.system, way=run.way, reasons=json.dumps(run.reasons[1:], ensure_ascii=False), **state)
+    attributes = about(run.system, way=run.way, reasons=reasons_text(run.reasons), **state)
     return Frame(dims, {"time": coordinate}, variables, attributes)
 
 

@@ -18,7 +18,7 @@ from filelock import FileLock, Timeout
 from integrable.ensembles.computing import WORDS
 from integrable.extras import needed
 from integrable.files.frame import Column
-from integrable.files.quantities import columns, status_column
+from integrable.files.quantities import columns, reasons_text, status_column
 from integrable.files.whole import replacing, said, target_of
 from integrable.files.writing import scaled
 from integrable.sweeps.jobs import Part
@@ -115,7 +115,7 @@ class Store:
 
     def finish(self) -> None:
         """Make the file of all chunks."""
-        reasons = json.dumps(self.reasons[1:], ensure_ascii=False)
+        reasons = reasons_text(self.reasons)
         attributes = {**self.layout.attributes, "reasons": reasons, "refused": self.refused, "stamp": self.layout.stamp}
         with said(self.path, "out"):
             self._format.finish(self.path, attributes, described(self.layout, self.reasons))
