@@ -136,18 +136,14 @@ class CompiledRows(StoredRows):
         parts = [self._in_words(self.take(x, rows)) for x in operands]
         found = Rows(np.empty_like(parts[0].data), np.empty_like(parts[0].degree), parts[0].weight.copy())
         kernel(self.slow_K, self.packed, *map(tuple, parts), tuple(found), np.arange(len(rows)))
-        out.data[:, rows], out.degree[rows] = self.stored(found).data, found.degree
-        if self.split:
-            out.weight[rows] = found.weight
+        self.put(out, rows, self.stored(found))
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
         if not self.plain_negation:
             self._cantor(row_kernels.cantor_negate, (x,), out, np.arange(begin, end))
             return
         row_kernels.negate_v(self.K, x.data, out.data, self.genus, begin, end)
-        out.degree[begin:end] = x.degree[begin:end]
-        if self.split:
-            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
+        self._negate_weights(x, out, begin, end)
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
         """Row i of the part choice[i], from (data, degree, weight) of all parts, stacked."""

@@ -91,6 +91,12 @@ class StoredRows:
         """−x, likewise."""
         raise NotImplementedError
 
+    def _negate_weights(self, x: Rows, out: Rows, begin: int, end: int) -> None:
+        """The degrees and weights of −x where its u is that of x."""
+        out.degree[begin:end] = x.degree[begin:end]
+        if self.split:
+            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
+
     # --- storage
 
     def empty(self, count: int) -> Rows:
@@ -103,6 +109,12 @@ class StoredRows:
         return Rows(
             np.ascontiguousarray(x.data[:, index]), x.degree[index], x.weight[index] if self.split else x.weight
         )
+
+    def put(self, x: Rows, index: Any, part: Rows) -> None:
+        """The rows of an array of ints are from now on those of ``part``."""
+        x.data[:, index], x.degree[index] = part.data, part.degree
+        if self.split:
+            x.weight[index] = part.weight
 
     def join(self, parts: Sequence[Rows]) -> Rows:
         """The rows of all parts."""
@@ -227,8 +239,6 @@ class StoredRows:
 
     def replaced(self, x: Rows, index: Any, part: Rows) -> Rows:
         """x with the rows of an array of ints replaced by those of ``part``."""
-        data, degree, weight = x.data.copy(), x.degree.copy(), x.weight.copy()
-        data[:, index], degree[index] = part.data, part.degree
-        if self.split:
-            weight[index] = part.weight
-        return Rows(data, degree, weight)
+        out = Rows(x.data.copy(), x.degree.copy(), x.weight.copy())
+        self.put(out, index, part)
+        return out

@@ -92,10 +92,7 @@ class TwoWordRows(StoredRows):
         triples = [
             single(*parts) for parts in zip(*(self._triples(self.take(x, chosen)) for x in operands), strict=True)
         ]
-        found = self._from_triples(triples)
-        out.data[:, chosen], out.degree[chosen] = found.data, found.degree
-        if self.split:
-            out.weight[chosen] = found.weight
+        self.put(out, chosen, self._from_triples(triples))
 
     def _triples(self, x: Rows) -> list[Triple]:
         """Rows as triples on the equation that they are added on."""
@@ -117,9 +114,7 @@ class TwoWordRows(StoredRows):
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
         self._run.negate_rows(self._context, pairs(x.data), pairs(out.data), (begin, end))
-        out.degree[begin:end] = x.degree[begin:end]
-        if self.split:
-            out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
+        self._negate_weights(x, out, begin, end)
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:
         """Row i of the part choice[i], from (data, degree, weight) of all parts, stacked."""
