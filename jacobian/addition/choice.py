@@ -21,7 +21,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from jacobian.addition import cantor, cantor_flint, ladder, nucomp
 from jacobian.addition.genus2 import ExplicitFormulas
@@ -29,6 +29,7 @@ from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
 from jacobian.addition.genus2_words import short_equation
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
+from jacobian.fields.protocol import Field
 from jacobian.fields.table import TableField
 from jacobian.numbers.compiler import interpreted
 
@@ -114,10 +115,12 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
     """Whether there are compiled formulas of two words for C: genus 2 with h = 0 and, in degree 5, a monic f."""
-    K = C.field
-    if type(K) is not PrimeField or not 1 << 63 < K.p < 1 << 128:
-        return False
-    return short_equation(C, int) is not None
+    return has_two_words(C.field) and short_equation(C, int) is not None
+
+
+def has_two_words(K: Field[Any]) -> bool:
+    """Whether K is GF(p), p odd of two words."""
+    return type(K) is PrimeField and 1 << 63 < K.p < 1 << 128
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:

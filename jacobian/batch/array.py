@@ -7,11 +7,10 @@ from typing import Any, overload
 
 import numpy as np
 
+from jacobian.addition.choice import has_two_words, is_word_sized
 from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
 from jacobian.fields import CC, RR
-from jacobian.fields.prime import PrimeField
-from jacobian.fields.table import TableField
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
 from jacobian.law.divisor import Divisor, GroupLaw, check_scalars, is_zero_int
@@ -30,12 +29,12 @@ def engine(J: Jacobian) -> Any:
     if found is None:
         K = J.field
         J.zero()  # raises where classes have no Mumford form
-        words = isinstance(K, TableField) or (type(K) is PrimeField and 2 < K.p < 1 << 63)
+        words = is_word_sized(J.curve)
         if words and not interpreted():
             from jacobian.batch.compiled_rows import CompiledRows
 
             found = CompiledRows(J)
-        elif J.curve.genus == 2 and type(K) is PrimeField and 1 << 63 < K.p < 1 << 128 and not interpreted():
+        elif J.curve.genus == 2 and has_two_words(K) and not interpreted():
             from jacobian.batch.two_word_rows import TwoWordRows
 
             found = TwoWordRows(J)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from jacobian.addition.cantor_words import packed_curve
-from jacobian.addition.genus2_words import Quintic, Sextic
+from jacobian.addition.genus2_words import short_equation
 from jacobian.batch import genus2_kernels, row_kernels
 from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.fields.prime import PrimeField
@@ -56,10 +56,7 @@ class CompiledRows(StoredRows):
             if self.floats:
                 self.K, self.dtype = double_context(K.p), np.float64
         self.packed = packed_curve(curve, self.to_word)
-        self.formulas: Any = None
-        if self.genus == 2 and not curve.h:
-            numbers = [self.K.balanced(c) if self.floats else self.to_word(c) for c in (*curve.f, K.zero)]
-            self.formulas = Quintic(*numbers[2:5]) if curve.model == "ramified" else Sextic(*numbers[2:7])
+        self.formulas: Any = short_equation(curve, self.K.balanced if self.floats else self.to_word)
         self.plain_negation = not curve.h and (not self.split or self.genus % 2 == 0)
         self.sampler: Any = None
         self.step = SLOW if self.formulas is None else FAST

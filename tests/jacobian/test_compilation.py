@@ -4,8 +4,9 @@ import pytest
 
 from jacobian import compilation
 from jacobian.__main__ import main
-from jacobian.addition.calls import context, short_equation
+from jacobian.addition.calls import context
 from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, library_of
+from jacobian.addition.genus2_words import short_equation
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
