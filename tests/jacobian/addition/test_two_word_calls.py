@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jacobian import GF, HyperellipticCurve
+from jacobian import GF, HyperellipticCurve, poly
 from jacobian.addition import cantor
 from jacobian.addition.choice import python_kernel
 from jacobian.addition.genus2_two_words import add_lines, double_line, multiple_line
@@ -17,9 +17,7 @@ from jacobian.addition.two_word_calls import TwoWordKernel
 from jacobian.batch.equation import Equation
 from jacobian.numbers.two_words import two_words
 from tests.jacobian.group_curves import random_curve, triple
-
-MODELS = ("ramified", "split", "inert")
-PRIMES = (2**63 + 29, 2**64 - 59, 2**64 + 13, 2**89 - 1, 2**127 - 1, 2**128 - 159)
+from tests.jacobian.two_words import MODELS, PRIMES, special_classes
 
 
 def short_curve(p, model, seed):
@@ -49,20 +47,6 @@ def test_every_pair_and_ladder_of_a_small_group(p, model):
             total = cantor.sum_of(C, total, a)
 
 
-def special_classes(C, rng):
-    """0, two-torsion, points in common and opposite, weights below 2, both points at infinity."""
-    J = C.jacobian()
-    P, Q, R = (C.random_point(rng) for _ in range(3))
-    points = ((P, Q), (P, R), (P, P), (C.involution(P), Q), (C.involution(P), C.involution(Q)), (Q, R))
-    classes = [J.zero(), *(J.from_points(some) for some in points)]
-    if C.model != "inert":
-        classes += [J.from_points([P]), J.from_points([C.involution(P)]), J.from_points([Q])]
-    if C.model == "split":
-        classes += [J.from_points([point]) for point in C.points_at_infinity()]
-        classes += [J.from_mumford([1], [], n) for n in (0, 2)]
-    return classes
-
-
 def with_a_two_torsion_class(p, model):
     """y² = (x − 2)(x − 3)·g: (2, 0) and (3, 0) are branch points."""
     rng = Random(p)
@@ -70,9 +54,7 @@ def with_a_two_torsion_class(p, model):
         g = [rng.randrange(1, p) for _ in range(4 if model == "ramified" else 5)]
         if model == "ramified":
             g[-1] = 1
-        f = [6 * g[0], 6 * g[1] - 5 * g[0]]
-        f += [6 * (g[i] if i < len(g) else 0) - 5 * g[i - 1] + g[i - 2] for i in range(2, len(g) + 1)] + [g[-1]]
-        C = HyperellipticCurve(GF(p), [c % p for c in f])
+        C = HyperellipticCurve(GF(p), poly.mul(GF(p), (6, p - 5, 1), tuple(g)))
         if C.genus == 2 and C.model == model:
             return C
 

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jacobian import GF, QQ, ArgumentError, CurveMismatch, Divisor, FieldError, HyperellipticCurve, NotOnCurve
-from jacobian.addition import cantor
 from jacobian.batch import DivisorArray, array, compiled_rows, set_threads, threads
 from jacobian.batch.multiples import signed_windows
 from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, word_context
+from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, sums
 from tests.jacobian.group_curves import genus_two_rows, random_curve, small_fields, triple
 from tests.jacobian.jacobian_rows import ROWS
 
@@ -29,24 +29,6 @@ def context(request, monkeypatch):
     kind = CONTEXTS[request.param]
     monkeypatch.setattr(compiled_rows, "word_context", lambda p: kind(*word_context(p, kind.bits)))
     return kind
-
-
-def sums(J, A, B):
-    """A + B by Cantor in Python, on the arithmetic model."""
-    return [J._out(cantor.sum_of(J._model, J._in(D), J._in(E))) for D, E in zip(A, B, strict=True)]
-
-
-def assert_equal_to_cantor(J, classes):
-    """Sums and differences of every pair, doubles and opposites of every class."""
-    A = DivisorArray.stack([D for D in classes for _ in classes], J)
-    B = DivisorArray.stack([E for _ in classes for E in classes], J)
-    expected = sums(J, A, B)
-    assert (A + B).to_list() == expected
-    assert ((A + B) - B).to_list() == A.to_list()
-    C = DivisorArray.stack(classes, J)
-    assert C.double().to_list() == expected[:: len(classes) + 1]
-    assert (-C).to_list() == [J._out(cantor.negate(J._model, J._in(D))) for D in classes]
-    assert not any(C - C)
 
 
 def assert_every_pair(K, genus, model, with_h):

@@ -9,14 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from jacobian import GF, ArgumentError, NotOnCurve
-from jacobian.addition import cantor
 from jacobian.batch import DivisorArray, array, set_threads
 from jacobian.batch.object_rows import ObjectRows
 from jacobian.batch.two_word_rows import TwoWordRows
+from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, sums
 from tests.jacobian.group_curves import random_curve
-
-MODELS = ("ramified", "split", "inert")
-PRIMES = (2**63 + 29, 2**64 - 59, 2**64 + 13, 2**89 - 1, 2**127 - 1, 2**128 - 159)
+from tests.jacobian.two_words import MODELS, PRIMES, special_classes
 
 
 def group(p, model, with_h=False):
@@ -26,21 +24,10 @@ def group(p, model, with_h=False):
     return J
 
 
-def sums(J, A, B):
-    """A + B by Cantor in Python, on the arithmetic model."""
-    return [J._out(cantor.sum_of(J._model, J._in(D), J._in(E))) for D, E in zip(A, B, strict=True)]
-
-
-def assert_equal_to_cantor(J, classes):
-    """Sums and differences of every pair, doubles, opposites and multiples of every class."""
-    A = DivisorArray.stack([D for D in classes for _ in classes], J)
-    B = DivisorArray.stack([E for _ in classes for E in classes], J)
-    expected = sums(J, A, B)
-    assert (A + B).to_list() == expected
-    assert ((A + B) - B).to_list() == A.to_list()
+def assert_right(J, classes):
+    """As Cantor's algorithm and the group have them: sums, multiples, and the way to arrays and back."""
+    assert_equal_to_cantor(J, classes)
     C = DivisorArray.stack(classes, J)
-    assert C.double().to_list() == expected[:: len(classes) + 1]
-    assert (-C).to_list() == [J._out(cantor.negate(J._model, J._in(D))) for D in classes]
     scalars = [7 * i - 60 for i in range(len(C))]
     assert (scalars * C).to_list() == [m * D for m, D in zip(scalars, C, strict=True)]
     assert (DivisorArray.from_arrays(J, C.u, C.v, C.n) == C).all()
@@ -53,16 +40,7 @@ def test_every_pair_of_a_small_group(p, model, with_h):
     J = group(p, model, with_h)
     classes = list(J.points())
     assert len(classes) == J.order()
-    assert_equal_to_cantor(J, classes[:: max(1, len(classes) // 40)])
-
-
-def pool(J, rng):
-    """Classes that share points, opposite ones, those of weight below 2 and at infinity."""
-    C = J.curve
-    P, Q, R = (C.random_point(rng) for _ in range(3))
-    some = [(P, Q), (P, R), (P, P), (C.involution(P), Q), (Q, R)] + ([] if C.model == "inert" else [(P,), (Q,)])
-    some += [(point,) for point in C.points_at_infinity()] if C.model == "split" else []
-    return [J.zero(), *(J.from_points(points) for points in some)]
+    assert_right(J, classes[:: max(1, len(classes) // 40)])
 
 
 @pytest.mark.parametrize("with_h", [False, True])
@@ -71,7 +49,7 @@ def pool(J, rng):
 def test_special_rows_over_long_primes(p, model, with_h):
     J = random_curve(GF(p), 2, "long", model=model, with_h=with_h).jacobian()
     assert type(array.engine(J)) is TwoWordRows
-    assert_equal_to_cantor(J, pool(J, Random(p)))
+    assert_right(J, special_classes(J.curve, Random(p)))
 
 
 GROUPS = {f"{p.bit_length()} bits, {model}": group(p, model) for p in PRIMES[::2] for model in MODELS}
@@ -82,7 +60,7 @@ GROUPS = {f"{p.bit_length()} bits, {model}": group(p, model) for p in PRIMES[::2
 @given(seed=st.integers(0, 2**32), count=st.integers(1, 530), m=st.integers(-(2**130), 2**130))
 def test_mixes_of_special_rows(name, seed, count, m):
     J, rng = GROUPS[name], Random(seed)
-    classes = DivisorArray.stack(pool(J, rng))
+    classes = DivisorArray.stack(special_classes(J.curve, rng))
     draw = np.random.default_rng(seed)
     A, B = (classes[draw.integers(len(classes), size=count)] for _ in range(2))
     A = A + B
@@ -95,7 +73,7 @@ def test_mixes_of_special_rows(name, seed, count, m):
 
 def test_reading_and_wrong_rows():
     J = group(2**127 - 1, "ramified")
-    A = DivisorArray.stack(pool(J, Random(1)))
+    A = DivisorArray.stack(special_classes(J.curve, Random(1)))
     assert A.u.dtype == A.v.dtype == object
     assert [tuple(row) for row in A.v[1:2].tolist()] == [A[1].v]
     assert (pickle.loads(pickle.dumps(A)) == A).all()

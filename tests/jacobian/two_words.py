@@ -1,0 +1,18 @@
+"""Primes of two words, and the classes that a kernel has to take one by one."""
+
+MODELS = ("ramified", "split", "inert")
+PRIMES = (2**63 + 29, 2**64 - 59, 2**64 + 13, 2**89 - 1, 2**127 - 1, 2**128 - 159)
+
+
+def special_classes(C, rng):
+    """0, points in common and opposite, weights below 2, both points at infinity."""
+    J = C.jacobian()
+    P, Q, R = (C.random_point(rng) for _ in range(3))
+    points = ((P, Q), (P, R), (P, P), (C.involution(P), Q), (C.involution(P), C.involution(Q)), (Q, R))
+    classes = [J.zero(), *(J.from_points(some) for some in points)]
+    if C.model != "inert":
+        classes += [J.from_points([P]), J.from_points([C.involution(P)]), J.from_points([Q])]
+    if C.model == "split":
+        classes += [J.from_points([point]) for point in C.points_at_infinity()]
+        classes += [J.from_mumford([1], [], n) for n in (0, 2)]
+    return classes
