@@ -142,7 +142,8 @@ class BodySystem(MumfordSystem):
         (p, q), weights = self._light(N), self._weights(N)
         h1, h2 = self._integrals(N, state).values()
         size = 2 * max(weights)
-        height = 2 * N.sqrt(size * h2) * (size / q) ** 2
+        momentum = N.sqrt(size * h2)
+        height = 2 * momentum * (size / q) ** 2
         pairs = self._pairs(N, state)
         _, u, v = self._spectral(N, state)
         slope = v[1] / q
@@ -152,7 +153,6 @@ class BodySystem(MumfordSystem):
         pace, alphas = -q * height / size, tuple(1 - c / size for c in weights)
         slopes = poly.derivative(N, poly.from_roots(N, alphas))
         kappas = tuple(c * poly.evaluate(N, slopes, e) for c, e in zip(weights, alphas, strict=True))
-        momentum = N.sqrt(size * h2)
         nus = (nu / (2 * momentum) for _, nu in pairs)
         start = (*X, *Y, *(sigma for sigma, _ in pairs), *nus)
         direction = pace, pace * (1 - p / size)
