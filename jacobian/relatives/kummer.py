@@ -22,6 +22,7 @@ from jacobian.errors import CurveMismatch, FieldError, Infeasible, JacobianError
 from jacobian.fields import GF, QQ
 from jacobian.fields.primality import is_prime
 from jacobian.fields.prime import PrimeField
+from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 
@@ -109,12 +110,14 @@ class KummerSurface(Immutable):
         rows = [whole[i : i + len(MONOMIALS)] for i in range(0, len(whole), len(MONOMIALS))]
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
-    def integers(self, count: int, modulo: Callable[[int], list[int]]) -> list[int]:
-        """Coefficients that are integral polynomials of degree 4 in those of f, from what they are modulo primes."""
+    def integers(self, count: int, modulo: Callable[[Jacobian], list[int]]) -> list[int]:
+        """Coefficients that are integral polynomials of degree 4 in those of f, from what they are modulo primes p:
+        ``modulo`` takes the Jacobian of y² = f(x) over GF(p).
+        """
         size = max(map(abs, self.f)) ** 4
         modulus, residues = 1, [0] * count
-        for p in self._primes():
-            found = modulo(p)
+        for J in self._reductions():
+            p, found = J.field.characteristic, modulo(J)
             step = pow(modulus, -1, p)
             residues = [r + modulus * ((c - r) * step % p) for r, c in zip(residues, found, strict=True)]
             modulus *= p
@@ -125,40 +128,34 @@ class KummerSurface(Immutable):
             raise Infeasible(f"{self.curve!r}: the forms of its Kummer surface were not found")
         return whole
 
-    def _primes(self) -> Iterator[int]:
-        """Some primes below 2⁶¹ of good reduction."""
-        yield from (p for p in range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2) if is_prime(p) and self._is_good(p))
+    def _reductions(self) -> Iterator[Jacobian]:
+        """The Jacobian modulo some primes below 2⁶¹ of good reduction."""
+        for p in filter(is_prime, range(2**61 - 1, 2**61 - 50 * MOST_PRIMES, -2)):
+            try:
+                C = HyperellipticCurve(GF(p), [c % p for c in self.f])
+            except JacobianError:
+                continue
+            yield C.jacobian()
 
-    def _is_good(self, p: int) -> bool:
-        try:
-            HyperellipticCurve(GF(p), [c % p for c in self.f])
-        except JacobianError:
-            return False
-        return True
-
-    def _delta_modulo(self, p: int) -> list[int]:
+    def _delta_modulo(self, J: Jacobian) -> list[int]:
         """All coefficients of δ modulo a prime: for D, D + E, D + 2E, … they take κ(D) to κ(2D)."""
-        from flint import nmod_mat
-
-        rows = []
-        for x, y in self._doubles(p):
+        rows, p = [], J.field.characteristic
+        for x, y in self._doubles(J):
             values = monomials(x).values()
             for i in range(1, 4):
                 row = [0] * (4 * len(MONOMIALS))
                 for k, value in enumerate(values):
                     row[k], row[i * len(MONOMIALS) + k] = value * y[i] % p, -value * y[0] % p
                 rows.append(row)
-        kernel, dimension = nmod_mat(len(rows), len(rows[0]), [c for row in rows for c in row], p).nullspace()
-        if dimension != 1:
+        found = null_vector(rows, 3 * len(MONOMIALS) + MONOMIALS.index((0, 0, 0, 4)), p)
+        if found is None:
             raise Infeasible(f"{self.curve!r}: the doubling on the Kummer surface was not found modulo {p}")
-        column = [int(kernel[i, 0]) for i in range(4 * len(MONOMIALS))]
-        inverse = pow(column[3 * len(MONOMIALS) + MONOMIALS.index((0, 0, 0, 4))], -1, p)
-        return [c * inverse % p for c in column]
+        return found
 
-    def _doubles(self, p: int) -> Iterator[tuple[Coordinates, Coordinates]]:
+    def _doubles(self, J: Jacobian) -> Iterator[tuple[Coordinates, Coordinates]]:
         """κ(D), κ(2D) modulo p for CLASSES classes D of weight 2."""
+        p = J.field.characteristic
         rng = Random(p)
-        J = HyperellipticCurve(GF(p), [c % p for c in self.f]).jacobian()
         D, E = J.random(rng), J.random(rng)
         count = 0
         while count < CLASSES:
@@ -184,6 +181,20 @@ def kummer_surface(curve: HyperellipticCurve) -> KummerSurface:
 @lru_cache(maxsize=32)
 def _known_surface(curve: HyperellipticCurve) -> KummerSurface:
     return KummerSurface(curve)
+
+
+def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | None:
+    """The vector that spans the kernel of a matrix modulo p, its entry of the number ``one`` being 1; None where no
+    vector alone does.
+    """
+    from flint import nmod_mat
+
+    kernel, dimension = nmod_mat(len(rows), len(rows[0]), [c for row in rows for c in row], p).nullspace()
+    if dimension != 1:
+        return None
+    column = [int(kernel[i, 0]) for i in range(len(rows[0]))]
+    inverse = pow(column[one], -1, p)
+    return [c * inverse % p for c in column]
 
 
 def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordinates:

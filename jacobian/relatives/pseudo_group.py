@@ -19,7 +19,8 @@ import numpy as np
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, FieldError, Infeasible, entries, shown
-from jacobian.fields import GF, QQ
+from jacobian.fields import QQ
+from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_scalar, check_scalars
 from jacobian.native.library import Packed
@@ -28,7 +29,7 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.two_words import two_words
 from jacobian.relatives import pseudo_sums
-from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface
+from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface, null_vector
 from jacobian.relatives.pseudo_sums import COMPILED, CONTEXT, FORMS, SCRATCH, Forms
 
 INDICES = list(combinations_with_replacement(range(4), 2))
@@ -275,39 +276,39 @@ def biquadratic(surface: KummerSurface) -> list[list[int]]:
     q_k(x)·q_l(y) + q_l(x)·q_k(y), or q_k(x)·q_k(y).
     """
     size = len(TERMS)
-    whole = surface.integers(len(INDICES) * size, lambda p: biquadratic_modulo(surface, p))
+    whole = surface.integers(len(INDICES) * size, lambda J: biquadratic_modulo(surface, J))
     return [whole[i : i + size] for i in range(0, len(whole), size)]
 
 
-def biquadratic_modulo(surface: KummerSurface, p: int) -> list[int]:
+def biquadratic_modulo(surface: KummerSurface, J: Jacobian) -> list[int]:
     """The same modulo a prime of 61 bits: b₁₁ and b₁₂ from their ratio, and the others from b₁₁."""
     from flint import nmod_mat
 
-    rows, sums = zip(*_pairs_of_classes(surface.f, p), strict=True)
-    size, ratio = len(TERMS), []
-    for terms, values in zip(rows, sums, strict=True):
-        ratio += [c * values[1] % p for c in terms] + [-c * values[0] % p for c in terms]
-    kernel, dimension = nmod_mat(len(rows), 2 * size, ratio, p).nullspace()
-    if dimension != 1:
+    rows, sums = zip(*_pairs_of_classes(surface.f, J), strict=True)
+    size, p = len(TERMS), J.field.characteristic
+    ratio = [
+        [c * values[1] % p for c in terms] + [-c * values[0] % p for c in terms]
+        for terms, values in zip(rows, sums, strict=True)
+    ]
+    both = null_vector(ratio, LEADING, p)
+    if both is None:
         raise Infeasible(f"{surface!r}: its biquadratic forms were not found modulo {p}")
-    scale = pow(int(kernel[LEADING, 0]), -1, p)
-    first = [int(kernel[i, 0]) * scale % p for i in range(size)]
     values = []
     for terms, found in zip(rows[:size], sums[:size], strict=True):
-        factor = sum(c * t for c, t in zip(first, terms, strict=True)) * pow(found[0], -1, p) % p
+        factor = sum(c * t for c, t in zip(both[:size], terms, strict=True)) * pow(found[0], -1, p) % p
         values += [factor * v % p for v in found]
     table = nmod_mat(size, size, [c for row in rows[:size] for c in row], p)
     solved = table.solve(nmod_mat(size, len(INDICES), values, p))
     return [int(solved[i, j]) for j in range(len(INDICES)) for i in range(size)]
 
 
-def _pairs_of_classes(f: Sequence[int], p: int) -> list[tuple[list[int], list[int]]]:
+def _pairs_of_classes(f: Sequence[int], J: Jacobian) -> list[tuple[list[int], list[int]]]:
     """(the terms at κ(D), κ(E), what the forms are there up to a factor) modulo p, for CLASSES pairs in general
     position.
     """
+    p = J.field.characteristic
     rng = Random(p)
     found: list[tuple[list[int], list[int]]] = []
-    J = HyperellipticCurve(GF(p), [c % p for c in f]).jacobian()
     D, E, step = J.random(rng), J.random(rng), J.random(rng)
     while len(found) < CLASSES:
         D, E = D + step, E + D
