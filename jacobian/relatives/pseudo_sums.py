@@ -90,12 +90,17 @@ def identity(K: Any) -> Any:
     return zero, zero, zero, K.one
 
 
+def terms_twice(K: Any, F: Any, S: Any, table: Any, a: Any) -> None:
+    """The terms of a table at one point twice."""
+    monomials_into(K, S, 0, a)
+    begin = F.ends[table]
+    for n in range(begin, F.ends[table + 1]):
+        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+
+
 def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
     """κ(2a): b_i4 at the difference κ(0)."""
-    monomials_into(K, S, 0, a)
-    begin = F.ends[4]
-    for n in range(begin, F.ends[5]):
-        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+    terms_twice(K, F, S, 4, a)
     return forms_of(K, F, S, 4)
 
 
@@ -103,10 +108,7 @@ def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
     """Whether it is one of the surface, the first coordinate that is not 0 being 1."""
     if a[unit(a)] != K.one:
         return False
-    monomials_into(K, S, 0, a)
-    begin = F.ends[5]
-    for n in range(begin, F.ends[6]):
-        S[TERMS + n - begin] = mul(K, S[F.first[n]], S[F.second[n]])
+    terms_twice(K, F, S, 5, a)
     return form(K, F, S, 20) == 0
 
 
