@@ -209,10 +209,8 @@ class PseudoGroup(Immutable):
         return Packed(K, CONTEXT), Packed(forms._replace(coefficient=pairs(words_of(forms.coefficient))), FORMS)
 
 
-FACTORED: dict[tuple[int, ...], tuple[int, int]] = {}
+FACTORED = {tuple(sorted(INDICES[k] + INDICES[m])): (k, m) for k, m in reversed(TERMS)}
 """The first of TERMS for each monomial of degree four, by the indices of its factors."""
-for _pair in TERMS:
-    FACTORED.setdefault(tuple(sorted(INDICES[_pair[0]] + INDICES[_pair[1]])), _pair)
 
 
 def doubled(form: dict[tuple[int, int], int], p: int) -> dict[tuple[int, int], int]:
