@@ -11,7 +11,7 @@ from collections.abc import Callable
 from random import Random
 from time import process_time
 
-from benchmarks.bench_single import SCALAR
+from benchmarks.bench_single import SCALAR, least
 from benchmarks.curves import genuine_curve
 from jacobian import GF, HyperellipticCurve
 from jacobian.batch import DivisorArray, set_threads
@@ -46,25 +46,18 @@ def measure(C: HyperellipticCurve, smoke: bool) -> dict[str, object]:
     flint = FlintCantor(C)
     a, classes = flint.convert((D.u, D.v, D.n)), DivisorArray.stack([D, E] * (COUNT // 2))
     arrays = [[point] * COUNT for point in (x, y, difference)]
-    actions: dict[str, tuple[Callable[[], object], int]] = {
-        "sum": (lambda: S.add(x, y, difference), 1),
-        "sum, array": (lambda: S.add(*arrays), COUNT),
-        "ladder": (lambda: S.multiple(SCALAR, x), 1),
-        "ladder, array": (lambda: S.multiple(SCALAR, arrays[0]), COUNT),
-        "m·D": (lambda: SCALAR * D, 1),
-        "m·D, array": (lambda: SCALAR * classes, COUNT),
-        "flint m·D": (lambda: flint.multiply(SCALAR, a), 1),
+    actions: dict[str, Callable[[], object]] = {
+        "sum": lambda: S.add(x, y, difference),
+        "sum, array": lambda: S.add(*arrays),
+        "ladder": lambda: S.multiple(SCALAR, x),
+        "ladder, array": lambda: S.multiple(SCALAR, arrays[0]),
+        "m·D": lambda: SCALAR * D,
+        "m·D, array": lambda: SCALAR * classes,
+        "flint m·D": lambda: flint.multiply(SCALAR, a),
     }
-    samples: dict[str, list[float]] = {name: [] for name in actions}
     set_threads(1)
     try:
-        for _ in range(2 if smoke else 12):
-            for name, (action, count) in actions.items():
-                repeat = 1 if count > 1 or smoke else 5
-                begun = process_time()
-                for _ in range(repeat):
-                    action()
-                samples[name].append((process_time() - begun) / repeat / count)
+        times = least(actions, 2 if smoke else 12, process_time)
     finally:
         set_threads(None)
-    return found | {name: 1e6 * min(values) for name, values in samples.items()}
+    return found | {name: t / COUNT if name.endswith("array") else t for name, t in times.items()}

@@ -101,19 +101,21 @@ def integers(bits: int) -> dict[str, object]:
     return {"field": f"p of {bits} bits", "model": "ramified", "g": 2, **times}
 
 
-def least(actions: dict[str, Callable[[], object]], repeat: int) -> dict[str, float]:
+def least(
+    actions: dict[str, Callable[[], object]], repeat: int, clock: Callable[[], float] = time.perf_counter
+) -> dict[str, float]:
     """The least of ``repeat`` samples of each action, taken in turn, so that a slow second disturbs all alike."""
     calls = {}
     for name, action in actions.items():
         action()
-        begun = time.perf_counter()
+        begun = clock()
         action()
-        calls[name] = max(1, int(0.002 / max(time.perf_counter() - begun, 1e-7)))
+        calls[name] = max(1, int(0.002 / max(clock() - begun, 1e-7)))
     samples: dict[str, list[float]] = {name: [] for name in actions}
     for _ in range(repeat):
         for name, action in actions.items():
-            begun = time.perf_counter()
+            begun = clock()
             for _ in range(calls[name]):
                 action()
-            samples[name].append((time.perf_counter() - begun) / calls[name])
+            samples[name].append((clock() - begun) / calls[name])
     return {name: 1e6 * min(values) for name, values in samples.items()}
