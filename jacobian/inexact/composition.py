@@ -75,8 +75,8 @@ def _split(curve: Any, *summands: Triple) -> Triple:
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
     units = units_of(K, curve.f, curve.h, pairs)
-    high = curve.h[g + 1] if len(curve.h) > g + 1 else K.zero
-    plus = curve.infinity_plus + high / 2
+    # −h/2 lies midway between the two
+    plus = curve.infinity_plus - curve.infinity_minus
     infinity = Infinity(lean, complex(plus / abs(plus)))
     total, lean = _careful(K, partial(_turned, g, infinity), curve.f, curve.h, pairs, units)
     return tuple(total.u), tuple(total.v), weight_of(g, len(total.u) - 1, lean)
