@@ -15,7 +15,7 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.modular import MODULAR
-from jacobian.numbers.two_words import TwoWords
+from jacobian.numbers.two_words import TwoWords, long
 from jacobian.numbers.words import add, decode, dot2, encode, inverse, mul, neg, sub
 
 BLOCK = 256
@@ -127,8 +127,7 @@ def decode_rows(K: Any, x: Any) -> None:
 
 def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any) -> Any:
     """(c₁, c₀): the polynomial with the coefficients a modulo the u of row j, by Horner's rule."""
-    high, low = a[0], a[0]
-    high, low = sub(K, high, high), sub(K, low, low)
+    high, low = long(0), long(0)
     if degree == 0:
         return high, low
     for k in range(len(a)):

@@ -94,7 +94,7 @@ def trailing_zeros(b: Operators, x: Value) -> Value:
 
 MODULAR: dict[Any, Callable[..., Value]] = {
     **dict.fromkeys((words.mul, words.dot2, words.dot3, words.dot4), dot),
-    **dict.fromkeys((words.fit, words.canonical, words.settled, words.number), least),
+    **dict.fromkeys((words.fit, words.canonical, words.settled), least),
     words.add: add,
     words.sub: sub,
     words.neg: neg,

@@ -253,14 +253,14 @@ class Operators(Code):
         x, y = self.cast(x, kind), self.cast(y, kind)
         of_floats, of_integers = RELATIONS[name]
         double, word, bit = self.types[:3]
-        if kind not in (WIDE, LONG):
+        if kind is LONG:
+            unsigned = of_integers.replace("s", "u")
+            return Value(BOOL, (self.write(f"icmp {unsigned} i128 {x.parts[0]}, {y.parts[0]}"),))
+        if kind is not WIDE:
             relation = (
                 f"fcmp {of_floats} {double}" if kind is FLOAT else f"icmp {of_integers} {word if kind is INT else bit}"
             )
             return Value(BOOL, (self.write(f"{relation} {x.parts[0]}, {y.parts[0]}"),))
-        if kind is LONG:
-            unsigned = of_integers.replace("s", "u")
-            return Value(BOOL, (self.write(f"icmp {unsigned} i128 {x.parts[0]}, {y.parts[0]}"),))
         strict = {"ole": "olt", "oge": "ogt"}.get(of_floats, of_floats)
         first = self.write(f"fcmp {strict} {double} {x.parts[0]}, {y.parts[0]}")
         second = self.write(f"fcmp {of_floats} {double} {x.parts[1]}, {y.parts[1]}")
