@@ -14,8 +14,8 @@ from jacobian.addition.genus2_words import STEPS, Quintic, Sextic, chord, cubic,
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
-from jacobian.native.modular import MODULAR
-from jacobian.numbers.two_words import TwoWords, long
+from jacobian.native.modular import CONTEXT, MODULAR
+from jacobian.numbers.two_words import long
 from jacobian.numbers.words import add, decode, dot2, encode, inverse, mul, neg, sub
 
 BLOCK = 256
@@ -237,7 +237,6 @@ def decoded(K: Any, D: Any) -> Any:
 
 # --- compiled
 
-CONTEXT = record(TwoWords, *[LONG] * 5)
 MODELS = {Quintic: record(Quintic, *[LONG] * 3), Sextic: record(Sextic, *[LONG] * 5)}
 LINE, ROWS = TupleKind((LONG,) * 4), ArrayKind(LONG, 2, 2)
 WITH_DEGREES, SPAN = TupleKind((ROWS, INTS)), TupleKind((INT, INT))

@@ -11,12 +11,13 @@ from typing import Any, cast
 import numpy as np
 
 from jacobian.addition.cantor import Triple
-from jacobian.addition.genus2_two_words import CONTEXT, MODELS, library_of
+from jacobian.addition.genus2_two_words import MODELS, library_of
 from jacobian.addition.genus2_words import short_equation
 from jacobian.addition.ladder import signed_digits
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 from jacobian.native.library import Packed
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers.two_words import two_words
 
 WINDOW = 5

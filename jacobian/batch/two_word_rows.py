@@ -13,13 +13,14 @@ import numpy as np
 
 from jacobian.addition.cantor import Triple
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.genus2_two_words import BLOCK, CONTEXT, MODELS, ROW_LIBRARIES, SCRATCH
+from jacobian.addition.genus2_two_words import BLOCK, MODELS, ROW_LIBRARIES, SCRATCH
 from jacobian.addition.genus2_words import short_equation
 from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.curve.curve import coefficient
 from jacobian.group import Jacobian
 from jacobian.native.library import Packed
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers.two_words import two_words
 
 

@@ -8,10 +8,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from jacobian.native.kinds import INT, LONG, Value
+from jacobian.native.kinds import INT, LONG, Value, record
 from jacobian.native.operators import Operators, integer
 from jacobian.numbers import two_words, words
 
+CONTEXT = record(two_words.TwoWords, *[LONG] * 5)
+"""The kind of a context."""
 LOW = str((1 << 64) - 1)
 
 

@@ -25,12 +25,13 @@ from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_scalar, check_scalars
 from jacobian.native.library import Packed
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
+from jacobian.native.modular import CONTEXT
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.two_words import two_words
 from jacobian.relatives import pseudo_sums
 from jacobian.relatives.kummer import KummerSurface, coordinates, kummer_surface, null_vector
-from jacobian.relatives.pseudo_sums import COMPILED, CONTEXT, FORMS, SCRATCH, Forms
+from jacobian.relatives.pseudo_sums import COMPILED, FORMS, SCRATCH, Forms
 
 INDICES = list(combinations_with_replacement(range(4), 2))
 """(i, j) of the forms and of the quadratic monomials of a point."""

@@ -14,8 +14,7 @@ from typing import Any
 
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
-from jacobian.native.modular import MODULAR
-from jacobian.numbers.two_words import TwoWords
+from jacobian.native.modular import CONTEXT, MODULAR
 from jacobian.numbers.words import add, decode, dot2, dot4, encode, inverse, mul, sub
 
 Forms = namedtuple("Forms", "first second ends place begin coefficient")
@@ -207,7 +206,7 @@ def column(x: Any, j: Any) -> Any:
     return x[0, j], x[1, j], x[2, j], x[3, j]
 
 
-CONTEXT, FORMS = record(TwoWords, *[LONG] * 5), record(Forms, *[INTS] * 5, LONGS)
+FORMS = record(Forms, *[INTS] * 5, LONGS)
 POINT, POINTS, SPAN = TupleKind((LONG,) * 4), ArrayKind(LONG, 2, 2), TupleKind((INT, INT))
 _REST = (POINTS, INTS, SPAN, LONGS)
 COMPILED = Library(

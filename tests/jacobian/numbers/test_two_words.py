@@ -5,12 +5,12 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from jacobian import ArgumentError
-from jacobian.native.kinds import LONG, TupleKind, record
+from jacobian.native.kinds import LONG, TupleKind
 from jacobian.native.library import Library
-from jacobian.native.modular import MODULAR
+from jacobian.native.modular import CONTEXT, MODULAR
 from jacobian.numbers import two_words as module
 from jacobian.numbers import words
-from jacobian.numbers.two_words import TwoWords, two_words
+from jacobian.numbers.two_words import two_words
 
 PRIMES = (
     3,
@@ -40,7 +40,6 @@ def inverted(K, a):
     return words.inverse(K, a)
 
 
-CONTEXT = record(TwoWords, *[LONG] * 5)
 COMPILED = Library(
     "test_two_words",
     {"operations": (operations, (CONTEXT, *[LONG] * 4)), "inverted": (inverted, (CONTEXT, LONG))},
