@@ -44,6 +44,14 @@ def _join(Q, c0, c1, c2, c3, outer, inner, other):  # type: ignore[no-untyped-de
 
 
 @register_jitable(**INLINED)
+def _halves(Q, x, m):  # type: ignore[no-untyped-def]
+    """The level modulo X^(2m) − 1, one down or, times two, one up."""
+    for j in range(m):
+        low, high = mul(Q, x[j], 1.0), mul(Q, x[m + j], 1.0)
+        x[j], x[m + j] = low + high, low - high
+
+
+@register_jitable(**INLINED)
 def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
     """Two levels of block b, of length 4m: ``turn`` is :func:`_split` or :func:`_join`."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
@@ -100,9 +108,7 @@ def forward(Q, W, x):  # type: ignore[no-untyped-def]
     S = np.empty(LEAST)
     whole, size = len(x), _even(len(x))
     if size < whole:
-        for j in range(size):
-            low, high = mul(Q, x[j], 1.0), mul(Q, x[size + j], 1.0)
-            x[j], x[size + j] = low + high, low - high
+        _halves(Q, x, size)
     while size > CACHED:
         for b in range(whole // size):
             _quarters(_split, Q, W, x, b * size, size // 4, b)
@@ -138,9 +144,7 @@ def backward(Q, W, x):  # type: ignore[no-untyped-def]
         for b in range(whole // size):
             _quarters(_join, Q, W, x, b * size, size // 4, b)
     if top < whole:
-        for j in range(top):
-            low, high = mul(Q, x[j], 1.0), mul(Q, x[top + j], 1.0)
-            x[j], x[top + j] = low + high, low - high
+        _halves(Q, x, top)
 
 
 @register_jitable(**INLINED)
