@@ -122,9 +122,10 @@ class Progress:
             if now - self._said < SAID_AGAIN:
                 return
             self._said = now
-        done = self._done / self.work
-        left = (now - self._begun) / done * (parts - before - done)
-        LOG.info("%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
+            done = self._done / self.work
+            left = (now - self._begun) / done * (parts - before - done)
+            # still under the lock: messages of two threads come in the order of what they say
+            LOG.info("%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
 
 
 def step(p: int, d: int) -> int:
