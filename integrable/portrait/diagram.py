@@ -94,6 +94,13 @@ class Diagram(Record):
 
         return diagram(self, states)
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import table
+
+        ends = ((*start, *end) for start, end in self.lines.tolist())
+        rows = [(moment, *end) for moment, end in zip(self.system.inertia, ends, strict=True)]
+        return table(repr(self), ["rotations about the axis of", "X", "Z", "to X", "Z"], rows)
+
     def __repr__(self) -> str:
         return f"<Diagram of {self.system!r}>"
 

@@ -50,6 +50,12 @@ class Swept:
     members: int
     refused: int
 
+    def _repr_html_(self) -> str:
+        from jacobian.notebook import named
+
+        facts = [("file", self.path), ("motions", self.members), ("with rows that were refused", self.refused)]
+        return named("sweep", facts)
+
     def to_xarray(self) -> Any:
         """The file as an ``xarray.Dataset`` that reads what is asked of it."""
         needed("xarray", "to_xarray()", "io")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from html.parser import HTMLParser
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, RigidBody, RollingBall, ensemble, laboratory_ensemble
 from integrable.laboratory.fit import OrientationFit
 from integrable.portrait.sensitivity import Sensitivity
+from integrable.sweeps.sweep import Swept
 from jacobian import GF, MP, QQ, HyperellipticCurve
 from jacobian.notebook import named, table
 
@@ -37,6 +39,8 @@ VALUES = {
     "runs of members": (MANY.at([0, 1]), "d = -1.0 is negative"),
     "starts in the laboratory": (laboratory_ensemble(ROLLING.body, np.eye(3), [(1, 2, 3)] * 12), "2 more"),
     "runs in the laboratory": (laboratory_ensemble(ROLLING.body, np.eye(3), [(1, 2, 3)] * 12).at([0]), "2 more"),
+    "diagram": (BALL.diagram(), "<td>0.5882352941</td>"),
+    "sweep": (Swept(Path("runs/ball.zarr"), 50, 2), "<td>runs/ball.zarr</td>"),
     "section": (FLOW.section(3), "ϑ"),
     "spectrum": (FLOW.spectrum(), "(0, -1)"),
     "sensitivity": (Sensitivity(np.array([2.0]), np.ones((1, 6, 10)), None, "torus"), "at t = 2.0"),
