@@ -8,13 +8,15 @@ import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from integrable.scene.file import load_scene, scene_names
-from jacobian.errors import JacobianError
+from jacobian.errors import ArgumentError, JacobianError, shortened
 from jacobian.terminal import write_anything
 
 __all__ = ["main"]
+
+Place = TypeVar("Place", Path, Path | None)
 
 _EPILOG = """\
 examples:
@@ -47,7 +49,7 @@ class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line."""
 
     def error(self, message: str) -> NoReturn:
-        self.exit(2, f"integrable: error: {message}; see {self.prog} --help\n")
+        self.exit(2, f"integrable: error: {shortened(' '.join(message.split()))}; see {self.prog} --help\n")
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -144,7 +146,7 @@ def _sweep(arguments: argparse.Namespace) -> None:
     from integrable.sweeps.sweep import sweep
 
     scene, vary = load_scene(arguments.scene), from_words(arguments.vary)
-    out = Path(arguments.out or Path("runs") / f"{portable(scene.name)}-sweep.zarr")
+    out = _place(arguments.out, Path("runs") / f"{portable(scene.name)}-sweep.zarr")
     with OutputFolder(out.parent):
         found = sweep(
             scene,
@@ -231,9 +233,7 @@ def _run(arguments: argparse.Namespace) -> None:
     from integrable.study.run import run
 
     scene = load_scene(arguments.scene)
-    out = Path(arguments.out) if arguments.out is not None else None
-    if out is None and not arguments.json:
-        out = Path("runs") / portable(scene.name)
+    out = _place(arguments.out, None if arguments.json else Path("runs") / portable(scene.name))
     trajectory = run(
         scene,
         digits=arguments.digits,
@@ -260,8 +260,15 @@ def _view(arguments: argparse.Namespace) -> None:
     from integrable.view.page import view
 
     scene = load_scene(arguments.scene)
-    out = Path(arguments.out) if arguments.out is not None else Path("runs") / portable(scene.name) / "view.html"
+    out = _place(arguments.out, Path("runs") / portable(scene.name) / "view.html")
     print(f"open {view(scene, out, until=arguments.until, frames=arguments.frames)} in a browser")
+
+
+def _place(given: str | None, usual: Place) -> Path | Place:
+    """Where files go: what --out says, else the usual place."""
+    if given == "":
+        raise ArgumentError('--out: "" given; the name of a file or folder is needed')
+    return usual if given is None else Path(given)
 
 
 def _formats(arguments: argparse.Namespace) -> tuple[str, ...]:
@@ -272,7 +279,7 @@ def _report(arguments: argparse.Namespace) -> None:
     from integrable.study.command import study_of
     from integrable.study.page import answer
 
-    out = Path(arguments.out or Path("runs") / ("report-quick" if arguments.quick else "report"))
+    out = _place(arguments.out, Path("runs") / ("report-quick" if arguments.quick else "report"))
     study = study_of(
         arguments.scenes,
         out=out,
@@ -322,19 +329,30 @@ def _obey(arguments: argparse.Namespace) -> int:
             _view(arguments)
         else:
             _run(arguments)
-        sys.stdout.flush()
+        if sys.stdout is not None:  # None: closed by who called
+            sys.stdout.flush()
     except JacobianError as error:
         message = " ".join(str(error).split())
         print(f"integrable: error: {message}", file=sys.stderr)
         return 2
     except BrokenPipeError:
-        # who read the output has gone; Python would try to write the rest at its end, and complain
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _write_no_more()
         return 141
+    except OSError as error:
+        if error.filename is not None:  # of a file, about which what writes it should have said something
+            raise
+        _write_no_more()
+        print(f"integrable: error: the output cannot be written: {error.strerror}", file=sys.stderr)
+        return 2
     except KeyboardInterrupt:
         print("integrable: interrupted", file=sys.stderr)
         return 130
     return 0
+
+
+def _write_no_more() -> None:
+    """Python would try to write the rest of the output at its end, and complain."""
+    os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 
 if __name__ == "__main__":

@@ -182,4 +182,9 @@ def shown(value: Any) -> str:
         return f"<{type(value).__name__}>"
     if "\n" in text:
         text = " ".join(text.split())
+    return shortened(text)
+
+
+def shortened(text: str) -> str:
+    """A text that a user wrote, cut where it is long."""
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 20]}… ({len(text)} characters)"

@@ -44,11 +44,11 @@ def load_scene(name_or_path: str | Path) -> Scene:
         text = (importlib.resources.files("integrable") / "scenes" / f"{source}.toml").read_text(encoding="utf-8-sig")
         return _read(source, f"scene {source}.toml", text)
     path = Path(name_or_path)
-    if path.suffix != ".toml" and not path.exists():
-        raise ArgumentError(
-            f'scene: "{source}" given, no such scene; {suggestion(source, scene_names())}; or give a .toml file'
-        )
     try:
+        if path.suffix != ".toml" and not path.exists():
+            raise ArgumentError(
+                f'scene: "{source}" given, no such scene; {suggestion(source, scene_names())}; or give a .toml file'
+            )
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
@@ -61,6 +61,11 @@ def _read(name: str, place: str, text: str) -> Scene:
         content = tomllib.loads(text, parse_float=Decimal)
     except tomllib.TOMLDecodeError as error:
         raise ArgumentError(f"{place}: not a TOML file: {error}") from None
+    except RecursionError:
+        raise ArgumentError(f"{place}: not a scene: brackets in brackets, too deep to be read") from None
+    except (ValueError, ArithmeticError):
+        # of Python's int and Decimal, which tomllib lets through
+        raise ArgumentError(f"{place}: not a scene: a number is too long to be read") from None
     known = ("title", "description", "system", "field", "body", "start", "run", "steps", "report", "output")
     top = Table(f"{place}:", content, known)
     system = top.choice("system", SYSTEMS)

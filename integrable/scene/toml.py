@@ -14,12 +14,14 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Any
 
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shortened, shown
 
 __all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
 # an exponent of more than three digits is not tried: the exact fraction would have as many digits
+QUOTE = '"'
+LARGEST_INTEGER = 10**300
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 
@@ -81,9 +83,7 @@ class Table:
         """One of a few strings."""
         choices = list(choices)
         value = self._get(key, default, "one of " + ", ".join(choices))
-        return (
-            value if value in choices else self.fail(key, f"{_shown(value)} given; {suggestion(str(value), choices)}")
-        )
+        return value if value in choices else self._unknown(key, value, choices)
 
     def choices(self, key: str, choices: Iterable[str], default: tuple[str, ...] = _MISSING) -> tuple[str, ...]:
         """A list of different strings, each one of a few."""
@@ -92,10 +92,14 @@ class Table:
         choices = list(choices)
         for item in chosen:
             if item not in choices:
-                self.fail(key, f"{_shown(item)} given; {suggestion(str(item), choices)}")
+                self._unknown(key, item, choices)
         if len(set(chosen)) != len(chosen):
             self.fail(key, f"{_shown(value)} given; an entry is repeated")
         return tuple(chosen)
+
+    def _unknown(self, key: str, value: Any, choices: list[str]) -> Any:
+        given = _shown(value)
+        return self.fail(key, f"{given} given; {suggestion(given.strip(QUOTE), choices)}")
 
     def integer(self, key: str, least: int | None, default: int = _MISSING) -> int:
         """An integer, not below ``least`` if that is given."""
@@ -155,6 +159,8 @@ class Table:
     def _integer(self, key: str, value: Any, least: int | None) -> int:
         if isinstance(value, bool) or not isinstance(value, int) or (least is not None and value < least):
             self.fail(key, f"{_shown(value)} given; {_integer_wanted(least)} is needed")
+        if abs(value) >= LARGEST_INTEGER:
+            self.fail(key, f"{_shown(value)} given; an integer of 300 digits at most is needed")
         return int(value)
 
     def _number(self, key: str, value: Any) -> Fraction:
@@ -181,9 +187,9 @@ def _integer_wanted(least: int | None) -> str:
 def _shown(value: Any) -> str:
     """A TOML value on one line, as the file has it or nearly so."""
     if isinstance(value, list):
-        return f"[{', '.join(_shown(item) for item in value)}]"
+        return shortened(f"[{', '.join(_shown(item) for item in value)}]")
     if isinstance(value, str):
-        return f'"{value}"'.replace("\n", "\\n")
+        return shortened(f'"{value}"'.replace("\n", "\\n"))
     if isinstance(value, bool):
         return str(value).lower()
-    return str(value)
+    return shown(value) if isinstance(value, int) else shortened(str(value))

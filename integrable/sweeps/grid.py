@@ -123,11 +123,11 @@ def _parsed(name: str, text: str) -> list[float]:
         first, last, count = exact_number(parts[0]), exact_number(parts[1]), int(parts[2])
         if len(parts) != 3 or not 1 <= count <= MOST_VALUES or (log and not first * last > 0):
             raise ValueError
-    except (ValueError, IndexError):
+        ratio = float(last / first) if log else 0.0
+    except (ValueError, IndexError, OverflowError):
         raise ArgumentError(f"vary: {name}={text}: {WANTED}, is needed") from None
     steps = max(1, count - 1)
     if log:
-        ratio = float(last / first)
         return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
     # ints over an int: rounded once
     below = first.denominator * last.denominator

@@ -17,7 +17,7 @@ from typing import Any
 from tests.fuzz.case import FAILURES, run
 from tests.fuzz.run import Plan, Suite, Tally, follow
 
-SUITES = ("flow", "engine", "inexact", "calls")
+SUITES = ("flow", "engine", "inexact", "calls", "command")
 
 
 def suite_of(name: str) -> Suite:

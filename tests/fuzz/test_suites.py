@@ -151,6 +151,7 @@ EVERYDAY = {
     "engine": ("textbook sum", "axioms", "counted"),
     "inexact": ("moderate",),
     "calls": ("operator",),
+    "command": ("run", "view", "sweep", "report", "other"),
 }
 
 
@@ -162,7 +163,7 @@ def test_a_few_cases(name):
 
 
 # suites and as many cases of them as take about a minute; --cases runs any number
-MANY = {"engine": 250, "flow": 400, "inexact": 300, "calls": 6000}
+MANY = {"engine": 250, "flow": 400, "inexact": 300, "calls": 6000, "command": 2000}
 
 
 # motions whose oracle is a formula; other oracles take minutes where heyoka is not installed

@@ -81,6 +81,14 @@ WRONG = {
     "d negative, d·a ≥ 1 or worse": ('"0.7"', '"-1.5"', [], ["[body] d", "-1.5"]),
     "a folder below a file": ("", "", ["--out", "ball.toml/x"], ['out: "ball.toml/x" cannot be written', "a folder"]),
     "a file for a folder": ("", "", ["--out", "ball.toml"], ['out: "ball.toml" cannot be written']),
+    "an empty name of a folder": ("", "", ["--out", ""], ['--out: "" given']),
+    "brackets in brackets": ('"0.7"', "[" * 3000, [], ["ball.toml", "too deep"]),
+    "an integer without end": ('"0.7"', "9" * 5000, [], ["ball.toml", "too long"]),
+    "an exponent without end": ('"0.7"', "1e99999999999999999999", [], ["ball.toml", "too long"]),
+    "a long integer for a number": ('"0.7"', f"0x{'f' * 5000}", [], ["[body] d: an int of 20000 bits"]),
+    "a long integer for a count": ("truth_digits = 30", f"truth_digits = 0x{'f' * 5000}", [], ["300 digits"]),
+    "a long word": ("chaplygin_ball", "x" * 6000, [], ["system", "6002 characters", "chaplygin_ball"]),
+    "a long word on the line": ("", "", ["--digits", "9" * 5000], ["--digits"]),
     "no digits": ("", "", ["--digits", "0"], ["digits: 0 given", "a positive number"]),
     "digits that are none": ("", "", ["--digits", "many"], ["--digits", "'many'", "int"]),
     "a format that is none": ("", "", ["--format", "gif"], ["--format", "'gif'", "png"]),
@@ -100,13 +108,20 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     assert code == 2
     assert captured.out == ""
     assert captured.err.count("\n") == 1
+    assert len(captured.err) < 1200
     assert captured.err.startswith("integrable: error: ")
     for word in said:
         assert word in captured.err
     assert names(here) == ["ball.toml"]
 
 
-@pytest.mark.parametrize("arguments", [["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], ["view"], ["walk"]])
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        *(["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], ["view"], ["walk"], ["scenes", "two\nlines"]),
+        *(["run", "x" * 300], ["view", "ball.toml/x"], ["sweep", "ball.toml", "--vary", "d=1e-299:1e299:5:log"]),
+    ],
+)
 def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
     done = subprocess.run(
         [sys.executable, "-m", "integrable", *arguments], capture_output=True, text=True, timeout=60, check=False
@@ -115,6 +130,22 @@ def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
     assert done.stderr.startswith("integrable: error: ")
     assert done.stderr.count("\n") == 1
     assert names(here) == ["ball.toml"]
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
+def test_an_output_that_cannot_be_written_gets_one_line(here):
+    command = [sys.executable, "-m", "integrable", "scenes"]
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
+    assert done.returncode == 2
+    assert done.stderr == "integrable: error: the output cannot be written: No space left on device\n"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="a shell closes the output")
+def test_a_closed_output_is_none(here):
+    line = [sys.executable, "-m", "integrable", "scenes"]
+    done = subprocess.run(["sh", "-c", '"$@" >&-', "sh", *line], stderr=subprocess.PIPE, timeout=60, check=False)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_the_folder_is_tried_before_anything_is_computed(here, capsys, monkeypatch):
