@@ -185,8 +185,9 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
     """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
     target = f0 * eps * eps / 4
     for _ in range(passes):
-        # r·phi² = target and psi = 0
-        phi, phi_m, phi_r, psi, psi_m, psi_r = abel_sums(series, m, r)
+        # r·phi² = target and psi = 0; slopes are taken to the digits that the start of a step has
+        phi, psi = abel_sums(series, m, r)
+        phi_m, phi_r, psi_m, psi_r = abel_slopes(leading(series), leading(m), leading(r))
         first = r * phi * phi - target
         first_m, first_r = 2 * r * phi * phi_m, phi * phi + 2 * r * phi * phi_r
         det = first_m * psi_r - first_r * psi_m
@@ -194,29 +195,43 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
     return m, r
 
 
-def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real, Real, Real]:
-    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r, each followed by its
-    derivatives with respect to m and r.
-    """
+def leading(x: Any) -> Any:
+    """x, a number or a row; of double-doubles their high parts, when compiled."""
+    return x
+
+
+def abel_sums(series: Row, m: Real, r: Real) -> tuple[Real, Real]:
+    """phi, psi with 2√r·phi = y0·Σ∫dx/y and 2√r·psi = y0·Σ∫x dx/y for the points at m ± √r."""
     phi, psi = 0 * r, 0 * r
-    phi_m, phi_r, psi_m, psi_r = phi, phi, phi, phi
     c = m * m - r
-    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r) and its derivatives, by S_{j+1} = 2m·S_j − c·S_{j−1}
+    # S_j = ((m+√r)^j − (m−√r)^j)/(2√r), by S_{j+1} = 2m·S_j − c·S_{j−1}
+    s0, s1 = 0 * r, 1 + 0 * r
+    for k in range(len(series)):
+        s2 = 2 * m * s1 - c * s0
+        phi += series[k] / (k + 1) * s1
+        psi += series[k] / (k + 2) * s2
+        s0, s1 = s1, s2
+    return phi, psi
+
+
+def abel_slopes(series: Row, m: Real, r: Real) -> tuple[Real, Real, Real, Real]:
+    """The derivatives of :func:`abel_sums`: of phi with respect to m and r, then of psi."""
+    phi_m, phi_r, psi_m, psi_r = 0 * r, 0 * r, 0 * r, 0 * r
+    c = m * m - r
+    # S_j and its derivatives
     s0, s1, d0, d1, e0, e1 = 0 * r, 1 + 0 * r, 0 * r, 0 * r, 0 * r, 0 * r
     for k in range(len(series)):
         s2 = 2 * m * s1 - c * s0
         d2 = 2 * s1 + 2 * m * d1 - 2 * m * s0 - c * d0
         e2 = 2 * m * e1 + s0 - c * e0
         weight = series[k] / (k + 1)
-        phi += weight * s1
         phi_m += weight * d1
         phi_r += weight * e1
         weight = series[k] / (k + 2)
-        psi += weight * s2
         psi_m += weight * d2
         psi_r += weight * e2
         s0, s1, d0, d1, e0, e1 = s1, s2, d1, d2, e1, e2
-    return phi, phi_m, phi_r, psi, psi_m, psi_r
+    return phi_m, phi_r, psi_m, psi_r
 
 
 def conjugate_points(roots: Row, f0: Real, axes: Row, eps: Real, m: Real, r: Real) -> Row:

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Any
 
-from integrable.moving_point.addition import abel_sums, carried, conjugate_points
+from integrable.moving_point.addition import abel_slopes, abel_sums, carried, conjugate_points
 from integrable.moving_point.translations import Translations, series_of
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
@@ -131,9 +131,10 @@ class BallTranslations:
         With |m| + √|r| ≤ R and |c_k| ≤ (k+1)(k+2)/2·nearest^(−k) the terms left out of phi, psi and their derivatives
         by m and r are at most ``tail`` times 1, R, 1/R, 1, 1/R², 1/R.
         """
-        sums = abel_sums(self._series[:size], m, r)
-        weights = (1, 1 / reach, 1 / (reach * reach), reach, 1, 1 / reach)
-        phi, phi_m, phi_r, psi, psi_m, psi_r = (around(x, tail * w) for x, w in zip(sums, weights, strict=True))
+        series = self._series[:size]
+        sums = *abel_sums(series, m, r), *abel_slopes(series, m, r)
+        weights = (1, reach, 1 / reach, 1 / (reach * reach), 1, 1 / reach)
+        phi, psi, phi_m, phi_r, psi_m, psi_r = (around(x, tail * w) for x, w in zip(sums, weights, strict=True))
         return (
             r * phi * phi - target,
             psi,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from integrable.moving_point import addition
 from jacobian.native.expressions import Expressions
-from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, TupleKind, Value, single
+from jacobian.native.kinds import FLOAT, HIGHS, INT, WIDE, ArrayKind, TupleKind, Value, single
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL as SPECIAL_NUMBERS
 
@@ -39,7 +40,18 @@ def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
     return b.call(estimate_in_floats, [Value(HIGHS, series.parts), *high])
 
 
-SPECIAL = {**SPECIAL_NUMBERS, addition.estimate: estimated}
+def leading_parts(b: Expressions, x: Value) -> Value:
+    """:func:`integrable.moving_point.addition.leading` for the kinds of these values."""
+    if isinstance(x.kind, ArrayKind):
+        return Value(HIGHS, x.parts) if x.kind.item is WIDE else x
+    return b.rounded(x)
+
+
+SPECIAL: dict[Any, Callable[..., Value]] = {
+    **SPECIAL_NUMBERS,
+    addition.estimate: estimated,
+    addition.leading: leading_parts,
+}
 _POINT = TupleKind((FLOAT,) * 10)
 LIBRARY = Library(
     "moving_point",

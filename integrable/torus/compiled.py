@@ -71,6 +71,11 @@ def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
+def on_borders(torus: Torus, out: Row) -> None:
+    """:func:`integrable.torus.witness.on_borders`."""
+    torus_on_borders(torus_numbered(torus), out)
+
+
 def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
     """:func:`integrable.torus.states.points_at_phases`."""
     points_at(torus_numbered(torus), root_beyond, phases, out)
@@ -129,7 +134,7 @@ def eight(row: Row) -> Any:
 
 walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
-points_at = states.points_at_phases
+points_at, torus_on_borders = states.points_at_phases, witness.on_borders
 at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
 phases_at = clock_loops.phases_at_times
 
@@ -140,6 +145,7 @@ LIBRARY = Library(
     {
         "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
         "reached": (witness.reached, (WIDES, FLOATS, WIDES, FLOATS)),
+        "on_borders": (on_borders, (_TORUS, FLOATS)),
         "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),

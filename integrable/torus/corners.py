@@ -8,6 +8,7 @@ from math import cos, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
@@ -77,7 +78,7 @@ class Corners:
 
     def _check_walk(self) -> None:
         """NotClosed where the states at the corners are not to be trusted."""
-        if self.compiled and not seamless(self.sizes, self.at_phases):
+        if self.compiled and not seamless(self.torus, self.loops):
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
 
     @property
@@ -144,11 +145,10 @@ class Corners:
         if self.doubled == (1, 1):
             return self.completed(table, known)
         beside = loops.samples(other).reshape(sizes)
-        blocks = [
-            [beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table for j in range(self.doubled[1])]
-            for i in range(self.doubled[0])
-        ]
-        return self.completed(np.block(blocks), known)
+        whole = np.empty((self.doubled[0], sizes[0], self.doubled[1], sizes[1]), dtype=table.dtype)
+        for i, j in np.ndindex(self.doubled):
+            whole[i, :, j] = beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table
+        return self.completed(whole.reshape(self.doubled[0] * sizes[0], -1), known)
 
     def completed(self, samples: np.ndarray, known: np.ndarray | None) -> np.ndarray:
         """The samples with those in their places that a coarser grid knew."""
@@ -195,11 +195,9 @@ class Corners:
             # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
             # them: both ways to where the motion comes nearest to it
             rows = self.loops.floats(self.states).reshape(*self.sizes, 10)
-            with np.errstate(divide="ignore"):
-                nearness = np.log(np.abs(rows[0, :, 0]))
-            width = columns // 8
-            around = [np.roll(nearness, n) for n in range(-width, width + 1)]
-            self._walk(max(1, int(np.argmin(np.maximum.reduce(around)))), 1)
+            nearness, width = np.abs(rows[0, :, 0]), columns // 8
+            around = sliding_window_view(np.take(nearness, range(-width, columns + width), mode="wrap"), 2 * width + 1)
+            self._walk(max(1, int(np.argmin(around.max(axis=1)))), 1)
         if not self.closure <= CLOSED:
             raise NotClosed(f"a period of this motion leads back to {self.closure:.1e} only; use more digits")
 

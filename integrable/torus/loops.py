@@ -109,7 +109,7 @@ class ReadableLoops:
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
         """:func:`integrable.torus.tables.directions`."""
-        room = Room(*map(self.room, (self._series, self._series, 9 + len(nodes))))
+        room = Room(*map(self.room, (self._series, self._series, 9)))
         with self.reals:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
@@ -210,6 +210,7 @@ class CompiledLoops:
         self.clock_series: Any = entries.clock_series
         self.panel_values: Any = entries.panel_values
         self.reached: Any = entries.reached
+        self.on_borders: Any = entries.on_borders
         self.rates: Any = entries.rates
         self._begun: Any = entries.begun
         self._about_centre: Any = entries.about_centre
@@ -267,5 +268,5 @@ class CompiledLoops:
         return self.survey_rows(motion, short, np.array(points), out)
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
-        room = Room(*map(self.room, (SERIES, SERIES, 9 + len(nodes))))
+        room = Room(*map(self.room, (SERIES, SERIES, 9)))
         self.direction_rows(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)

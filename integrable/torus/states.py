@@ -55,9 +55,14 @@ def put_state(point: Row, matrix: Row, out: Row, place: int) -> None:
 
 
 def point_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int) -> Row:
-    """The moving point there: the nearest corner, and two translations near the identity."""
-    (rows, columns), parts = torus.cells, torus.small.parts
-    i, j = floor(float(first) * rows + 0.5), floor(float(second) * columns + 0.5)
+    """The moving point there, from the nearest corner."""
+    i, j = floor(float(first) * torus.cells[0] + 0.5), floor(float(second) * torus.cells[1] + 0.5)
+    return point_beside(torus, (i, j), first, second, turn1, turn2)
+
+
+def point_beside(torus: Torus, corner: tuple[int, int], first: Real, second: Real, turn1: int, turn2: int) -> Row:
+    """The same from a corner, the row and the column of its cell: by two translations near the identity."""
+    (rows, columns), parts, (i, j) = torus.cells, torus.small.parts, corner
     a, b = first - i / rows, second - j / columns
     if i == rows:
         i, turn1 = 0, turn1 + 1

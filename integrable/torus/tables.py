@@ -16,7 +16,7 @@ Row = Any
 
 
 class Room(NamedTuple):
-    """Room for two power series, and for nine numbers and one for each node."""
+    """Room for two power series, and for nine numbers."""
 
     series: Row
     roots: Row
@@ -73,7 +73,9 @@ def directions(
         for n in abreast(0, 2):
             x = parts[2 * k + n] * (0.5 / chart.cells[n])
             put(recentred(near_centre(about, reach * x), axes, centre, unit), halves, 20 * n + 10 * k)
-        direction(about, reach, unit, nodes, room.numbers, 4 * len(nodes) * k, tables)
+        direction(about, reach, unit, nodes, 4 * len(nodes) * k, tables)
+    for part in abreast(0, 8):
+        to_powers(nodes, tables, len(nodes) * part)
 
 
 def near_centre(about: Expansion, eps: Real) -> Row:
@@ -107,13 +109,12 @@ def alike(x: Real, size: Real) -> Real:
     return -size if x < 0 else size
 
 
-def direction(about: Expansion, reach: Real, unit: float, nodes: Row, room: Row, begin: int, table: Row) -> None:
-    """Polynomials of T(s) in one direction, |s| ≤ reach, into ``table`` from ``begin`` on: with x = s/reach and z = x²,
-    its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z): the coefficients of p, q, t, v
-    one after the other, ascending.
+def direction(about: Expansion, reach: Real, unit: float, nodes: Row, begin: int, table: Row) -> None:
+    """Polynomials of T(s) in one direction, |s| ≤ reach, by their values at ``nodes`` into ``table`` from ``begin`` on:
+    with x = s/reach and z = x² its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z);
+    those of p, q, t, v one after the other.
 
-    ``about`` and ``reach`` are taken about the centre c in units of ``unit``; ``nodes`` are values of z, ``room`` is
-    for nine numbers more than there are nodes.
+    ``about`` and ``reach`` are taken about the centre c in units of ``unit``; ``nodes`` are values of z.
     """
     size = len(nodes)
     for n in abreast(0, size):
@@ -124,25 +125,18 @@ def direction(about: Expansion, reach: Real, unit: float, nodes: Row, room: Row,
         table[begin + size + n] = (m * m - step[0]) * (unit * unit) / nodes[n]
         table[begin + 2 * size + n] = step[3] / unit * x
         table[begin + 3 * size + n] = step[2] / x
-    for part in range(4):
-        to_powers(nodes, table, begin + part * size, room)
 
 
-def to_powers(nodes: Row, table: Row, first: int, room: Row) -> None:
-    """Values at the nodes, in ``table`` from ``first`` on, replaced by the coefficients of their polynomial."""
+def to_powers(nodes: Row, table: Row, first: int) -> None:
+    """Values at the nodes, in ``table`` from ``first`` on, replaced by their polynomial's coefficients, ascending."""
     size = len(nodes)
     # divided differences, and Newton's form as powers of z
     for k in range(1, size):
         for n in range(size - 1, k - 1, -1):
             table[first + n] = (table[first + n] - table[first + n - 1]) / (nodes[n] - nodes[n - k])
-    for n in range(size):
-        room[9 + n] = 0 * table[first]
-    for k in range(size - 1, -1, -1):
-        for n in range(size - 1, 0, -1):
-            room[9 + n] = room[8 + n] - nodes[k] * room[9 + n]
-        room[9] = table[first + k] - nodes[k] * room[9]
-    for n in range(size):
-        table[first + n] = room[9 + n]
+    for k in range(size - 2, -1, -1):
+        for n in range(k, size - 1):
+            table[first + n] = table[first + n] - nodes[k] * table[first + n + 1]
 
 
 def small_translation(small: SmallSteps, k: int, x: Real) -> Row:

@@ -10,7 +10,6 @@ What translations lose beside a corner is seen where cells meet: a state on the 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, ST
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import axes_of, curve_of, unit_axes
 from integrable.moving_point.translations import power_series
-from integrable.torus.states import put_state
+from integrable.torus.states import Torus, point_at, point_beside, put_state
 from jacobian.numbers.abreast import abreast
 
 Row = Any
@@ -37,9 +36,8 @@ FAR = 2.0**48
 ROUGH = 1e-6
 # and one that a right torus may: the states themselves are held to less, here it is about signs and places
 RIGHT = 1e-8
-# borders that are looked at, turns beside them that are phases of their own, and what both corners may differ by
+# borders that are looked at, and what both corners may differ by
 BORDERS = 16
-BESIDE = 2.0**-51
 SEAM = 1e-13
 # steps are halved so often that so few terms and passes of Newton make a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
@@ -66,23 +64,27 @@ def confirmed(
     return _difference(found, np.array([(*gamma, *M) for gamma, M in exact], dtype=float)) <= RIGHT
 
 
-def seamless(cells: tuple[int, int], states: Callable[[np.ndarray], np.ndarray]) -> bool:
-    """Whether states on some borders of the cells are the same from both corners; ``states`` are those at phases."""
-    # a second difference, of which the motion itself has no part
-    before, one, other = states(_beside_borders(cells)).reshape(3, -1, 6)
-    gaps = np.abs(before - 2 * one + other)
-    return bool(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(one[:, 3:]).max()) <= SEAM)
+def seamless(torus: Any, loops: Any) -> bool:
+    """Whether states on some borders of the cells of a :class:`~integrable.torus.states.Torus` are the same from both
+    corners.
+    """
+    rows = np.empty((4 * BORDERS, 6))
+    loops.on_borders(torus, rows.ravel())
+    return _difference(rows[::2], rows[1::2]) <= SEAM
 
 
-@lru_cache(maxsize=64)
-def _beside_borders(cells: tuple[int, int]) -> np.ndarray:
-    """Phases at distances −3, −1 and 1 from borders of cells: shape (6·BORDERS, 2)."""
-    k = np.arange(BORDERS) / BORDERS
-    first, second = (np.floor(k * n) / n for n in cells)
-    across = np.column_stack([first + 0.5 / cells[0], second + 0.25 / cells[1]])
-    along = np.column_stack([first + 0.25 / cells[0], second + 0.5 / cells[1]])
-    borders, normals = np.concatenate([across, along]), np.repeat(np.eye(2), BORDERS, axis=0)
-    return np.concatenate([borders + step * BESIDE * normals for step in (-3, -1, 1)])
+def on_borders(torus: Torus, out: Row) -> None:
+    """γ and M, six floats each, on borders of cells, from one corner and from the other: halfway from a corner to the
+    next in the first direction, a quarter in the second, then the other way round.
+    """
+    (rows, columns), zero, count = torus.cells, 0 * torus.curve.axes[0], len(out) // 24
+    for n in abreast(0, 2 * count):
+        k, down = n % count, n // count
+        i, j = k * rows // count, k * columns // count
+        first, second = zero + (i + 0.5 - 0.25 * down) / rows, zero + (j + 0.25 + 0.25 * down) / columns
+        one, other = point_beside(torus, (i, j), first, second, 0, 0), point_at(torus, first, second, 0, 0)
+        put_state(one, torus.matrix, out, 12 * n)
+        put_state(other, torus.matrix, out, 12 * n + 6)
 
 
 def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
