@@ -56,7 +56,7 @@ python_maximum_signature_line_length = 90
 # characters of a cell that stays in one line, and of a name that may take several
 SHORT, LONG = 18, 28
 
-_KEPT = re.compile(r"(``.*?``|:[\w:]+:`[^`]*`|`[^`]*`_?|>>> .*)")
+_KEPT = re.compile(r"((?<![^\s(])\*\w[\w ]*\w\*(?!\w)|``.*?``|:[\w:]+:`[^`]*`|`[^`]*`_?|>>> .*)")
 
 
 def _plain_bars(app, what, name, obj, options, lines):

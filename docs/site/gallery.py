@@ -24,7 +24,7 @@ def write(source: Path, results: dict[str, Any]) -> None:
     cards = []
     for name in scene_names():
         scene = load_scene(name)
-        content, what = None, "γ on the sphere, the path of its tip"
+        content = None
         if scene.classical:
             picture, what = _drawn(scene), "Coordinates against time"
         elif scene.finite_field:
@@ -34,6 +34,8 @@ def write(source: Path, results: dict[str, Any]) -> None:
             )
         else:
             content = shown(scene, frames=FRAMES)
+            drawn = "its tip after every step" if scene.steps is not None else "the path of its tip"
+            what = f"γ on the sphere, {drawn}, blue in front and pale behind; the orange dot is the start"
             html = page(content, '<script src="plotly.js"></script>')
             (moving / f"{name}.html").write_text(html, encoding="utf-8")
             picture = _thumbnail(content)
