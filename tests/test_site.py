@@ -63,6 +63,15 @@ def test_every_scene_has_its_page_with_a_picture():
         assert any(load.endswith(f"/{name}.png") for load in loads), name
 
 
+def test_the_start_of_a_motion_is_seen_in_its_picture():
+    """A picture keeps few colours, that of the small dot among them."""
+    image = pytest.importorskip("PIL.Image")
+    loaded = next(load for load in page(SITE / "gallery" / "chaplygin.html").loads if load.endswith("/chaplygin.png"))
+    with image.open(SITE / "gallery" / loaded) as picture:
+        colours = picture.convert("RGB").getcolors(1 << 24)
+    assert sum(count for count, (red, green, blue) in colours if red > 180 and 60 < green < 130 and blue < 60) > 20
+
+
 def test_links_are_whole():
     broken = []
     for path in pages():

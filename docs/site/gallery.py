@@ -148,7 +148,7 @@ def _light(figure: Any) -> bytes:
 
     stored = io.BytesIO()
     figure.savefig(stored, format="png", dpi=110)
-    # a few colours are enough, and forty pictures stay light
+    # a few colours are enough, and forty pictures stay light; the usual choice of colours loses that of a small dot
     small = io.BytesIO()
-    Image.open(stored).convert("RGB").quantize(24).save(small, "png", optimize=True)
+    Image.open(stored).convert("RGB").quantize(48, Image.Quantize.MAXCOVERAGE).save(small, "png", optimize=True)
     return small.getvalue()
