@@ -59,6 +59,11 @@ class Placed:
         self._translations: dict[int, Translations] = {}
         self._carried: dict[tuple[Any, ...], Extended] = {}
 
+    @property
+    def direction(self) -> Sequence[Any]:
+        """That of τ."""
+        return self._directions[0]
+
     def translations(self, which: int = 0) -> Translations:
         """Those of one direction, made when its first time other than 0 is asked for."""
         if which not in self._translations:
@@ -67,7 +72,7 @@ class Placed:
 
     def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
         """D at τ, and at the times along the further directions."""
-        if self._rests:
+        if self.rests:
             return self._resting(tau)
         D = self._carried.get(further)
         if D is None:
@@ -83,7 +88,7 @@ class Placed:
         import gmpy2
 
         K, (u, _, data) = self.field, self.start
-        n, turned = multiplier(K, u, self._directions[0]), []
+        n, turned = multiplier(K, u, self.direction), []
         for kind, datum in zip(self.group.kinds, data, strict=True):
             if isinstance(kind, PointLift):
                 kappa, sigma, bar = datum
@@ -93,11 +98,11 @@ class Placed:
         return self.start._replace(data=tuple(turned))
 
     @cached_property
-    def _rests(self) -> bool:
+    def rests(self) -> bool:
         """Whether the pair does not move: every point on a double point of the curve, where no addition is regular."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
-        direction = self._directions[0]
+        direction = self.direction
         size = max(abs(c) for c in (*u, *v, *w)) * max(abs(c) for c in direction)
         moved = rates(K, self.group.f, u, v, direction)
         return all(abs(c) <= STILL * K.eps * size for a in moved for c in a)

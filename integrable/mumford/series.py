@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, multiplier, rates, second_kind_rate
+from integrable.mumford.fields import Poly, cofactor, multiplier, rates, second_kind_rate
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -42,8 +42,8 @@ class SeriesField(InexactField):
 
 
 class Series:
-    """A motion near a pair: coefficients of U, V, of the second-kind datum Ω and of the third-kind integrals
-    ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair), ascending in time.
+    """A motion near a pair: coefficients of U, V, of the second-kind datum Ω, of the third-kind integrals
+    ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair) and of the σ and ν of lifts, ascending in time.
 
     ``radius``: about that of convergence, a float.
     """
@@ -89,27 +89,38 @@ def taylor(
     direction: Sequence[Any],
     order: int,
     points: Sequence[Any] = (),
+    lifts: Sequence[tuple[Any, Any, Any]] = (),
 ) -> Series:
-    """``order`` coefficients of the motion from a pair along a direction, with the third-kind integrals of points."""
+    """``order`` coefficients of the motion from a pair along a direction, with the third-kind integrals of points, and
+    with ``lifts``, (e, σ, ν) at branch points e.
+    """
     from flint import ctx
 
     u, v = pair
     size = len(v)
     with BallReals(field.bits + GUARD):
-        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero, *[field.zero for _ in points]))]
+        roots = [x for _, *pair in lifts for x in pair]
+        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero, *[field.zero for _ in points], *roots))]
         curve, turning, places = field.balls(f), field.balls(direction), field.balls(points)
+        ends = field.balls([e for e, _, _ in lifts])
         cap = ctx.cap
         try:
             for k in range(1, order):
                 ctx.cap = k
-                _extend(SeriesField(field.complex), rows, size, curve, turning, places)
+                _extend(SeriesField(field.complex), rows, size, curve, turning, places, ends)
         finally:
             ctx.cap = cap
     return Series(field, rows, size)
 
 
 def _extend(
-    K: SeriesField, rows: list[list[Any]], size: int, f: list[Any], direction: list[Any], points: list[Any]
+    K: SeriesField,
+    rows: list[list[Any]],
+    size: int,
+    f: list[Any],
+    direction: list[Any],
+    points: list[Any],
+    ends: list[Any],
 ) -> None:
     """One more coefficient to every row."""
     k = len(rows[0])
@@ -119,5 +130,23 @@ def _extend(
     of_u, of_v = rates(K, tuple(map(K.coerce, f)), whole, moving[size:], n)
     turning = multiplier(K, whole, n)
     thirds = [poly.evaluate(K, turning, x) / poly.evaluate(K, whole, x) for x in map(K.coerce, points)]
-    for row, rate in zip(rows, (*of_u[:-1], *of_v, second_kind_rate(K, whole, n), *thirds), strict=True):
+    second = second_kind_rate(K, whole, n)
+    roots = list(map(K.coerce, rows[len(rows) - 2 * len(ends) :]))
+    of_roots = lift_rates(K, tuple(map(K.coerce, f)), whole, moving[size:], turning, list(map(K.coerce, ends)), roots)
+    for row, rate in zip(rows, (*of_u[:-1], *of_v, second, *thirds, *of_roots), strict=True):
         row.append(rate[k - 1] / k)
+
+
+def lift_rates(K: Any, f: Poly, u: Poly, v: Poly, n: Poly, ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
+    """σ', ν' of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its end, m = nV div U, w = nW div U.
+
+    From κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
+    """
+    if not ends:
+        return []
+    of_v, of_w = (poly.quotient(K, poly.mul(K, n, a), u) for a in (v, cofactor(K, f, u, v)))
+    found = []
+    for e, sigma, nu in zip(ends, roots[::2], roots[1::2], strict=True):
+        a, m, w = (poly.evaluate(K, b, e) for b in (n, of_v, of_w))
+        found += [(a * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
+    return found

@@ -27,11 +27,14 @@ from jacobian.relatives.extended import Extended
 if TYPE_CHECKING:
     from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.real_torus import RealTorus
+    from integrable.mumford.tabled import TabledStates
 
 # how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
 OFF = 2.0**24
 # from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
 MANY, RIGHT = 24, 1e-12
+# where tables in double-double numbers keep what floats need
+GENERA_TABLED = range(3, 7)
 
 
 class Point(NamedTuple):
@@ -315,7 +318,8 @@ class MumfordFlow:
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. Many times of a motion of genus 2 in floats are read off
-        its real torus, some units in the last place off. ArgumentError for times that are no numbers.
+        its real torus, some units in the last place off; those of one of genus 3 to 6 come from tables. ArgumentError
+        for times that are no numbers.
         """
         import numpy as np
 
@@ -323,13 +327,29 @@ class MumfordFlow:
         given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
         if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
             return self._path(self._torus, np.array(given))
-        rows = [self._motion.row(t, self._reader(t), self.digits, self._clock) for t in self._places(given)]
+        if given and self._tabled is not None:
+            return Path(np.array(given), *self._tabled.at(np.array(given)))
+        rows = [self._row(t) for t in self._places(given)]
         kind = object if hasattr(K, "dps") else float
         q, p = (
             np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), self.system.size)
             for i in (0, 1)
         )
         return Path(np.array(given, dtype=kind), q, p)
+
+    def _row(self, time: Any) -> Any:
+        """The state at a time, in long numbers."""
+        return self._motion.row(time, self._reader(time), self.digits, self._clock)
+
+    @cached_property
+    def _tabled(self) -> TabledStates | None:
+        """What makes many states of a motion in floats, of more points than a torus is for."""
+        beyond = hasattr(self.system.field, "dps") or self.system.complex_data or self._clock is not None
+        if self._genus not in GENERA_TABLED or beyond or interpreted():
+            return None
+        from integrable.mumford.tabled import TabledStates
+
+        return TabledStates(self._place, self._read_columns, lambda t: [[*map(float, x)] for x in self._row(t)])
 
     def _places(self, times: list[Any]) -> list[Any]:
         """What the motion is asked for to be there at these times: themselves, or τ."""
@@ -358,7 +378,7 @@ class MumfordFlow:
 
         path = self._path(torus, torus.witnesses)
         for time, *rows in zip(self._places(torus.witnesses.tolist()), path.q, path.p, strict=True):
-            true = self._motion.row(time, self._reader(time), self.digits, self._clock)
+            true = self._row(time)
             for row, other in zip(rows, true, strict=True):
                 expected = np.array([float(x) for x in other])
                 if not np.abs(row - expected).max() <= RIGHT * np.abs(expected).max():
@@ -369,11 +389,15 @@ class MumfordFlow:
         """The states at times from a torus."""
         import numpy as np
 
+        found = self._read_columns(times, torus.at(times))
+        return Path(times, *(np.stack([x.hi for x in part], axis=1) for part in found))
+
+    def _read_columns(self, times: Any, D: Extended) -> Point:
+        """The states of pairs at times, all in columns."""
         from integrable.mumford.columns import Column, Columns
 
         N = Columns()
-        found = self.system._back(N, self._inner(N), torus.at(times), Column(times))
-        return Path(times, *(np.stack([x.hi for x in part], axis=1) for part in found))
+        return self.system._back(N, self._inner(N), D, Column(times))
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))

@@ -61,7 +61,7 @@ class Translations:
             # non-adjacent form (Reitwiesner 1960): a third of the digits are not 0
             digit = 2 - place % 4 if place % 2 else 0
             if digit:
-                D = self._added(D, k, digit)
+                D = self.added(D, k, digit)
             place, k = (place - digit) // 2, k + 1
         return self._moved(D, self._near(tau - count * self.unit))
 
@@ -70,16 +70,25 @@ class Translations:
 
         return int(gmpy2.floor(tau.real / self.unit.real - 0.5))
 
-    def _added(self, D: Extended, k: int, digit: int) -> Extended:
+    def added(self, D: Extended, k: int, digit: int) -> Extended:
         """D ± T(2^k h)."""
         group, E = self.group, self._double(k)
         if digit < 0:
-            return group.negate(self._added(group.negate(D), k, 1))
+            return group.negate(self.added(group.negate(D), k, 1))
         if k < FRACTION:
             return self._moved(D, E)
         if k not in self._single:
-            self._single[k] = group.add(E, *self._back)
+            self._single[k] = self.from_reference(E)
         return self._settled(group.add(D, self._single[k], *self._with))
+
+    @property
+    def reference(self) -> Extended:
+        """E."""
+        return self._near(self.field.zero)
+
+    def from_reference(self, D: Extended) -> Extended:
+        """D − E, less P₀ where there is one."""
+        return self.group.add(D, *self._back)
 
     def _moved(self, D: Extended, E: Extended) -> Extended:
         """D + E minus the reference."""

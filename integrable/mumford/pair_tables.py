@@ -1,0 +1,236 @@
+"""Motions of genus 3 and more in floats: many times by sums of tabled translations, in double-double numbers, compiled.
+
+D(τ) = D(a + r) + ΣT(w_k + c): D(a + r) is a power series in a small r, and the w_k are one of each table k, whose steps
+are 16 times those of the table before. The c keep translations away from 0, where they have points near infinity, and
+of several w next to each other the one with small coefficients is taken, which costs the fewest digits. x and y are
+taken to units in which the branch points lie around 0. Tables are made in long numbers. There are several starts a,
+from which the same time takes other rows of the tables.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from math import comb
+from typing import Any
+
+import numpy as np
+
+from integrable.mumford import pair_sums
+from integrable.mumford.columns import Column
+from integrable.mumford.motion import OF_GENUS, Placed, Start
+from integrable.mumford.pair_sums import Problem, Space
+from integrable.mumford.series import Series, taylor
+from integrable.mumford.translations import Translations
+from jacobian import poly
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import FLOAT, FLOATS, INT, WIDE, WIDES, ArrayKind, record
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.double_double import pack
+from jacobian.relatives.extended import Extended, ExtendedGroup, Lift
+
+# how many steps of a table are one of the next; a row is at any of the first quarters of a step, at the first of them
+# where coefficients are below SMALL
+RATIO, QUARTERS, SMALL = 16, 3, 4.0
+# a step of the first table is the radius of the power series over 2^FRACTION or a little less
+TERMS, FRACTION = 32, 3
+# tables at least and at most, and starts
+FEWEST, MOST, STARTS = 2, 11, 10
+# bits of the numbers that tables are made in, beyond those of the genus, and those of a table
+BITS, OF_TABLE = 192, 12
+
+_TABLE, _PLACES, _MATRIX = ArrayKind(WIDE, 2, 2), ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
+LIBRARY = Library(
+    "pair_tables",
+    {
+        "carried": (
+            pair_sums.carried,
+            (
+                record(Problem, WIDES, WIDES, FLOAT, WIDES),
+                _TABLE,
+                WIDES,
+                _TABLE,
+                _PLACES,
+                record(Space, _TABLE, WIDES, WIDES, WIDES, WIDES, _MATRIX, FLOATS),
+                _TABLE,
+            ),
+        )
+    },
+    SPECIAL,
+)
+
+
+class Units:
+    """The motion that ``place`` starts in ξ and η, x = A + Bξ, y = hη: the roots of f in the unit circle around 0, its
+    leading coefficient ±1.
+    """
+
+    def __init__(self, place: Callable[[Any], Start]) -> None:
+        self._start = place
+        with LongField(BITS) as K:
+            f = [float(c) for c in place(K).f]
+        if not np.isfinite(f).all():
+            raise PrecisionLoss("f is beyond the range of floats")
+        self.centre = -f[-2] / (len(f) - 1) / f[-1]
+        self.size = float(np.abs(np.roots(f[::-1]) - self.centre).max())
+
+    def affine(self, K: Any) -> tuple[Any, Any, Any]:
+        """A, B, h."""
+        f, b = self._start(K).f, K.coerce(self.size)
+        return K.coerce(self.centre), b, K.sqrt(abs(f[-1])) * K.sqrt(b ** (len(f) - 1))
+
+    def start(self, K: Any) -> Start:
+        """The motion in the numbers of K."""
+        start, (a, b, h) = self._start(K), self.affine(K)
+        g = len(start.v)
+
+        def moved(p: Sequence[Any], size: Any) -> tuple[Any, ...]:
+            return tuple(c * b**i / size for i, c in enumerate(poly.shift(K, tuple(p), a)))
+
+        turned: list[Any] = []
+        for k, c in enumerate(start.direction):
+            # x^k dx/y = (B/h)Σ binom(k, j)A^(k−j)B^j ξ^j dξ/η
+            known = sum((comb(k, j) * a ** (k - j) * b**j * turned[j] for j in range(k)), K.zero)
+            turned.append((c * h / b - known) / b**k)
+        kinds = [Lift((kind.e - a) / b) for kind in start.kinds if isinstance(kind, Lift)]
+        data = tuple((kappa / b**g, sigma, nu * b**g / h) for kappa, sigma, nu in start.data)
+        return Start(moved(start.f, h * h), moved(start.u, b**g), moved(start.v, h), turned, kinds, data)
+
+
+class PairTables:
+    """D of a :class:`Start` in floats, at many times up to ``reach``, in the numbers of Columns.
+
+    PrecisionLoss where there are no tables: data other than lifts on a model of odd degree, odd genus or f < 0 near
+    infinity on one of even degree, a state at rest, or a time too far.
+    """
+
+    def __init__(self, place: Callable[[Any], Start], time: float) -> None:
+        with LongField(BITS) as K:
+            start = place(K)
+            odd = len(start.f) % 2 == 0
+            if start.kinds and not (odd and all(isinstance(kind, Lift) for kind in start.kinds)):
+                raise PrecisionLoss("lifts on a model of odd degree are needed")
+            self.genus = len(start.v)
+            if not odd and (self.genus % 2 or start.f[-1] < 0):
+                raise PrecisionLoss("even genus and f > 0 near infinity are needed on a model of even degree")
+            self._kappas = [Column.of(data[0]) for data in start.data]
+            units = Units(place)
+            placed = Placed(K, units.start)
+            if placed.rests:
+                raise PrecisionLoss("the state rests")
+            radius = series_of(placed, placed.start).radius
+        self._step = 2.0 ** (math.frexp(radius)[1] - 1 - FRACTION)
+        count = max(FEWEST, math.ceil(math.log(max(time / self._step, 1.0), RATIO)))
+        if count > MOST:
+            raise PrecisionLoss(f"{count} tables would be needed")
+        self.reach = self._step * RATIO**count
+        with LongField(BITS + OF_GENUS * self.genus + OF_TABLE * count) as K:
+            affine = pack(np.array(units.affine(K), dtype=object))
+            self._fill(Placed(K, units.start), count, affine)
+
+    def at(self, times: np.ndarray, begin: int) -> Extended:
+        """The pairs with their data, as columns, from one of the starts."""
+        which, near = self._split(times, begin)
+        genus = self.genus
+        out = np.empty((len(times), *self._rows.shape[1:]))
+        LIBRARY.carried(self._problem, self._near[begin], near, self._rows, which, _space(genus), out)
+        rows = np.ascontiguousarray(out.T)
+        columns = [Column(high, low) for high, low in zip(rows[0], rows[1], strict=True)]
+        pairs = zip(self._kappas, columns[2 * genus :: 2], columns[2 * genus + 1 :: 2], strict=True)
+        return Extended((*columns[:genus], Column(1.0)), tuple(columns[genus : 2 * genus]), tuple(pairs))
+
+    def _split(self, times: np.ndarray, begin: int) -> tuple[np.ndarray, np.ndarray]:
+        """The rows to add at times, shape (N, tables), and what is left, as double-doubles."""
+        which = np.empty((len(times), len(self._places)), dtype=np.int64)
+        shift = self._shifts[begin]
+        # times of rows are multiples of a quarter of a step: what is taken is exact
+        rest, total = times + shift, np.full(len(times), self._step / 4 - shift)
+        for k in range(len(self._places) - 1, -1, -1):
+            row, first, count = self._places[k]
+            step = np.floor(rest / (self._step * RATIO**k)).astype(np.int64)
+            which[:, k] = row + np.clip(step - first, 0, count - 1)
+            taken = self._times[which[:, k]]
+            rest, total = rest - taken, total + taken
+        left = Column(times) - Column(total)
+        return which, np.stack([left.hi, left.lo], axis=-1)
+
+    def _fill(self, placed: Placed, count: int, affine: np.ndarray) -> None:
+        """The tables, in long numbers."""
+        K, group, translations = placed.field, placed.group, placed.translations()
+        apart = [self._step * (131 + 53 * k) for k in range(count)]
+        unit = round(math.log2(self._step / 4 / float(translations.unit)))
+        if unit < 0:
+            raise PrecisionLoss("the step of the tables is too small")
+        rows: list[list[Any]] = []
+        times: list[float] = []
+        places: list[tuple[int, int, int]] = []
+        for k in range(count):
+            last = k == count - 1
+            begin, end = (-RATIO, RATIO + STARTS + 2) if last else (-RATIO // 2, RATIO)
+            step = self._step * RATIO**k
+            places.append((len(rows), begin, end - begin))
+            D = translations.carried(translations.reference, K.coerce(apart[k] + begin * step))
+            for i in range(begin, end):
+                quarter, row, D = self._chosen(translations, D, unit + 4 * k)
+                rows.append(row)
+                times.append((i + quarter / 4) * step)
+        # digits of times from different starts differ in all places
+        turn = (RATIO ** (count - 1) - 1) // 3 + RATIO ** (count - 1)
+        shifts = [self._step * turn * j for j in range(STARTS)]
+        anchors = [self._step / 4 - sum(apart) - shift for shift in shifts]
+        # without Ω, which is behind U and V
+        series = [
+            pack(np.delete(np.array(series_of(placed, placed.at(K.coerce(a))).rows), 2 * self.genus, axis=0).T)
+            for a in anchors
+        ]
+        self._problem = Problem(
+            pack(np.array(group.f)),
+            pack(np.array(ends_of(group), dtype=object)).reshape(-1, 2),
+            -float(group.f[-1]) if group.odd and self.genus % 2 else 1.0,
+            affine,
+        )
+        self._rows, self._times, self._places = pack(np.array(rows)), np.array(times), places
+        self._near, self._shifts = series, shifts
+
+    def _chosen(self, translations: Translations, D: Extended, k: int) -> tuple[int, list[Any], Extended]:
+        """The quarter of a step after D that a row is taken at, the row, and what is a whole step after D."""
+        found: list[tuple[float, int, list[Any]]] = []
+        for quarter in range(4):
+            if quarter < QUARTERS and not (found and min(found)[0] < SMALL):
+                row = self._row(translations.group, translations.from_reference(D))
+                size = max(float(abs(c)) for c in row[: 2 * self.genus])
+                found.append((size, quarter, row))
+            D = translations.added(D, k, 1)
+        _, quarter, row = min(found)
+        return quarter, row, D
+
+    def _row(self, group: ExtendedGroup, D: Extended) -> list[Any]:
+        """What is added, with the sign of lifts that is the sum's."""
+        sign = group.f[-1] if group.odd and self.genus % 2 else 1
+        return [*D.u[:-1], *D.v, *(x * sign for _, *pair in D.data for x in pair)]
+
+
+def series_of(placed: Placed, D: Extended) -> Series:
+    """The motion from D, with its lifts."""
+    lifts = [(e, sigma, nu) for e, (_, sigma, nu) in zip(ends_of(placed.group), D.data, strict=True)]
+    return taylor(placed.field, placed.group.f, D[:2], placed.direction, TERMS, lifts=lifts)
+
+
+def ends_of(group: ExtendedGroup) -> list[Any]:
+    """Where the lifts are."""
+    return [kind.e for kind in group.kinds if isinstance(kind, Lift)]
+
+
+def _space(genus: int) -> Space:
+    u, v, other, quotient = (np.empty((2 * genus + 3, 2)) for _ in range(4))
+    return Space(
+        np.empty((genus, genus + 1, 2)),
+        u,
+        v,
+        other,
+        quotient,
+        np.empty((genus, 2 * genus + 1)),
+        np.empty(2 * genus + 1),
+    )

@@ -1,0 +1,96 @@
+"""States of a motion of genus 3 and more at many times in floats: from tables, or from sums in long numbers.
+
+How many digits a sum of double-doubles has lost is found out: every time is computed from two starts, with other rows
+of the tables, and counts where both agree to more than a float holds; else from two more. The tables are held against
+sums in long numbers whenever they are made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from integrable.mumford.columns import Column
+from integrable.mumford.motion import Start
+from integrable.mumford.pair_tables import STARTS, PairTables
+from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.relatives.extended import Extended
+
+# from so many times on tables pay; how many of the farthest are held against sums in long numbers
+MANY, WITNESSES = 200, 4
+# what two starts may differ by, and what the farthest time may from sums in long numbers, beside the largest number
+AGREED, RIGHT = 2.0**-57, 2.0**-50
+
+Vectors = Sequence[Sequence[Any]]
+
+
+class TabledStates:
+    """``read(times, D)`` of the motion that ``place`` starts, vectors of columns; ``by_additions(time)`` is the same in
+    floats at one time.
+    """
+
+    def __init__(
+        self,
+        place: Callable[[Any], Start],
+        read: Callable[[np.ndarray, Extended], Vectors],
+        by_additions: Callable[[float], Vectors],
+    ) -> None:
+        self._place, self._read, self._by_additions = place, read, by_additions
+        self._tables: PairTables | None = None
+        self._refused = False
+        # times since tables were made that are beyond them
+        self._beyond = 0
+
+    def at(self, times: np.ndarray) -> list[np.ndarray]:
+        """The vectors at times, shape (N, …) each, right to the last bits of floats."""
+        reach = self._tables.reach if self._tables else -1.0
+        self._beyond += int((np.abs(times) > reach).sum())
+        if self._beyond >= MANY and not self._refused:
+            self._beyond = 0
+            self._tables = self._made_for(times)
+            self._refused = self._tables is None
+        rows = self._from_tables(self._tables, times) if self._tables else {}
+        whole = [rows[i] if i in rows else self._by_additions(t) for i, t in enumerate(times.tolist())]
+        return [np.array(part) for part in zip(*whole, strict=True)]
+
+    def _made_for(self, times: np.ndarray) -> PairTables | None:
+        """Tables that reach as far as times; None where they are not to be had, where half of the farthest times are
+        lost by them, or where one is another than sums in long numbers have it.
+        """
+        far = times[np.argsort(-np.abs(times))[:WITNESSES]]
+        try:
+            tables = PairTables(self._place, float(np.abs(far[0])))
+            rows = self._from_tables(tables, far)
+            for i, row in rows.items():
+                for found, true in zip(row, self._by_additions(float(far[i])), strict=True):
+                    if not np.abs(found - np.array(true)).max() <= RIGHT * np.abs(found).max():
+                        return None
+        except (PrecisionLoss, ZeroDivisionError, ArgumentError):
+            # the last of these: what is to be tabled is beyond the range of floats
+            return None
+        return tables if 2 * len(rows) > len(far) else None
+
+    def _from_tables(self, tables: PairTables, times: np.ndarray) -> dict[int, Vectors]:
+        """The vectors by the places of times, of those where two starts agree."""
+        rows: dict[int, Vectors] = {}
+        left = np.flatnonzero(np.abs(times) <= tables.reach)
+        for begin in range(0, STARTS, 2):
+            if not len(left):
+                break
+            with np.errstate(all="ignore"):
+                one, two = (self._read(times[left], tables.at(times[left], k)) for k in (begin, begin + 1))
+                agree = np.logical_and.reduce([_agree(a, b) for a, b in zip(one, two, strict=True)])
+            parts = [np.stack([np.broadcast_to(x.hi, left.shape) for x in part], axis=1) for part in one]
+            for i in np.flatnonzero(agree):
+                rows[int(left[i])] = [part[i] for part in parts]
+            left = left[~agree]
+        return rows
+
+
+def _agree(one: Sequence[Column], two: Sequence[Column]) -> np.ndarray:
+    """Where two vectors of columns are the same to all digits of floats."""
+    size = np.max([np.abs(x.hi) for x in one], axis=0)
+    found: np.ndarray = np.max([np.abs((x - y).hi) for x, y in zip(one, two, strict=True)], axis=0) <= AGREED * size
+    return found
