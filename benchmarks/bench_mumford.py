@@ -19,7 +19,7 @@ from integrable.classical.toda import TodaLattice
 from integrable.mumford.system import MumfordFlow
 from jacobian import MP
 
-GENERA = (1, 2, 3, 5, 8)
+GENERA = (1, 2, 3, 4, 5, 8)
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
