@@ -107,7 +107,7 @@ def replaced(value: Kind, **changes: Any) -> Kind:
 def read_only(array: Any) -> Any:
     """A view of a numpy array that cannot be written to."""
     view = array.view()
-    view.flags.writeable = False
+    view.setflags(write=False)
     return view
 
 

@@ -47,6 +47,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 KERNELS = ("auto", "python", "compiled")
+CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
 # states whose integrals differ from those of the start by this part are refused; so many are looked at together
 DRIFT = 1e-9
 CHUNK = 8192
@@ -69,15 +70,16 @@ class Flow(BodyMotion):
     few near times, so that the same call may differ later, by rounding.
     """
 
+    kernel: str
+
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
-        kernel = one_of(kernel, "kernel", KERNELS, f"choose one of {', '.join(map(repr, KERNELS))}")
+        kernel = one_of(kernel, "kernel", KERNELS, CHOOSE)
         if kernel == "compiled" and system.field != RR:
             raise ArgumentError(
                 f"kernel = 'compiled' with field = {system.field.name}: compiled loops exist for RR only"
             )
-        self.system = system
-        self.state = state
-        self.kernel = kernel
+        # at once: one by one they would take as long as a panel of a short run
+        vars(self).update(system=system, state=state, kernel=kernel)
         # what a set-up would refuse is refused at once
         if system.field == RR:
             check_domain(system, state)

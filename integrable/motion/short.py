@@ -75,9 +75,9 @@ class ShortRuns:
     """
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
-        d = system.d if system.body.rolls else 0.0
-        self._given = np.array([[*system.inertia, d, *state.gamma, *state.M]], dtype=np.float64)
-        self._tilted, self._rolls, self._kernel = state.tilted, bool(system.body.rolls), kernel
+        body = system.body
+        self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
+        self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
         # panels of this flow: a torus would have been paid for by as many
         self.panels = 0
 
@@ -124,7 +124,7 @@ class ShortRuns:
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count, 0.0, 0, [],
         )  # fmt: skip
         with reals:
-            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0, 0, PASSES, 0])
+            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0, 0, PASSES, 0, 0])
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):

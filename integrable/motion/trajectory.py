@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterator
 from functools import cached_property
+from math import isfinite
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 import numpy as np
@@ -151,9 +152,10 @@ class Motion(Immutable):
         """A one-dimensional array of finite numbers of the field."""
         field = self.system.field
         quick = type(values) is np.ndarray and values.dtype == np.float64 and values.ndim == 1 and field == RR
-        if quick and np.isfinite(values).all():
+        # one pass: where squares overflow, each is looked at below
+        if quick and isfinite(values.dot(values)):
             # a copy: the times of a result do not change with the caller's array
-            return np.array(values)
+            return values.copy()
         items = [field.coerce(value, f"{argument}[{i}]") for i, value in enumerate(one_or_more(values, argument))]
         return np.array(items, dtype=np.float64 if field == RR else object)
 

@@ -33,6 +33,7 @@ from integrable.moving_point.short_rows import (
     MOST_GROWN,
     OFF,
     PANEL,
+    RADIAN,
     RATE,
     REACH,
     START,
@@ -58,6 +59,10 @@ from integrable.moving_point.short_steps import (
 
 # half a panel, in basic half steps
 LENGTH = 5.0
+# radians that a body turns by on half a panel at most, where that is several times as long
+TURN = 1.7
+# so often is it doubled at least: its nodes are made in wide numbers, as floats lose digits on such bodies
+WORTHWHILE = 3
 # last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
 # floats, or wide beside a panel whose nodes were not
 TAIL = 4e-15
@@ -85,18 +90,30 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
-    h = request.half if request.half > 0 else panel_half(numbers[REACH])
-    if too_far(room, request, h, request.most):
+    h = request.half if request.half > 0 else first_half(room)
+    careful = room.made[4] > 0
+    if too_far(room, request, h, request.most // CAREFUL if careful else request.most):
         return FAR
     panel_steps(room, h)
-    status = both_ways(room, rule, request, h, False)
-    if status == ROUNDING and room.made[3] * CAREFUL <= request.most:
+    status = both_ways(room, rule, request, h, careful)
+    if status == ROUNDING and not careful and room.made[3] * CAREFUL <= request.most:
         far = too_far(room, request, h, request.most // CAREFUL)
         status = FAR if far else both_ways(room, rule, request, h, True)
     if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
     at_start(given, tilted, request.times, request.out)
     return status
+
+
+def first_half(room: Room) -> float:
+    """Half a panel of a motion: where branch points of very different size bound the series, but not the panels, the
+    first is doubled until the body turns by so much on it.
+    """
+    h, most, longer = panel_half(room.numbers[REACH]), TURN * room.numbers[RADIAN], 0
+    while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
+        longer += 1
+    room.made[4] = longer if longer >= WORTHWHILE else 0
+    return h * 2.0 ** room.made[4]
 
 
 def panel_half(reach: float) -> float:

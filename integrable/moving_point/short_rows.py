@@ -19,8 +19,8 @@ TERMS = 18
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE = 21, 22, 23, 24, 25, 27, 34, 35
-NUMBERS = 36
+GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE, RADIAN = 21, 22, 23, 24, 25, 27, 34, 35, 36
+NUMBERS = 37
 # in ``wide``: f, the axes, the start, then the units of τ and of physical time
 TAU_UNIT, TIME_UNIT = 24, 25
 WIDE = 26
@@ -69,7 +69,8 @@ class Room(NamedTuple):
     roots: Row
     made: Row
     """How many translations by 2^k panels there are, for how many levels there are nodes, steps of Newton from a float
-    to a wide number, and what all panels have cost, in those of floats that are not halved.
+    to a wide number, what all panels have cost, in those of floats that are not halved, and how often half a panel has
+    been doubled (:func:`integrable.moving_point.short.first_half`).
     """
     point: Row
     values: Row
@@ -115,7 +116,7 @@ class Request(NamedTuple):
 
 
 # numbers in a room: integers, wide ones and floats
-MADE = 4
+MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
 WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 2 * TERMS
 FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
@@ -123,7 +124,7 @@ FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
     """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is (0, 0, steps of Newton from a float to a wide
-    number, 0).
+    number, 0, 0).
     """
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + DOUBLINGS)

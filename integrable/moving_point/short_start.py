@@ -20,6 +20,7 @@ from integrable.moving_point.short_rows import (
     MOMENTUM,
     MOST_GROWN,
     PHYSICAL,
+    RADIAN,
     REACH,
     SHAPE,
     START,
@@ -191,11 +192,13 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
 
 
 def growth(ratio: float, dX: float, numbers: Row) -> None:
-    """Into ``numbers``: half of a basic step, and how errors grow beside a separatrix, the logarithm in a unit of τ and
-    at most (:func:`integrable.moving_point.losses.lost_digits`).
+    """Into ``numbers``: half of a basic step, the least τ that a body takes for a radian, and how errors grow beside a
+    separatrix, the logarithm in a unit of τ and at most (:func:`integrable.moving_point.losses.lost_digits`).
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high
+    # |ω|² ≤ H1/min I, and g ≥ 1
+    numbers[RADIAN] = 2 * sqrt(max(0.0, 1 - dX) / ratio)
     numbers[REACH] = 0.6 * min(low, ratio) / sqrt(-numbers[0])
     # the gap between the ovals lies between the middle axis and the ratio, the other between the last axis and 1/d
     first, second = min(middle, ratio), max(middle, ratio)

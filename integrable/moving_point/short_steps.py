@@ -39,12 +39,13 @@ from jacobian.numbers.roots import root
 
 
 def panel_steps(room: Room, h: float) -> None:
-    """The translations by h/2^l, as far down as FINEST."""
+    """The translations by h/2^l, as far down as FINEST, or as the series need."""
     f = curve_of(room.wide)
     power_series(f, -1, room.series)
     power_series(f, 1, room.roots)
-    small_step(room, h, FINEST)
-    for place in range(HALF - FINEST + 1, HALF + 1):
+    finest = FINEST + room.made[4]
+    small_step(room, h, finest)
+    for place in range(HALF - finest + 1, HALF + 1):
         doubled(room.wide, room.steps, place)
     room.made[0], room.made[1] = 0, 0
 
@@ -59,7 +60,7 @@ def small_step(room: Room, h: float, level: int) -> None:
 def node_steps(room: Room, rule: Rule, h: float) -> None:
     """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
     level, count = room.made[1], len(rule.nodes)
-    if level > 0:
+    if level > room.made[4]:
         small_step(room, h, FINEST + level)
     for j in abreast(0, LOT):
         put_node(room, rule, level, j, moving_point(room.steps, 10 * (HALF - level - rule.sums[2 * j])))

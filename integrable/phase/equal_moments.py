@@ -17,7 +17,9 @@ if TYPE_CHECKING:
 
 def symmetry_axis(inertia: Vector) -> int | None:
     """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
-    return next((i for i in range(3) if inertia[i - 1] == inertia[i - 2]), None)
+    # written out: a fresh flow asks twice
+    x, y, z = inertia
+    return 0 if y == z else 1 if z == x else 2 if x == y else None
 
 
 class Swing(NamedTuple):

@@ -47,4 +47,6 @@ def onto_constraints(system: Any, state: State) -> State:
 def rotation_axis(state: State) -> int | None:
     """The axis i with M along it and γ_i = 0, all exactly; None where there is none."""
     x, m = state.gamma, state.M
+    if m.count(0) != 2:
+        return None
     return next((i for i in range(3) if m[i] != 0 and m[i - 1] == m[i - 2] == x[i] == 0), None)

@@ -143,7 +143,7 @@ def flatten(value: Any, kind: Any, words: list[Any]) -> None:
         words += value.words
     elif type(kind) is ArrayKind:
         # the kinds of most arguments: a call of a few panels takes not much longer than this
-        if value.dtype != kind.dtype or value.ndim != kind.axes:
+        if (value.dtype is not kind.dtype and value.dtype != kind.dtype) or value.ndim != kind.axes:
             raise _unfit(value, kind)
         try:
             # refused where it is not C-contiguous

@@ -35,6 +35,7 @@ MOTIONS = {
         (0.384, 1.28, -1.488),
         True,
     ),
+    "very different moments": (ChaplyginBall((1, 1e4, 1e8), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
     "top": (EulerTop((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), True),
 }
 
@@ -55,3 +56,16 @@ def test_compiled_runs_are_interpreted_ones(name) -> None:
         (rows, back), (expected, _) = (x.at(times) for x in runs)
         assert abs(rows - expected).max(initial=0) < 4e-14
         assert abs(back - tau).max(initial=0) < 4e-14
+
+
+@pytest.mark.parametrize(("inertia", "most"), [((1.0, 1e4, 1e8), 100), ((1e8, 1e4, 1.0), 200)])
+def test_small_branch_points_do_not_shorten_panels(inertia, most) -> None:
+    """They bound the series of translations alone: the body turns by little on so short a panel."""
+    system = ChaplyginBall(inertia, 0.7)
+    state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    times = np.linspace(-10, 10 / np.linalg.norm(system.omega(state)), 21)
+    runs, wanted = ShortRuns(system, state), system.flow(state, "compiled").at(times)
+    rows, tau = runs.at(times)
+    assert runs.panels < most
+    assert abs(rows - np.hstack([wanted.gamma, wanted.M])).max() < 2e-14
+    assert abs(tau - wanted.tau).max() < 1e-14 * abs(tau).max()
