@@ -15,7 +15,7 @@ import numpy as np
 
 from benchmarks.bench_flow import HARD, SCENES, START, system_of
 from benchmarks.figures import Rows, command, save
-from integrable import ChaplyginBall, EulerTop
+from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.systems.system import System
 from jacobian.errors import PrecisionLoss
 
@@ -27,7 +27,12 @@ SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
 def run(smoke: bool) -> Rows:
     """Rows (varied, value, ms, way): of bodies, then of distances from the separatrix and of d."""
     rows: Rows = []
-    for varied, motions in (("body", bodies()), (SEPARATRIX, beside_the_separatrix()), (MASS, heavier_balls())):
+    for varied, motions in (
+        ("body", bodies()),
+        (SEPARATRIX, beside_the_separatrix()),
+        (MASS, heavier_balls()),
+        ("deformation", deformations()),
+    ):
         for value, (system, state) in list(motions)[: 1 if smoke else None]:
             rows.append({"varied": varied, "value": value, **cost(system, state, 1 if smoke else 15)})
     return rows
@@ -54,7 +59,13 @@ def heavier_balls() -> Iterator[tuple[Any, tuple[System, Any]]]:
         yield d, (system, system.state(*START))
 
 
-def cost(system: System, state: Any, repeats: int) -> dict[str, Any]:
+def deformations() -> Iterator[tuple[str, tuple[Any, Any]]]:
+    """Those whose motions are additions on elliptic curves."""
+    for name in ("tilde", "check", "hat", "tilde_poles"):
+        yield name, load_scene(name).start(15)
+
+
+def cost(system: Any, state: Any, repeats: int) -> dict[str, Any]:
     """The least time of a fresh flow to one state far away, and its way; none where it is refused."""
     times = [FAR / float(np.linalg.norm(np.array(state.M, dtype=float)))]
     best = np.inf

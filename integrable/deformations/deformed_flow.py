@@ -9,7 +9,8 @@ again with as many more, and PrecisionLoss ends it.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from contextlib import nullcontext
+from functools import cached_property, wraps
 from math import ceil
 from typing import Any
 
@@ -22,8 +23,9 @@ from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
-from jacobian import MP, RR
+from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.inexact.long_numbers import LongNumbers
 
 __all__ = ["DeformedFlow"]
 
@@ -32,10 +34,22 @@ ROUNDING = 6
 """Digits that the additions of one period may cost."""
 
 
+def at_its_precision(method: Any) -> Any:
+    """The method of a carrier, computed with its ``precision``."""
+
+    @wraps(method)
+    def inside(self: Any, *arguments: Any) -> Any:
+        with self.precision:
+            return method(self, *arguments)
+
+    return inside
+
+
 class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision: what a :class:`DeformedFlow` is made of. Its points are (γ, M).
 
-    ``system`` and ``start`` are wide, ``sizes`` those of H and K that their changes are held against.
+    ``system`` and ``start`` are wide, of LongNumbers that were entered when it was made or of MP(digits); ``sizes``
+    those of H and K that their changes are held against.
     """
 
     system: Any
@@ -46,6 +60,11 @@ class CurvesCarrier(Carrier):
     def field(self) -> Any:
         """The wide numbers."""
         return self.system.field
+
+    @property
+    def precision(self) -> Any:
+        """What its numbers are computed in."""
+        return self.field if isinstance(self.field, LongNumbers) else nullcontext()
 
     @property
     def digits(self) -> int:  # type: ignore[override]
@@ -62,6 +81,7 @@ class CurvesCarrier(Carrier):
     def scaled(self, t: Any) -> Any:
         return self.field.coerce(t)
 
+    @at_its_precision
     def lost(self, tau: Any) -> int:
         return ceil(float(self.field.context.log10(1 + self.turns(tau))))
 
@@ -69,12 +89,14 @@ class CurvesCarrier(Carrier):
         gamma, M = point
         return gamma, M
 
+    @at_its_precision
     def drift(self, points: list[Any]) -> int:
         return integrals_missing(self.system, self.system.integrals(self.start)[2:], self.sizes, points, 0)
 
     def gap(self, point: Any, truth: CurvesCarrier, tau: Any) -> int:
         return truth.difference(point, truth.point(truth.field.coerce(tau)))
 
+    @at_its_precision
     def difference(self, row: Any, truth: Any) -> int:
         """The decimal exponent of the relative difference of (γ, M) and another computation of it."""
         worst = -NOTHING
@@ -126,7 +148,8 @@ class OnCurves(ManyDigits):
     def carrier_of(self, digits: int) -> CurvesCarrier:
         """The motion at that many digits, or at more where it does not start from the state."""
         for _ in range(3):
-            carrier = self._moving(*widened(self._system, self._state, digits + GUARD_DIGITS))
+            with LongNumbers(digits + GUARD_DIGITS) as numbers:
+                carrier = self._moving(*widened(self._system, self._state, numbers))
             start = carrier.start.gamma, carrier.start.M
             missing = carrier.difference(carrier.point(carrier.field.zero), start) + self.digits + SPARE
             if missing <= 0:
@@ -155,7 +178,7 @@ def digits_asked(K: Any) -> int:
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
-def widened(system: Hamiltonian, state: State, digits: int) -> tuple[Any, State]:
-    """The same system and state with so many digits, the constraints made exact."""
-    wide = system.over(MP(digits))
+def widened(system: Hamiltonian, state: State, numbers: Any) -> tuple[Any, State]:
+    """The same system and state over a field of more digits, the constraints made exact."""
+    wide = system.over(numbers)
     return wide, onto_constraints(wide, state)

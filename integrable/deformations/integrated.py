@@ -18,6 +18,7 @@ from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
+from jacobian import MP
 from jacobian.errors import PrecisionLoss
 
 __all__ = ["IntegratedMotion"]
@@ -63,7 +64,7 @@ class Equations:
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         self._field, self._asked = system.field, digits_asked(system.field)
-        self._system, self._state = widened(system, state, self._asked + GUARD_DIGITS)
+        self._system, self._state = widened(system, state, MP(self._asked + GUARD_DIGITS))
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""

@@ -44,9 +44,9 @@ class Oval:
         one, two, three = self.centred
         self.series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
 
-    def height(self, r: Sequence[Any]) -> Any:
-        """z = Z/μ at the roots R_i, from the root that is least."""
-        i = min(range(3), key=lambda n: abs(r[n]))
+    def height(self, r: Sequence[Any], among: Sequence[int] = (0, 1, 2)) -> Any:
+        """z = Z/μ at the roots R_i, from the root that is least of some of them."""
+        i = min(among, key=lambda n: abs(r[n]))
         return (self.e[i] + self.signs[i] * r[i] * r[i]) / self.mu
 
     def moved(self, tau: Any) -> list[Any]:

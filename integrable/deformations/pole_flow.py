@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
+from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
 from integrable.deformations.oval import laurent
 from integrable.phase.body import cross
 from integrable.phase.state import State
@@ -64,9 +64,11 @@ class CubicCarrier(CurvesCarrier):
                 f"the ovals of ũ1 and ũ2, {_interval(low)} and {_interval(high)}, meet: the motion ends where they do"
             )
 
+    @at_its_precision
     def turns(self, tau: Any) -> Any:
         return abs(tau) / min(curve.period for curve in self._curves)
 
+    @at_its_precision
     def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
         return self._state(*(curve.moved(tau) for curve in self._curves))
 

@@ -45,13 +45,21 @@ class QuickStates:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         if not self._rows.many.carrier.rolls:
             return self.at_tau(times), times
-        tau = None if interpreted() or not len(times) else self._tau(times)
-        rows = None if tau is None else self._quick(tau)
+        if interpreted() or not len(times):
+            return self._rows.at(times)
+        carrier: Any = self._rows.many.carrier
+        with carrier.precision:
+            tau = self._tau(times)
+            rows = None if tau is None else self._quick(tau)
         return self._rows.at(times) if tau is None or rows is None else (rows, tau[:, 0])
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
-        found = None if interpreted() or not len(tau) else self._quick(np.stack([tau, 0 * tau], axis=-1))
+        if interpreted() or not len(tau):
+            return self._rows.at_tau(tau)
+        carrier: Any = self._rows.many.carrier
+        with carrier.precision:
+            found = self._quick(np.stack([tau, 0 * tau], axis=-1))
         return self._rows.at_tau(tau) if found is None else found
 
     def times(self, tau: np.ndarray) -> np.ndarray:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 import numpy as np
 
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.deformations.oval import Oval
@@ -336,16 +335,13 @@ def _lowest(motion: OnTwoCurves) -> list[Any]:
 def _heights(curve: Oval, count: int) -> list[Any]:
     """z at the phases πj/count, j = 0 … count, wide: half a period in that many additions."""
     K = curve.field
-    reals = BareReals(K.context.prec + GUARD_BITS)
-    step, r = reals.row(curve.translation(curve.period / (2 * count))), reals.row(curve.at_low())
-    ends, scale = reals.row(x / curve.mu for x in curve.e), reals.number(curve.mu)
+    step, r = curve.translation(curve.period / (2 * count)), curve.at_low()
     heights = []
-    with reals:
+    with K.context.workprec(K.bits + GUARD_BITS):
         for _ in range(count + 1):
-            i = min((curve.low, curve.middle), key=lambda n: abs(r[n]))
-            heights.append(ends[i] + curve.signs[i] * r[i] * r[i] / scale)
-            r = reals.plain_row(curve.added(r, step))
-    return list(reals.elements(K, heights))
+            heights.append(curve.height(r, (curve.low, curve.middle)))
+            r = curve.added(r, step)
+    return heights
 
 
 def _smooth(count: int) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow
+from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
 from integrable.deformations.oval import Oval, root
 from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
@@ -113,19 +113,24 @@ class OvalCarrier(CurvesCarrier):
         """The shorter of both."""
         return min(curve.period for curve in self.curves)
 
+    @at_its_precision
     def turns(self, tau: Any) -> Any:
         return abs(tau) / self.period
 
+    @at_its_precision
     def most_tau(self, t: Any) -> Any:
         # 1/g² is least where γ is along the axis of the least moment
         return t / root(self.field, min(self.system.body.contact))
 
+    @at_its_precision
     def tau(self, times: list[Any], digits: int) -> list[Any]:
         return [self.clock(digits).tau(t) for t in times]
 
+    @at_its_precision
     def times(self, tau: list[Any], digits: int) -> list[Any]:
         return [self.clock(digits).time(x) for x in tau]
 
+    @at_its_precision
     def clock_missing(self, tau: Any, digits: int) -> int:
         rate = self.pace(*(curve.height(curve.moved(tau)) for curve in self.curves))
         return digits_of(self.clock(digits).defect(tau, rate)) + digits
@@ -151,9 +156,11 @@ class OvalCarrier(CurvesCarrier):
         d = self.system.d
         return 1 / root(self.field, one * (1 + d * first) + two * (1 + d * second))
 
+    @at_its_precision
     def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
         return self._state(*(curve.moved(tau) for curve in self.curves))
 
+    @at_its_precision
     def translated(self, roots_of: Any) -> tuple[list[Any], list[Any]]:
         """The row of :meth:`SeparatedFlow.translated`."""
         moved = []
@@ -207,9 +214,11 @@ class LiftedCarrier(CurvesCarrier):
         self.tilde = OvalCarrier(tilde, State(gamma, M))
         self.sizes = abs(self.speed) * self.tilde.sizes[0], abs(system.integrals(state).K)
 
+    @at_its_precision
     def turns(self, tau: Any) -> Any:
         return self.tilde.turns(self.speed * tau)
 
+    @at_its_precision
     def point(self, tau: Any) -> tuple[Any, Any]:
         gamma, M = self.tilde.point(self.speed * tau)
         return lift(self.field, self.back, (gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2]))

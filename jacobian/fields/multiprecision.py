@@ -69,7 +69,7 @@ class MultiprecisionField(InexactField):
         if hasattr(value, "_mpc_"):
             value = context.make_mpc(value._mpc_)
         elif hasattr(value, "_mpf_"):
-            value = context.make_mpf(value._mpf_)
+            value = context.make_mpf(_parts(value) if type(value).__name__ == "mpfr" else value._mpf_)
         elif not isinstance(value, (int, float, complex)):
             value = number(value, argument)
             exact = rational(value, argument)
@@ -123,6 +123,16 @@ class MultiprecisionField(InexactField):
     def from_key(self, key: Any) -> Any:
         """The element with that :meth:`key`."""
         return self.context.make_mpc(key) if self.complex else self.context.make_mpf(key)
+
+
+def _parts(x: Any) -> Any:
+    """What mpmath has for gmpy2's mpfr, whose own ``_mpf_`` is another zero, also of what is not finite."""
+    from mpmath.libmp import fnan, from_man_exp
+
+    if not x.is_finite():
+        return fnan
+    mantissa, exponent = x.as_mantissa_exp()
+    return from_man_exp(mantissa, int(exponent))
 
 
 def _unpacked(K: MultiprecisionField, parts: Any) -> Any:

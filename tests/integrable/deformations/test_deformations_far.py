@@ -35,7 +35,7 @@ def drift(system, start, run, digits=60):
         return over.integrals(State(tuple(gamma), tuple(M)))[2:]
 
     # the motion is that of the start made to meet (γ, γ) = 1 and (γ, M) = 0
-    exact = widened(system, start, digits)[1]
+    exact = widened(system, start, wide)[1]
     before, worst = integrals(exact.gamma, exact.M), 0.0
     for gamma, M in zip(run.gamma.tolist(), run.M.tolist(), strict=True):
         after = integrals(gamma, M)
@@ -312,6 +312,10 @@ def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None
     right, precisions = OvalCarrier.point, []
 
     def wrong(self, tau):
+        with self.precision:
+            return spoil(self, tau)
+
+    def spoil(self, tau):
         gamma, M = right(self, tau)
         if tau == 0:
             return gamma, M

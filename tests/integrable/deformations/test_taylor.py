@@ -81,7 +81,7 @@ def test_a_tape_does_what_its_formula_does() -> None:
 
 def _start(name):
     """The system in 40 digits, and its variables: γ, M and for a rolling one τ."""
-    system, state = widened(SYSTEMS[name], SYSTEMS[name].state(*START), 40)
+    system, state = widened(SYSTEMS[name], SYSTEMS[name].state(*START), MP(40))
     return system, [*state.gamma, *state.M, *([K.zero] if system.body.rolls else [])]
 
 

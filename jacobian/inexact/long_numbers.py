@@ -1,0 +1,84 @@
+"""Long real numbers with mpmath's functions: gmpy2's, some five times as fast as mpmath's.
+
+They are a field with the functions of mpmath's contexts that motions on elliptic curves take, so that their formulas
+run on the numbers of MP(digits) too.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.inexact.long_field import LongField
+
+BITS_A_DIGIT = 3.3219280948873626
+
+
+class LongNumbers(LongField):
+    """Real numbers of ``dps`` decimal digits, those of mpmath's precision of the same name; to be entered with
+    ``with``, as precision belongs to the thread.
+    """
+
+    def __init__(self, dps: int) -> None:
+        super().__init__(round((dps + 1) * BITS_A_DIGIT))
+        self.dps = dps
+        self.context = Functions()
+
+    def __reduce__(self) -> Any:
+        return LongNumbers, (self.dps,)
+
+
+class Functions:
+    """Functions of real numbers at the precision of the thread, by the names that mpmath's contexts have for them."""
+
+    def __init__(self) -> None:
+        import gmpy2
+
+        self._gmpy2: Any = gmpy2
+        self.sqrt, self.agm, self.nint = gmpy2.sqrt, gmpy2.agm, gmpy2.rint
+        self.log10, self.cos, self.sin, self.acos = gmpy2.log10, gmpy2.cos, gmpy2.sin, gmpy2.acos
+
+    @property
+    def pi(self) -> Any:
+        """π."""
+        return self._gmpy2.const_pi()
+
+    def log(self, x: Any, base: int) -> Any:
+        """log x to a base."""
+        return self._gmpy2.log(x) / self._gmpy2.log(base)
+
+    def ldexp(self, x: Any, n: int) -> Any:
+        """x·2^n."""
+        x = self._gmpy2.mpfr(x)
+        return self._gmpy2.mul_2exp(x, n) if n >= 0 else self._gmpy2.div_2exp(x, -n)
+
+    def cospi(self, x: Any) -> Any:
+        """cos πx."""
+        return self.cos(self.pi * x)
+
+    def sinpi(self, x: Any) -> Any:
+        """sin πx."""
+        return self.sin(self.pi * x)
+
+    def workprec(self, bits: int) -> Any:
+        """A context in which operations round to ``bits`` bits."""
+        return self._gmpy2.context(self._gmpy2.get_context(), precision=bits)
+
+    def elliprf(self, x: Any, y: Any, z: Any) -> Any:
+        """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
+        19.36.1 to the seventh order).
+        """
+        root, one = self.sqrt, self._gmpy2.mpfr(1)
+        close = one / 2 ** (self._gmpy2.get_context().precision // 8 + 1)
+        x, y, z = one * x, one * y, one * z
+        while True:
+            mean = (x + y + z) / 3
+            p, q = 1 - x / mean, 1 - y / mean
+            r = -p - q
+            if max(abs(p), abs(q), abs(r)) < close:
+                break
+            a, b, c = root(x), root(y), root(z)
+            step = a * b + b * c + c * a
+            x, y, z = (x + step) / 4, (y + step) / 4, (z + step) / 4
+        e, f = p * q - r * r, p * q * r
+        series = e * (-one / 10 + e / 24 - 5 * e * e / 208 - 3 * f / 44 + e * f / 16) + f * (one / 14 + 3 * f / 104)
+        return (1 + series) / root(mean)
