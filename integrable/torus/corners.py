@@ -194,8 +194,7 @@ class Corners:
         if not self.closure <= ROUND:
             # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
             # them: both ways to where the motion comes nearest to it
-            rows = self.loops.floats(self.states).reshape(*self.sizes, 10)
-            nearness, width = np.abs(rows[0, :, 0]), columns // 8
+            nearness, width = np.abs(self.loops.floats(self.states[: 10 * columns : 10])), columns // 8
             around = sliding_window_view(np.take(nearness, range(-width, columns + width), mode="wrap"), 2 * width + 1)
             self._walk(max(1, int(np.argmin(around.max(axis=1)))), 1)
         if not self.closure <= CLOSED:
