@@ -107,7 +107,7 @@ def test_lifts_have_power_series() -> None:
         assert max(abs(x - y) for x, y in zip(found, expected, strict=True)) < 1e-55
 
 
-@pytest.mark.parametrize("name", FLOWS | {name: pytest.param(name, marks=pytest.mark.slow) for name in SLOW})
+@pytest.mark.parametrize("name", [*FLOWS, *(pytest.param(name, marks=pytest.mark.slow) for name in SLOW)])
 def test_many_times_are_those_of_additions(name: str) -> None:
     flow = (FLOWS | SLOW)[name]()
     times = np.random.default_rng(5).uniform(-1e6, 1e6, 2 * MANY)
