@@ -66,7 +66,8 @@ def enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) 
 
 def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
     """The rows at times of one sign, ascending in size, with as many bits as they take."""
-    needed = ceil(3.33 * (digits + 2))
+    # what is lost on the way grows with it, what M outgrows its unit by does not
+    needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
         march = _March(system, state, bits)
@@ -147,6 +148,14 @@ class _March:
                 f"times: enclosing the motion to t = {end} takes about {expected:.3g} steps, more than "
                 f"{MOST_STEPS}; about |t| = {within:.3g} is within reach"
             )
+
+    def outgrown(self) -> int:
+        """By how many bits M outgrows |M| at the start, which its balls are measured by."""
+        with self.reals:
+            size = self._size([float(abs(x).abs_upper()) for x in self._velocity(self._point)])
+            # |M| may be below the range of floats
+            grown = (1 + self._flint.arb(size) / self._momentum).log().abs_upper()
+            return ceil(float(grown) / log(2)) if grown.is_finite() else 0
 
     # --- one step
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from integrable import Check
+from integrable import Check, Tilde
 from integrable.deformations import enclosed
 from integrable.phase.state import State
 from jacobian import MP, RR
@@ -107,3 +107,18 @@ def test_digits_are_a_number_of_them():
     system = SYSTEMS["check"](RR)
     with pytest.raises(ArgumentError, match="digits = 0: the balls' digits are an int"):
         system.motion_through(system.state(*START)).enclosure([1], digits=0)
+
+
+def test_bits_that_m_outgrows_its_unit_by_are_there_from_the_start(monkeypatch) -> None:
+    """Poles make of |M| = 1e-100 some 0.1 at once: the bits for that are no loss, and one attempt has them."""
+    tried, made = [], enclosed._March.__init__
+
+    def counted(march, system, state, bits):
+        tried.append(bits)
+        made(march, system, state, bits)
+
+    monkeypatch.setattr(enclosed._March, "__init__", counted)
+    pair = Tilde((1, 2, 4), potential=(0, 0, 0.02, 0.04, 0.06))
+    motion = pair.motion_through(pair.state((0.48, 0.6, 0.64), (0.384e-100, 1.28e-100, -1.488e-100)))
+    assert motion.enclosure([0.01], digits=15).radius[0] <= 1e-15
+    assert len([bits for bits in tried if bits > enclosed.BOUND_BITS]) == 1
