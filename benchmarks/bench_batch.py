@@ -4,8 +4,8 @@ Each row is one prime, operation and number N of rows. "kernel" is the compiled 
 of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
 the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the most that
 the operator allocates at a time, in arrays of the result. The last rows are other curves: models of degree 6,
-primes of two words, genus 3 by Cantor's algorithm, tables. "random" are ``J.random(rng, size=N)``, "single"
-``J.random(rng)``.
+primes of two words, genus 3 (explicit on degree 7, Cantor on degree 8), tables. "random" are
+``J.random(rng, size=N)``, "single" ``J.random(rng)``.
 """
 
 from __future__ import annotations
@@ -42,7 +42,11 @@ OTHERS = {
     "2^127-1": (GF(2**127 - 1), 2, "ramified"),
     "2^127-1, split": (GF(2**127 - 1), 2, "split"),
     "2^128-159": (GF(2**128 - 159), 2, "ramified"),
+    "2^29-3, genus 3": (GF(2**29 - 3), 3, "ramified"),
+    "2^31-1, genus 3": (GF(2**31 - 1), 3, "ramified"),
     "2^61-1, genus 3": (GF(2**61 - 1), 3, "ramified"),
+    "2^63-25, genus 3": (GF(2**63 - 25), 3, "ramified"),
+    "2^61-1, genus 3, split": (GF(2**61 - 1), 3, "split"),
     "GF(3^5)": (GF(3, 5, (1, 2, 0, 0, 0, 1)), 2, "ramified"),
     "GF(2^8)": (GF(2, 8, (1, 0, 1, 1, 1, 0, 0, 0, 1)), 2, "ramified"),
 }

@@ -14,7 +14,7 @@ from jacobian.batch import DivisorArray
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields import CC, GF, RR
 
-QUINTIC, SEXTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1]
+QUINTIC, SEXTIC, SEPTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 1]
 
 
 def single_curves() -> dict[str, HyperellipticCurve]:
@@ -24,6 +24,7 @@ def single_curves() -> dict[str, HyperellipticCurve]:
         "GF(p), p < 2^63, any genus": HyperellipticCurve(word, [1, 1, 0, 1]),
         "GF(p), p < 2^63, genus 2, degree 5": HyperellipticCurve(word, QUINTIC),
         "GF(p), p < 2^63, genus 2, degree 6": HyperellipticCurve(word, SEXTIC),
+        "GF(p), p < 2^63, genus 3, degree 7": HyperellipticCurve(word, SEPTIC),
         "GF(2^k), k ≤ 16, any genus": HyperellipticCurve(binary, QUINTIC, [1]),
         "GF(p^k) ≤ 2^16, p odd, any genus": HyperellipticCurve(odd, [1, 1, 0, 2]),
         "GF(p^k) ≤ 2^16, p odd, genus 2, degree 5": HyperellipticCurve(odd, QUINTIC),
@@ -41,10 +42,11 @@ def batch_curves() -> dict[str, HyperellipticCurve]:
         "GF(2^k), k ≤ 16": GF(2, 2, (1, 1, 1)),
         "GF(p^k) ≤ 2^16, p odd": GF(3, 2, (2, 2, 1)),
     }
+    equations = {2: (QUINTIC,), 3: (QUINTIC, SEXTIC)}
     return {
         f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f, [1] if K.characteristic == 2 else ())
         for name, K in fields.items()
-        for f in ((QUINTIC, SEXTIC) if K.characteristic != 2 else (QUINTIC,))
+        for f in equations.get(K.characteristic, (QUINTIC, SEXTIC, SEPTIC))
     }
 
 

@@ -127,7 +127,7 @@ width_of = compiled(width)
 
 
 @compiled
-def _signed_windows(scalar, width):  # type: ignore[no-untyped-def]
+def windows_of_bytes(scalar, width):  # type: ignore[no-untyped-def]
     """The non-adjacent form of :func:`jacobian.addition.ladder.signed_digits`, of a scalar given as bytes."""
     size = 8 * len(scalar)
     digits = np.zeros(size + 1, np.int64)
@@ -213,7 +213,7 @@ def packed(K, curve, data, scalar):  # type: ignore[no-untyped-def]
         _add(K, curve, S, total, other, total)
     else:
         _entered(K, g, words, 0, 3, odd[0])
-        _climb(K, curve, S, odd, _signed_windows(scalar, window), total, other)
+        _climb(K, curve, S, odd, windows_of_bytes(scalar, window), total, other)
     _left(K, g, words, total)
 
 
@@ -243,9 +243,8 @@ def _climb(K, curve, S, odd, digits, total, other):  # type: ignore[no-untyped-d
 # --- from Python
 
 _DATA = types.ByteArray(types.uint8, 1, "C")
-_SCALAR = types.Bytes(types.uint8, 1, "C", readonly=True)
+SCALAR = types.Bytes(types.uint8, 1, "C", readonly=True)
 _CURVE = types.Array(types.int64, 1, "C")
-_U, _V = types.UniTuple(types.int64, 3), types.UniTuple(types.int64, 2)
 
 
 def entry(function: Any, *arguments: Any) -> Callable[..., Any]:
@@ -268,7 +267,7 @@ class WordKernel:
         self._K = context(C.field)
         self._curve = packed_curve(C, self._K.to_word)
         self._split = C.model == "split"
-        self._packed = entry(packed, typeof(self._K), _CURVE, _DATA, _SCALAR)
+        self._packed = entry(packed, typeof(self._K), _CURVE, _DATA, SCALAR)
         size = width(C.genus)
         self._result, self._middle = Struct(f"{size}q"), 4 + C.genus
         # how to pack any number of words up to those of two classes of full weight, with room for the result
@@ -303,31 +302,39 @@ class WordKernel:
 
 
 class LineKernel(WordKernel):
-    """The same in genus 2 on a short equation, with two classes of weight 2 passed without packing."""
+    """The same in genus 2 on a short equation, with two classes of full weight passed without packing."""
 
     def __init__(self, C: HyperellipticCurve) -> None:
         super().__init__(C)
-        self._equation = short_equation(C, self._K.to_word)
+        self._equation, self._full = self._short_equation(C), C.genus
+        u, v = types.UniTuple(types.int64, C.genus + 1), types.UniTuple(types.int64, C.genus)
         kind, model = typeof(self._K), typeof(self._equation)
-        self._add_lines = entry(add_lines, kind, model, _U, _V, _U, _V)
-        self._double_line = entry(double_line, kind, model, _U, _V)
+        add, double = self._kernels
+        self._add_lines = entry(add, kind, model, u, v, u, v)
+        self._double_line = entry(double, kind, model, u, v)
         self._weight = 0 if self._split else None
+
+    _kernels = add_lines, double_line
+
+    def _short_equation(self, C: HyperellipticCurve) -> Any:
+        return short_equation(C, self._K.to_word)
 
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        if len(u1) == 3 == len(u2) and len(v1) == 2 == len(v2):
+        # with that many coefficients in v the weight is full
+        if len(v1) == self._full == len(v2):
             u, v = self._add_lines(self._K, self._equation, u1, v1, u2, v2)
-            if v[1]:
+            if v[-1]:
                 return u, v, self._weight
         return super().sum_of(a, b)
 
     def double(self, a: Triple) -> Triple:
         """The reduced triple of a + a."""
         u, v, _ = a
-        if len(u) == 3 and len(v) == 2:
+        if len(v) == self._full:
             u, v = self._double_line(self._K, self._equation, u, v)
-            if v[1]:
+            if v[-1]:
                 return u, v, self._weight
         return super().double(a)
 
@@ -344,7 +351,12 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel:
     return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
 
 
+def is_kept(kernel: Any) -> bool:
+    """Whether numba's cache seems to have a kernel: nothing is compiled to find that out."""
+    folder = kernel.stats.cache_path
+    return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))
+
+
 def is_cached() -> bool:
-    """Whether numba's cache seems to have the kernels: nothing is compiled to find that out."""
-    folder = packed.stats.cache_path
-    return folder is not None and any(Path(folder).glob(f"*.{packed.__name__}-*.nbi"))
+    """Whether it seems to have those of every curve."""
+    return is_kept(packed)

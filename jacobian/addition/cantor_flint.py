@@ -14,6 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian.addition import cantor
+from jacobian.addition.genus3_words import is_short_septic
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.extension import ExtensionField
@@ -28,7 +29,9 @@ def pays(C: HyperellipticCurve) -> bool:
     if type(K) is DigitField:
         # Python's explicit formulas are slow on elements split into digits
         return K.p != 2
-    return isinstance(K, RationalField) or (isinstance(K, PrimeField | ExtensionField) and C.genus != 2)
+    if C.genus == 2 or is_short_septic(C):
+        return isinstance(K, RationalField)
+    return isinstance(K, RationalField | PrimeField | ExtensionField)
 
 
 class FlintCantor:

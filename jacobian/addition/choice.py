@@ -1,8 +1,9 @@
 """Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
 
 By measurement (``python -m benchmarks single nucomp heights``): genus 2 takes explicit formulas, except
-where Python's arithmetic is slow; :func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is
-left goes to Cantor in Python, and to NUCOMP from a genus on that the model decides. All give the same triples.
+where Python's arithmetic is slow, and so does genus 3 over GF(p) on y² = x⁷ + …;
+:func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is left goes to Cantor in Python, and
+to NUCOMP from a genus on that the model decides. All give the same triples.
 
 Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
 :mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and to compile unless its
@@ -27,6 +28,8 @@ from jacobian.addition import cantor, cantor_flint, ladder, nucomp
 from jacobian.addition.genus2 import ExplicitFormulas
 from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
 from jacobian.addition.genus2_words import short_equation
+from jacobian.addition.genus3_prime import SepticFormulas
+from jacobian.addition.genus3_words import is_short_septic
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.protocol import Field
@@ -89,17 +92,22 @@ def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None,
 
 def python_kernel(C: HyperellipticCurve) -> Kernel:
     """The :func:`kernel` without python-flint and compiled code."""
-    if C.genus == 2:
-        if type(C.field) is not PrimeField:
-            formulas = ExplicitFormulas(C)
-        elif C.field.p.bit_length() >= GMP_BITS:
-            on_gmp = GmpFormulas(C)
-            return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
-        else:
-            formulas = PrimeFormulas(C)
+    kind = of_primes(C)
+    if kind is not None and C.field.characteristic.bit_length() >= GMP_BITS:
+        on_gmp = GmpFormulas(C, kind)
+        return Kernel(on_gmp.sum_of, on_gmp.double, on_gmp.multiple)
+    if kind is not None or C.genus == 2:
+        formulas = (kind or ExplicitFormulas)(C)
         return _with_ladder(C, formulas.sum_of, formulas.double)
     chosen = nucomp if C.genus >= NUCOMP_GENUS[C.model] else cantor
     return _with_ladder(C, partial(chosen.sum_of, C), partial(chosen.double, C))
+
+
+def of_primes(C: HyperellipticCurve) -> Any:
+    """The explicit formulas over GF(p) that C has, as a class, or None."""
+    if type(C.field) is not PrimeField:
+        return None
+    return PrimeFormulas if C.genus == 2 else SepticFormulas if is_short_septic(C) else None
 
 
 def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> Kernel:
@@ -134,6 +142,11 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
         return Kernel(of_two_words.sum_of, of_two_words.double, of_two_words.multiple)
     if not is_word_sized(C):
         return None
+    if is_short_septic(C):
+        from jacobian.addition.genus3_calls import CubicKernel
+
+        of_cubics = CubicKernel(C)
+        return Kernel(of_cubics.sum_of, of_cubics.double, of_cubics.multiple)
     from jacobian.addition.calls import word_kernel
 
     compiled = word_kernel(C)
@@ -201,8 +214,12 @@ def _is_cached(C: HyperellipticCurve) -> bool:
         from jacobian.addition.genus2_two_words import library_of
 
         return library_of(C).is_kept()
-    from jacobian.addition.calls import is_cached
+    from jacobian.addition.calls import is_cached, is_kept
 
+    if is_short_septic(C):
+        from jacobian.addition.genus3_calls import add_cubics
+
+        return is_cached() and is_kept(add_cubics)
     return is_cached()
 
 
@@ -226,9 +243,9 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
     if isinstance(runner, cantor_flint.FlintCantor):
         return f"Cantor on python-flint's polynomials: over {C.field.name} in genus {C.genus} faster than Python"
     if isinstance(runner, GmpFormulas):
-        return f"explicit formulas on gmpy2's integers: genus 2 over GF(p), p of {GMP_BITS} bits or more"
-    if isinstance(runner, PrimeFormulas):
-        return f"explicit formulas on ints: genus 2 over GF(p), p of less than {GMP_BITS} bits"
+        return f"explicit formulas on gmpy2's integers: genus {C.genus} over GF(p), p of {GMP_BITS} bits or more"
+    if isinstance(runner, PrimeFormulas | SepticFormulas):
+        return f"explicit formulas on ints: genus {C.genus} over GF(p), p of less than {GMP_BITS} bits"
     if isinstance(runner, ExplicitFormulas):
         return f"explicit formulas: genus 2 over {C.field.name}"
     if is_two_words_long(C):
@@ -240,10 +257,12 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
 
 
 def _compiled(C: HyperellipticCurve) -> str:
-    if C.genus != 2:
-        return "Cantor, as explicit formulas are for genus 2"
-    if C.h or (C.model == "ramified" and C.f[-1] != C.field.one):
+    if C.genus == 2 and (C.h or (C.model == "ramified" and C.f[-1] != C.field.one)):
         return "Cantor, as explicit formulas want h = 0 and in degree 5 a monic f"
+    if C.genus == 3 and not is_short_septic(C):
+        return "Cantor, as explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7"
+    if C.genus not in (2, 3):
+        return "Cantor, as explicit formulas are for genus 2 and 3"
     return "explicit formulas, and Cantor in special positions"
 
 

@@ -128,28 +128,28 @@ GMP_BITS = 32
 """Bits of p from which an addition on GMP's integers takes less time: ``python -m benchmarks single`` measures it."""
 
 
-class GmpFormulas(PrimeFormulas):
-    """The explicit formulas over GF(p) on gmpy2's mpz; triples of ints in and out."""
+class GmpFormulas:
+    """Explicit formulas over GF(p), of this kind, on gmpy2's mpz; triples of ints in and out."""
 
-    def __init__(self, C: HyperellipticCurve) -> None:
+    def __init__(self, C: HyperellipticCurve, kind: Any = PrimeFormulas) -> None:
         from gmpy2 import mpz
 
-        super().__init__(C)
-        self._integer = mpz
+        self._integer, formulas = mpz, kind(C)
         # a sum with one mpz in it is an mpz: p and the coefficients are enough
-        self.p = mpz(self.p)
-        self.coefficients = tuple(map(mpz, self.coefficients))
+        formulas.p = mpz(formulas.p)
+        formulas.coefficients = tuple(map(mpz, formulas.coefficients))
+        self._sum_of, self._double = formulas.sum_of, formulas.double
         self._ladder = partial(
-            ladder.multiple, sum_of=super().sum_of, double=super().double, negate=partial(cantor.negate, C)
+            ladder.multiple, sum_of=self._sum_of, double=self._double, negate=partial(cantor.negate, C)
         )
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
-        return _on_ints(super().sum_of(a, b))
+        return _on_ints(self._sum_of(a, b))
 
     def double(self, a: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + a."""
-        return _on_ints(super().double(a))
+        return _on_ints(self._double(a))
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
         """The reduced triple of m·a, m > 0; what comes between stays on mpz."""

@@ -1,4 +1,5 @@
-"""The compiled versions of :mod:`jacobian.addition.genus2_words`, its steps for both models among them.
+"""The compiled versions of :mod:`jacobian.addition.genus2_words`, its steps for both models among them, and of
+:mod:`jacobian.addition.genus3_words`.
 
 Importing this module imports numba.
 """
@@ -9,6 +10,7 @@ from typing import Any
 
 from numba.extending import overload, register_jitable
 
+from jacobian.addition import genus3_words
 from jacobian.addition.genus2_words import STEPS, chord, over_tangent
 from jacobian.numbers import tables_compiled, words_compiled  # noqa: F401  # the compiled operations of words and tables
 from jacobian.numbers.words_compiled import INLINED
@@ -25,7 +27,7 @@ def _register(step: Any, of_models: dict[type, Any]) -> None:
     overload(step, jit_options=INLINED, strict=False)(choose)
 
 
-for _function in (chord, over_tangent):
+for _function in (chord, over_tangent, *genus3_words.STEPS):
     register_jitable(**INLINED)(_function)
 for _step, _of_models in STEPS.items():
     _register(_step, _of_models)

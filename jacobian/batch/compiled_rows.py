@@ -1,7 +1,8 @@
 """Batches over fields of word size, compiled: GF(p) for an odd p < 2^63, GF(p^k) of at most 2^16 elements.
 
-In genus 2 with h = 0 (after :mod:`jacobian.batch.equation`) the explicit formulas take the general rows, and Cantor the
-others; elsewhere all rows are Cantor's. Importing this module imports numba.
+In genus 2, and on ramified models of genus 3 over GF(p), with h = 0 (after :mod:`jacobian.batch.equation`) the
+explicit formulas take the general rows, and Cantor the others; elsewhere all rows are Cantor's. Importing this module
+imports numba.
 """
 
 from __future__ import annotations
@@ -11,9 +12,9 @@ from typing import Any
 
 import numpy as np
 
+from jacobian.addition import genus2_words, genus3_words
 from jacobian.addition.cantor_words import packed_curve
-from jacobian.addition.genus2_words import short_equation
-from jacobian.batch import genus2_kernels, row_kernels
+from jacobian.batch import genus2_kernels, genus3_kernels, row_kernels
 from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.table import TableField
@@ -56,7 +57,10 @@ class CompiledRows(StoredRows):
             if self.floats:
                 self.K, self.dtype = double_context(K.p), np.float64
         self.packed = packed_curve(curve, self.to_word)
-        self.formulas: Any = short_equation(curve, self.K.balanced if self.floats else self.to_word)
+        self.formulas: Any = genus2_words.short_equation(curve, self.K.balanced if self.floats else self.to_word)
+        self._explicit: Any = genus2_kernels
+        if self.genus == 3:
+            self.formulas, self._explicit = genus3_words.short_equation(curve, self.to_word), genus3_kernels
         self.plain_negation = not curve.h and (not self.split or self.genus % 2 == 0)
         self.sampler: Any = None
         self.step = SLOW if self.formulas is None else FAST
@@ -106,8 +110,8 @@ class CompiledRows(StoredRows):
         if self.formulas is None:
             rows[:] = range(begin, end)
         else:
-            out.degree[begin:end] = 2
-            count = genus2_kernels.add_rows(
+            out.degree[begin:end] = self.genus
+            count = self._explicit.add_rows(
                 self.K, self.formulas, (x.data, x.degree), (y.data, y.degree), out.data, begin, end, rows
             )
             rows = rows[:count]
@@ -119,8 +123,8 @@ class CompiledRows(StoredRows):
         if self.formulas is None:
             rows[:] = range(begin, end)
         else:
-            out.degree[begin:end] = 2
-            count = genus2_kernels.double_rows(self.K, self.formulas, (x.data, x.degree), out.data, begin, end, rows)
+            out.degree[begin:end] = self.genus
+            count = self._explicit.double_rows(self.K, self.formulas, (x.data, x.degree), out.data, begin, end, rows)
             rows = rows[:count]
         if len(rows):
             self._cantor(row_kernels.cantor_double, (x,), out, rows)

@@ -51,7 +51,7 @@ def line(K, S, at, j):  # type: ignore[no-untyped-def]
 @register_jitable(**INLINED)
 def load(S, at, x, start, size):  # type: ignore[no-untyped-def]
     """Copies a block into the scratch array. An unsigned index is not asked whether it counts from the end."""
-    for k in range(4):
+    for k in range(x.shape[0]):
         for j in range(size):
             S[at + k * BLOCK + j] = x[k, np.uint64(start) + np.uint64(j)]
 
@@ -67,12 +67,12 @@ def keep_quotient(K, C, S, j, quotient):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
-def all_general(S, x_degree, y_degree, start, size):  # type: ignore[no-untyped-def]
-    """Whether every row of a block has weight 2 twice and a product ≠ 0: no branch for a row."""
+def all_general(S, g, x_degree, y_degree, start, size):  # type: ignore[no-untyped-def]
+    """Whether every row of a block has weight g twice and a product ≠ 0: no branch for a row."""
     special = 0
     for j in range(size):
         i = np.uint64(start) + np.uint64(j)
-        special |= (S[PRODUCT + j] == 0) | (x_degree[i] != 2) | (y_degree[i] != 2)
+        special |= (S[PRODUCT + j] == 0) | (x_degree[i] != g) | (y_degree[i] != g)
     return special == 0
 
 
@@ -136,7 +136,7 @@ def add_rows(K, C, first, second, out, begin, end, special):  # type: ignore[no-
         load(S, SECOND, y, start, size)
         for j in range(BLOCK):
             keep_quotient(K, C, S, j, chord(K, line(K, S, FIRST, j), line(K, S, SECOND, j)))
-        if not all_general(S, x_degree, y_degree, start, size):
+        if not all_general(S, 2, x_degree, y_degree, start, size):
             for j in range(size):
                 if x_degree[start + j] == 2 and y_degree[start + j] == 2:
                     if S[PRODUCT + j] == 0 and quadruple(K, S, FIRST, j) == quadruple(K, S, SECOND, j):
@@ -163,7 +163,7 @@ def double_rows(K, C, first, out, begin, end, special):  # type: ignore[no-untyp
         load(S, FIRST, x, start, size)
         for j in range(BLOCK):
             keep_quotient(K, C, S, j, tangent(K, C, line(K, S, FIRST, j)))
-        if not all_general(S, x_degree, x_degree, start, size):
+        if not all_general(S, 2, x_degree, x_degree, start, size):
             for j in range(size):
                 if x_degree[start + j] != 2 or S[PRODUCT + j] == 0:
                     S[PRODUCT + j] = K.one

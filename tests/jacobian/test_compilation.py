@@ -7,6 +7,7 @@ from jacobian.__main__ import main
 from jacobian.addition.calls import context
 from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, library_of
 from jacobian.addition.genus2_words import short_equation
+from jacobian.addition.genus3_words import is_short_septic
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
@@ -18,10 +19,10 @@ def test_every_kernel_of_single_classes_is_listed():
     kinds = set()
     for C in compilation.single_curves().values():
         K = context(C.field)
-        kinds.add((type(K).__name__, type(short_equation(C, K.to_word)).__name__))
+        kinds.add((type(K).__name__, "Septic" if is_short_septic(C) else type(short_equation(C, K.to_word)).__name__))
     # in characteristic 2 h ≠ 0, and no equation is short
     several = {(K, equation) for K in ("Wide64", "OddTable") for equation in ("NoneType", "Quintic", "Sextic")}
-    assert kinds == several | {("BinaryTable", "NoneType")}
+    assert kinds == several | {("BinaryTable", "NoneType"), ("Wide64", "Septic")}
 
 
 def test_every_kernel_of_arrays_is_listed():
@@ -32,7 +33,8 @@ def test_every_kernel_of_arrays_is_listed():
         kinds.add((type(rows.K).__name__, type(rows.formulas).__name__))
     contexts = ("Lazy32", "Wide32", "Lazy64", "Wide64", "OddTable")
     several = {(K, equation) for K in contexts for equation in ("Quintic", "Sextic")}
-    assert kinds == several | {("BinaryTable", "NoneType")}
+    septics = {(K, "Septic") for K in contexts if K != "OddTable"}
+    assert kinds == several | septics | {("BinaryTable", "NoneType")}
 
 
 def test_every_kernel_of_two_words_is_listed():

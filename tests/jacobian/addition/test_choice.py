@@ -208,7 +208,9 @@ EXPLAINED = [
     (GF(10007), [1, 2, 0, 0, 0, 1], "explicit formulas on ints: genus 2 over GF(p), p of less than 32 bits"),
     (GF(2**89 - 1, 2), [1, 2, 0, 0, 0, 1], "over GF("),
     (QQ, [1, 2, 0, 0, 0, 1], "python-flint's polynomials: over QQ in genus 2"),
-    (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 1], "python-flint's polynomials"),
+    (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 0, 1], "python-flint's polynomials"),
+    (GF(2**89 - 1), [1, 2, 0, 0, 0, 0, 0, 1], "gmpy2's integers: genus 3"),
+    (GF(10007), [1, 2, 0, 0, 0, 0, 0, 1], "explicit formulas on ints: genus 3 over GF(p), p of less than 32 bits"),
     (RR, [1, 2, 0, 0, 0, 1], "stacked orthogonal system"),
 ]
 
@@ -233,6 +235,22 @@ def test_what_a_group_says_follows_what_it_runs(fresh):
         assert "want h = 0" in J.explain()
     fresh.setattr(choice.PROCESS, "additions", -math.inf)
     assert "could not be had" in HyperellipticCurve(GF(10007), [5, 1, 4, 1, 5, 1]).jacobian().explain()
+
+
+def test_what_genus_3_says_when_compiled():
+    said = {
+        (1, 2, 0, 0, 0, 0, 0, 1): "explicit formulas, and Cantor in special positions",
+        (1, 2, 0, 0, 0, 0, 0, 2): "explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7",
+        (1, 2, 0, 0, 0, 0, 0, 0, 1): "explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7",
+        (1, 2, 0, 0, 0, 0, 0, 0, 0, 1): "explicit formulas are for genus 2 and 3",
+    }
+    for f, text in said.items():
+        J = HyperellipticCurve(GF(10007), f).jacobian()
+        D = J.random(Random(1))
+        expected = 1234 * D, D.double(), -D + 5 * D
+        J.compile()
+        assert J.explain().endswith(text)
+        assert (1234 * D, D.double(), -D + 5 * D) == expected
 
 
 def test_kernels_in_python_by_genus():

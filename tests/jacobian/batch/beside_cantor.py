@@ -1,7 +1,11 @@
 """Rows of arrays beside Cantor's algorithm in Python, whatever the rows are made of."""
 
+from random import Random
+
+import numpy as np
+
 from jacobian.addition import cantor
-from jacobian.batch import DivisorArray
+from jacobian.batch import DivisorArray, compiled_rows
 
 
 def sums(J, A, B):
@@ -20,3 +24,34 @@ def assert_equal_to_cantor(J, classes):
     assert C.double().to_list() == expected[:: len(classes) + 1]
     assert (-C).to_list() == [J._out(cantor.negate(J._model, J._in(D))) for D in classes]
     assert not any(C - C)
+
+
+def random_rows(J, count, seed, base=40):
+    """Sums of two random classes out of ``base``: general rows with equal, opposite and weightless ones among them."""
+    rng = Random(seed)
+    points = [] if J.curve.model == "inert" else [J.from_points([J.curve.random_point(rng)])]
+    classes = [J.random(rng) for _ in range(base)] + [J.zero(), *points]
+    pool = DivisorArray.stack(classes)
+    draw = np.random.default_rng(rng.randrange(2**32))
+    first, second = draw.integers(len(pool), size=(2, count))
+    return pool[first] + pool[second]
+
+
+def cantor_of(A, B):
+    """A + B by the compiled Cantor, in every row."""
+    out = A._engine.empty(len(A))
+    A._engine._cantor(compiled_rows.row_kernels.cantor_add, (A._rows, B._rows), out, np.arange(len(A)))
+    return DivisorArray(A.jacobian, out)
+
+
+def assert_rows_equal_cantor(J, count, sample):
+    """Special and general rows beside the compiled Cantor, a sample beside Cantor in Python."""
+    A, B = random_rows(J, count, 1), random_rows(J, count, 2)
+    B = DivisorArray.stack([B[: count // 2], A[count // 2 : count // 2 + 50], -A[count // 2 + 50 : count // 2 + 100]])
+    A = A[: len(B)]
+    total = A + B
+    assert (total == cantor_of(A, B)).all()
+    assert (A.double() == cantor_of(A, A)).all()
+    assert (total - B == A).all()
+    rows = [*range(sample), *range(count // 2, count // 2 + 100)]
+    assert total[rows].to_list() == sums(J, A[rows], B[rows])

@@ -13,7 +13,7 @@ from jacobian.batch import DivisorArray, array, compiled_rows, set_threads, thre
 from jacobian.batch.multiples import signed_windows
 from jacobian.numbers.threads import in_ranges
 from jacobian.numbers.words import Lazy32, Lazy64, Wide32, Wide64, word_context
-from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, sums
+from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, assert_rows_equal_cantor, random_rows, sums
 from tests.jacobian.group_curves import genus_two_rows, random_curve, small_fields, triple
 from tests.jacobian.jacobian_rows import ROWS
 
@@ -81,41 +81,10 @@ def large_curve(name, model, monic=False):
             return C
 
 
-def random_rows(J, count, seed, base=40):
-    """Sums of two random classes out of ``base``: general rows with equal, opposite and weightless ones among them."""
-    rng = Random(seed)
-    points = [] if J.curve.model == "inert" else [J.from_points([J.curve.random_point(rng)])]
-    classes = [J.random(rng) for _ in range(base)] + [J.zero(), *points]
-    pool = DivisorArray.stack(classes)
-    draw = np.random.default_rng(rng.randrange(2**32))
-    first, second = draw.integers(len(pool), size=(2, count))
-    return pool[first] + pool[second]
-
-
-def cantor_of(A, B):
-    """A + B by the compiled Cantor, in every row."""
-    out = A._engine.empty(len(A))
-    A._engine._cantor(compiled_rows.row_kernels.cantor_add, (A._rows, B._rows), out, np.arange(len(A)))
-    return DivisorArray(A.jacobian, out)
-
-
-def assert_rows_equal_cantor(name, model, count, sample):
-    J = large_curve(name, model).jacobian()
-    A, B = random_rows(J, count, 1), random_rows(J, count, 2)
-    B = DivisorArray.stack([B[: count // 2], A[count // 2 : count // 2 + 50], -A[count // 2 + 50 : count // 2 + 100]])
-    A = A[: len(B)]
-    total = A + B
-    assert (total == cantor_of(A, B)).all()
-    assert (A.double() == cantor_of(A, A)).all()
-    assert (total - B == A).all()
-    rows = [*range(sample), *range(count // 2, count // 2 + 100)]
-    assert total[rows].to_list() == sums(J, A[rows], B[rows])
-
-
 @pytest.mark.parametrize("model", MODELS)
 @pytest.mark.parametrize("name", PRIMES)
 def test_rows_over_large_primes(name, model):
-    assert_rows_equal_cantor(name, model, 4000, 50)
+    assert_rows_equal_cantor(large_curve(name, model).jacobian(), 4000, 50)
 
 
 @pytest.mark.slow
@@ -123,7 +92,7 @@ def test_rows_over_large_primes(name, model):
 @pytest.mark.parametrize("name", PRIMES)
 def test_a_million_rows(name, model):
     """All of them beside the compiled Cantor, a sample beside Cantor in Python: residual 0."""
-    assert_rows_equal_cantor(name, model, 1_000_000, 3000)
+    assert_rows_equal_cantor(large_curve(name, model).jacobian(), 1_000_000, 3000)
 
 
 @pytest.mark.parametrize("count", [1, 255, 256, 257, 513])

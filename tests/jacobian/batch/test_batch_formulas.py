@@ -1,10 +1,11 @@
-"""The two-halves formulas of genus 2: no word overflows, and their values are those of Cantor."""
+"""The two-halves formulas of genus 2 and 3: no word overflows."""
 
 from fractions import Fraction
 
 import pytest
 
 from jacobian.addition import genus2_words as formulas
+from jacobian.addition import genus3_words
 from tests.jacobian.numbers.word_bounds import Bounds, DoubleBounds
 
 HALF = Fraction(1, 2)
@@ -25,6 +26,14 @@ def test_no_word_overflows(model, K):
         cubic = cubic_of(K, C, quotient, HALF, line)
         u = sum_u(K, C, cubic, line, line)
         assert (*u, *sum_v(K, C, cubic, u, line)) == line
+
+
+@pytest.mark.parametrize("K", [Bounds(False), Bounds(True)], ids=["lazy", "wide"])
+def test_no_word_overflows_in_genus_3(K):
+    C, row = genus3_words.Septic(*[HALF] * 4), (HALF,) * 6
+    for quotient in (genus3_words.chord(K, row, row), genus3_words.tangent(K, C, row)):
+        assert K.canonical(genus3_words.product(K, quotient)) == HALF
+        assert genus3_words.closed(K, C, quotient, HALF, row, row) == row
 
 
 def test_the_bounds_catch_an_overflow():

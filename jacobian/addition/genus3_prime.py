@@ -1,0 +1,103 @@
+"""The formulas of :mod:`jacobian.addition.genus3_words` over GF(p) on bare ints, or GMP's integers.
+
+A copy for Python, as :mod:`jacobian.addition.genus2_prime` is: sums of products are reduced once. Special positions are
+Cantor's, with whom tests equate it.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from jacobian.addition import cantor
+from jacobian.curve.curve import HyperellipticCurve
+
+Row = tuple[int, ...]
+
+
+class SepticFormulas:
+    """Addition and doubling of reduced triples on y² = f over GF(p), f monic of degree 7."""
+
+    def __init__(self, C: HyperellipticCurve) -> None:
+        K: Any = C.field
+        self.curve, self.p = C, K.p
+        self.coefficients = (self.p, *C.f[3:7])
+
+    def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + b."""
+        (u1, v1, _), (u2, v2, _) = a, b
+        # with three coefficients in v the weight is 3; anything shorter is Cantor's
+        if len(v1) == 3 == len(v2):
+            (a0, a1, a2, _), (b0, b1, b2), (c0, c1, c2, _), (d0, d1, d2) = u1, v1, u2, v2
+            quotient = _quotient(self.p, (a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), u2)
+            triple = self._close(quotient, u1, v1, u2)
+            if triple is not None:
+                return triple
+        return cantor.sum_of(self.curve, a, b)
+
+    def double(self, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + a."""
+        u, v, _ = a
+        if len(v) == 3:
+            p, f3, f4, f5, f6 = self.coefficients
+            (a0, a1, a2, _), (b0, b1, b2) = u, v
+            # (f − V²)/U, and that modulo U
+            k3 = f6 - a2
+            k2 = (f5 - a1 - a2 * k3) % p
+            k1 = (f4 - b2 * b2 - a0 - a1 * k3 - a2 * k2) % p
+            k0 = f3 - 2 * b2 * b1 - a0 * k3 - a1 * k2 - a2 * k1
+            k3 -= a2
+            w = (k2 - a1 - a2 * k3) % p, (k1 - a0 - a1 * k3) % p, (k0 - a0 * k3) % p
+            triple = self._close(_quotient(p, (b2 + b2, b1 + b1, b0 + b0), w, u), u, v, u)
+            if triple is not None:
+                return triple
+        return cantor.double(self.curve, a)
+
+    def _close(self, quotient: Row, u1: Row, v1: Row, u2: Row) -> cantor.Triple | None:
+        """The sum from (r, r·s₂, r·s₁, r·s₀), the quintic through both being v₁ + u₁·s."""
+        (a0, a1, a2, _), (b0, b1, b2), (c0, c1, c2, _) = u1, v1, u2
+        p, _, f4, f5, f6 = self.coefficients
+        r, s2, s1, s0 = quotient
+        product = r * s2 % p
+        if not product:
+            return None
+        inverse = pow(product, -1, p)
+        shrink = r * inverse % p
+        lead = s2 * s2 % p * inverse % p
+        t1, t0, w4 = s1 * shrink % p, s0 * shrink % p, r * shrink % p
+        w5, twice = w4 * w4 % p, w4 + w4
+        # t·u₁, and the four points that the quintic meets besides
+        l4 = a2 + t1
+        l3 = (a1 + t0 + t1 * a2) % p
+        l2 = a0 + t1 * a1 + t0 * a2
+        l1 = t1 * a0 + t0 * a1
+        y2 = (l2 + twice * b2) % p
+        e3 = l4 + t1 - c2
+        e2 = (l3 + t0 - c1 + t1 * l4 - c2 * e3) % p
+        e1 = (y2 - c0 - w5 + t1 * l3 + t0 * l4 - c2 * e2 - c1 * e3) % p
+        e0 = (l1 + twice * b1 + t1 * y2 + t0 * l3 + w5 * (a2 - f6) - c2 * e1 - c1 * e2 - c0 * e3) % p
+        # the quintic there, and the three points that this cubic meets besides
+        g = c2 - t1
+        k3 = lead * ((l3 - e2 - g * e3) % p) % p
+        k2 = (lead * ((l2 - e1 - g * e2) % p) + b2) % p
+        k1 = (lead * ((l1 - e0 - g * e1) % p) + b1) % p
+        k0 = lead * ((t0 * a0 - g * e0) % p) + b0
+        n2 = (f6 - e3 - k3 * k3) % p
+        n1 = (f5 - e2 - 2 * k3 * k2 - e3 * n2) % p
+        n0 = (f4 - e1 - 2 * k3 * k1 - k2 * k2 - e2 * n2 - e3 * n1) % p
+        v: Row = (k0 - k3 * n0) % p, (k1 - k3 * n1) % p, (k2 - k3 * n2) % p
+        while v and not v[-1]:
+            v = v[:-1]
+        return (n0, n1, n2, 1), v, None
+
+
+def _quotient(p: int, m: Row, w: Row, u: Row) -> Row:
+    """(r, r·s₂, r·s₁, r·s₀) for s = w/m modulo u."""
+    (m2, m1, m0), (w2, w1, w0), (c0, c1, c2, _) = m, w, u
+    n2, n1, n0 = (m1 - c2 * m2) % p, (m0 - c1 * m2) % p, -c0 * m2 % p
+    p2, p1 = (n1 - c2 * n2) % p, (n0 - c1 * n2) % p
+    i0, i1, i2 = (n1 * p2 - p1 * n2) % p, (p1 * m2 - m1 * p2) % p, (m1 * n2 - n1 * m2) % p
+    r = (m0 * i0 + n0 * i1 - c0 * n2 % p * i2) % p
+    q4 = i2 * w2 % p
+    q3 = (i2 * w1 + i1 * w2 - c2 * q4) % p
+    s2 = (i2 * w0 + i1 * w1 + i0 * w2 - c1 * q4 - c2 * q3) % p
+    return r, s2, (i1 * w0 + i0 * w1 - c0 * q4 - c1 * q3) % p, (i0 * w0 - c0 * q3) % p
