@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
 BITS_A_DIGIT = 3.3219280948873626
@@ -65,12 +66,13 @@ class Functions:
 
     def elliprf(self, x: Any, y: Any, z: Any) -> Any:
         """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
-        19.36.1 to the seventh order).
+        19.36.1 to the seventh order). PrecisionLoss where it has no value, as of what rounding has made negative.
         """
-        root, one = self.sqrt, self._gmpy2.mpfr(1)
-        close = one / 2 ** (self._gmpy2.get_context().precision // 8 + 1)
+        root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self._gmpy2.get_context().precision
+        close = one / 2 ** (bits // 8 + 1)
         x, y, z = one * x, one * y, one * z
-        while True:
+        # a round takes two bits off what they differ by
+        for _ in range(bits):
             mean = (x + y + z) / 3
             p, q = 1 - x / mean, 1 - y / mean
             r = -p - q
@@ -79,6 +81,8 @@ class Functions:
             a, b, c = root(x), root(y), root(z)
             step = a * b + b * c + c * a
             x, y, z = (x + step) / 4, (y + step) / 4, (z + step) / 4
+        else:
+            raise PrecisionLoss(f"an elliptic integral has no value to {bits} bits: use more digits")
         e, f = p * q - r * r, p * q * r
         series = e * (-one / 10 + e / 24 - 5 * e * e / 208 - 3 * f / 44 + e * f / 16) + f * (one / 14 + 3 * f / 104)
         return (1 + series) / root(mean)

@@ -5,7 +5,7 @@ import pickle
 import pytest
 
 from jacobian import MP
-from jacobian.errors import FieldError
+from jacobian.errors import FieldError, PrecisionLoss
 from jacobian.inexact.long_numbers import LongNumbers
 
 
@@ -44,3 +44,9 @@ def test_they_are_numbers_of_other_fields_and_travel():
     for x in (infinite, nothing):
         with pytest.raises(FieldError, match="not finite"):
             MP(40).coerce(x)
+
+
+@pytest.mark.parametrize("given", [(-1e-30, 1, 2), (0, 0, 1)], ids=str)
+def test_an_integral_without_a_value_is_refused(given):
+    with LongNumbers(30) as numbers, pytest.raises(PrecisionLoss, match="elliptic integral"):
+        numbers.context.elliprf(*given)
