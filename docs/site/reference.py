@@ -53,6 +53,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
             "integrable.portrait.portrait",
             "integrable.portrait.spectrum",
             "integrable.laboratory.motion",
+            "integrable.phase.enclosure",
             "integrable.motion.enclosure",
             "integrable.deformations.deformed_flow",
             "integrable.deformations.separated_flow",

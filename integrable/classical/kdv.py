@@ -14,18 +14,23 @@ of it.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.mumford.system import Spectral, element, long_digits
 from integrable.mumford.translations import through
+from integrable.phase.enclosure import ball_digits, exact_times, widest
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
+
+if TYPE_CHECKING:
+    from integrable.mumford.balls import EnclosedPlace
 
 
 class Eigenvalues(NamedTuple):
@@ -121,7 +126,8 @@ class Wave:
         self.start = kdv._checked(state)
         self._edges, points = kdv._moving(kdv.field, state)
         self._constant = None if points else self._edges[0]
-        self._motion = MumfordMotion(self._place, len(points))
+        self._genus = len(points)
+        self._motion = MumfordMotion(self._place, self._genus)
 
     def _place(self, N: LongField) -> Start:
         f, u, v = self.kdv._spectral(N, self.start)
@@ -134,10 +140,39 @@ class Wave:
         Right to the digits of floats, or of MP(digits), of the span of the edges, at any x and t of a g-gap solution.
         With a double edge it takes bits in proportion to x and t: PrecisionLoss some 500 widths of a soliton away.
         """
+        return self._filled(x, t, self._value, object if hasattr(self.kdv.field, "dps") else float)
+
+    def enclosure(self, x: Any, t: Any = 0, digits: int | None = None) -> Any:
+        """Proven bounds of u(x, t): balls (``flint.arb``) of radius at most 10^(−digits) of the span of the edges that
+        contain it, an array as :meth:`at` returns.
+
+        The edges, γ_j, x and t count as exact; ``digits`` are by default those of the field, 15 for RR. PrecisionLoss
+        where no such balls were found.
+        """
+        from integrable.mumford.enclosure import Precisions
+
+        wanted = ball_digits(self.kdv.field, digits)
+        precisions = Precisions(self._place, self._genus, wanted)
+
+        def value(x: Any, t: Any) -> Any:
+            if self._constant is not None:
+                return exact_times([self._constant])[0]
+            return precisions.narrow(lambda place: self._ball(place, x, t), max(abs(float(x)), abs(float(t))))[0]
+
+        return self._filled(x, t, value, object)
+
+    def _ball(self, place: EnclosedPlace, x: Any, t: Any) -> tuple[Any, Any]:
+        """u and its radius, beside the span of the edges."""
+        K = place.field
+        D = place.at(K.coerce(x), (K.coerce(t),))
+        ((value, span),) = self._read(K, D)
+        return value, widest(((value,), span))
+
+    def _filled(self, x: Any, t: Any, value: Callable[[Any, Any], Any], kind: Any) -> Any:
+        """An array of the values at x and t."""
         import numpy as np
 
         K = self.kdv.field
-        kind = object if hasattr(K, "dps") else float
         given = [np.array(values, dtype=object) for values in (x, t)]
         try:
             xs, ts = np.broadcast_arrays(*given)
@@ -147,7 +182,7 @@ class Wave:
             ) from None
         found = np.empty(xs.shape, dtype=kind)
         for place in np.ndindex(found.shape):
-            found[place] = self._value(K.coerce(xs[place], "x"), K.coerce(ts[place], "t"))
+            found[place] = value(K.coerce(xs[place], "x"), K.coerce(ts[place], "t"))
         return found
 
     def _value(self, x: Any, t: Any) -> Any:

@@ -15,15 +15,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.mumford.fields import exponential, logarithm
 from integrable.mumford.maps import plus_point_minus_infinity
-from integrable.mumford.system import (
-    MumfordSystem,
-    Point,
-    Spectral,
-    all_of,
-    exponential,
-    logarithm,
-)
+from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
 from jacobian import RR, poly
 from jacobian.errors import one_of, whole
 from jacobian.fields.protocol import check_field

@@ -15,10 +15,11 @@ from typing import Any, NamedTuple
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.series import coefficients, values_at
 from integrable.deformations.tape import CONSTANT, ROOT, rates, recorded
-from integrable.motion.enclosure import BOUND_BITS, Enclosure, ball_digits, exact_times, rounded_up, widest
+from integrable.motion.enclosure import BOUND_BITS
 from integrable.motion.trajectory import Motion
 from integrable.moving_point.balls import BallField, picard_box
 from integrable.moving_point.balls import around as widened
+from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, rounded_up, widest
 from integrable.phase.state import State, onto_constraints
 from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
@@ -122,13 +123,13 @@ class _March:
                 step = self._flint.arb(STEP * around.radius)
                 step = step if time > 0 else -step
                 self._point, self._now = self._at(around, step), around.now + step
-                if not widest(self._point[:3], self._point[3:6], self._momentum) < least:
+                if not widest((self._point[:3], 1), (self._point[3:6], self._momentum)) < least:
                     return found
                 self._check(times[-1])
                 around = self._around(1.5 * around.radius)
             point = self._at(around, time - around.now)
             gamma, M = point[:3], point[3:6]
-            width = widest(gamma, M, self._momentum)
+            width = widest((gamma, 1), (M, self._momentum))
             if not width < least:
                 return found
             found.append((point[6] if self._rolls else time, gamma, M, rounded_up(width)))

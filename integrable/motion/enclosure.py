@@ -10,26 +10,21 @@ polynomials. A given t is then inverted with dt/dτ = 1/g > 0. The body's consta
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Sequence
 from contextlib import suppress
 from math import ceil
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from mpmath import mag
 
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, is_bounded, picard_box
+from integrable.moving_point.balls import BallField, BallTranslations, is_bounded, picard_box, time_after
 from integrable.moving_point.problem import MotionProblem, vectors
 from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body
-from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss, whole
-from jacobian.fields.multiprecision import MOST_DIGITS
-from jacobian.immutable import Record
+from integrable.phase.enclosure import Enclosure, exact_times, rounded_up, widest
+from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
 if TYPE_CHECKING:
@@ -45,34 +40,6 @@ MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
 # beyond, steps are counted in numbers that floats do not hold
 MOST_DOUBLINGS = 1000
-
-
-class Enclosure(Record):
-    """Balls that contain the motion: ``gamma`` and ``M`` of shape (N, 3), ``tau`` and ``times`` of shape (N,).
-
-    Entries are ``flint.arb``. ``times`` is None where τ was given and d ≠ 0. ``radius`` is the largest radius of every
-    row, shape (N,), M relative to |M|; a float, rounded up (2.2e-308 for all below).
-    """
-
-    def __init__(self, times: Any, rows: list[tuple[Any, Any, Any, float]]) -> None:
-        self.times = None if times is None else _array(times)
-        self.tau = _array([row[0] for row in rows])
-        self.gamma = np.array([row[1] for row in rows], dtype=object).reshape(len(rows), 3)
-        self.M = np.array([row[2] for row in rows], dtype=object).reshape(len(rows), 3)
-        self.radius = np.array([row[3] for row in rows], dtype=float)
-
-    def __len__(self) -> int:
-        return len(self.tau)
-
-    def _value(self) -> tuple[Any, ...]:
-        # balls are equal for flint where they are points, and flint does not pickle them
-        balls = (
-            None if a is None else tuple(map(_ends, a.ravel())) for a in (self.times, self.tau, self.gamma, self.M)
-        )
-        return (*balls, tuple(self.radius.tolist()))
-
-    def __reduce__(self) -> Any:
-        return _rebuilt, self._value()
 
 
 def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
@@ -108,18 +75,6 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
     return Enclosure(None if body.rolls else exact_times(tau), rows)
 
 
-def ball_digits(field: Any, digits: int | None) -> int:
-    """The digits that balls are asked to have: by default those of the field, 15 for RR."""
-    if digits is None:
-        return 15 if field == RR else int(field.dps)
-    return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
-
-
-def exact_times(times: list[Any]) -> list[Any]:
-    """Times as balls of radius 0."""
-    return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
-
-
 def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
     """How many bits to begin with for a row at τ."""
     # by exponents: the product may be beyond the floats
@@ -144,24 +99,13 @@ def _narrow(
         with motion.reals, suppress(PrecisionLoss):
             scaled = place(motion)
             gamma, M = vectors(motion.point(scaled), motion.problem.momentum, motion.problem.matrix)
-            radius = widest(gamma, M, motion.problem.momentum)
+            radius = widest((gamma, 1), (M, motion.problem.momentum))
             if radius * motion.field.coerce(10) ** digits < 1:
                 return scaled / motion.problem.time_scale, gamma, M, rounded_up(radius)
         bits = bits * 3 // 2 + 64
     raise PrecisionLoss(
         f"tau = {tau}: no ball of radius 1e-{digits} was reached with {bits} bits; ask for fewer digits"
     )
-
-
-def widest(gamma: Sequence[Any], M: Sequence[Any], momentum: Any) -> Any:
-    """The largest radius of γ and M, M relative to ``momentum``, as an upper bound; NaN where one has no bound."""
-    found = [*gamma, *(x / momentum for x in M)]
-    return max(x.rad() for x in found).abs_upper() if is_bounded(found) else type(momentum)("nan")
-
-
-def rounded_up(radius: Any) -> float:
-    """A float that is no smaller than a radius."""
-    return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 
 class BallMotion:
@@ -220,16 +164,7 @@ class BallMotion:
         if t == 0:
             return self.field.zero
         rest = target - self.time(tau)
-        width = abs(rest).abs_upper() * 4
-        for _ in range(MOST_ATTEMPTS):
-            around = tau + self._flint.arb(0, width)
-            rate = addition.rate_at(problem.axes, self.point(around))
-            step = rest / rate
-            # t(τ) increases, and over this ball by more than the rest
-            if rate > 0 and abs(step).abs_upper() < width:
-                return tau + step
-            width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
-        raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
+        return time_after(tau, rest, lambda around: addition.rate_at(problem.axes, self.point(around)))
 
     def time(self, tau: Any) -> Any:
         """∫_0^τ dτ/g for an exact τ ≠ 0; the panels that it passes are kept for times beyond."""
@@ -347,37 +282,3 @@ class BallMotion:
         alpha, beta = self.problem.axes[6:]
         bound = (abs(alpha) + abs(beta) * lean.abs_upper()) / square.sqrt()
         return bound.abs_upper() if bound.is_finite() else None
-
-
-def _ends(ball: Any) -> tuple[Any, ...]:
-    """The midpoint and the radius of a ball, each as mantissa and exponent."""
-    return tuple(tuple(map(int, x.man_exp())) for x in (ball.mid(), ball.rad()))
-
-
-def _ball(flint: Any, middle: Any, radius: Any) -> Any:
-    """The ball of :func:`_ends`. flint rounds a radius that it is given up to 30 bits, exact or not."""
-    mantissa, exponent = radius
-    shift = 30 - mantissa.bit_length()
-    for less in (1, 0):
-        ball = flint.arb(middle, flint.arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
-        if ball is not None and ball.rad() == flint.arb(radius):
-            return ball
-    return flint.arb(middle, flint.arb(radius))
-
-
-def _rebuilt(times: Any, tau: Any, gamma: Any, M: Any, radius: Any) -> Enclosure:
-    import flint
-
-    def balls(values: Any) -> list[Any]:
-        with BallReals(64).at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
-            return [_ball(flint, *value) for value in values]
-
-    vectors = (balls(values) for values in (gamma, M))
-    rows = zip(balls(tau), *(zip(*[iter(v)] * 3, strict=True) for v in vectors), radius, strict=True)
-    return Enclosure(None if times is None else balls(times), list(rows))
-
-
-def _array(values: list[Any]) -> np.ndarray:
-    result = np.empty(len(values), dtype=object)
-    result[:] = values
-    return result

@@ -33,13 +33,13 @@ from jacobian.numbers.compiler import interpreted
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from integrable.motion.enclosure import Enclosure
     from integrable.motion.integral import TorusIntegral
     from integrable.motion.precise import PreciseFlow, RoundedRows
     from integrable.motion.rotation import PrincipalRotation
     from integrable.motion.symmetric import SymmetricFlow
     from integrable.motion.symmetric_precise import PreciseClosedForm
     from integrable.phase.body import Body
+    from integrable.phase.enclosure import Enclosure
     from integrable.portrait.portrait import Portrait
     from integrable.portrait.section import Section
     from integrable.portrait.sensitivity import Sensitivity, TorusVariations
@@ -130,7 +130,8 @@ class Flow(BodyMotion):
         with it; that of :meth:`enclosure_at_tau` does not. PrecisionLoss where no such balls were found.
         (:mod:`integrable.motion.enclosure`)
         """
-        from integrable.motion.enclosure import ball_digits, enclosure
+        from integrable.motion.enclosure import enclosure
+        from integrable.phase.enclosure import ball_digits
 
         given = self._checked(times, "times")
         return enclosure(
@@ -139,7 +140,8 @@ class Flow(BodyMotion):
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
         """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
-        from integrable.motion.enclosure import ball_digits, enclosure_at_tau
+        from integrable.motion.enclosure import enclosure_at_tau
+        from integrable.phase.enclosure import ball_digits
 
         given = self._checked(tau, "tau")
         return enclosure_at_tau(self.system.body, self.state, list(given), ball_digits(self.system.field, digits))

@@ -79,6 +79,23 @@ def picard_box(
     return None
 
 
+def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
+    """The ball of the τ where a clock shows ``rest`` more than at an exact one, by the interval Newton method;
+    ``rate`` has dt/dτ on a ball of τ, and must be seen to be positive. PrecisionLoss where no ball is found.
+    """
+    from flint import arb
+
+    width = abs(rest).abs_upper() * 4
+    for _ in range(MOST_TRIALS):
+        slope = rate(tau + arb(0, width))
+        step = rest / slope
+        # t(τ) increases, and over this ball by more than the rest
+        if slope > 0 and abs(step).abs_upper() < width:
+            return tau + step
+        width = 4 * abs(step).abs_upper() if step.is_finite() else width / 4
+    raise PrecisionLoss("dt/dτ could not be bounded at this precision: use more digits")
+
+
 class BallTranslations:
     """T(eps) of a motion, enclosed."""
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import cofactor
+from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, normalized
 from jacobian import poly
@@ -108,8 +108,6 @@ class AxialSystem(MumfordSystem):
         return -w / (nu * nu)
 
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
-        import gmpy2
-
         axis, i = self._axis(N, start), N.coerce(1j)
         z, rate = (-D.u[0]).real, D.v[0].real
         lifts = []
@@ -117,7 +115,7 @@ class AxialSystem(MumfordSystem):
             _, sigma, last = datum
             lifts.append((sigma, -last / 2 if m == 0 else sigma * (rate + y) / (2 * (z - e))))
         (first, of_first), (second, of_second) = lifts
-        turn = gmpy2.exp(i * axis.w * time)
+        turn = exponential(N, i * axis.w * time)
         if self._carrier(axis) is None:
             turn = turn * (axis.g[0] + i * axis.g[1])
         g = turn * first * second

@@ -28,6 +28,7 @@ from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
     from integrable.mumford.body_torus import BodyTorus
+    from integrable.phase.enclosure import EnclosedPath
 
 # digits of τ beyond those of a state; those for far times come in steps, so that few series are made
 GUARD, DIGITS_APART = 6, 4
@@ -181,6 +182,13 @@ class BodyFlow(MumfordFlow):
         # the last one only; another thread may keep another
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
+
+    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+        """ArgumentError: the series of this clock have no proven bounds; :meth:`enclosure_at_tau` has."""
+        raise ArgumentError(
+            f"times = {shown(times)}: the clock of {self.system!r} has no proven bounds; enclosure_at_tau has them, at "
+            "values of τ, dt = √s dτ"
+        )
 
     def _made(self, digits: int) -> SeriesClock | PanelClock:
         K = MP(digits + SPARE)

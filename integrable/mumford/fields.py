@@ -108,3 +108,22 @@ def brackets(K: Any, u: Poly, v: Poly, phi: Poly) -> tuple[tuple[Any, ...], ...]
             row.append(total)
         table.append(tuple(row))
     return tuple(table)
+
+
+def exponential(N: Any, x: Any) -> Any:
+    """e^x in the numbers of RR, MP or long numbers."""
+    return _elementary(N, x, "exp")
+
+
+def logarithm(N: Any, x: Any) -> Any:
+    """log x in the numbers of RR, MP or long numbers."""
+    return _elementary(N, x, "log")
+
+
+def _elementary(N: Any, x: Any, name: str) -> Any:
+    import math
+
+    import gmpy2
+
+    home = math if isinstance(x, float) else getattr(N, "context", gmpy2)
+    return getattr(home, name)(x)

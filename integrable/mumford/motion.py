@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import Any, NamedTuple
 
-from integrable.mumford.fields import cofactor, multiplier, rates
+from integrable.mumford.fields import cofactor, exponential, multiplier, rates
 from integrable.mumford.translations import Translations
 from jacobian import poly
 from jacobian.errors import PrecisionLoss, shown
@@ -50,14 +50,17 @@ Read = Callable[[LongField, Extended], Vectors]
 class Placed:
     """A motion in the numbers of one field."""
 
-    def __init__(self, field: LongField, place: Callable[[LongField], Start]) -> None:
+    _kind: type[Translations] = Translations
+
+    def __init__(self, field: Any, place: Callable[[Any], Start]) -> None:
         self.field = field
         start = place(field)
         self.start = Extended(start.u, start.v, start.data)
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, Translations] = {}
-        self._carried: dict[tuple[Any, ...], Extended] = {}
+        # many τ come with the same further times
+        self._carried: tuple[tuple[Any, ...], Extended] = ((), self.start)
 
     @property
     def direction(self) -> Sequence[Any]:
@@ -67,32 +70,29 @@ class Placed:
     def translations(self, which: int = 0) -> Translations:
         """Those of one direction, made when its first time other than 0 is asked for."""
         if which not in self._translations:
-            self._translations[which] = Translations(self.group, self._directions[which])
+            self._translations[which] = self._kind(self.group, self._directions[which])
         return self._translations[which]
 
     def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
         """D at τ, and at the times along the further directions."""
         if self.rests:
             return self._resting(tau)
-        D = self._carried.get(further)
-        if D is None:
+        kept, D = self._carried
+        if kept != further:
             D = self.start
             for which, time in enumerate(further, 1):
                 D = D if time == 0 else self.translations(which).carried(D, time)
-            # many τ come with the same further times
-            self._carried = {further: D}
+            self._carried = further, D
         return D if tau == 0 else self.translations().carried(D, tau)
 
     def _resting(self, tau: Any) -> Extended:
         """The pair as it is; lifts at points turn, σ'/σ = ½n(x)y/U(x)."""
-        import gmpy2
-
         K, (u, _, data) = self.field, self.start
         n, turned = multiplier(K, u, self.direction), []
         for kind, datum in zip(self.group.kinds, data, strict=True):
             if isinstance(kind, PointLift):
                 kappa, sigma, bar = datum
-                turn = gmpy2.exp(poly.evaluate(K, n, kind.x) / poly.evaluate(K, u, kind.x) * kind.y * tau / 2)
+                turn = exponential(K, poly.evaluate(K, n, kind.x) / poly.evaluate(K, u, kind.x) * kind.y * tau / 2)
                 datum = (kappa, sigma * turn, bar / turn)
             turned.append(datum)
         return self.start._replace(data=tuple(turned))
@@ -147,6 +147,10 @@ class MumfordMotion:
             f"time = {shown(times if further else time)}: the additions lose more than {MOST_BITS} bits; "
             "the motion passes a special position"
         )
+
+    def tau_at(self, time: Any, digits: int, clock: Any) -> Any:
+        """τ where the clock shows a time, as :meth:`row` finds it."""
+        return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
         # precisions in steps, so that few are set up

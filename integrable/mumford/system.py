@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.real_torus import RealTorus
     from integrable.mumford.tabled import TabledStates
+    from integrable.phase.enclosure import EnclosedPath
 
 # how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
 OFF = 2.0**24
@@ -323,8 +324,7 @@ class MumfordFlow:
         """
         import numpy as np
 
-        K = self.system.field
-        given = [K.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
+        K, given = self.system.field, self._given(times)
         if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
             return self._path(self._torus, np.array(given))
         if given and self._tabled is not None:
@@ -350,6 +350,33 @@ class MumfordFlow:
         from integrable.mumford.tabled import TabledStates
 
         return TabledStates(self._place, self._read_columns, lambda t: [[*map(float, x)] for x in self._row(t)])
+
+    def _given(self, times: Any, name: str = "times") -> list[Any]:
+        return [self.system.field.coerce(t, f"{name}[{i}]") for i, t in enumerate(one_or_more(times, name))]
+
+    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+        """Proven bounds of the states at times: balls of radius at most 10^(−digits) that contain them, q and p beside
+        their size at the start or then, whichever is larger.
+
+        The inputs count as exact, but that q and p are moved onto their constraints; ``digits`` are by default those of
+        the field, 15 for RR. A far time costs bits only. PrecisionLoss where no such balls were found.
+        (:mod:`integrable.mumford.enclosure`)
+        """
+        from integrable.mumford.enclosure import enclosed_path
+
+        return enclosed_path(self, self._given(times), digits)
+
+    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
+        """:meth:`enclosure` at values of τ, in which the motion is that of ``system.direction``; its ``times`` are None
+        where time is not linear.
+        """
+        from integrable.mumford.enclosure import enclosed_path
+
+        return enclosed_path(self, self._given(tau, "tau"), digits, in_tau=True)
+
+    def tau_near(self, time: Any, digits: int) -> Any:
+        """τ at a time of a motion that carries its clock, a long number."""
+        return self._motion.tau_at(time, digits, self._clock)
 
     def _places(self, times: list[Any]) -> list[Any]:
         """What the motion is asked for to be there at these times: themselves, or τ."""
@@ -449,22 +476,3 @@ def all_of(N: Any, spectral: tuple[Any, Any, Any], genus: int) -> Spectral:
     """f, u, v with all their coefficients over an exact field, which trims them."""
     f, u, v = spectral
     return Spectral(f, (*padded(N, u, genus), N.one), padded(N, v, genus))
-
-
-def exponential(N: Any, x: Any) -> Any:
-    """e^x in the numbers of RR, MP or long numbers."""
-    return _elementary(N, x, "exp")
-
-
-def logarithm(N: Any, x: Any) -> Any:
-    """log x in the numbers of RR, MP or long numbers."""
-    return _elementary(N, x, "log")
-
-
-def _elementary(N: Any, x: Any, name: str) -> Any:
-    import math
-
-    import gmpy2
-
-    home = math if isinstance(x, float) else getattr(N, "context", gmpy2)
-    return getattr(home, name)(x)

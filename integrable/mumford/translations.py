@@ -11,10 +11,10 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.series import Series, taylor
+from integrable.mumford.fields import exponential
+from integrable.mumford.series import taylor
 from jacobian import poly
 from jacobian.errors import ArgumentError
-from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
 # h is about the radius of the series over 2^FRACTION, and a coefficient gives so many bits: few terms, and more bits
@@ -24,6 +24,9 @@ FRACTION = 16
 ROUGH_ORDER = 24
 
 
+Pair = tuple[poly.Poly, poly.Poly]
+
+
 class Translations:
     """T(τ) along ``direction`` on the curve of ``group``, a group over a :class:`LongField` that has been entered.
 
@@ -31,15 +34,16 @@ class Translations:
     determine: there a point P₀ is added with the one, and taken away with the other.
     """
 
+    _fraction = FRACTION
+
     def __init__(self, group: ExtendedGroup, direction: Sequence[Any]) -> None:
         self.group = group
-        self.field: LongField = group.field
-        pair, point = reference(group)
-        rough = taylor(self.field, group.f, pair, direction, ROUGH_ORDER)
-        self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
-        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 2) + 8)
+        self.field: Any = group.field
+        xs, ys = self._reference()
+        g = group.genus
+        pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
-        self._series: Series = taylor(self.field, group.f, pair, direction, order, points)
+        self._series = self._expanded((xs[:g], ys[:g]), pair, direction, points)
         self._start = pair[0]
         zero = self.field.zero
         # what is added with every divisor, and what is taken away
@@ -49,6 +53,19 @@ class Translations:
         self._doubles: dict[int, Extended] = {}
         # single additions, where these are in general position
         self._single: dict[int, Extended] = {}
+
+    def _reference(self) -> tuple[list[Any], list[Any]]:
+        """The points of E and P₀."""
+        return reference(self.group)
+
+    def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
+        """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
+        as a :class:`Series` has. Sets the ``unit`` h.
+        """
+        rough = taylor(self.field, self.group.f, pair, direction, ROUGH_ORDER)
+        self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
+        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 2) + 8)
+        return taylor(self.field, self.group.f, pair, direction, order, others)
 
     def carried(self, D: Extended, tau: Any) -> Extended:
         """D + T(τ)."""
@@ -66,16 +83,14 @@ class Translations:
         return self._moved(D, self._near(tau - count * self.unit))
 
     def _count(self, tau: Any) -> int:
-        import gmpy2
-
-        return int(gmpy2.floor(tau.real / self.unit.real - 0.5))
+        return self.field.nearest(tau / self.unit) - 1
 
     def added(self, D: Extended, k: int, digit: int) -> Extended:
         """D ± T(2^k h)."""
         group, E = self.group, self._double(k)
         if digit < 0:
             return group.negate(self.added(group.negate(D), k, 1))
-        if k < FRACTION:
+        if k < self._fraction:
             return self._moved(D, E)
         if k not in self._single:
             self._single[k] = self.from_reference(E)
@@ -96,8 +111,7 @@ class Translations:
 
     def _settled(self, D: Extended) -> Extended:
         """On the curve, and with the κ of its lifts where they were: two sums in odd genus have divided it by ℓ²."""
-        group = self.group
-        D = group.retracted(D)
+        group, D = self.group, self._on_curve(D)
         if not (group.odd and group.genus % 2):
             return D
         c = 1 / group.f[-1]
@@ -106,6 +120,9 @@ class Translations:
             for kind, x in zip(group.kinds, D.data, strict=True)
         ]
         return D._replace(data=tuple(data))
+
+    def _on_curve(self, D: Extended) -> Extended:
+        return self.group.retracted(D)
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
@@ -122,8 +139,6 @@ class Translations:
 
     def _placed(self, u: poly.Poly, v: poly.Poly, omega: Any, start: poly.Poly, thirds: Sequence[Any] = ()) -> Extended:
         """A pair with its data, each continued from the pair with the U of ``start``, where lifts are 1."""
-        import gmpy2
-
         K, data, integrals = self.field, [], iter(thirds)
         for kind in self.group.kinds:
             if isinstance(kind, Lift):
@@ -132,20 +147,19 @@ class Translations:
             elif isinstance(kind, PointLift):
                 # σ'/σ = ½U'(x)/U(x) + ½n(x)y/U(x), and with −y for σ̄
                 value, first = (poly.evaluate(K, a, kind.x) for a in (u, start))
-                root, turn = K.sqrt(value / first), gmpy2.exp(kind.y * next(integrals, K.zero) / 2)
+                root, turn = K.sqrt(value / first), exponential(K, kind.y * next(integrals, K.zero) / 2)
                 data.append((-first if len(u) % 2 == 0 else first, root * turn, root / turn))
             elif isinstance(kind, SecondKind):
                 data.append(omega)
             else:
                 assert isinstance(kind, ThirdKind)
-                data.append(gmpy2.exp(kind.r * omega))
+                data.append(exponential(K, kind.r * omega))
         return Extended(u, v, tuple(data))
 
 
-def reference(group: ExtendedGroup) -> tuple[tuple[poly.Poly, poly.Poly], tuple[poly.Poly, poly.Poly]]:
-    """A divisor of g points apart from each other and from the branch points, and one of one point more: real points
-    outside the circle that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that
-    circle.
+def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
+    """The x and the y of g + 1 points apart from each other and from the branch points: real points outside the circle
+    that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that circle.
     """
     K, f, g = group.field, group.f, group.genus
     lead, degree = f[-1], len(f) - 1
@@ -162,8 +176,7 @@ def reference(group: ExtendedGroup) -> tuple[tuple[poly.Poly, poly.Poly], tuple[
         if not group.odd and side < 0:
             raise ArgumentError("f < 0 near infinity on a model of even degree: give the motion over CC or MP complex")
         xs = [centre + K.coerce(side * reach * (1 + j / g)) for j in range(g + 1)]
-    ys = [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
-    return through(K, xs[:g], ys[:g]), through(K, xs[g:], ys[g:])
+    return xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
 
 
 def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[poly.Poly, poly.Poly]:

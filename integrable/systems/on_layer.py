@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.system import Path, Point
+from integrable.phase.enclosure import EnclosedPath
 from jacobian import RR, Divisor
 from jacobian.errors import ArgumentError, shown
 
@@ -74,3 +75,8 @@ class _Flow:
         """The states at times."""
         run = self._flow.at(times)
         return Path(run.times, run.gamma, run.M)
+
+    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+        """Proven bounds of the states at times."""
+        found = self._flow.enclosure(times, digits)
+        return EnclosedPath(found.times, list(zip(found.tau, found.gamma, found.M, found.radius, strict=True)))

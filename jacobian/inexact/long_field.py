@@ -54,6 +54,10 @@ class LongField(InexactField):
         """Σ x_i y_i."""
         return sum([x * y for x, y in zip(xs, ys, strict=True)], self.zero)
 
+    def nearest(self, x: Any) -> int:
+        """The integer nearest to the real part of x, the upper of two."""
+        return self._reals.nearest(x.real)
+
     def sqrt(self, x: Any) -> Any:
         """√x, the principal one over complex numbers; NaN for a negative real."""
         return self._sqrt(x)

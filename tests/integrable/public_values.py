@@ -96,6 +96,7 @@ def values_over(K):
         "isometric step": systems["check"].translation((30, -30)),
         "flow": flow,
         "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
+        "enclosed path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).enclosure([0, 1]),
         "tilted flow": ball.flow(tilted),
         "kdv": KdV((0, 1, 2), K),
         "run": flow.at([0, "1/3", 2]),

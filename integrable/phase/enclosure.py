@@ -1,0 +1,133 @@
+"""States with proven bounds: what enclosures return, and what those of all motions share."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from integrable.phase.precisions import FLOAT_DIGITS
+from jacobian import RR
+from jacobian.errors import whole
+from jacobian.fields.multiprecision import MOST_DIGITS
+from jacobian.immutable import Record
+from jacobian.numbers.long_reals import BallReals
+
+Row = tuple[Any, Sequence[Any], Sequence[Any], float]
+"""τ, the two vectors of a state, the radius."""
+
+
+class BallRows(Record):
+    """States at ``times`` in balls (``flint.arb``): the base of those of bodies and of systems of any genus.
+
+    ``tau`` and ``times`` have shape (N,); ``radius``, shape (N,), is the largest radius of every row, each vector
+    relative to a size; a float, rounded up (2.2e-308 for all below).
+    """
+
+    _names: ClassVar[tuple[str, str]]
+    """Of the two vectors of a state, of ``size`` numbers each."""
+
+    def __init__(self, times: Any, rows: Sequence[Row], size: int = 3) -> None:
+        self.size = size
+        self.times = None if times is None else _array(times)
+        self.tau = _array([row[0] for row in rows])
+        for k, name in enumerate(self._names, 1):
+            setattr(self, name, np.array([row[k] for row in rows], dtype=object).reshape(len(rows), size))
+        self.radius = np.array([row[3] for row in rows], dtype=float)
+
+    def __len__(self) -> int:
+        return len(self.tau)
+
+    def _value(self) -> tuple[Any, ...]:
+        # balls are equal for flint where they are points, and flint does not pickle them
+        columns = (self.times, self.tau, *(getattr(self, name) for name in self._names))
+        balls = (None if a is None else tuple(map(_ends, a.ravel())) for a in columns)
+        return (self.size, *balls, tuple(self.radius.tolist()))
+
+    def __reduce__(self) -> Any:
+        return _rebuilt, (type(self), *self._value())
+
+
+class Enclosure(BallRows):
+    """Balls that contain the motion of a body: ``gamma`` and ``M`` of shape (N, 3).
+
+    ``times`` is None where τ was given and d ≠ 0; radii of M are relative to |M|.
+    """
+
+    _names = ("gamma", "M")
+    gamma: np.ndarray
+    M: np.ndarray
+
+
+class EnclosedPath(BallRows):
+    """Balls that contain the motion of a system of any genus: ``q`` and ``p`` of shape (N, n).
+
+    Radii are relative to the largest number of q, or of p, at the start or at that time.
+    """
+
+    _names = ("q", "p")
+    q: np.ndarray
+    p: np.ndarray
+
+
+def ball_digits(field: Any, digits: int | None) -> int:
+    """The digits that balls are asked to have: by default those of the field, 15 for RR."""
+    if digits is None:
+        return FLOAT_DIGITS if field == RR else int(field.dps)
+    return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
+
+
+def exact_times(times: list[Any]) -> list[Any]:
+    """Times as balls of radius 0."""
+    return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
+
+
+def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
+    """The largest radius of balls in (vector, size), each relative to its size, as an upper bound; NaN where one has no
+    bound.
+    """
+    from flint import arb
+
+    found = [x / size for vector, size in vectors for x in vector]
+    return max(x.rad() for x in found).abs_upper() if all(x.is_finite() for x in found) else arb("nan")
+
+
+def rounded_up(radius: Any) -> float:
+    """A float that is no smaller than a radius."""
+    return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
+
+
+def _ends(ball: Any) -> tuple[Any, ...]:
+    """The midpoint and the radius of a ball, each as mantissa and exponent."""
+    return tuple(tuple(map(int, x.man_exp())) for x in (ball.mid(), ball.rad()))
+
+
+def _ball(flint: Any, middle: Any, radius: Any) -> Any:
+    """The ball of :func:`_ends`. flint rounds a radius that it is given up to 30 bits, exact or not."""
+    mantissa, exponent = radius
+    shift = 30 - mantissa.bit_length()
+    for less in (1, 0):
+        ball = flint.arb(middle, flint.arb(((mantissa << shift) - less, exponent - shift))) if mantissa else None
+        if ball is not None and ball.rad() == flint.arb(radius):
+            return ball
+    return flint.arb(middle, flint.arb(radius))
+
+
+def _rebuilt(kind: Any, size: int, times: Any, tau: Any, first: Any, second: Any, radius: Any) -> Any:
+    import flint
+
+    def balls(values: Any) -> list[Any]:
+        with BallReals(64).at(max((m.bit_length() for (m, _), _ in values), default=1) + 64):
+            return [_ball(flint, *value) for value in values]
+
+    vectors = (zip(*[iter(balls(values))] * size, strict=True) for values in (first, second))
+    rows = list(zip(balls(tau), *vectors, radius, strict=True))
+    return kind(None if times is None else balls(times), rows, size)
+
+
+def _array(values: list[Any]) -> np.ndarray:
+    result = np.empty(len(values), dtype=object)
+    result[:] = values
+    return result

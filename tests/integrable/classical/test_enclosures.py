@@ -1,0 +1,198 @@
+"""Enclosures of motions of any genus: they contain what many more digits give, are small, and hold what is cut off."""
+
+from __future__ import annotations
+
+import flint
+import numpy as np
+import pytest
+
+from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.kdv import KdV
+from integrable.classical.lagrange import LagrangeTop
+from integrable.classical.neumann import Neumann
+from integrable.classical.veselova import Veselova
+from integrable.mumford import balls, enclosure
+from integrable.mumford.series import taylor
+from integrable.mumford.system import MumfordFlow, Point
+from integrable.mumford.translations import through
+from integrable.systems.on_layer import BodyOnLayer
+from jacobian import MP, RR
+from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
+from jacobian.relatives.extended import PointLift
+from tests.integrable.classical.rows import CASES, REAL
+
+REALS = BallReals(300)
+# of the numbers that balls are held against
+DIGITS = 60
+LAYER = [case for case in CASES if case[0] not in ("ball", "top", "veselova")]
+
+LONGER = [("ellipsoid", 3), ("toda", 5), ("barriers", 2)]
+
+
+def truth(system, state, times):
+    """The states at 60 digits; what is given counts as exact."""
+    fine = system.over(MP(DIGITS))
+    # not checked: the same floats meet constraints to the digits of floats only
+    return MumfordFlow(fine, fine._inside(fine.field, state)).at([fine.field.coerce(t) for t in times])
+
+
+def contained(found, path) -> bool:
+    """Whether every ball has a number within 1e-55 of the one of many digits, which is rounded."""
+    with REALS:
+        pairs = [(x, y) for a, b in ((found.q, path.q), (found.p, path.p)) for x, y in zip(a.flat, b.flat, strict=True)]
+        return all((x - REALS.number(y)).overlaps(flint.arb(0, 1e-55) * (1 + abs(x))) for x, y in pairs)
+
+
+@pytest.mark.parametrize(
+    ("name", "n"),
+    [pytest.param(*case, marks=pytest.mark.slow) if case in LONGER else case for case in LAYER],
+)
+def test_states_near_and_far(name, n) -> None:
+    system, state = REAL[name](MP(25), n)
+    times = [system.field.coerce(t) for t in (0, "0.75", -1000)]
+    found = system.flow(state).enclosure(times)
+    assert (found.radius <= 1e-25).all()
+    assert contained(found, truth(system, state, times))
+    assert all(x == t for x, t in zip(found.times, times, strict=True))
+    assert found.q.shape == (3, system.size)
+
+
+@pytest.mark.parametrize(
+    ("name", "n"), [("neumann", 2), ("toda", 4), pytest.param("neumann", 5, marks=pytest.mark.slow)]
+)
+def test_a_far_time_costs_bits(name, n) -> None:
+    system, state = REAL[name](RR, n)
+    found = system.flow(state).enclosure([1e9])
+    assert found.radius[0] <= 1e-15
+    assert contained(found, truth(system, state, [1e9]))
+
+
+@pytest.mark.parametrize("genus", [3, pytest.param(5, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("make", [lambda g: REAL["ellipsoid"](RR, g), lambda g: REAL["toda"](RR, g + 1)])
+def test_higher_genus(genus, make) -> None:
+    system, state = make(genus)
+    flow = system.flow(state)
+    found = flow.enclosure([1.5])
+    assert len(system.spectral(state).v) == genus
+    assert contained(found, truth(system, state, [1.5]))
+
+
+@pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("garnier", 3), ("toda", 4), ("lagrange", 3)])
+def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) -> None:
+    """Nothing but rounding and what series leave out is in them, and both are of the size of the balls."""
+    monkeypatch.setattr(enclosure, "OF_GENUS", 0)
+    monkeypatch.setattr(balls.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
+    system, state = REAL[name](RR, n)
+    found = system.flow(state).enclosure([0.75, 3], digits=4)
+    assert found.radius.max() > 1e-40
+    assert contained(found, truth(system, state, [0.75, 3]))
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("complex", [False, True])
+def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:
+    """The points that integrals lead to are those of the motion, with the data that it carries."""
+    system, state = REAL["lagrange" if complex else "ellipsoid"](MP(40), 3)
+    place = system.flow(state)._place
+    with balls.Balls(300, complex) as K:
+        translations = balls.EnclosedPlace(K, place).translations()
+        group, near, direction = translations.group, translations._series, system._direction(K, 1 if complex else 3)
+        points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
+        start = through(K, *zip(*(point.reached(K.zero) for point in near._points), strict=True))
+        series = taylor(K, group.f, start, direction, 60, points)
+        time = K.coerce(sign * near.reach / 2**12)
+        for a, b in zip(series.at(time), near.at(time), strict=True):
+            assert all(abs(x - y) < 1e-60 * (1 + abs(y)) for x, y in zip(np.ravel(a), np.ravel(b), strict=True))
+
+
+def test_balls_of_times() -> None:
+    """E of a ball of times holds those of all times in it."""
+    system, state = REAL["neumann"](MP(40), 3)
+    with balls.Balls(300) as K:
+        near = balls.EnclosedPlace(K, system.flow(state)._place).translations()._series
+        middle, part = near.reach / 8, near.reach / 2**20
+        wide = near.at(flint.arb(middle, part))
+        for offset in (-part, 0.3 * part, part):
+            inner = near.at(flint.arb(middle) + flint.arb(offset))
+            assert all(
+                x.contains(y) for a, b in zip(wide[:2], inner[:2], strict=True) for x, y in zip(a, b, strict=True)
+            )
+            assert wide[2].contains(inner[2])
+
+
+@pytest.mark.parametrize(
+    ("system", "q", "p"),
+    [
+        (Neumann((1, 2, 4, 7)), ("0.6", "0.8", 0, 0), (0, 0, 1, "0.5")),  # on two coordinate planes
+        (Neumann((1, 2, 4)), (1, 0, 0), (0, 0, 0)),  # an equilibrium
+        (HenonHeiles((1,), "-1/2", "-1/4", 0, ("1/8",)), (0, 0.5), (0, 0)),  # a barrier, from rest
+        (LagrangeTop("7/10"), (0, 0, 1), (0.25, 0.5, 1.5)),  # through the vertical
+        (Ellipsoid((1, 2, 4)), (1, 0, 0), (0, 0.6, 0.8)),
+    ],
+)
+def test_special_positions(system, q, p) -> None:
+    state = system.state(q, p)
+    found = system.flow(state).enclosure([1.5])
+    assert found.radius[0] <= 1e-15
+    assert contained(found, truth(system, state, [1.5]))
+
+
+def test_lost_bits_are_made_up_for(monkeypatch) -> None:
+    monkeypatch.setattr(enclosure, "OF_GENUS", 0)
+    system, state = REAL["neumann"](MP(25), 3)
+    assert system.flow(state).enclosure([2]).radius[0] <= 1e-25
+
+
+def test_values_of_tau() -> None:
+    """Of linear time they are times; of Veselova's body, whose clock has no bounds, they are what there is."""
+    system, state = REAL["neumann"](RR, 2)
+    flow = system.flow(state)
+    assert flow.enclosure_at_tau([2.5]) == flow.enclosure([2.5])
+    body = Veselova((1, 2, 3))
+    start = body.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    motion = body.flow(start)
+    (tau,) = motion._places([0.75])
+    found = motion.enclosure_at_tau([float(tau)])
+    assert found.times is None
+    assert np.abs(found.q.astype(float) - motion.at([0.75]).q).max() < 1e-14
+    with pytest.raises(ArgumentError, match=r"the clock of Veselova.* has no proven bounds; enclosure_at_tau has them"):
+        motion.enclosure([1])
+
+
+def test_the_ball_has_its_own() -> None:
+    """Its own, by the formulas of genus 2, and those of the layer overlap."""
+    system = BodyOnLayer((1, 2, 3), 0.7)
+    state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    own = system.flow(state).enclosure([0.5], digits=12)
+    other = system.by_additions(Point(*state)).enclosure_at_tau([-0.25], digits=20)
+    again = system.body.flow(system.body.state(*state)).enclosure_at_tau([-0.25], digits=20)
+    assert own.q.shape == (1, 3)
+    assert own.radius[0] <= 1e-12
+    assert all(x.overlaps(y) for x, y in zip(other.q[0], again.gamma[0], strict=True))
+    assert all(x.overlaps(y) for x, y in zip(other.p[0], again.M[0], strict=True))
+
+
+@pytest.mark.parametrize("edges", [(0, 1, 2), (0, 1, 2, 3, 4.5), (0, 0.5, 1, 2, 3, 4, 5.5), (-1, -1, 0)])
+def test_waves(edges) -> None:
+    gaps = [(low + high) / 2 for low, high in zip(edges[1::2], edges[2::2], strict=True)]
+    wave, fine = ((kdv := KdV(edges, K)).wave(kdv.state(gaps, [1, -1, 1][: len(gaps)])) for K in (RR, MP(DIGITS)))
+    x, t = np.array([0, 1.5, 50.0]), np.array([[0], [-2.25]])
+    x, t = (x[:2], t / 8) if edges[0] == -1 else (x, t)
+    found, expected = wave.enclosure(x, t), fine.at(x, t)
+    assert found.shape == expected.shape
+    with REALS:
+        for ball, number in zip(found.flat, expected.flat, strict=True):
+            assert ball.rad() < 1e-15 * (edges[-1] - edges[0])
+            assert (ball - REALS.number(number)).overlaps(flint.arb(0, 1e-55))
+
+
+def test_refusals_are_in_words(monkeypatch) -> None:
+    system, state = REAL["neumann"](RR, 2)
+    flow = system.flow(state)
+    with pytest.raises(ArgumentError, match="digits = 0: the balls' digits are an int"):
+        flow.enclosure([1], digits=0)
+    with pytest.raises(PrecisionLoss, match=r"no balls of radius 1e-15 were found with .* bits"):
+        flow.enclosure([1e300])
+    assert flow.enclosure([]).q.shape == (0, 3)
