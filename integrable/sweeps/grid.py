@@ -10,7 +10,7 @@ import numpy as np
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.toml import exact_number, suggestion
-from jacobian.errors import ArgumentError, entries, shown
+from jacobian.errors import ArgumentError, entries, shortened, shown
 
 __all__ = ["MASS", "Grid", "from_words"]
 
@@ -95,7 +95,7 @@ def from_words(words: Iterable[str]) -> dict[str, str]:
     for word in words:
         name, equals, values = word.partition("=")
         if not equals or not name or name in vary:
-            raise ArgumentError(f"--vary {word}: once for each name, NAME={WANTED} is needed")
+            raise ArgumentError(f"--vary {shortened(word)}: once for each name, NAME={WANTED} is needed")
         vary[name] = values
     return vary
 
@@ -125,7 +125,7 @@ def _parsed(name: str, text: str) -> list[float]:
             raise ValueError
         ratio = float(last / first) if log else 0.0
     except (ValueError, IndexError, OverflowError):
-        raise ArgumentError(f"vary: {name}={text}: {WANTED}, is needed") from None
+        raise ArgumentError(f"vary: {name}={shortened(text)}: {WANTED}, is needed") from None
     steps = max(1, count - 1)
     if log:
         return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]

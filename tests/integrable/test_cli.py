@@ -120,6 +120,7 @@ def test_what_is_wrong_gets_one_line_and_exit_code_2(here, capsys, what):
     [
         *(["run", "chaplygn"], ["run", "nowhere/ball.toml"], ["run"], ["view"], ["walk"], ["scenes", "two\nlines"]),
         *(["run", "x" * 300], ["view", "ball.toml/x"], ["sweep", "ball.toml", "--vary", "d=1e-299:1e299:5:log"]),
+        ["sweep", "ball.toml", "--vary", "d=" + "9" * 5000],
     ],
 )
 def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
@@ -129,6 +130,7 @@ def test_a_wrong_command_line_gets_one_line_and_exit_code_2(here, arguments):
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith("integrable: error: ")
     assert done.stderr.count("\n") == 1
+    assert len(done.stderr) < 1200
     assert names(here) == ["ball.toml"]
 
 
