@@ -4,7 +4,7 @@ Each row is one prime, operation and number N of rows. "kernel" is the compiled 
 of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
 the operator on a DivisorArray on one thread, "threads" how many times faster it is on all. "memory" is the most that
 the operator allocates at a time, in arrays of the result. The last rows are other curves: models of degree 6,
-primes of two words, genus 3 (explicit on degree 7, Cantor on degree 8), tables. "random" are
+primes of two words, GF(2^n) without tables, genus 3 (explicit on degree 7, Cantor on degree 8), tables. "random" are
 ``J.random(rng, size=N)``, "single" ``J.random(rng)``.
 """
 
@@ -44,6 +44,9 @@ OTHERS = {
     "2^128-159": (GF(2**128 - 159), 2, "ramified"),
     "2^29-3, genus 3": (GF(2**29 - 3), 3, "ramified"),
     "2^31-1, genus 3": (GF(2**31 - 1), 3, "ramified"),
+    "GF(2^61)": (GF(2, 61, (1, 1, 1, 0, 0, 1, *[0] * 55, 1)), 2, "ramified"),
+    "GF(2^89)": (GF(2, 89, (1, 0, 0, 1, 0, 1, 1, *[0] * 82, 1)), 2, "ramified"),
+    "GF(2^127)": (GF(2, 127, (1, 1, *[0] * 125, 1)), 2, "ramified"),
     "2^61-1, genus 3": (GF(2**61 - 1), 3, "ramified"),
     "2^63-25, genus 3": (GF(2**63 - 25), 3, "ramified"),
     "2^61-1, genus 3, split": (GF(2**61 - 1), 3, "split"),

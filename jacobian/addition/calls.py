@@ -348,7 +348,8 @@ def context(K: Any) -> Any:
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel:
     """The compiled kernel of a curve, an arithmetic model over GF(p), p < 2^63 odd, or over a TableField."""
-    return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
+    plain = C.field.characteristic == 2 or short_equation(C, int) is None
+    return WordKernel(C) if plain else LineKernel(C)
 
 
 def is_kept(kernel: Any) -> bool:

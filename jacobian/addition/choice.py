@@ -11,8 +11,8 @@ cache has the kernels already. So a group begins with the kernel above, and chan
 much work on such groups as the change costs: READY additions where the kernels lie in numba's cache (``python -m
 jacobian compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
 
-Genus 2 over GF(p), p odd of two words (2^63 < p < 2^128), has compiled formulas of its own
-(:mod:`jacobian.addition.two_word_calls`), which need no numba and are had for less.
+Genus 2 over GF(p), p odd of two words (2^63 < p < 2^128), and over GF(2^n), 16 < n < 128, has compiled formulas of its
+own (:mod:`jacobian.addition.two_word_calls`), which need no numba and are had for less.
 """
 
 from __future__ import annotations
@@ -31,9 +31,11 @@ from jacobian.addition.genus2_words import short_equation
 from jacobian.addition.genus3_prime import SepticFormulas
 from jacobian.addition.genus3_words import is_short_septic
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.fields.digits import DigitField
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.protocol import Field
 from jacobian.fields.table import TableField
+from jacobian.numbers.binary import MOST_DEGREE
 from jacobian.numbers.compiler import interpreted
 
 log = logging.getLogger("jacobian")
@@ -47,6 +49,8 @@ COLD = 2_000_000
 """Additions that take as long as compiling them."""
 TWO_WORDS_READY, TWO_WORDS_COLD = 20_000, 80_000
 """The same for the compiled formulas of two words: a tenth of a second, and half a second."""
+BINARY_READY, BINARY_COLD = 1_000, 8_000
+"""The same over GF(2^n), where Python takes longer."""
 SHARE = 64
 """Additions after which a group accounts for them: fewer do not pay for a compiled kernel of its own."""
 
@@ -122,13 +126,17 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
-    """Whether there are compiled formulas of two words for C: genus 2 with h = 0 and, in degree 5, a monic f."""
+    """Whether there are compiled formulas of two words for C: genus 2 with, for odd p, h = 0 and, in degree 5, a monic
+    f.
+    """
     return has_two_words(C.field) and short_equation(C, int) is not None
 
 
 def has_two_words(K: Field[Any]) -> bool:
-    """Whether K is GF(p), p odd of two words."""
-    return type(K) is PrimeField and 1 << 63 < K.p < 1 << 128
+    """Whether K is GF(p), p odd of two words, or GF(2^n) of two words that has no tables."""
+    if type(K) is PrimeField:
+        return 1 << 63 < K.p < 1 << 128
+    return isinstance(K, DigitField) and K.p == 2 and K.degree <= MOST_DEGREE
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
@@ -205,15 +213,17 @@ class Counted:
 
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
     """Additions that take as long as having the compiled kernels of C, where they are on disk and where not."""
-    return (TWO_WORDS_READY, TWO_WORDS_COLD) if is_two_words_long(C) else (READY, COLD)
+    if not is_two_words_long(C):
+        return READY, COLD
+    return (BINARY_READY, BINARY_COLD) if C.field.characteristic == 2 else (TWO_WORDS_READY, TWO_WORDS_COLD)
 
 
 def _is_cached(C: HyperellipticCurve) -> bool:
     """Whether they seem to be on disk."""
     if is_two_words_long(C):
-        from jacobian.addition.genus2_two_words import library_of
+        from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, context_of
 
-        return library_of(C).is_kept()
+        return SINGLE_LIBRARIES[type(context_of(C.field)), type(short_equation(C, int))].is_kept()
     from jacobian.addition.calls import is_cached, is_kept
 
     if is_short_septic(C):
@@ -249,15 +259,18 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
     if isinstance(runner, ExplicitFormulas):
         return f"explicit formulas: genus 2 over {C.field.name}"
     if is_two_words_long(C):
+        fields = "GF(2^n), 16 < n < 128" if C.field.characteristic == 2 else "GF(p), 2^63 < p < 2^128"
         return (
-            "compiled code on two words, for genus 2 over GF(p), 2^63 < p < 2^128: explicit formulas, and "
-            "the kernel in Python in special positions"
+            f"compiled code on two words, for genus 2 over {fields}: explicit formulas, and the kernel in Python in "
+            "special positions"
         )
     return f"compiled code, for {WORDS}: {_compiled(C)}"
 
 
 def _compiled(C: HyperellipticCurve) -> str:
-    if C.genus == 2 and (C.h or (C.model == "ramified" and C.f[-1] != C.field.one)):
+    if C.genus == 2 and C.field.characteristic == 2:
+        return "Cantor, as explicit formulas are for odd p and, in characteristic 2, for more than 2^16 elements"
+    if C.genus == 2 and short_equation(C, int) is None:
         return "Cantor, as explicit formulas want h = 0 and in degree 5 a monic f"
     if C.genus == 3 and not is_short_septic(C):
         return "Cantor, as explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7"

@@ -1,5 +1,5 @@
-"""Genus 2 over GF(p), p of two words: the formulas of :mod:`jacobian.addition.genus2_words`, compiled by
-:mod:`jacobian.native`.
+"""Genus 2 over GF(p), p of two words, and GF(2^n), n ≤ 127: the formulas of :mod:`jacobian.addition.genus2_words`,
+compiled by :mod:`jacobian.native`.
 
 Loops over rows, one inversion for BLOCK of them (Montgomery 1987), and single classes: a sum, a double, a whole ladder.
 What is not general is reported and left to the caller. A class of weight 2 is its line (a₁, a₀, b₁, b₀) in words; rows
@@ -10,12 +10,25 @@ from __future__ import annotations
 
 from typing import Any
 
-from jacobian.addition.genus2_words import STEPS, Quintic, Sextic, chord, cubic, product, sum_u, sum_v, tangent
-from jacobian.curve.curve import HyperellipticCurve
+from jacobian.addition.genus2_words import (
+    STEPS,
+    BinaryQuintic,
+    BinarySextic,
+    Quintic,
+    Sextic,
+    chord,
+    cubic,
+    opposite,
+    product,
+    sum_u,
+    sum_v,
+    tangent,
+)  # fmt: skip
+from jacobian.native import binary, modular
 from jacobian.native.kinds import INT, INTS, LONG, LONGS, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
-from jacobian.native.modular import CONTEXT, MODULAR
-from jacobian.numbers.two_words import long
+from jacobian.numbers.binary import BinaryContext, binary_context
+from jacobian.numbers.two_words import TwoWords, long, two_words
 from jacobian.numbers.words import add, decode, dot2, encode, inverse, mul, neg, sub
 
 BLOCK = 256
@@ -104,11 +117,13 @@ def double_rows(K: Any, C: Any, first: Any, out: Any, span: Any, special: Any, S
     return count
 
 
-def negate_rows(K: Any, x: Any, out: Any, span: Any) -> None:
-    """(u, v) → (u, −v)."""
-    for k in range(2):
-        for j in range(span[0], span[1]):
-            out[k, j], out[2 + k, j] = x[k, j], neg(K, x[2 + k, j])
+def negate_rows(K: Any, h: Any, first: Any, out: Any, span: Any) -> None:
+    """(u, v) → (u, −v − h modulo u) for the rows of a span, ``first`` being x with its degrees there."""
+    (x, degree), (begin, end) = first, span
+    for j in range(begin, end):
+        high, low = modulo_u(K, h, x, j, degree[j - begin])
+        out[0, j], out[1, j] = x[0, j], x[1, j]
+        out[2, j], out[3, j] = neg(K, add(K, x[2, j], low)), neg(K, add(K, x[3, j], high))
 
 
 def encode_rows(K: Any, x: Any) -> None:
@@ -155,17 +170,20 @@ def scale_rows(K: Any, powers: Any, x: Any, degree: Any) -> None:
             x[2 + k, j] = mul(K, x[2 + k, j], powers[2 - k])
 
 
-def first_off_curve(K: Any, f: Any, x: Any, degree: Any) -> Any:
-    """The first row whose u does not divide v² − f, or −1."""
+def first_off_curve(K: Any, equation: Any, x: Any, degree: Any) -> Any:
+    """The first row whose u does not divide v(v + h) − f, or −1; ``equation`` is (h, f)."""
+    h, f = equation
     for j in range(x.shape[1]):
         high, low = modulo_u(K, f, x, j, degree[j])
+        b1, b0 = x[3, j], x[2, j]
+        w1, w0 = modulo_u(K, h, x, j, degree[j])
+        w1, w0 = add(K, w1, b1), add(K, w0, b0)
         if degree[j] == 2:
-            b1, b0 = x[3, j], x[2, j]
-            square = mul(K, b1, b1)
-            high = sub(K, high, sub(K, dot2(K, b1, b0, b0, b1), mul(K, square, x[1, j])))
-            low = sub(K, low, sub(K, mul(K, b0, b0), mul(K, square, x[0, j])))
+            square = mul(K, b1, w1)
+            high = sub(K, high, sub(K, dot2(K, b1, w0, b0, w1), mul(K, square, x[1, j])))
+            low = sub(K, low, sub(K, mul(K, b0, w0), mul(K, square, x[0, j])))
         elif degree[j] == 1:
-            low = sub(K, low, mul(K, x[2, j], x[2, j]))
+            low = sub(K, low, mul(K, b0, w0))
         if high != 0 or low != 0:
             return j
     return -1
@@ -217,10 +235,10 @@ def multiple_line(K: Any, C: Any, D: Any, digits: Any, odd: Any) -> Any:
         general, total = sum_of_lines(K, C, tangent(K, C, total), total, total)
         digit = digits[position]
         if digit != 0:
-            a1, a0, b1, b0 = line(odd, abs(digit) >> 1)
+            term = line(odd, abs(digit) >> 1)
             if digit < 0:
-                b1, b0 = neg(K, b1), neg(K, b0)
-            fine, total = sum_of_lines(K, C, chord(K, total, (a1, a0, b1, b0)), total, (a1, a0, b1, b0))
+                term = opposite(K, C, term)
+            fine, total = sum_of_lines(K, C, chord(K, total, term), total, term)
             general = general and fine
     return general, decoded(K, total)
 
@@ -237,48 +255,61 @@ def decoded(K: Any, D: Any) -> Any:
 
 # --- compiled
 
-MODELS = {Quintic: record(Quintic, *[LONG] * 3), Sextic: record(Sextic, *[LONG] * 5)}
+COEFFICIENTS = {Quintic: 3, Sextic: 5, BinaryQuintic: 6, BinarySextic: 9}
+MODELS = {model: record(model, *[LONG] * count) for model, count in COEFFICIENTS.items()}
+CONTEXTS: dict[type, Any] = {TwoWords: modular.CONTEXT, **binary.CONTEXTS}
 LINE, ROWS = TupleKind((LONG,) * 4), ArrayKind(LONG, 2, 2)
 WITH_DEGREES, SPAN = TupleKind((ROWS, INTS)), TupleKind((INT, INT))
 
 
+def context_of(K: Any) -> TwoWords | BinaryContext:
+    """That of GF(p), p odd, or GF(2^n), n > 1."""
+    if K.characteristic == 2:
+        return binary_context(sum(c << i for i, c in enumerate(K.modulus)))
+    return two_words(K.p)
+
+
 def _chosen(step: Any) -> Any:
-    """A step of either model, known when it is compiled."""
+    """A step of each model, known when it is compiled."""
     return lambda b, K, C, *arguments: b.call(STEPS[step][C.kind.named], [K, C, *arguments])
 
 
-SPECIAL = MODULAR | {step: _chosen(step) for step in STEPS}
+def _library(name: str, context: type, model: type, entries: dict[str, Any]) -> Library:
+    operations = modular.MODULAR if context is TwoWords else binary.binary_functions()
+    special = operations | {step: _chosen(step) for step in STEPS}
+    return Library(f"{model.__name__.lower()}_{name}_of_{context.__name__.lower()}", entries, special)
 
 
-def _single(model: type) -> Library:
-    C = MODELS[model]
+def _single(context: type, model: type) -> Library:
+    K, C = CONTEXTS[context], MODELS[model]
     entries = {
-        "add_lines": (add_lines, (CONTEXT, C, LINE, LINE)),
-        "double_line": (double_line, (CONTEXT, C, LINE)),
-        "multiple_line": (multiple_line, (CONTEXT, C, LINE, INTS, ROWS)),
+        "add_lines": (add_lines, (K, C, LINE, LINE)),
+        "double_line": (double_line, (K, C, LINE)),
+        "multiple_line": (multiple_line, (K, C, LINE, INTS, ROWS)),
     }
-    return Library(f"{model.__name__.lower()}_of_two_words", entries, SPECIAL)
+    return _library("classes", context, model, entries)
 
 
-def _rows(model: type) -> Library:
-    C = MODELS[model]
+def _rows(context: type, model: type) -> Library:
+    K, C = CONTEXTS[context], MODELS[model]
     entries = {
-        "add_rows": (add_rows, (CONTEXT, C, WITH_DEGREES, WITH_DEGREES, ROWS, SPAN, INTS, ROWS)),
-        "double_rows": (double_rows, (CONTEXT, C, WITH_DEGREES, ROWS, SPAN, INTS, ROWS)),
-        "negate_rows": (negate_rows, (CONTEXT, ROWS, ROWS, SPAN)),
-        "encode_rows": (encode_rows, (CONTEXT, ROWS)),
-        "decode_rows": (decode_rows, (CONTEXT, ROWS)),
-        "shift_rows": (shift_rows, (CONTEXT, LONGS, ROWS, INTS)),
-        "scale_rows": (scale_rows, (CONTEXT, LONGS, ROWS, INTS)),
-        "first_off_curve": (first_off_curve, (CONTEXT, LONGS, ROWS, INTS)),
+        "add_rows": (add_rows, (K, C, WITH_DEGREES, WITH_DEGREES, ROWS, SPAN, INTS, ROWS)),
+        "double_rows": (double_rows, (K, C, WITH_DEGREES, ROWS, SPAN, INTS, ROWS)),
+        "negate_rows": (negate_rows, (K, LONGS, WITH_DEGREES, ROWS, SPAN)),
+        "encode_rows": (encode_rows, (K, ROWS)),
+        "decode_rows": (decode_rows, (K, ROWS)),
+        "shift_rows": (shift_rows, (K, LONGS, ROWS, INTS)),
+        "scale_rows": (scale_rows, (K, LONGS, ROWS, INTS)),
+        "first_off_curve": (first_off_curve, (K, TupleKind((LONGS, LONGS)), ROWS, INTS)),
     }
-    return Library(f"{model.__name__.lower()}_rows_of_two_words", entries, SPECIAL)
+    return _library("rows", context, model, entries)
 
 
-SINGLE_LIBRARIES = {model: _single(model) for model in MODELS}
-ROW_LIBRARIES = {model: _rows(model) for model in MODELS}
-
-
-def library_of(C: HyperellipticCurve) -> Library:
-    """The entries for single classes of the model of C."""
-    return SINGLE_LIBRARIES[Quintic if C.model == "ramified" else Sextic]
+_KINDS = [
+    (context, model) for context in CONTEXTS for model in MODELS
+    if (context is TwoWords) == (model in (Quintic, Sextic))
+]  # fmt: skip
+SINGLE_LIBRARIES = {kinds: _single(*kinds) for kinds in _KINDS}
+"""The entries for single classes, by the types of context and equation."""
+ROW_LIBRARIES = {kinds: _rows(*kinds) for kinds in _KINDS}
+"""Those for rows."""

@@ -1,6 +1,7 @@
-"""Explicit formulas of genus 2 for h = 0, in two halves: what comes before the inversion, and what comes after it.
+"""Explicit formulas of genus 2 in two halves: what comes before the inversion, and what comes after it.
 
-The formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
+They are for h = 0 in odd characteristic, and for any h in characteristic 2, without signs and with 2V + h = h. The
+formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
 of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` stands where a wide context needs it.
 Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.genus2_kernels`).
 
@@ -25,14 +26,24 @@ Quintic = namedtuple("Quintic", "f2 f3 f4")
 Quintic.__doc__ = "y² = x⁵ + f₄x⁴ + … + f₀, as far as the formulas use it."
 Sextic = namedtuple("Sextic", "f2 f3 f4 f5 f6")
 Sextic.__doc__ = "y² = f₆x⁶ + … + f₀ with f₆ ≠ 0, as far as the formulas use it."
+BinaryQuintic = namedtuple("BinaryQuintic", "h0 h1 h2 f2 f3 f4")
+BinaryQuintic.__doc__ = "y² + (h₂x² + h₁x + h₀)y = x⁵ + f₄x⁴ + … + f₀ in characteristic 2, likewise."
+BinarySextic = namedtuple("BinarySextic", "h0 h1 h2 h3 f2 f3 f4 f5 f6")
+BinarySextic.__doc__ = "y² + (h₃x³ + … + h₀)y = f₆x⁶ + … + f₀ with h₃ ≠ 0 in characteristic 2, likewise."
+Short = Quintic | Sextic | BinaryQuintic | BinarySextic
 
 
-def short_equation(C: HyperellipticCurve, to_word: Any) -> Quintic | Sextic | None:
+def short_equation(C: HyperellipticCurve, to_word: Any) -> Short | None:
     """The coefficients that the explicit formulas of genus 2 use, where they apply."""
-    if C.genus != 2 or C.h or (C.model == "ramified" and C.f[-1] != C.field.one):
+    K: Any = C.field
+    ramified, binary = C.model == "ramified", K.characteristic == 2
+    if C.genus != 2 or (C.h and not binary) or (ramified and C.f[-1] != K.one):
         return None
-    words = [to_word(coefficient(C.field, C.f, i)) for i in range(7)]
-    return Quintic(*words[2:5]) if C.model == "ramified" else Sextic(*words[2:])
+    f = [to_word(coefficient(K, C.f, i)) for i in range(2, 7)]
+    if not binary:
+        return Quintic(*f[:3]) if ramified else Sextic(*f)
+    h = [to_word(coefficient(K, C.h, i)) for i in range(4)]
+    return BinaryQuintic(*h[:3], *f[:3]) if ramified else BinarySextic(*h, *f)
 
 
 def chord(K: Any, first: Line, second: Line) -> Quotient:
@@ -46,10 +57,15 @@ def chord(K: Any, first: Line, second: Line) -> Quotient:
     return r, dot3(K, z1, w0, z3, w1, top, c1), dot2(K, z3, w0, top, c0)
 
 
-def over_tangent(K: Any, first: Line, k1: Any, k0: Any) -> Quotient:
-    """(r, r·s₁, r·s₀) for s = (k₁x + k₀)/2V modulo U."""
-    a1, a0, b1, b0 = first
-    t1, t0 = add(K, b1, b1), add(K, b0, b0)
+def twice_v(K: Any, first: Line) -> tuple[Any, Any]:
+    """2V."""
+    _, _, b1, b0 = first
+    return add(K, b1, b1), add(K, b0, b0)
+
+
+def over_tangent(K: Any, first: Line, t: tuple[Any, Any], k: tuple[Any, Any]) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = (k₁x + k₀)/(t₁x + t₀) modulo U."""
+    (a1, a0, _, _), (t1, t0), (k1, k0) = first, t, k
     t3 = sub(K, t0, fit(K, mul(K, a1, t1)))
     r = dot2(K, a0, mul(K, t1, t1), t0, t3)
     top = mul(K, t1, k1)
@@ -64,7 +80,7 @@ def tangent_quintic(K: Any, C: Any, first: Line) -> Quotient:
     k1 = sub(K, add(K, fit(K, mul(K, a1, add(K, bent, twice))), C.f3), double)
     rest = add(K, fit(K, mul(K, a1, bent)), C.f3)
     k0 = sub(K, C.f2, fit(K, dot3(K, b1, b1, a1, rest, neg(K, double), twice)))
-    return over_tangent(K, first, k1, k0)
+    return over_tangent(K, first, twice_v(K, first), (k1, k0))
 
 
 def product_quintic(K: Any, C: Any, quotient: Quotient) -> Any:
@@ -118,7 +134,7 @@ def tangent_sextic(K: Any, C: Any, first: Line) -> Quotient:
     rest = sub(K, k2, fit(K, dot2(K, a1, k3, C.f6, a0)))
     k1 = sub(K, k1, fit(K, dot2(K, a1, rest, a0, k3)))
     k0 = sub(K, k0, fit(K, mul(K, a0, add(K, k2, rest))))
-    return over_tangent(K, first, k1, k0)
+    return over_tangent(K, first, twice_v(K, first), (k1, k0))
 
 
 def product_sextic(K: Any, C: Any, quotient: Quotient) -> Any:
@@ -165,7 +181,133 @@ def sum_v_sextic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -
     return canonical(K, v1), canonical(K, v0)
 
 
-# --- the steps under one name for both models; compiled code chooses when it is compiled
+def opposite_odd(K: Any, C: Any, first: Line) -> Line:
+    """(U, −V)."""
+    a1, a0, b1, b0 = first
+    return a1, a0, neg(K, b1), neg(K, b0)
+
+
+# --- characteristic 2: a sum is a difference
+
+
+def add3(K: Any, x: Any, y: Any, z: Any) -> Any:
+    """x + y + z."""
+    return add(K, add(K, x, y), z)
+
+
+def h_binary_quintic(K: Any, C: Any, first: Line) -> tuple[Any, Any]:
+    """h modulo U."""
+    a1, a0, _, _ = first
+    return add(K, C.h1, mul(K, C.h2, a1)), add(K, C.h0, mul(K, C.h2, a0))
+
+
+def tangent_binary_quintic(K: Any, C: Any, first: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/h modulo U."""
+    a1, _, b1, b0 = first
+    k1 = add3(K, C.f3, mul(K, C.h2, b1), mul(K, a1, a1))
+    rest = add(K, k1, mul(K, a1, C.f4))
+    k0 = add(K, C.f2, dot3(K, C.h2, b0, add(K, C.h1, b1), b1, a1, rest))
+    return over_tangent(K, first, h_binary_quintic(K, C, first), (k1, k0))
+
+
+def sum_u_binary_quintic(K: Any, C: Any, cubic: Line, first: Line, second: Line) -> tuple[Any, Any]:
+    """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
+    _, s, w4, w5 = cubic
+    a1, a0, _, _ = first
+    c1, c0, _, _ = second
+    both = add(K, a1, c1)
+    bent = add(K, both, mul(K, C.h2, w4))
+    bow = dot4(K, add(K, s, c1), add(K, s, bent), s, a1, C.h1, w4, add(K, both, C.f4), w5)
+    return add(K, bent, w5), add3(K, bow, a0, c0)
+
+
+def sum_v_binary_quintic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple[Any, Any]:
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    lead, s, _, _ = cubic
+    e1, e0 = u
+    a1, a0, b1, b0 = first
+    w = add3(K, s, a1, e1)
+    inner = add3(K, dot2(K, s, a1, e1, w), a0, e0)
+    v1 = add3(K, dot2(K, lead, inner, C.h2, e1), C.h1, b1)
+    return v1, add3(K, dot2(K, lead, dot2(K, s, a0, e0, w), C.h2, e0), C.h0, b0)
+
+
+def h_binary_sextic(K: Any, C: Any, first: Line) -> tuple[Any, Any]:
+    """h modulo U."""
+    a1, a0, _, _ = first
+    top = add(K, C.h2, mul(K, C.h3, a1))
+    return add(K, C.h1, dot2(K, a1, top, C.h3, a0)), add(K, C.h0, mul(K, a0, top))
+
+
+def tangent_binary_sextic(K: Any, C: Any, first: Line) -> Quotient:
+    """(r, r·s₁, r·s₀) for s = ((f − hV − V²)/U)/h modulo U."""
+    a1, a0, b1, b0 = first
+    k3 = add(K, C.f5, mul(K, C.f6, a1))
+    k2 = add(K, C.f4, dot3(K, C.h3, b1, a1, k3, C.f6, a0))
+    k1 = add(K, C.f3, dot4(K, C.h3, b0, C.h2, b1, a1, k2, a0, k3))
+    k0 = add(K, C.f2, dot3(K, C.h2, b0, add(K, C.h1, b1), b1, a1, k1))
+    rest = add(K, k2, dot2(K, a1, C.f5, C.f6, a0))
+    k1 = add(K, k1, dot2(K, a1, rest, a0, C.f5))
+    k0 = add(K, k0, mul(K, a0, add(K, k2, rest)))
+    return over_tangent(K, first, h_binary_sextic(K, C, first), (k1, k0))
+
+
+def lead_binary_sextic(K: Any, C: Any, quotient: Quotient) -> Any:
+    """r²·(s₁² + h₃s₁ − f₆)."""
+    r, s1, _ = quotient
+    return dot2(K, s1, add(K, s1, mul(K, C.h3, r)), mul(K, r, C.f6), r)
+
+
+def product_binary_sextic(K: Any, C: Any, quotient: Quotient) -> Any:
+    """r³·(s₁² + h₃s₁ − f₆), which is inverted."""
+    return mul(K, quotient[0], lead_binary_sextic(K, C, quotient))
+
+
+def cubic_binary_sextic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
+    """(s₁, s₀, 1/(s₁² + h₃s₁ − f₆), a₁s₁) from the inverse of the product."""
+    r, s1, s0 = quotient
+    shrink = mul(K, lead_binary_sextic(K, C, quotient), inverse)
+    s1 = mul(K, s1, shrink)
+    return s1, mul(K, s0, shrink), mul(K, mul(K, r, r), mul(K, r, inverse)), mul(K, first[0], s1)
+
+
+def sum_u_binary_sextic(K: Any, C: Any, cubic: Line, first: Line, second: Line) -> tuple[Any, Any]:
+    """(e₁, e₀) of the sum's u = x² + e₁x + e₀."""
+    s1, s0, scale, high = cubic
+    a1, a0, b1, _ = first
+    c1, c0, _, _ = second
+    k3 = add(K, C.f5, mul(K, C.f6, a1))
+    t3 = add(K, dot2(K, s1, add(K, high, C.h2), C.h3, s0), k3)
+    bend = add(K, mul(K, a0, s1), C.h1)
+    t2 = add3(K, dot4(K, s0, add(K, s0, C.h2), s1, bend, C.h3, b1, a1, k3), mul(K, C.f6, a0), C.f4)
+    e1 = add(K, mul(K, t3, scale), c1)
+    return e1, add(K, dot2(K, t2, scale, c1, e1), c0)
+
+
+def sum_v_binary_sextic(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple[Any, Any]:
+    """(v₁, v₀) of the sum's v = −ℓ − h modulo u."""
+    s1, s0, _, high = cubic
+    e1, e0 = u
+    a1, a0, b1, b0 = first
+    top = add(K, s1, C.h3)
+    q = add(K, add3(K, s0, high, C.h2), mul(K, e1, top))
+    v1 = add3(K, dot4(K, e0, top, e1, q, a0, s1, a1, s0), C.h1, b1)
+    return v1, add3(K, dot2(K, e0, q, a0, s0), C.h0, b0)
+
+
+def opposite_binary_quintic(K: Any, C: Any, first: Line) -> Line:
+    """(U, −V − h modulo U)."""
+    (a1, a0, b1, b0), (t1, t0) = first, h_binary_quintic(K, C, first)
+    return a1, a0, add(K, b1, t1), add(K, b0, t0)
+
+
+def opposite_binary_sextic(K: Any, C: Any, first: Line) -> Line:
+    """(U, −V − h modulo U)."""
+    (a1, a0, b1, b0), (t1, t0) = first, h_binary_sextic(K, C, first)
+    return a1, a0, add(K, b1, t1), add(K, b0, t0)
+
+
+# --- the steps under one name for all models; compiled code chooses when it is compiled
 
 
 def tangent(K: Any, C: Any, first: Line) -> Quotient:
@@ -193,11 +335,23 @@ def sum_v(K: Any, C: Any, cubic: Line, u: tuple[Any, Any], first: Line) -> tuple
     return STEPS[sum_v][type(C)](K, C, cubic, u, first)
 
 
+def opposite(K: Any, C: Any, first: Line) -> Line:
+    """The negative of a divisor."""
+    return STEPS[opposite][type(C)](K, C, first)
+
+
+def _of_models(*functions: Any) -> dict[type, Any]:
+    return dict(zip((Quintic, Sextic, BinaryQuintic, BinarySextic), functions, strict=True))
+
+
 STEPS: dict[Any, dict[type, Any]] = {
-    tangent: {Quintic: tangent_quintic, Sextic: tangent_sextic},
-    product: {Quintic: product_quintic, Sextic: product_sextic},
-    cubic: {Quintic: cubic_quintic, Sextic: cubic_sextic},
-    sum_u: {Quintic: sum_u_quintic, Sextic: sum_u_sextic},
-    sum_v: {Quintic: sum_v_quintic, Sextic: sum_v_sextic},
+    tangent: _of_models(tangent_quintic, tangent_sextic, tangent_binary_quintic, tangent_binary_sextic),
+    product: _of_models(product_quintic, product_sextic, product_quintic, product_binary_sextic),
+    cubic: _of_models(cubic_quintic, cubic_sextic, cubic_quintic, cubic_binary_sextic),
+    sum_u: _of_models(sum_u_quintic, sum_u_sextic, sum_u_binary_quintic, sum_u_binary_sextic),
+    sum_v: _of_models(sum_v_quintic, sum_v_sextic, sum_v_binary_quintic, sum_v_binary_sextic),
+    opposite: _of_models(opposite_odd, opposite_odd, opposite_binary_quintic, opposite_binary_sextic),
 }
-"""The functions of either model."""
+"""The functions of each model."""
+PARTS = (chord, twice_v, over_tangent, add3, h_binary_quintic, h_binary_sextic, lead_binary_sextic)
+"""What they are made of."""

@@ -1,24 +1,23 @@
-"""One addition, doubling or multiple in genus 2 over GF(p), p of two words, each a single call of compiled code.
+"""One addition, doubling or multiple in genus 2 over GF(p), p of two words, or GF(2^n), n ≤ 127, each a single call of
+compiled code.
 
-The explicit formulas want h = 0 and, on a ramified model, a monic f (:mod:`jacobian.addition.genus2_two_words`). What
-is not general goes to the kernel in Python; so does a whole multiple that meets such a case on its way.
+The explicit formulas want h = 0 for odd p and, on a ramified model, a monic f
+(:mod:`jacobian.addition.genus2_two_words`). What is not general goes to the kernel in Python; so does a
+whole multiple that meets such a case on its way.
 """
 
 from __future__ import annotations
 
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
 from jacobian.addition.cantor import Triple
-from jacobian.addition.genus2_two_words import MODELS, library_of
+from jacobian.addition.genus2_two_words import CONTEXTS, MODELS, SINGLE_LIBRARIES, context_of
 from jacobian.addition.genus2_words import short_equation
 from jacobian.addition.ladder import signed_digits
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.fields.prime import PrimeField
 from jacobian.native.library import Packed
-from jacobian.native.modular import CONTEXT
-from jacobian.numbers.two_words import two_words
 
 WINDOW = 5
 """Bits of a digit of a scalar."""
@@ -30,13 +29,13 @@ class TwoWordKernel:
     """
 
     def __init__(self, C: HyperellipticCurve, others: Any) -> None:
-        K = two_words(cast(PrimeField, C.field).p)
+        K = context_of(C.field)
         equation: Any = short_equation(C, K.to_word)
-        run = library_of(C)
+        run = SINGLE_LIBRARIES[type(K), type(equation)]
         self._sum = run.add_lines.of_longs(K, equation)
         self._twice = run.double_line.of_longs(K, equation)
         self._times = run.multiple_line
-        self._packed = Packed(K, CONTEXT), Packed(equation, MODELS[type(equation)])
+        self._packed = Packed(K, CONTEXTS[type(K)]), Packed(equation, MODELS[type(equation)])
         self._others = others
         self._weight = 0 if C.model == "split" else None
 

@@ -64,10 +64,10 @@ class DivisorArray(Immutable):
     ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over an exact field is each.
 
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
-    (:func:`jacobian.batch.set_threads`): in genus 2, outside characteristic 2, by explicit formulas with an inversion
-    for 256 rows, for p of two words (p < 2^128) too, else by Cantor's algorithm; over RR and CC in genus 2 by the
-    composition of :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by
-    row.
+    (:func:`jacobian.batch.set_threads`): in genus 2 by explicit formulas with an inversion for 256 rows, for p of two
+    words (p < 2^128) and GF(2^n), 16 < n < 128, too, but not for tables of characteristic 2, else by Cantor's
+    algorithm; over RR and CC in genus 2 by the composition of :mod:`jacobian.inexact.composition`, unrolled. Over other
+    fields it is that of the Jacobian, row by row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")

@@ -21,6 +21,7 @@ class Equation:
         if K.characteristic == 2:
             self.curve = C.arithmetic_model
             move = () if self.curve is C else poly.monomial(K, K.neg(C.infinity_plus), g + 1)
+            self.curve = self._monic(self.curve)
         else:
             move = poly.scale(K, K.inv(K.add(K.one, K.one)), C.h)
             self.curve = self._completed(C, move)
@@ -30,15 +31,23 @@ class Equation:
         """y² = f + h²/4, scaled to a monic f if it is a quintic or a septic."""
         K: Any = C.field
         g = C.genus
-        f = poly.add(K, C.f, poly.mul(K, half_h, half_h))
-        if g in (2, 3) and len(f) == 2 * g + 2 and f[-1] != K.one:
-            # (c^g·y)² = (cx)^(2g + 1) + … for the leading coefficient c, times c^(2g)
-            c = self.scale = f[-1]
-            powers = [K.power(c, 2 * g - i) for i in range(2 * g + 1)]
-            f = (*(K.mul(power, a) for power, a in zip(powers, f, strict=False)), K.one)
-        if C.model != "split":
-            return HyperellipticCurve(K, f) if C.h or self.scale != K.one else C
-        return HyperellipticCurve(K, f, (), K.add(C.infinity_plus, coefficient(K, half_h, g + 1))) if C.h else C
+        if C.model == "split":
+            f = poly.add(K, C.f, poly.mul(K, half_h, half_h))
+            return HyperellipticCurve(K, f, (), K.add(C.infinity_plus, coefficient(K, half_h, g + 1))) if C.h else C
+        completed = HyperellipticCurve(K, poly.add(K, C.f, poly.mul(K, half_h, half_h))) if C.h else C
+        return self._monic(completed)
+
+    def _monic(self, C: HyperellipticCurve) -> HyperellipticCurve:
+        """C, scaled to a monic f if it is of degree 5 or 7 in genus 2 or 3."""
+        K: Any = C.field
+        g = C.genus
+        if g not in (2, 3) or C.model != "ramified" or len(C.f) != 2 * g + 2 or C.f[-1] == K.one:
+            return C
+        # (c^g·y)² + c^g·h·(c^g·y) = (cx)^(2g + 1) + … for the leading coefficient c, times c^(2g)
+        c = self.scale = C.f[-1]
+        powers = [K.power(c, 2 * g - i) for i in range(2 * g + 1)]
+        f, h = ([K.mul(*pair) for pair in zip(powers[start:], a, strict=False)] for start, a in ((0, C.f), (g, C.h)))
+        return HyperellipticCurve(K, (*f, K.one), h)
 
     def powers(self, c: Any) -> list[Any]:
         """1, c, …, c^g."""

@@ -1,4 +1,4 @@
-"""Batches of genus 2 over GF(p) for odd p from 2^63 on, below 2^128, compiled: every number is two words.
+"""Batches of genus 2 over GF(p), 2^63 < p < 2^128, and GF(2^n), 16 < n < 128, compiled: every number is two words.
 
 The explicit formulas of :mod:`jacobian.addition.genus2_two_words` take the general rows, and the kernel of single
 classes in Python the others, one by one. Importing this module needs no numba.
@@ -13,15 +13,12 @@ import numpy as np
 
 from jacobian.addition.cantor import Triple
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.genus2_two_words import BLOCK, MODELS, ROW_LIBRARIES, SCRATCH
+from jacobian.addition.genus2_two_words import BLOCK, CONTEXTS, MODELS, ROW_LIBRARIES, SCRATCH, context_of
 from jacobian.addition.genus2_words import short_equation
 from jacobian.batch.stored_rows import Rows, StoredRows
-from jacobian.curve.curve import coefficient
 from jacobian.group import Jacobian
 from jacobian.native.library import Packed
 from jacobian.native.longs import WORDS, numbers_of, pairs, words_of
-from jacobian.native.modular import CONTEXT
-from jacobian.numbers.two_words import two_words
 
 
 class TwoWordRows(StoredRows):
@@ -33,12 +30,13 @@ class TwoWordRows(StoredRows):
 
     def __init__(self, J: Jacobian) -> None:
         super().__init__(J)
-        self.K = two_words(self.field.p)
+        self.K = context_of(self.field)
         curve = self.equation.curve
         formulas = short_equation(curve, self.K.to_word)
-        self._run = ROW_LIBRARIES[type(formulas)]
-        self._context, self._formulas = Packed(self.K, CONTEXT), Packed(formulas, MODELS[type(formulas)])
-        self._f = words_of([self.K.to_word(coefficient(self.field, curve.f, i)) for i in range(7)])
+        self._run = ROW_LIBRARIES[type(self.K), type(formulas)]
+        self._context = Packed(self.K, CONTEXTS[type(self.K)])
+        self._formulas = Packed(formulas, MODELS[type(formulas)])
+        self._h, self._f = (pairs(words_of([self.K.to_word(c) for c in a])) for a in (curve.h, curve.f))
         self._one_by_one = python_kernel(curve)
 
     # --- conversion
@@ -65,7 +63,7 @@ class TwoWordRows(StoredRows):
 
     def first_off_curve(self, x: Rows) -> int:
         """The first row that is not on the curve, or −1."""
-        return self._run.first_off_curve(self._context, pairs(self._f), pairs(x.data), x.degree.astype(np.int64))
+        return self._run.first_off_curve(self._context, (self._h, self._f), pairs(x.data), x.degree.astype(np.int64))
 
     # --- the group law
 
@@ -114,7 +112,8 @@ class TwoWordRows(StoredRows):
         )
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        self._run.negate_rows(self._context, pairs(x.data), pairs(out.data), (begin, end))
+        first = pairs(x.data), x.degree[begin:end].astype(np.int64)
+        self._run.negate_rows(self._context, self._h, first, pairs(out.data), (begin, end))
         self._negate_weights(x, out, begin, end)
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from jacobian import poly
 from jacobian.fields.extension import ExtensionField
 from jacobian.fields.prime import PrimeField
+from jacobian.numbers.binary import carryless_product
 
 
 class DigitField(ExtensionField):
@@ -54,7 +55,7 @@ class DigitField(ExtensionField):
     def _reduce_bits(self, xs: Sequence[int], ys: Sequence[int]) -> int:
         total = 0
         for x, y in zip(xs, ys, strict=True):
-            total ^= _carryless_product(x, y)
+            total ^= carryless_product(x, y)
         k = self.degree
         while total >> k:
             high = total >> k
@@ -123,17 +124,6 @@ class QuadraticField(DigitField):
         conjugate = x0 - self._m1 * x1
         norm = pow(x0 * conjugate + self._m0 * x1 * x1, -1, p)
         return conjugate * norm % p + -x1 * norm % p * p
-
-
-def _carryless_product(x: int, y: int) -> int:
-    """The product of two polynomials over GF(2) given as bit masks, four bits of y at a time."""
-    multiples = [0, x]
-    for i in range(1, 8):
-        multiples += [multiples[i] << 1, multiples[i] << 1 ^ x]
-    product = 0
-    for position in range(0, y.bit_length(), 4):
-        product ^= multiples[y >> position & 15] << position
-    return product
 
 
 def _inverse_bits(x: int, modulus: int) -> int:

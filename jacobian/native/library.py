@@ -119,11 +119,13 @@ class Call:
         return found
 
     def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
-        """The entry with its first arguments given; those that are left are longs, and so are the words of all."""
-        words: list[bytes] = []
+        """The entry with its first arguments given; those that are left are longs."""
+        words: list[Any] = []
         for value, kind in zip(given, self._kinds, strict=False):
             flatten(value, kind, words)
-        head, room, call, read = b"".join(words), bytes(self._out.size), self._entry.call, self._read
+        letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
+        head = struct.pack(f"={letters}", *words)
+        room, call, read = bytes(self._out.size), self._entry.call, self._read
 
         def called(*longs: int) -> tuple[Any, ...]:
             # the shortest way: it takes as long as the arithmetic

@@ -15,17 +15,22 @@ def _target() -> Any:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
-    features = llvm.get_host_cpu_features().flatten()
     return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features, opt=2, reloc="default", codemodel="jitdefault", jit=True
+        cpu=llvm.get_host_cpu_name(), features=features(), opt=2, reloc="default", codemodel="jitdefault", jit=True
     )
+
+
+@cache
+def features() -> str:
+    """Those of this processor, with commas between: +avx2 for what it has, -avx2 for what it has not."""
+    return str(llvm.get_host_cpu_features().flatten())
 
 
 @cache
 def name() -> str:
     """What an object is made for: the compiler, the processor and its features."""
     version = ".".join(map(str, llvm.llvm_version_info))
-    return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {llvm.get_host_cpu_features().flatten()}"
+    return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
 
 def object_of(text: str) -> bytes:

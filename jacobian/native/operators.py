@@ -390,6 +390,7 @@ DECLARED = "\n".join(
             for types in (SINGLE, ABREAST)
         ),
         "declare i128 @llvm.cttz.i128(i128, i1)",
+        "declare <2 x i64> @llvm.x86.pclmulqdq(<2 x i64>, <2 x i64>, i8)",
         "declare double @frexp(double, ptr)",
         "declare double @ldexp(double, i32)",
     ]

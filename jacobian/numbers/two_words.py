@@ -45,6 +45,9 @@ class TwoWords(namedtuple("TwoWords", "p reciprocal one square cube")):
     def sub(self, x: int, y: int) -> int:
         return (x - y) % self.p
 
+    def neg(self, x: int) -> int:
+        return -x % self.p
+
     def canonical(self, x: int) -> int:
         return x % self.p
 

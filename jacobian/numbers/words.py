@@ -68,6 +68,9 @@ class WordContext(_Constants):
     def sub(self, x: int, y: int) -> int:
         return self.fit(x - y)
 
+    def neg(self, x: int) -> int:
+        return -x
+
     def fit(self, x: int) -> int:
         return self.canonical(x) if self.wide else x
 
@@ -181,7 +184,7 @@ def sub(K: Any, x: Any, y: Any) -> Any:
 
 def neg(K: Any, x: Any) -> Any:
     """−x."""
-    return -x
+    return K.neg(x)
 
 
 def fit(K: Any, x: Any) -> Any:

@@ -1,7 +1,14 @@
-"""Primes of two words, and the classes that a kernel has to take one by one."""
+"""Fields of two words, and the classes that a kernel has to take one by one."""
+
+from jacobian import GF
 
 MODELS = ("ramified", "split", "inert")
 PRIMES = (2**63 + 29, 2**64 - 59, 2**64 + 13, 2**89 - 1, 2**127 - 1, 2**128 - 159)
+TAILS = {61: 39, 127: 3}
+"""M − x^n for irreducible M of degree n over GF(2), as bits."""
+BINARY = {f"GF(2^{n})": GF(2, n, [tail >> i & 1 for i in range(n)] + [1]) for n, tail in TAILS.items()}
+LONG = {f"GF(p), {p.bit_length()} bits, {p % 1000}": GF(p) for p in PRIMES} | BINARY
+SMALL = {"GF(3)": GF(3), "GF(5)": GF(5), "GF(4)": GF(2, 2, (1, 1, 1)), "GF(8)": GF(2, 3, (1, 1, 0, 1))}
 
 
 def special_classes(C, rng):

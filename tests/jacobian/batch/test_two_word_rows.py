@@ -14,12 +14,17 @@ from jacobian.batch.object_rows import ObjectRows
 from jacobian.batch.two_word_rows import TwoWordRows
 from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, sums
 from tests.jacobian.group_curves import random_curve
-from tests.jacobian.two_words import MODELS, PRIMES, special_classes
+from tests.jacobian.two_words import LONG, MODELS, SMALL, special_classes
 
 
-def group(p, model, with_h=False):
-    """The Jacobian of a curve, whose rows are of two words however short p is."""
-    J = random_curve(GF(p), 2, "two words", model=model, with_h=with_h).jacobian()
+def with_and_without_h(fields):
+    """Each name, twice where h may be 0."""
+    return [(name, h) for name, K in fields.items() for h in ([True] if K.characteristic == 2 else [False, True])]
+
+
+def group(K, model, with_h=False):
+    """The Jacobian of a curve, whose rows are of two words however small the field is."""
+    J = random_curve(K, 2, "two words", model=model, with_h=with_h).jacobian()
     J.__dict__["_rows"] = TwoWordRows(J)
     return J
 
@@ -33,26 +38,24 @@ def assert_right(J, classes):
     assert (DivisorArray.from_arrays(J, C.u, C.v, C.n) == C).all()
 
 
-@pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("p", [3, 5])
-def test_every_pair_of_a_small_group(p, model, with_h):
-    J = group(p, model, with_h)
+@pytest.mark.parametrize(("name", "with_h"), with_and_without_h(SMALL))
+def test_every_pair_of_a_small_group(name, model, with_h):
+    J = group(SMALL[name], model, with_h)
     classes = list(J.points())
     assert len(classes) == J.order()
     assert_right(J, classes[:: max(1, len(classes) // 40)])
 
 
-@pytest.mark.parametrize("with_h", [False, True])
 @pytest.mark.parametrize("model", MODELS)
-@pytest.mark.parametrize("p", PRIMES)
-def test_special_rows_over_long_primes(p, model, with_h):
-    J = random_curve(GF(p), 2, "long", model=model, with_h=with_h).jacobian()
+@pytest.mark.parametrize(("name", "with_h"), with_and_without_h(LONG))
+def test_special_rows_over_long_fields(name, model, with_h):
+    J = random_curve(LONG[name], 2, "long", model=model, with_h=with_h).jacobian()
     assert type(array.engine(J)) is TwoWordRows
-    assert_right(J, special_classes(J.curve, Random(p)))
+    assert_right(J, special_classes(J.curve, Random(name)))
 
 
-GROUPS = {f"{p.bit_length()} bits, {model}": group(p, model) for p in PRIMES[::2] for model in MODELS}
+GROUPS = {f"{name}, {model}": group(K, model) for name, K in list(LONG.items())[1::2] for model in MODELS}
 
 
 @pytest.mark.parametrize("name", GROUPS)
@@ -72,7 +75,7 @@ def test_mixes_of_special_rows(name, seed, count, m):
 
 
 def test_reading_and_wrong_rows():
-    J = group(2**127 - 1, "ramified")
+    J = group(GF(2**127 - 1), "ramified")
     A = DivisorArray.stack(special_classes(J.curve, Random(1)))
     assert A.u.dtype == A.v.dtype == object
     assert [tuple(row) for row in A.v[1:2].tolist()] == [A[1].v]
@@ -91,7 +94,7 @@ def test_reading_and_wrong_rows():
 
 
 def test_threads_make_no_difference():
-    J = group(2**89 - 1, "split")
+    J = group(GF(2**89 - 1), "split")
     classes = DivisorArray.stack([J.random(Random(i)) for i in range(20)])
     draw = np.random.default_rng(1)
     A, B = (classes[draw.integers(20, size=9000)] for _ in range(2))
@@ -106,5 +109,7 @@ def test_threads_make_no_difference():
 
 
 def test_longer_primes_and_other_genera_are_rows_of_divisors():
-    for C in (random_curve(GF(2**128 + 51), 2, "longer"), random_curve(GF(2**89 - 1), 3, "genus 3", model="ramified")):
+    binary = GF(2, 128, [1, 1, 1, 0, 0, 0, 0, 1, *[0] * 120, 1])
+    longer = [random_curve(K, 2, "longer") for K in (GF(2**128 + 51), binary)]
+    for C in (*longer, random_curve(GF(2**89 - 1), 3, "genus 3", model="ramified")):
         assert type(array.engine(C.jacobian())) is ObjectRows

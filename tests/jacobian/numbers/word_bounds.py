@@ -38,6 +38,9 @@ class Bounds:
 
     sub = add
 
+    def neg(self, x):
+        return x
+
     def settled(self, x):
         return min(self.checked(x, self.word), Fraction(1, 2))
 
@@ -70,6 +73,9 @@ class DoubleBounds:
         return self.checked(abs(x) + abs(y), 16)
 
     sub = add
+
+    def neg(self, x):
+        return x
 
     def settled(self, x):
         return min(self.checked(x, Fraction(9, 2)), Fraction(1, 2))

@@ -1,0 +1,97 @@
+"""The arithmetic of :mod:`jacobian.numbers.binary` as compiled loops have it.
+
+A product of two words without carries is one instruction where the processor has it (PCLMULQDQ); elsewhere
+:func:`jacobian.numbers.binary.product_of_words` is compiled as it stands.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from jacobian.native.kinds import INT, LONG, Value, record
+from jacobian.native.machine import features
+from jacobian.native.modular import halves, least
+from jacobian.native.operators import Operators
+from jacobian.numbers import binary, two_words, words
+
+CONTEXTS: dict[type, Any] = {
+    kind: record(kind, *[LONG] * 4, INT) for kind in (binary.BinaryWord, binary.BinaryTwoWords)
+}
+"""The kinds of both contexts."""
+PAIR = "<2 x i64>"
+
+
+def plus(b: Operators, *terms: str) -> str:
+    """Their exclusive or."""
+    found = terms[0]
+    for x in terms[1:]:
+        found = b.write(f"xor i128 {found}, {x}")
+    return found
+
+
+def in_one_instruction(b: Operators, x: Value, y: Value) -> Value:
+    """The product of two words by the processor."""
+    parts = [b.write(f"bitcast i128 {z.parts[0]} to {PAIR}") for z in (x, y)]
+    found = b.write(f"call {PAIR} @llvm.x86.pclmulqdq({PAIR} {parts[0]}, {PAIR} {parts[1]}, i8 0)")
+    return Value(LONG, (b.write(f"bitcast {PAIR} {found} to i128"),))
+
+
+def times(b: Any, x: str, y: str) -> str:
+    """The product of the low words of two longs, the high ones being 0."""
+    return str(b.call(binary.product_of_words, [Value(LONG, (x,)), Value(LONG, (y,))]).parts[0])
+
+
+def product(b: Any, x: str, y: str) -> tuple[str, str]:
+    """The low and the high 128 bits of a product of longs, of three products of words (Karatsuba and Ofman 1962)."""
+    (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
+    low, high = times(b, x0, y0), times(b, x1, y1)
+    if x == y:
+        return low, high
+    middle = plus(b, times(b, plus(b, x0, x1), plus(b, y0, y1)), low, high)
+    return plus(b, low, b.write(f"shl i128 {middle}, 64")), plus(b, high, b.write(f"lshr i128 {middle}, 64"))
+
+
+def low_product(b: Any, x: str, y: str) -> str:
+    """The low 128 bits of a product of longs."""
+    (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
+    crossed = plus(b, times(b, x0, y1), times(b, x1, y0))
+    return plus(b, times(b, x0, y0), b.write(f"shl i128 {crossed}, 64"))
+
+
+def dot(b: Any, K: Value, *terms: Value) -> Value:
+    """terms[0]·terms[1] + terms[2]·terms[3] + …, reduced once."""
+    parts = [b.cast(x, LONG).parts[0] for x in terms]
+    modulus, reciprocal = K.parts[:2]
+    pairs = zip(parts[::2], parts[1::2], strict=True)
+    if K.kind.named is binary.BinaryWord:
+        total = plus(b, *(times(b, x, y) for x, y in pairs))
+        quotient = halves(b, times(b, halves(b, total)[0], reciprocal))[0]
+        return Value(LONG, (halves(b, plus(b, total, times(b, quotient, modulus)))[1],))
+    products = [product(b, x, y) for x, y in pairs]
+    low, high = (plus(b, *halves_of_all) for halves_of_all in zip(*products, strict=True))
+    return Value(LONG, (plus(b, high, product(b, low_product(b, low, reciprocal), modulus)[1]),))
+
+
+def add(b: Operators, K: Value, x: Value, y: Value) -> Value:
+    """x + y, which is x − y."""
+    return Value(LONG, (plus(b, x.parts[0], y.parts[0]),))
+
+
+PORTABLE: dict[Any, Callable[..., Value]] = {
+    **dict.fromkeys((words.mul, words.dot2, words.dot3, words.dot4), dot),
+    **dict.fromkeys((words.fit, words.canonical, words.settled, words.neg), least),
+    **dict.fromkeys((words.add, words.sub), add),
+    words.inverse: lambda b, K, x: b.call(binary.inverse, [K, x]),
+    words.encode: lambda b, K, x: dot(b, K, x, K.item(3)),
+    words.decode: lambda b, K, x: dot(b, K, x, Value(INT, ("1",))),
+    two_words.long: lambda b, x: b.cast(x, LONG),
+}
+"""What compiled loops over these contexts call, on any processor."""
+
+
+def binary_functions() -> dict[Any, Callable[..., Value]]:
+    """The same for this processor."""
+    if "+pclmul" in features().split(","):
+        return PORTABLE | {binary.product_of_words: in_one_instruction}
+    return PORTABLE

@@ -1,0 +1,140 @@
+"""Arithmetic in GF(2^n), n ≤ 127, on one word or two: polynomials over GF(2) as bits, in Montgomery's representation.
+
+An element a is represented by a·x^w modulo the modulus M, w = 64 for n < 64 and 128 else (Koç and Acar 1998): with
+q = T/M modulo x^w the low halves of T and qM are equal, and the high half of T + qM is T/x^w modulo M, of degree below
+n without a comparison, whatever M is. Sums are exclusive ors; sums of products are reduced once.
+
+The names are those of :mod:`jacobian.numbers.words`, whose functions take these contexts too, in Python as they stand
+and compiled by :mod:`jacobian.native.binary`.
+"""
+
+from __future__ import annotations
+
+from collections import namedtuple
+from typing import Any
+
+from jacobian.errors import ArgumentError
+from jacobian.numbers.two_words import long
+from jacobian.numbers.words import mul
+
+MOST_DEGREE = 127
+FIFTHS = sum(1 << i for i in range(0, 65, 5))
+"""Every fifth bit of a word, from the lowest."""
+
+_Constants = namedtuple("_Constants", "modulus reciprocal one square degree")
+"""M; 1/M modulo x^w; x^w and x^(2w) modulo M; n."""
+
+
+class BinaryContext(_Constants):
+    """What both contexts share."""
+
+    __slots__ = ()
+    bits: int
+
+    def to_word(self, a: int) -> int:
+        """The word of an element."""
+        return self.dot(a, self.square)
+
+    def from_word(self, x: int) -> int:
+        """The element of a word."""
+        return self.dot(x, 1)
+
+    def dot(self, *terms: int) -> int:
+        """terms[0]·terms[1] + terms[2]·terms[3] + …, by Montgomery's reduction."""
+        total = 0
+        for a, b in zip(terms[::2], terms[1::2], strict=True):
+            total ^= carryless_product(a, b)
+        low = (1 << self.bits) - 1
+        quotient = carryless_product(total & low, self.reciprocal) & low
+        return (total ^ carryless_product(quotient, self.modulus)) >> self.bits
+
+    def add(self, x: int, y: int) -> int:
+        return x ^ y
+
+    sub = add
+
+    def neg(self, x: int) -> int:
+        return x
+
+    fit = settled = canonical = neg
+
+    def invert(self, x: int) -> int:
+        return inverse(self, x)
+
+
+class BinaryWord(BinaryContext):
+    """n < 64."""
+
+    __slots__ = ()
+    bits = 64
+
+
+class BinaryTwoWords(BinaryContext):
+    """n < 128."""
+
+    __slots__ = ()
+    bits = 128
+
+
+def binary_context(modulus: int) -> BinaryContext:
+    """The context of GF(2)[x]/M, for an irreducible M of degree 2 to 127 as bits."""
+    degree = modulus.bit_length() - 1
+    if not 2 <= degree <= MOST_DEGREE or modulus % 2 == 0:
+        raise ArgumentError(
+            f"modulus = {modulus:#b}: two words take an irreducible polynomial of degree 2 to {MOST_DEGREE}"
+        )
+    kind = BinaryWord if degree < 64 else BinaryTwoWords
+    reciprocal = 1
+    for _ in range(kind.bits.bit_length() - 1):
+        reciprocal = carryless_product(carryless_product(reciprocal, reciprocal), modulus) & ((1 << kind.bits) - 1)
+    one, square = (_remainder(1 << kind.bits * i, modulus) for i in (1, 2))
+    return kind._make((modulus, reciprocal, one, square, degree))
+
+
+def _remainder(x: int, modulus: int) -> int:
+    while (shift := x.bit_length() - modulus.bit_length()) >= 0:
+        x ^= modulus << shift
+    return x
+
+
+def carryless_product(x: int, y: int) -> int:
+    """The product of two polynomials over GF(2) given as bit masks, four bits of y at a time."""
+    multiples = [0, x]
+    for i in range(1, 8):
+        multiples += [multiples[i] << 1, multiples[i] << 1 ^ x]
+    product = 0
+    for position in range(0, y.bit_length(), 4):
+        product ^= multiples[y >> position & 15] << position
+    return product
+
+
+def product_of_words(x: Any, y: Any) -> Any:
+    """The same for x, y < 2^64, by products of ints whose bits are five apart: at most 13 of them meet in one place,
+    and do not reach the next (Pornin 2017).
+    """
+    found = long(0)
+    for i in range(5):
+        part = long(0)
+        for j in range(5):
+            part ^= (x & (long(FIFTHS) << j)) * (y & (long(FIFTHS) << ((i + 5 - j) % 5)))
+        found ^= part & ((long(FIFTHS) | long(FIFTHS) << 65) << i)
+    return found
+
+
+def inverse(K: Any, x: Any) -> Any:
+    """1/x = x^(2^n − 2) for a word x ≠ 0: x^(2^k − 1), k growing to n − 1 bit by bit (Itoh and Tsujii 1988)."""
+    bit = 1
+    while 2 * bit < K.degree:
+        bit *= 2
+    found, k = x, 1
+    while bit > 1:
+        bit >>= 1
+        power = found
+        for _ in range(k):
+            power = mul(K, power, power)
+        found = mul(K, found, power)
+        k *= 2
+        if (K.degree - 1) & bit != 0:
+            found = mul(K, mul(K, found, found), x)
+            k += 1
+    return mul(K, found, found)
