@@ -52,10 +52,11 @@ class FiniteGroup(GroupLaw):
     def frobenius_polynomial(self) -> list[int]:
         """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
 
-        By counting, or by a search that reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p); over GF(p) of
-        any size for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7; Infeasible beyond
-        (:mod:`jacobian.finite.frobenius`). Each way proves what it returns. From p = 10^13 on this takes minutes: the
-        logger jacobian.finite.matrix_products says at level INFO how far it is and what is left.
+        By counting, or by a search that reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p), and any field
+        of up to 10^22 elements in genus 1, in time O(q^(1/4)); over GF(p) of any size for y² = bx⁵ + a, and bx⁷ + a
+        where p ≢ 2, 4 modulo 7; Infeasible beyond (:mod:`jacobian.finite.frobenius`). Each way proves what it returns.
+        From p = 10^13 on this takes minutes: the logger jacobian.finite.matrix_products says at level INFO how far it
+        is and what is left.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 

@@ -52,6 +52,9 @@ class Candidates:
     def interval(self, r: tuple[int, ...]) -> tuple[int, int]:
         """The bounds of the next r_k after r: P = Σ x_i² lies between r_1²/g and 4gq, and Maclaurin's inequality."""
         k, g = len(r), self.genus
+        if k == 1:
+            bound = isqrt(4 * g * g * self.q)
+            return -bound, bound
         if k == 2:
             return -(-(r[1] ** 2 - 4 * g * self.q) // 2), r[1] ** 2 * (g - 1) // (2 * g)
         squares = r[1] ** 2 - 2 * r[2]
@@ -188,7 +191,8 @@ def search(C: HyperellipticCurve) -> list[int]:
 
     Counting takes O(q) operations, the matrix O(g·p), from p = 2^20 on Õ(√p), the search the root of the number of
     candidates: seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in genus 4, half a minute at 10^12
-    in genus 2. Infeasible for prime q above 2^49 and other q above 2^20, or where more than 10^12 candidates are left.
+    in genus 2. In genus 1 there is only the search, O(q^(1/4)) over any field (Mestre: Schoof 1995). Infeasible
+    from genus 2 on for prime q above 2^49 and other q above 2^20, and where more than 10^12 candidates are left.
     """
     candidates = _candidates(C)
     rng = Random(0)
@@ -226,6 +230,11 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     q: Any = C.field.order
     g = C.genus
     prime = q == C.field.characteristic != 2
+    if g == 1:
+        # of 4√q orders the search finds the one in O(q^(1/4)) steps: no matrix, no count
+        found = Candidates(q, 1, (1,), (0,), 1)
+        _check_size(C, found, f"{C.field.name} in genus 1")
+        return found
     limit = counting.ARRAY_SIZE if prime else counting.TABLE_SIZE
     if q > limit and not (prime and q < PRODUCTS_TO and not interpreted()):
         raise Infeasible(
@@ -236,7 +245,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     if q > limit:
         # known without counting, whatever the residues are
         _check_size(C, Candidates(q, g, (1, 0), (0,) * (g - 1), q), f"{C.field.name} in genus {g}")
-    residues = frobenius_modulo_p(C) if g > 1 or q > limit else None
+    residues = frobenius_modulo_p(C)
     excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
     # one more degree is counted where that is quick, or quicker than the search without it: a step of the search takes

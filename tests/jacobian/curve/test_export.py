@@ -6,7 +6,7 @@ import flint
 import pytest
 
 from jacobian import GF, QQ, RR, FieldError, HyperellipticCurve
-from tests.jacobian.group_curves import random_curve
+from tests.jacobian.group_curves import next_curve, random_curve
 
 PRIME, LARGE, NINE = GF(10007), GF(2**89 - 1), GF(3, 2, (2, 2, 1))
 
@@ -77,6 +77,24 @@ def test_pari_counts_as_we_do(K):
             assert HyperellipticCurve(K, f, h) == C
             with pytest.raises(FieldError, match="not in GF"):
                 HyperellipticCurve(GF(13), f, h)
+
+
+def test_pari_counts_as_we_do_in_characteristic_2():
+    # hyperellcharpoly of PARI 2.15.4 refuses curves over GF(2^k), k > 1, and from genus 3 on over GF(2): "domain error
+    # in hyperellpadicfrobenius: H is singular at 2"; the orders of elliptic curves it has
+    pari = pytest.importorskip("cypari").pari
+    rng, polynomial = Random(2), pari("v -> hyperellcharpoly(v)")
+    for _ in range(300):
+        C = next_curve(GF(2), 2, rng)
+        found = [int(c) for c in polynomial(pari(C.to_pari())).Vecrev()]
+        assert found == C.jacobian().frobenius_polynomial()
+    for n in (13, 20, 31):
+        K = GF(2, n, [int(c) for c in pari(f"Vecrev(lift(ffinit(2, {n})))")])
+        a2, a6 = K.random(rng), K.random(rng)
+        C = HyperellipticCurve(K, [a6, 0, a2, 1], [0, 1])
+        pari(f"a = ffgen(ffinit(2, {n}), 'a)")
+        b2, b6 = (" + ".join(f"{c}*a^{i}" for i, c in enumerate(K.coefficients(b))) for b in (a2, a6))
+        assert C.jacobian().order() == int(pari(f"ellcard(ellinit([a^0, {b2}, 0, 0, {b6}]))"))
 
 
 def test_rational_numbers_of_pari():

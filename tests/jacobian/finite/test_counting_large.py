@@ -1,6 +1,7 @@
 """Characteristic polynomials of Frobenius: the search against counts, closed forms, and the laws they all obey."""
 
 from fractions import Fraction
+from math import isqrt
 from random import Random
 
 import numpy as np
@@ -52,6 +53,50 @@ def test_the_search_agrees_with_counting(p, k, genus, model, with_h):
             assert [c % p for c in chi[::-1][1 : genus + 1]] == modulo
         opposite = [c if i % 2 == 0 else -c for i, c in enumerate(chi)]
         assert counting.frobenius_polynomial(twist(C)) == opposite
+
+
+GENUS_ONE = [
+    *[(200_003, 1, model) for model in ("ramified", "split", "inert")],
+    (1_000_003, 1, "split"),
+    (2, 13, "ramified"),
+    (2, 14, "split"),
+    (3, 9, "ramified"),
+    (5, 6, "inert"),
+]
+
+
+@pytest.mark.parametrize(("p", "k", "model"), GENUS_ONE)
+def test_genus_one_needs_no_count_and_no_matrix(p, k, model, monkeypatch):
+    curves = [random_curve(GF(p, k), 1, seed, model=model, with_h=p == 2) for seed in range(3)]
+    counted = [counting.frobenius_polynomial(C) for C in curves]
+    monkeypatch.setattr("jacobian.finite.search.frobenius_modulo_p", None)
+    monkeypatch.setattr(counting, "count_points", None)
+    assert [search(C) for C in curves] == counted
+
+
+def test_groups_of_small_exponent_in_genus_one():
+    # x³ + b over GF(p²), p ≡ 2 modulo 3: traces ±2p and ±p; for ±2p the group is (Z/(p ± 1))², every order a divisor
+    K, orders = GF(89, 2), set()
+    for index in range(90, 100):
+        C = HyperellipticCurve(K, [K.element(index), 0, 0, 1])
+        for E in (C, twist(C)):
+            chi = search(E)
+            assert chi == counting.frobenius_polynomial(E)
+            orders.add(sum(chi))
+    assert {88**2, 90**2} <= orders
+
+
+@pytest.mark.parametrize("p", [10**12 + 61, 2**61 - 31, 10**20 + 129])
+def test_genus_one_by_complex_multiplication(p):
+    # y² = x³ − x, p = a² + b² with an odd a: the trace is ±2a, and all eight classes of (Z/2 × Z/4) are there
+    root = next(r for r in (pow(n, p // 4, p) for n in range(2, 99)) if r * r % p == p - 1)
+    a, b = p, root
+    while b * b > p:
+        a, b = b, a % b
+    a, b = sorted((b, isqrt(p - b * b)), key=lambda c: c % 2 == 0)
+    assert a * a + b * b == p
+    (trace,) = (t for t in (2 * a, -2 * a) if (p + 1 - t) % 8 == 0)
+    assert HyperellipticCurve(GF(p), [0, -1, 0, 1]).jacobian().frobenius_polynomial() == [p, -trace, 1]
 
 
 @pytest.mark.parametrize(("p", "k", "genus"), [(3, 3, 2), (3, 3, 3), (5, 2, 3), (7, 2, 3), (5, 3, 2)])
