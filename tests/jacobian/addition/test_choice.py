@@ -9,7 +9,7 @@ import pytest
 from jacobian import GF, QQ, RR, HyperellipticCurve
 from jacobian.addition import calls, choice
 from jacobian.addition.calls import LineKernel, WordKernel
-from jacobian.addition.choice import Counted, compiled_kernel, kernel, python_kernel
+from jacobian.addition.choice import Counted, compiled_kernel, costs, kernel, python_kernel
 from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
 from jacobian.addition.two_word_calls import TwoWordKernel
 from jacobian.native.library import Library
@@ -107,6 +107,14 @@ def test_a_group_of_few_additions_stays_as_it_is(fresh):
     assert owner(J) is LineKernel
 
 
+def test_binary_fields_of_two_words_are_compiled():
+    J = HyperellipticCurve(GF(2, 20), [1, 1, 0, 0, 0, 1], [1, 1]).jacobian()
+    assert costs(J.curve) < costs(HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1]))
+    J.compile()
+    assert owner(J) is TwoWordKernel
+    assert J.explain().startswith("compiled code on two words, for genus 2 over GF(2^n), 16 < n < 128: explicit")
+
+
 def test_primes_of_two_words_change_over_earlier(fresh):
     fresh.setattr(choice, "TWO_WORDS_READY", 200)
     fresh.setattr(choice, "TWO_WORDS_COLD", 700)
@@ -162,7 +170,8 @@ def test_a_moved_model_is_compiled_too():
         HyperellipticCurve(GF(2**89 - 1), [1, 1, 0, 0, 0, 1], [1]),
         HyperellipticCurve(GF(2**63 + 29), [1, 1, 0, 1]),
         HyperellipticCurve(GF(2**61 - 1, 2, (1, 0, 1)), [1, 1, 0, 0, 0, 1]),
-        HyperellipticCurve(GF(2, 20), [1, 1, 0, 0, 0, 1], [1]),
+        HyperellipticCurve(GF(2, 20), [1, 1, 0, 0, 0, 2], [1]),
+        HyperellipticCurve(GF(2, 128), [1, 1, 0, 0, 0, 1], [1]),
     ],
     ids=repr,
 )
