@@ -119,12 +119,11 @@ def copied(rng: Random) -> Case:
 def case(text: str, message: Callable[[Exception], str | None], refusals: Any = (JacobianError,)) -> Case:
     """A call on the objects that are there; its program makes those that it needs."""
     hostile = HOSTILE if "No" in text else ""
-    # balls along a motion, of right times too: a second or two a unit of time
+    # balls along a motion take a second or two a unit of time; what is no such question is refused at once
     limit = 20.0 if ".enclosure(" in text else 1.0
     imports = "".join(f"from {IMPORTED[name]} import {name}\n" for name in IMPORTED if name in text)
-    return Case(
-        lines_for(text) + imports + hostile, text, lambda found: None, refusals, limit, names(), message, MEMORY
-    )  # fmt: skip
+    setup = lines_for(text) + imports + hostile
+    return Case(setup, text, lambda found: None, refusals, limit, names(), message, MEMORY, 1.0)
 
 
 def _names(error: Exception, arguments: set[str]) -> str | None:

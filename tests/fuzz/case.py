@@ -11,9 +11,10 @@ import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Any
 
-from jacobian.errors import JacobianError
+from jacobian.errors import ArgumentError, JacobianError
 
 RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW = "right", "refused", "unjudged", "wrong", "raw", "slow"
 FAILURES = (WRONG, RAW, SLOW)
@@ -45,7 +46,8 @@ Judge = Callable[[dict[str, Any]], "Complaint | None"]
 @dataclass(frozen=True)
 class Case:
     """``setup`` and then ``call`` are what a user would write; ``judge`` takes all names that are bound afterwards,
-    ``got`` the value of the call. ``refusals``: what the call may raise. ``limit``: seconds.
+    ``got`` the value of the call. ``refusals``: what the call may raise. ``limit``: seconds;
+    ``misuse``: those within which an ArgumentError has to come, where they are fewer.
 
     ``given``: names that are bound already, instead of running ``setup``. ``message``: what is wrong about the message
     of a refusal, if anything. ``memory``: bytes that the call may take."""
@@ -58,6 +60,7 @@ class Case:
     given: Mapping[str, Any] | None = None
     message: Callable[[Exception], str | None] = lambda error: None
     memory: int | None = None
+    misuse: float = inf
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def _run(case: Case) -> Outcome:
     except TooLong:
         return Outcome(SLOW, f"stopped after {PATIENCE * case.limit:.0f} s", _program(case, "no answer"), taken())
     except case.refusals as error:
-        if taken() > case.limit:
+        if taken() > (min(case.misuse, case.limit) if isinstance(error, ArgumentError) else case.limit):
             return Outcome(SLOW, f"refused after {taken():.1f} s: {error}", _program(case, _first(error)), taken())
         if fault := case.message(error):
             return Outcome(WRONG, f"{type(error).__name__}, {fault}", _program(case, _first(error)), taken())
