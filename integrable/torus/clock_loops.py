@@ -132,30 +132,30 @@ def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
 
 def delay(rough: Series, series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
     """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
-    of x + S there.
+    of x + S there: from the few largest modes, then of all.
+    """
+    x, _ = solved(rough, a, b, 0.0, 1e-5, room)
+    return solved(series, a, b, x, 1e-9, room)
 
-    x + S grows with x: Newton's steps on the few largest modes, held inside the interval that signs leave; then on all.
+
+def solved(series: Series, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
+    """:func:`delay` of one series, from x on, to the square of ``near`` its bound: x + S grows with x, and Newton's
+    steps are held inside the interval that signs leave. Where 1/g is small they lead far beyond it.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
-    low, high, x = -bound, bound, 0.0
+    low, high, rate = -bound, bound, 1.0
     for _ in range(100):
-        rest, rate = swing_and_rate(rough, a + nu1 * x, b + nu2 * x, room)
+        rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
         rest += x
         if rest > 0:
             high = x
         else:
             low = x
         step = rest / rate
-        if not low < x - step < high:
+        if not low <= x - step <= high:
             step = x - 0.5 * (low + high)
         x -= step
-        if abs(step) <= 1e-5 * bound:
-            break
-    for _ in range(8):
-        rest, rate = swing_and_rate(series, a + nu1 * x, b + nu2 * x, room)
-        step = (rest + x) / rate
-        x -= step
-        if abs(step) <= 1e-9 * bound:
+        if abs(step) <= near * bound:
             break
     return x, rate
 

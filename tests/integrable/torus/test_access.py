@@ -128,6 +128,17 @@ def test_times_of_both_kinds_are_inverse_to_each_other(name) -> None:
     assert (np.diff(run.tau[order]) > 0).all()
 
 
+def test_times_where_the_rate_is_small_are_found() -> None:
+    """dt/dτ between 0.005 and 0.8: Newton's steps on t(τ) lead far beyond the interval that holds τ."""
+    inertia = (0.012610148496156943, 0.000317709828175106, 3.066569934542356e-08)
+    system = ChaplyginBall(inertia, 0.007079772687684559)
+    M = (9.482780840851529e-05, 9.132973933864779e-05, -0.0004312515144772873)
+    flow = system.flow(system.state((-0.6936971430060478, 0.7202668073604718, 0.0), M))
+    times = np.linspace(2019.31, 2019.32, 40)
+    torus = TorusFlow(flow.setup, CompiledLoops())
+    assert np.abs(torus.times(torus.at(times)[1]) - times).max() < 1e-11
+
+
 def test_many_times_keep_the_integrals() -> None:
     for name in SCENES:
         system, state, spin, tolerance = scene(name)
