@@ -21,7 +21,7 @@ from integrable.scene.data import Scene, Times
 from integrable.study.additions import near_additions
 from integrable.study.fresh import compilation, first_use, left_out
 from integrable.study.plan import Task
-from integrable.study.timing import Tick, Timed, silent, timed
+from integrable.study.timing import Tick, Timed, TooLong, at_most, silent, timed
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
@@ -31,18 +31,19 @@ PILOT = 2.0**-7
 """Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
 ENOUGH = 0.1
 """Each trial goes four times as far, until one takes so many seconds, or is the whole run."""
+FIRST = 15.0
+"""Seconds that the first trial of a method may take, which imports."""
 
 NEAR = 30.0
 """An error so many times the allowed one is not rounding that adds up over too many steps."""
+
+MARGIN = 2.0
+"""A trial tells no more than this many times the fastest run so far, or it is not looked at."""
 
 TRIAL = 0.5
 """Seconds of successive steps from which the time of all of them is told."""
 
 Data = dict[str, Any]
-
-
-class TooLong(RuntimeError):
-    """A run that would take longer than the study allows: a greater cost of the method need not be tried."""
 
 
 class Unjudged(RuntimeError):
@@ -235,18 +236,24 @@ def _affordable(told: float, task: Task) -> None:
 
 
 def _pilot(task: Task) -> float:
-    """Seconds that a whole run would take, from short ones, each to four times the time of the one before."""
+    """Seconds that a whole run would take, from short ones, each to four times the time of the one before.
+
+    TooLong where one of these takes longer than a whole run may: a coarse setting that stiff bodies or poles stop, the
+    first step of a series of many digits.
+    """
     system, state = task.scene.start(FLOAT_DIGITS)
-    last = max(task.scene.times.floats())
-    run = METHODS[task.method].prepare(system, state, task.value)
+    last, method = max(task.scene.times.floats()), METHODS[task.method]
+    run = method.prepare(system, state, task.value)
 
     def seconds_to(time: float) -> float:
         begun = perf_counter()
-        run([time])
+        with at_most(max(ENOUGH, task.limits.run)):
+            run([time])
         return perf_counter() - begun
 
     time = min(PILOT * time_scale(system, state), last)
-    run([time])  # imports, and compiles or loads what an earlier run has compiled
+    with at_most(inf if method.compiled else max(FIRST, task.limits.run)):
+        run([time])  # imports, and compiles or loads what an earlier run has compiled
     before = seconds = seconds_to(time)
     while time < last and seconds < ENOUGH + before:
         done, before = time, seconds
@@ -280,7 +287,9 @@ def _horizon(task: Task, _: Data | None, tick: Tick) -> Data:
     flow, judge = _flow(task, truth, tick), _truth_of(task, truth)
     found: Data = {"time": scene.times.floats()[0], "flow": flow, "floor_gamma": floor, "peer": None}
     error = max(flow["error_gamma"], floor)
-    for method in sorted(METHODS.values(), key=lambda method: not method.compiled):
+    for method in sorted(METHODS.values(), key=lambda method: (method.multiprecision, not method.compiled)):
+        if method.multiprecision and found["peer"]:
+            break  # none of them is the fastest where one in doubles is near enough
         result = _rival(replace(task, method=method.name), judge, error, found["peer"], tick)
         if result is not None:
             found["peer"] = min(found["peer"] or result, result, key=lambda one: float(one["total"]))
@@ -298,11 +307,13 @@ def _rival(task: Task, truth: Truth, error: float, fastest: Data | None, tick: T
     settings = method.ladder(system, state) if method.takes(system) else []
     if not settings or _cheapest(replace(task, value=settings[0])) > (fastest or {"total": task.limits.run})["total"]:
         return None
-    found, before = None, inf
-    for row in (replace(task, value=setting) for setting in reversed(settings)):
+    most = min(task.limits.run, MARGIN * fastest["total"]) if fastest else task.limits.run
+    once, found, before = replace(task.limits, run=most, repeat=1), None, inf
+    for setting in reversed(settings):
+        row = replace(task, value=setting, limits=once)
         try:
             _affordable(_pilot(row), row)
-            met = _compared(replace(row, limits=replace(task.limits, repeat=1)), truth, tick)["error_gamma"]
+            met = _compared(row, truth, tick)["error_gamma"]
         except (JacobianError, ArithmeticError, RuntimeError):
             continue
         if met <= error:
@@ -312,9 +323,9 @@ def _rival(task: Task, truth: Truth, error: float, fastest: Data | None, tick: T
         before = met
     if found is None:
         return None
-    setting = f"{method.parameter} {found.value:.3g}"
     # it has run: another trial might refuse it on a busy machine, and with it the flow's own figures
-    return _compared(found, truth, tick) | {"method": method.name, "setting": setting}
+    result = _compared(replace(found, limits=task.limits), truth, tick)
+    return result | {"method": method.name, "setting": f"{method.parameter} {found.value:.3g}"}
 
 
 def _cheapest(task: Task) -> float:

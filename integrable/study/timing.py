@@ -2,16 +2,44 @@
 
 from __future__ import annotations
 
+import signal
 import statistics
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from math import isfinite
+from threading import current_thread, main_thread
 from typing import Any
 
-__all__ = ["Tick", "Timed", "silent", "timed"]
+__all__ = ["Tick", "Timed", "TooLong", "at_most", "silent", "timed"]
 
 Tick = Callable[[str], None]
 """Called before a piece of work with its name, for a progress bar."""
 Timed = tuple[tuple[float, ...], Any]
 """Seconds of the set-up, if there is one, and of the evaluation; and what was found."""
+
+
+class TooLong(RuntimeError):
+    """A run that would take longer than the study allows: a greater cost of the method need not be tried."""
+
+
+@contextmanager
+def at_most(seconds: float) -> Iterator[None]:
+    """Raises TooLong out of what takes longer. Only in a main thread, and not on Windows, which has no such alarm: a
+    row there ends with its worker."""
+    if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
+        yield
+        return
+
+    def ring(*_: Any) -> None:
+        raise TooLong(f"not run: a trial took more than {seconds:g} s")
+
+    before = signal.signal(signal.SIGALRM, ring)
+    signal.setitimer(signal.ITIMER_REAL, seconds)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
 
 
 def silent(*_: Any) -> None:

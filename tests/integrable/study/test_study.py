@@ -570,6 +570,63 @@ def test_the_cheapest_setting_that_is_near_enough_is_found_from_the_most_accurat
     assert measure._rival(task, {}, 1e-12, {"total": 0.4}, lambda _: None) is None  # its cheapest is slower already
 
 
+def test_settings_slower_than_the_fastest_so_far_are_not_run(done, monkeypatch):
+    from integrable.study import measure
+
+    task = replace(done[0][0], method="DOP853 of the test")
+    method = replace(METHODS["SciPy DOP853"], name=task.method, settings=(1e-4, 1e-6, 1e-8, 1e-10))
+    seconds, runs = dict(zip(method.settings, (0.1, 0.3, 0.9, 1.5), strict=True)), []
+
+    def once(row, *_):
+        runs.append((row.value, row.limits.repeat))
+        return {"error_gamma": 0.0, "total": seconds[row.value]}
+
+    monkeypatch.setattr(measure, "METHODS", {task.method: method})
+    monkeypatch.setattr(measure, "_compared", once)
+    monkeypatch.setattr(measure, "_pilot", lambda row: seconds[row.value])
+    found = measure._rival(task, {}, 1e-12, {"total": 0.5}, lambda _: None)
+    assert runs == [(1e-8, 1), (1e-6, 1), (1e-4, 1), (1e-4, task.limits.repeat)]  # 1e-10 takes three times the fastest
+    assert found["setting"] == "tolerance 0.0001"
+
+
+def test_multiprecision_is_tried_only_where_nothing_else_is_near_enough(done, monkeypatch):
+    from integrable.study import measure
+
+    row, tried = replace(done[0][0], kind="horizon", method=FLOW, setting="T = 10", value=10), []
+
+    def rival(task, *_):
+        tried.append(task.method)
+        return {"total": 1.0} if task.method == near_enough else None
+
+    monkeypatch.setattr(measure, "_rival", rival)
+    for near_enough in ("SciPy DOP853", None):
+        tried.clear()
+        measured(row, None)
+        last = [name for name in tried if METHODS[name].multiprecision]
+        assert last == ([] if near_enough else ["Taylor, multiprecision", "mpmath odefun"])
+        assert tried[len(tried) - len(last) :] == last
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="no alarms on this system")
+def test_a_trial_that_goes_on_for_ever_is_ended(done, monkeypatch):
+    """LSODA with a coarse tolerance beside a pole makes its steps smaller and smaller."""
+    from integrable.study import measure
+
+    def endless(*_):
+        while True:
+            pass
+
+    method = replace(METHODS["SciPy LSODA"], name="endless", prepare_run=lambda *_: endless)
+    monkeypatch.setattr(measure, "METHODS", {"endless": method})
+    monkeypatch.setattr(measure, "FIRST", 0.05)
+    before = signal.getsignal(signal.SIGALRM)
+    row = replace(done[0][0], kind="comparator", method="endless", value=1e-4)
+    with pytest.raises(measure.TooLong, match=r"not run: a trial took more than 0\.05 s"):
+        measure._pilot(replace(row, limits=replace(row.limits, run=0.01)))
+    assert signal.getsignal(signal.SIGALRM) == before
+    assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
+
+
 def horizon(scene, T, ratio):
     flow = {"total": 0.5, "error_gamma": 1e-15}
     peer = ratio and {
