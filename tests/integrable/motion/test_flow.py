@@ -14,7 +14,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.oracles.reference import taylor
 from jacobian import MP, QQ
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, FieldError
 from tests.integrable.torus.translations import in_floats
 
 SCENES = json.loads((Path(__file__).parents[2] / "data" / "trajectories.json").read_text())["scenes"]
@@ -87,6 +87,16 @@ def test_times_come_in_any_order_size_and_sign() -> None:
     assert (together[0] == together[3]).all()
     assert flow.at(1.5).gamma.shape == (1, 3)
     assert len(flow.at([])) == 0
+
+
+def test_an_array_of_times_whose_squares_overflow_is_one_of_times() -> None:
+    system = ChaplyginBall((1e80, 2e80, 3e80), 0.7e80)
+    flow = system.flow(system.state((0.48, 0.6, 0.64), (0.384e-80, 1.28e-80, -1.488e-80)))
+    times = [0.0, 1e160, -2e160]
+    assert (flow.at(np.array(times)).gamma == flow.at(times).gamma).all()
+    for wrong in (np.nan, np.inf):
+        with pytest.raises(FieldError, match=r"times\[1\] = .* is not finite"):
+            flow.at(np.array([1e200, wrong]))
 
 
 def test_time_runs_back() -> None:
