@@ -43,8 +43,19 @@ class LagrangeTop(AxialSystem):
 
     def _axis(self, N: Any, state: Point) -> Axis:
         (x, y, z), (_, _, c) = state
-        rates, along = self._vector_field(N, state).q, N.dot(*state)
-        return Axis(z, rates[2], (x, y), rates[:2], (along - c, along + c), (1 - self._parameters_in(N)[0]) * c)
+        rates = self._vector_field(N, state).q
+        return Axis(z, rates[2], (x, y), rates[:2], self._at_ends(N, state), (1 - self._parameters_in(N)[0]) * c)
+
+    @staticmethod
+    def _at_ends(N: Any, state: Point) -> tuple[Any, Any]:
+        """(M, q ∓ e_3), next to the vertical without the difference 1 − |q_3|, which would round to 0 there."""
+        (x, y, z), (a, b, c) = state
+        along = x * a + y * b
+        below, above = z - N.one, z + N.one
+        if not N.exact and abs(z) > 0.5:
+            flat = x * x + y * y
+            below, above = (-flat / above, above) if z.real > 0 else (below, -flat / below)
+        return along + c * below, along + c * above
 
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)

@@ -17,6 +17,7 @@ from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.motion import Start
 from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, normalized
 from jacobian import poly
+from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Lift, PointLift
 
 
@@ -74,7 +75,7 @@ class AxialSystem(MumfordSystem):
     def _carrier(self, axis: Axis) -> int | None:
         """The end whose lift is g itself at the start: the nearer one, where that is a branch point."""
         near = 0 if axis.z.real > 0 else 1
-        return near if axis.m[near] == 0 else None
+        return near if branches(axis.m[near]) else None
 
     def _start(self, N: Any, state: Point) -> Start:
         f, u, v = self._spectral(N, state)
@@ -83,7 +84,7 @@ class AxialSystem(MumfordSystem):
         kinds: list[Any] = []
         data: list[Any] = []
         for k, (e, y) in enumerate(ends):
-            if axis.m[k] != 0:
+            if not branches(axis.m[k]):
                 kinds.append(PointLift(e, y))
                 data.append((axis.z - e, N.one, N.one))
             elif k != carrier:
@@ -113,13 +114,20 @@ class AxialSystem(MumfordSystem):
         lifts = []
         for (e, y), m, datum in zip(self._ends(N, axis), axis.m, D.data, strict=True):
             _, sigma, last = datum
-            lifts.append((sigma, -last / 2 if m == 0 else sigma * (rate + y) / (2 * (z - e))))
+            lifts.append((sigma, -last / 2 if branches(m) else sigma * (rate + y) / (2 * (z - e))))
         (first, of_first), (second, of_second) = lifts
         turn = exponential(N, i * axis.w * time)
         if self._carrier(axis) is None:
             turn = turn * (axis.g[0] + i * axis.g[1])
         g = turn * first * second
         return self._from_axis(N, start, z, rate, g, i * axis.w * g + turn * (of_first * second + first * of_second))
+
+
+def branches(m: Any) -> bool:
+    """Whether an end is a branch point, m = 0; PrecisionLoss where a ball leaves that open."""
+    if m == 0 or m != 0:
+        return bool(m == 0)
+    raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")
 
 
 def heavy(N: Any, h: Any, along: poly.Poly) -> poly.Poly:

@@ -98,6 +98,8 @@ class PointIntegrals:
 
         self._field, self._point = K, point
         (x, y), genus = point, (len(f) - 2) // 2
+        if not abs(y) > 0:
+            raise PrecisionLoss("a point of reference is not seen to be apart from the branch points: use more digits")
         self._f = poly.shift(K, poly.scale(K, 1 / poly.evaluate(K, f, x), f), x)
         self.radius = self._disc([x - e for e in others])
         kind, polynomial = flint_kinds(K.complex)

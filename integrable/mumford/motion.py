@@ -53,7 +53,7 @@ class Placed:
     _kind: type[Translations] = Translations
 
     def __init__(self, field: Any, place: Callable[[Any], Start]) -> None:
-        self.field = field
+        self.field, self._place = field, place
         start = place(field)
         self.start = Extended(start.u, start.v, start.data)
         self.group = ExtendedGroup(field, start.f, start.kinds)
@@ -99,7 +99,20 @@ class Placed:
 
     @cached_property
     def rests(self) -> bool:
-        """Whether the pair does not move: every point on a double point of the curve, where no addition is regular."""
+        """Whether the pair does not move: every point on a double point of the curve, where no addition is regular.
+        PrecisionLoss where it is so near to that, that it takes more bits to tell.
+        """
+        K = self.field
+        # balls of exactly 0 leave no doubt
+        if self._seems_still and K.eps > 0:
+            with LongField(MOST_BITS, K.complex) as L:
+                if not Placed(L, self._place)._seems_still:
+                    raise PrecisionLoss("the state is too near to one at rest: use more digits")
+        return self._seems_still
+
+    @cached_property
+    def _seems_still(self) -> bool:
+        """Whether the rates are those that rounding leaves of 0."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
         direction = self.direction

@@ -13,6 +13,7 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
 from integrable.mumford import balls, enclosure
+from integrable.mumford.axial import branches
 from integrable.mumford.series import taylor
 from integrable.mumford.system import MumfordFlow, Point
 from integrable.mumford.translations import through
@@ -186,6 +187,31 @@ def test_waves(edges) -> None:
         for ball, number in zip(found.flat, expected.flat, strict=True):
             assert ball.rad() < 1e-15 * (edges[-1] - edges[0])
             assert (ball - REALS.number(number)).overlaps(flint.arb(0, 1e-55))
+
+
+@pytest.mark.parametrize(
+    ("system", "q", "p", "time"),
+    [
+        (LagrangeTop(0.7), (1e-100, 0, 1), (0, 0, 0.5), 250.0),  # asleep, all but 1e-100
+        (Neumann((1, 2, 4)), (0, 0, 1), (1e-100, 0, 0), 140.0),  # at rest, all but 1e-100
+    ],
+)
+def test_what_leaves_an_unstable_rest(system, q, p, time) -> None:
+    """Additions in long numbers, balls and floats say the same of a start that rounding would put at rest."""
+    flow = system.flow(system.state(q, p))
+    path, found = flow.at([time]), flow.enclosure([time], digits=18)
+    assert np.abs(path.q[0, :2]).max() > 1e-6
+    for row, balls_of in ((path.q[0], found.q[0]), (path.p[0], found.p[0])):
+        assert np.abs(row - balls_of.astype(float)).max() <= 1e-15 * np.abs(row).max()
+
+
+def test_whether_a_ball_is_zero_is_not_guessed() -> None:
+    assert branches(flint.arb(0))
+    assert not branches(flint.arb(1, 0.5))
+    with pytest.raises(PrecisionLoss, match="through the vertical"):
+        branches(flint.arb(0, 1e-30))
+    with balls.Balls(100) as K, pytest.raises(PrecisionLoss, match="apart from the branch points"):
+        balls.PointIntegrals(K, (K.zero, K.one, K.zero, K.one), (flint.arb(1e-40), flint.arb(0, 1e-20)), (), 20)
 
 
 def test_refusals_are_in_words(monkeypatch) -> None:
