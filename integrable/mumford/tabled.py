@@ -49,8 +49,9 @@ class TabledStates:
         self._beyond += int((np.abs(times) > reach).sum())
         if self._beyond >= MANY and not self._refused:
             self._beyond = 0
-            self._tables = self._made_for(times)
-            self._refused = self._tables is None
+            made = self._made_for(times)
+            # those for nearer times stay
+            self._tables, self._refused = made or self._tables, made is None
         rows = self._from_tables(self._tables, times) if self._tables else {}
         whole = [rows[i] if i in rows else self._by_additions(t) for i, t in enumerate(times.tolist())]
         return [np.array(part) for part in zip(*whole, strict=True)]

@@ -172,6 +172,19 @@ def test_few_times_and_far_ones_take_no_tables(tabled: MumfordFlow) -> None:
     assert far.q[1].tolist() == [float(x) for x in tabled._row(1e9)[0]]
 
 
+def test_times_too_far_for_tables_leave_those_of_near_ones(
+    tabled: MumfordFlow, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    states = tabled._tabled
+    assert states is not None
+    tables = states._tables
+    for name, value in (("_refused", False), ("_beyond", 0), ("_by_additions", lambda t: [[0.0] * 4] * 2)):
+        monkeypatch.setattr(states, name, value)
+    states.at(np.full(MANY, 1e25))
+    assert states._refused
+    assert states._tables is tables is not None
+
+
 def test_motions_without_tables() -> None:
     with pytest.raises(PrecisionLoss, match="even genus"):
         PairTables(flow_of(TodaLattice(4))._place, 1.0)
