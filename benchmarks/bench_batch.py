@@ -1,4 +1,4 @@
-"""Batches of genus 2 and 3 beside the formulas of genus 2 in C and python-flint's Cantor: nanoseconds for an addition or a doubling.
+"""Batches of genus 2 and 3 beside genus 2 in C and python-flint's Cantor: nanoseconds for an addition or a doubling.
 
 Each row is one prime, operation and number N of rows. "kernel" is the compiled loop alone on one thread, "C" the loop
 of benchmarks/c/genus2_batch.c on the same words (compiled here with cc -O3 -march=native; results compared), "array"
