@@ -65,6 +65,14 @@ class _Expressions:
         """A number as a constant, an expression as it is."""
         return x if isinstance(x, self.context.expression) else self._number(x)
 
+    def sub(self, x: Any, y: Any) -> Any:
+        """x − y."""
+        return x - y
+
+    def mul(self, x: Any, y: Any) -> Any:
+        """x·y."""
+        return x * y
+
     def dot(self, xs: Iterable[Any], ys: Iterable[Any]) -> Any:
         """Σ x_i y_i."""
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
