@@ -114,7 +114,7 @@ def _arguments(rng: Random, name: str, options: dict[str, tuple[str, ...]]) -> l
 OPTIONS: dict[str, dict[str, tuple[str, ...]]] = {
     "run": {"--out": OUTS, "--digits": NUMBERS, "--format": ("gif", "", "PNG"), "--colour": ("red",)},
     "view": {
-        "--out": (*OUTS, "folder.toml", ".", "/"),
+        "--out": (*OUTS[1:], "folder.toml", ".", "/"),  # a file that is there is replaced
         "--until": ("nan", "inf", "-inf", "0", "-1", "x", "1e999", ""),
         "--frames": (*NUMBERS, "1", "20001", "1000000000"),
     },
