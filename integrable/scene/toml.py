@@ -19,9 +19,8 @@ from jacobian.errors import ArgumentError, shortened, shown
 __all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
-# an exponent of more than three digits is not tried: the exact fraction would have as many digits
-QUOTE = '"'
 LARGEST_INTEGER = 10**300
+# an exponent of more than three digits is not tried: the exact fraction would have as many digits
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 
@@ -99,7 +98,8 @@ class Table:
 
     def _unknown(self, key: str, value: Any, choices: list[str]) -> Any:
         given = _shown(value)
-        return self.fail(key, f"{given} given; {suggestion(given.strip(QUOTE), choices)}")
+        near = suggestion(given.strip('"'), choices)
+        return self.fail(key, f"{given} given; {near}")
 
     def integer(self, key: str, least: int | None, default: int = _MISSING) -> int:
         """An integer, not below ``least`` if that is given."""
