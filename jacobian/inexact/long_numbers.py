@@ -11,8 +11,6 @@ from typing import Any
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
-BITS_A_DIGIT = 3.3219280948873626
-
 
 class LongNumbers(LongField):
     """Real numbers of ``dps`` decimal digits, those of mpmath's precision of the same name; to be entered with
@@ -20,7 +18,9 @@ class LongNumbers(LongField):
     """
 
     def __init__(self, dps: int) -> None:
-        super().__init__(round((dps + 1) * BITS_A_DIGIT))
+        from mpmath.libmp import dps_to_prec
+
+        super().__init__(dps_to_prec(dps))
         self.dps = dps
         self.context = Functions()
 
