@@ -23,23 +23,25 @@ class TooLong(RuntimeError):
 
 
 @contextmanager
-def at_most(seconds: float) -> Iterator[None]:
-    """Raises TooLong out of what takes longer. Only in a main thread, and not on Windows, which has no such alarm: a
-    row there ends with its worker."""
+def at_most(seconds: float, late: BaseException | None = None, busy: bool = False) -> Iterator[None]:
+    """Raises TooLong, or ``late``, out of what takes longer: seconds of the clock, or if ``busy`` those of this process.
+    Only in a main thread, and not on Windows, which has no such alarm: a row there ends with its worker.
+    """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield
         return
 
     def ring(*_: Any) -> None:
-        raise TooLong(f"not run: a trial took more than {seconds:g} s")
+        raise late or TooLong(f"not run: a trial took more than {seconds:g} s")
 
-    before = signal.signal(signal.SIGALRM, ring)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    number, clock = (signal.SIGPROF, signal.ITIMER_PROF) if busy else (signal.SIGALRM, signal.ITIMER_REAL)
+    before = signal.signal(number, ring)
+    signal.setitimer(clock, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0.0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(clock, 0.0)
+        signal.signal(number, before)
 
 
 def silent(*_: Any) -> None:

@@ -5,8 +5,6 @@ from __future__ import annotations
 import contextlib
 import os
 import re
-import signal
-import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator, Mapping
@@ -14,6 +12,7 @@ from dataclasses import dataclass, field
 from math import inf
 from typing import Any
 
+from integrable.study.timing import at_most
 from jacobian.errors import ArgumentError, JacobianError
 
 RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW = "right", "refused", "unjudged", "wrong", "raw", "slow"
@@ -80,19 +79,20 @@ def run(case: Case) -> Outcome:
 
 
 def _run(case: Case) -> Outcome:
-    names = dict(case.given or {})
+    names, most = dict(case.given or {}), PATIENCE * case.limit
     wall, own = time.perf_counter(), time.process_time()
 
     def taken() -> float:
         return min(time.perf_counter() - wall, time.process_time() - own)
 
     try:
-        with alarm(PATIENCE * case.limit), _bounded(case.memory):
+        # seconds of this process; where it only waits, twenty times as many
+        with at_most(most, TooLong(), busy=True), at_most(20 * most, TooLong()), _bounded(case.memory):
             if case.given is None:
                 exec(compile(case.setup, "<set-up>", "exec"), names)
             names["got"] = eval(compile(case.call, "<call>", "eval"), names)
     except TooLong:
-        return Outcome(SLOW, f"stopped after {PATIENCE * case.limit:.0f} s", _program(case, "no answer"), taken())
+        return Outcome(SLOW, f"stopped after {most:.0f} s", _program(case, "no answer"), taken())
     except case.refusals as error:
         if taken() > (min(case.misuse, case.limit) if isinstance(error, ArgumentError) else case.limit):
             return Outcome(SLOW, f"refused after {taken():.1f} s: {error}", _program(case, _first(error)), taken())
@@ -123,29 +123,6 @@ def _judged(case: Case, names: dict[str, Any], seconds: float) -> Outcome:
         f"assert {complaint.check}, got",
     ]
     return Outcome(WRONG, complaint.why, "\n".join(lines), seconds)
-
-
-@contextlib.contextmanager
-def alarm(seconds: float) -> Iterator[None]:
-    """Raises TooLong after so many seconds of this process, and where it only waits after twenty times as many; on
-    platforms that have such alarms (POSIX), in the main thread."""
-    if not hasattr(signal, "setitimer") or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-
-    def ring(*_: Any) -> None:
-        raise TooLong
-
-    clocks = ((signal.SIGPROF, signal.ITIMER_PROF, seconds), (signal.SIGALRM, signal.ITIMER_REAL, 20 * seconds))
-    before = [signal.signal(number, ring) for number, _, _ in clocks]
-    for _, clock, length in clocks:
-        signal.setitimer(clock, length)
-    try:
-        yield
-    finally:
-        for (number, clock, _), handler in zip(clocks, before, strict=True):
-            signal.setitimer(clock, 0)
-            signal.signal(number, handler)
 
 
 @contextlib.contextmanager
