@@ -25,7 +25,7 @@ from integrable.study.timing import Tick, Timed, TooLong, at_most, silent, timed
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
-__all__ = ["TooLong", "Unjudged", "flow_measured", "measured"]
+__all__ = ["Unjudged", "flow_measured", "measured"]
 
 PILOT = 2.0**-7
 """Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""

@@ -19,6 +19,7 @@ from filelock import FileLock
 
 from integrable.study.plan import Task
 from integrable.study.store import Store
+from integrable.study.timing import TooLong
 from jacobian.numbers.compiler import NoCacheWarning
 
 __all__ = ["run_tasks"]
@@ -205,7 +206,7 @@ def _work(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt ends the parent, which ends its workers
     for name in _THREADS:
         os.environ.setdefault(name, "1")
-    from integrable.study.measure import TooLong, Unjudged, measured
+    from integrable.study.measure import Unjudged, measured
 
     while True:
         try:

@@ -24,7 +24,7 @@ class TooLong(RuntimeError):
 
 @contextmanager
 def at_most(seconds: float, late: BaseException | None = None, busy: bool = False) -> Iterator[None]:
-    """Raises TooLong, or ``late``, out of what takes longer: seconds of the clock, or if ``busy`` those of this process.
+    """Raises TooLong, or ``late``, out of what takes longer: seconds of the clock, if ``busy`` those of this process.
     Only in a main thread, and not on Windows, which has no such alarm: a row there ends with its worker.
     """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
