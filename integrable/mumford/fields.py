@@ -40,12 +40,17 @@ def multiplier(K: Any, u: Poly, direction: Sequence[Any]) -> Poly:
 
 def rates(K: Any, f: Poly, u: Poly, v: Poly, direction: Sequence[Any]) -> tuple[Poly, Poly]:
     """(U', V') along a direction: U' = nV mod U, V' = −½nW mod U."""
-    size, n = len(u) - 1, multiplier(K, u, direction)
-    of_u = poly.mod(K, poly.mul(K, n, v), u)
-    twice = poly.mod(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
+    return rates_and_quotients(K, f, u, v, multiplier(K, u, direction))[0]
+
+
+def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tuple[Poly, Poly], tuple[Poly, Poly]]:
+    """((U', V'), (m, w)) along the direction that n(x) is the multiplier of: U' = nV − mU, V' = −½(nW − wU)."""
+    size = len(u) - 1
+    m, of_u = poly.divide(K, poly.mul(K, n, v), u)
+    w, twice = poly.divide(K, poly.mul(K, n, cofactor(K, f, u, v)), u)
     half = K.neg(K.inv(poly.integer(K, 2)))
     of_v = tuple([K.mul(half, c) for c in twice])
-    return (*padded(K, of_u, size), K.zero), padded(K, of_v, size)
+    return ((*padded(K, of_u, size), K.zero), padded(K, of_v, size)), (m, w)
 
 
 def second_kind_rate(K: Any, u: Poly, direction: Sequence[Any]) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, cofactor, multiplier, rates, second_kind_rate
+from integrable.mumford.fields import Poly, multiplier, rates_and_quotients, second_kind_rate
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -127,26 +127,23 @@ def _extend(
     moving = tuple(map(K.coerce, rows[: 2 * size]))
     whole = (*moving[:size], K.one)
     n = tuple(map(K.coerce, direction))
-    of_u, of_v = rates(K, tuple(map(K.coerce, f)), whole, moving[size:], n)
     turning = multiplier(K, whole, n)
+    (of_u, of_v), quotients = rates_and_quotients(K, tuple(map(K.coerce, f)), whole, moving[size:], turning)
     thirds = [poly.evaluate(K, turning, x) / poly.evaluate(K, whole, x) for x in map(K.coerce, points)]
     second = second_kind_rate(K, whole, n)
     roots = list(map(K.coerce, rows[len(rows) - 2 * len(ends) :]))
-    of_roots = lift_rates(K, tuple(map(K.coerce, f)), whole, moving[size:], turning, list(map(K.coerce, ends)), roots)
+    of_roots = lift_rates(K, (turning, *quotients), list(map(K.coerce, ends)), roots)
     for row, rate in zip(rows, (*of_u[:-1], *of_v, second, *thirds, *of_roots), strict=True):
         row.append(rate[k - 1] / k)
 
 
-def lift_rates(K: Any, f: Poly, u: Poly, v: Poly, n: Poly, ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
-    """σ', ν' of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its end, m = nV div U, w = nW div U.
+def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:
+    """σ', ν' of each lift: σ' = ½(nν − mσ), ν' = ½(mν + wσ) at its end; ``factors`` are n, m, w.
 
     From κσ² = U(e), κσν = V(e), κν² = −W(e) and U' = nV − mU, V' = −½(nW − wU).
     """
-    if not ends:
-        return []
-    of_v, of_w = (poly.quotient(K, poly.mul(K, n, a), u) for a in (v, cofactor(K, f, u, v)))
     found = []
     for e, sigma, nu in zip(ends, roots[::2], roots[1::2], strict=True):
-        a, m, w = (poly.evaluate(K, b, e) for b in (n, of_v, of_w))
-        found += [(a * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
+        n, m, w = (poly.evaluate(K, b, e) for b in factors)
+        found += [(n * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
     return found
