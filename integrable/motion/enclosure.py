@@ -19,11 +19,11 @@ from mpmath import mag
 from integrable.motion.precise import PreciseFlow
 from integrable.moving_point import addition
 from integrable.moving_point.addition import opposite
-from integrable.moving_point.balls import BallField, BallTranslations, is_bounded, picard_box, time_after
+from integrable.moving_point.balls import BallField, BallTranslations, picard_box, time_after
 from integrable.moving_point.problem import MotionProblem, vectors
 from integrable.moving_point.translations import Translations
 from integrable.phase.body import Body
-from integrable.phase.enclosure import Enclosure, exact_times, rounded_up, widest
+from integrable.phase.enclosure import Enclosure, exact_times, is_bounded, rounded_up, widest
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 

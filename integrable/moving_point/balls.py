@@ -1,10 +1,9 @@
 """Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry a bound of their error.
 
 Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each of its
-branches; so it maps balls
-around such points to balls around the result, whichever branch a comparison of balls takes. Where a divisor is a ball
-around 0 the result has no bound, which :func:`is_bounded` tells. What is truncated is bounded here: the power series
-by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
+branches; so it maps balls around such points to balls around the result, whichever branch a comparison of balls takes.
+Where a divisor is a ball around 0 the result has no bound, which :func:`integrable.phase.enclosure.is_bounded` tells.
+What is truncated is bounded here: the power series by Cauchy's estimate, Newton's iteration by Krawczyk's test (1969).
 """
 
 from __future__ import annotations
@@ -46,11 +45,6 @@ class BallField(InexactField):
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
         """Σ x_i y_i."""
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
-
-
-def is_bounded(values: Sequence[Any]) -> bool:
-    """Whether every ball has a finite radius."""
-    return all(x.is_finite() for x in values)
 
 
 def around(middle: Any, radius: Any) -> Any:

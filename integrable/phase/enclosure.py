@@ -84,6 +84,11 @@ def exact_times(times: list[Any]) -> list[Any]:
     return list(BallReals(64).row(float(t) if isinstance(t, float) else t for t in times))
 
 
+def is_bounded(values: Sequence[Any]) -> bool:
+    """Whether every ball has a finite radius."""
+    return all(x.is_finite() for x in values)
+
+
 def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
     """The largest radius of balls in (vector, size), each relative to its size, as an upper bound; NaN where one has no
     bound.
@@ -91,7 +96,7 @@ def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
     from flint import arb
 
     found = [x / size for vector, size in vectors for x in vector]
-    return max(x.rad() for x in found).abs_upper() if all(x.is_finite() for x in found) else arb("nan")
+    return max(x.rad() for x in found).abs_upper() if is_bounded(found) else arb("nan")
 
 
 def rounded_up(radius: Any) -> float:
