@@ -341,11 +341,15 @@ class MumfordFlow:
         """The state at a time, in long numbers."""
         return self._motion.row(time, self._reader(time), self.digits, self._clock)
 
+    @property
+    def _compiles(self) -> bool:
+        """Whether compiled loops in floats may take the motion."""
+        return not (hasattr(self.system.field, "dps") or self.system.complex_data or interpreted())
+
     @cached_property
     def _tabled(self) -> TabledStates | None:
         """What makes many states of a motion in floats, of more points than a torus is for."""
-        beyond = hasattr(self.system.field, "dps") or self.system.complex_data or self._clock is not None
-        if self._genus not in GENERA_TABLED or beyond or interpreted():
+        if self._genus not in GENERA_TABLED or self._clock is not None or not self._compiles:
             return None
         from integrable.mumford.tabled import TabledStates
 
@@ -385,8 +389,7 @@ class MumfordFlow:
     @cached_property
     def _torus(self) -> RealTorus | BodyTorus | None:
         """The compiled torus of a motion of genus 2 in floats, where there is one."""
-        elsewhere = hasattr(self.system.field, "dps") or self.system.complex_data
-        if self._genus != 2 or elsewhere or interpreted():
+        if self._genus != 2 or not self._compiles:
             return None
         try:
             torus = self._made_torus()
