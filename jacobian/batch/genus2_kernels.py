@@ -67,6 +67,18 @@ def keep_quotient(K, C, S, j, quotient):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
+def keep_chord(K, C, S, j):  # type: ignore[no-untyped-def]
+    """The first half of the sum in row j."""
+    keep_quotient(K, C, S, j, chord(K, line(K, S, FIRST, j), line(K, S, SECOND, j)))
+
+
+@register_jitable(**INLINED)
+def keep_tangent(K, C, S, j):  # type: ignore[no-untyped-def]
+    """The first half of the double in row j."""
+    keep_quotient(K, C, S, j, tangent(K, C, line(K, S, FIRST, j)))
+
+
+@register_jitable(**INLINED)
 def all_general(S, g, x_degree, y_degree, start, size):  # type: ignore[no-untyped-def]
     """Whether every row of a block has weight g twice and a product ≠ 0: no branch for a row."""
     special = 0
@@ -122,54 +134,90 @@ def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-d
             out[k, np.uint64(start) + np.uint64(j)] = S[SECOND + k * BLOCK + j]
 
 
+@register_jitable(**INLINED)
+def same(S, one, other, columns, j):  # type: ignore[no-untyped-def]
+    """Whether row j is the same in two places of the scratch array."""
+    apart = False
+    for k in range(columns):
+        apart |= S[one + k * BLOCK + j] != S[other + k * BLOCK + j]
+    return not apart
+
+
+def adding(g, second_at, scratch, keep_chord, keep_tangent, close_block):  # type: ignore[no-untyped-def]
+    """The loop of :func:`add_rows` in genus g, from what the formulas there do with row j and with a block; the second
+    summand begins at ``second_at`` of ``scratch`` numbers.
+    """
+
+    def loop(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
+        (x, x_degree), (y, y_degree) = first, second
+        S = np.zeros(scratch, x.dtype)
+        count = 0
+        for start in range(begin, end, BLOCK):
+            size = min(BLOCK, end - start)
+            load(S, FIRST, x, start, size)
+            load(S, second_at, y, start, size)
+            for j in range(BLOCK):
+                keep_chord(K, C, S, j)
+            if not all_general(S, g, x_degree, y_degree, start, size):
+                for j in range(size):
+                    if x_degree[start + j] == g and y_degree[start + j] == g:
+                        if S[PRODUCT + j] == 0 and same(S, FIRST, second_at, 2 * g, j):
+                            keep_tangent(K, C, S, j)
+                        if S[PRODUCT + j] != 0:
+                            continue
+                    S[PRODUCT + j] = K.one
+                    special[count] = start + j
+                    count += 1
+            S[PRODUCT + size : PRODUCT + BLOCK] = K.one
+            invert_products(K, S)
+            close_block(K, C, S, second_at, out, start, size)
+        return count
+
+    return register_jitable(**INLINED)(loop)
+
+
+def doubling(g, scratch, keep_tangent, close_block):  # type: ignore[no-untyped-def]
+    """As :func:`adding`, for :func:`double_rows`."""
+
+    def loop(K, C, first, out, begin, end, special):  # type: ignore[no-untyped-def]
+        x, x_degree = first
+        S = np.zeros(scratch, x.dtype)
+        count = 0
+        for start in range(begin, end, BLOCK):
+            size = min(BLOCK, end - start)
+            load(S, FIRST, x, start, size)
+            for j in range(BLOCK):
+                keep_tangent(K, C, S, j)
+            if not all_general(S, g, x_degree, x_degree, start, size):
+                for j in range(size):
+                    if x_degree[start + j] != g or S[PRODUCT + j] == 0:
+                        S[PRODUCT + j] = K.one
+                        special[count] = start + j
+                        count += 1
+            S[PRODUCT + size : PRODUCT + BLOCK] = K.one
+            invert_products(K, S)
+            close_block(K, C, S, FIRST, out, start, size)
+        return count
+
+    return register_jitable(**INLINED)(loop)
+
+
+_add = adding(2, SECOND, SCRATCH, keep_chord, keep_tangent, close_block)
+_double = doubling(2, SCRATCH, keep_tangent, close_block)
+
+
+# numba's cache watches the file of an entry: each genus has its own
+
+
 @njit(**JIT)
 def add_rows(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
     """out[:, j] = x[:, j] + y[:, j] for the general rows j with begin ≤ j < end; the others go into ``special``, and
     their number is returned. ``first`` is x with its degrees, ``second`` y with its.
     """
-    (x, x_degree), (y, y_degree) = first, second
-    S = np.zeros(SCRATCH, x.dtype)
-    count = 0
-    for start in range(begin, end, BLOCK):
-        size = min(BLOCK, end - start)
-        load(S, FIRST, x, start, size)
-        load(S, SECOND, y, start, size)
-        for j in range(BLOCK):
-            keep_quotient(K, C, S, j, chord(K, line(K, S, FIRST, j), line(K, S, SECOND, j)))
-        if not all_general(S, 2, x_degree, y_degree, start, size):
-            for j in range(size):
-                if x_degree[start + j] == 2 and y_degree[start + j] == 2:
-                    if S[PRODUCT + j] == 0 and quadruple(K, S, FIRST, j) == quadruple(K, S, SECOND, j):
-                        keep_quotient(K, C, S, j, tangent(K, C, line(K, S, FIRST, j)))
-                    if S[PRODUCT + j] != 0:
-                        continue
-                S[PRODUCT + j] = K.one
-                special[count] = start + j
-                count += 1
-        S[PRODUCT + size : PRODUCT + BLOCK] = K.one
-        invert_products(K, S)
-        close_block(K, C, S, SECOND, out, start, size)
-    return count
+    return _add(K, C, first, second, out, begin, end, special)
 
 
 @njit(**JIT)
 def double_rows(K, C, first, out, begin, end, special):  # type: ignore[no-untyped-def]
     """As :func:`add_rows`, for out[:, j] = 2x[:, j]."""
-    x, x_degree = first
-    S = np.zeros(SCRATCH, x.dtype)
-    count = 0
-    for start in range(begin, end, BLOCK):
-        size = min(BLOCK, end - start)
-        load(S, FIRST, x, start, size)
-        for j in range(BLOCK):
-            keep_quotient(K, C, S, j, tangent(K, C, line(K, S, FIRST, j)))
-        if not all_general(S, 2, x_degree, x_degree, start, size):
-            for j in range(size):
-                if x_degree[start + j] != 2 or S[PRODUCT + j] == 0:
-                    S[PRODUCT + j] = K.one
-                    special[count] = start + j
-                    count += 1
-        S[PRODUCT + size : PRODUCT + BLOCK] = K.one
-        invert_products(K, S)
-        close_block(K, C, S, FIRST, out, start, size)
-    return count
+    return _double(K, C, first, out, begin, end, special)

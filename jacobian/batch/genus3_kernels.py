@@ -8,13 +8,13 @@ import numpy as np
 from numba.extending import register_jitable
 
 from jacobian.addition.genus3_words import chord, next_u, next_v, product, quintic, sum_u, sum_v, tangent
-from jacobian.batch.genus2_kernels import BLOCK, JIT, PRODUCT, TAIL, all_general, invert_products, load, quadruple
+from jacobian.batch.genus2_kernels import BLOCK, FIRST, JIT, PRODUCT, TAIL, adding, doubling, quadruple
 from jacobian.numbers.compiler import njit
 from jacobian.numbers.words import canonical, number
 from jacobian.numbers.words_compiled import INLINED
 
 # the products lie where those of genus 2 do, as they are inverted by the same loop; the quotient is before them
-FIRST, MIDDLE, SECOND = 0, PRODUCT - 4 * BLOCK, TAIL + BLOCK
+MIDDLE, SECOND = PRODUCT - 4 * BLOCK, TAIL + BLOCK
 MEETING = SECOND + 6 * BLOCK
 SCRATCH = MEETING + 4 * BLOCK
 
@@ -40,6 +40,18 @@ def keep_quotient(K, S, j, quotient):  # type: ignore[no-untyped-def]
 
 
 @register_jitable(**INLINED)
+def keep_chord(K, C, S, j):  # type: ignore[no-untyped-def]
+    """The first half of the sum in row j."""
+    keep_quotient(K, S, j, chord(K, row(K, S, FIRST, j), row(K, S, SECOND, j)))
+
+
+@register_jitable(**INLINED)
+def keep_tangent(K, C, S, j):  # type: ignore[no-untyped-def]
+    """The first half of the double in row j."""
+    keep_quotient(K, S, j, tangent(K, C, row(K, S, FIRST, j)))
+
+
+@register_jitable(**INLINED)
 def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-def]
     """The second halves of a block, from its inverses, in short loops."""
     for j in range(BLOCK):
@@ -61,52 +73,17 @@ def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-d
             out[k, np.uint64(start) + np.uint64(j)] = S[SECOND + k * BLOCK + j]
 
 
+_add = adding(3, SECOND, SCRATCH, keep_chord, keep_tangent, close_block)
+_double = doubling(3, SCRATCH, keep_tangent, close_block)
+
+
 @njit(**JIT)
 def add_rows(K, C, first, second, out, begin, end, special):  # type: ignore[no-untyped-def]
     """:func:`jacobian.batch.genus2_kernels.add_rows` in genus 3."""
-    (x, x_degree), (y, y_degree) = first, second
-    S = np.zeros(SCRATCH, x.dtype)
-    count = 0
-    for start in range(begin, end, BLOCK):
-        size = min(BLOCK, end - start)
-        load(S, FIRST, x, start, size)
-        load(S, SECOND, y, start, size)
-        for j in range(BLOCK):
-            keep_quotient(K, S, j, chord(K, row(K, S, FIRST, j), row(K, S, SECOND, j)))
-        if not all_general(S, 3, x_degree, y_degree, start, size):
-            for j in range(size):
-                if x_degree[start + j] == 3 and y_degree[start + j] == 3:
-                    if S[PRODUCT + j] == 0 and row(K, S, FIRST, j) == row(K, S, SECOND, j):
-                        keep_quotient(K, S, j, tangent(K, C, row(K, S, FIRST, j)))
-                    if S[PRODUCT + j] != 0:
-                        continue
-                S[PRODUCT + j] = K.one
-                special[count] = start + j
-                count += 1
-        S[PRODUCT + size : PRODUCT + BLOCK] = K.one
-        invert_products(K, S)
-        close_block(K, C, S, SECOND, out, start, size)
-    return count
+    return _add(K, C, first, second, out, begin, end, special)
 
 
 @njit(**JIT)
 def double_rows(K, C, first, out, begin, end, special):  # type: ignore[no-untyped-def]
     """The same for out[:, j] = 2x[:, j]."""
-    x, x_degree = first
-    S = np.zeros(SCRATCH, x.dtype)
-    count = 0
-    for start in range(begin, end, BLOCK):
-        size = min(BLOCK, end - start)
-        load(S, FIRST, x, start, size)
-        for j in range(BLOCK):
-            keep_quotient(K, S, j, tangent(K, C, row(K, S, FIRST, j)))
-        if not all_general(S, 3, x_degree, x_degree, start, size):
-            for j in range(size):
-                if x_degree[start + j] != 3 or S[PRODUCT + j] == 0:
-                    S[PRODUCT + j] = K.one
-                    special[count] = start + j
-                    count += 1
-        S[PRODUCT + size : PRODUCT + BLOCK] = K.one
-        invert_products(K, S)
-        close_block(K, C, S, FIRST, out, start, size)
-    return count
+    return _double(K, C, first, out, begin, end, special)
