@@ -337,7 +337,7 @@ def _heights(curve: Oval, count: int) -> list[Any]:
     K = curve.field
     step, r = curve.translation(curve.period / (2 * count)), curve.at_low()
     heights = []
-    with K.context.workprec(K.bits + GUARD_BITS):
+    with K.context.workprec(K.context.prec + GUARD_BITS):
         for _ in range(count + 1):
             heights.append(curve.height(r, (curve.low, curve.middle)))
             r = curve.added(r, step)

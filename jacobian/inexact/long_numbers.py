@@ -39,6 +39,11 @@ class Functions:
         self.log10, self.cos, self.sin, self.acos = gmpy2.log10, gmpy2.cos, gmpy2.sin, gmpy2.acos
 
     @property
+    def prec(self) -> int:
+        """The precision of the thread, in bits."""
+        return int(self._gmpy2.get_context().precision)
+
+    @property
     def pi(self) -> Any:
         """π."""
         return self._gmpy2.const_pi()
@@ -68,7 +73,7 @@ class Functions:
         """R_F(x, y, z) of numbers ≥ 0, one of them 0 at most, by duplication (Carlson 1995, with the series of DLMF
         19.36.1 to the seventh order). PrecisionLoss where it has no value, as of what rounding has made negative.
         """
-        root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self._gmpy2.get_context().precision
+        root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self.prec
         close = one / 2 ** (bits // 8 + 1)
         x, y, z = one * x, one * y, one * z
         # a round takes two bits off what they differ by

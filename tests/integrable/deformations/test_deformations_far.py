@@ -18,6 +18,7 @@ from integrable.deformations.separated_flow import OvalCarrier
 from integrable.phase.state import State
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import Infeasible, NotRepresentable, PrecisionLoss
+from jacobian.inexact.long_numbers import LongNumbers
 from tests.integrable.deformations.extrapolation import extrapolate
 from tests.integrable.deformed_systems import KINDS, random_deformation
 
@@ -304,6 +305,16 @@ def test_a_changed_integral_or_a_changed_sign_is_noticed() -> None:
     assert integrals_missing(system, before, motion.sizes, [good], 25) <= 0
     bad = good[0], [x * (1 + system.field.coerce("1e-20")) for x in good[1]]
     assert 4 <= integrals_missing(system, before, motion.sizes, [bad], 25) <= 6
+
+
+def test_a_clock_runs_on_both_kinds_of_long_numbers() -> None:
+    system = Tilde((1, 2, 4), 0.1)
+    state, long = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), LongNumbers(40)
+    with long:
+        one = OvalCarrier(*widened(system, state, long))
+    other = OvalCarrier(*widened(system, state, MP(40)))
+    tau, same = (motion.tau([motion.field.coerce(3)], 20)[0] for motion in (one, other))
+    assert abs(other.field.coerce(tau) - same) < 1e-20
 
 
 @pytest.mark.parametrize("spoiled", ["integrals", "signs"])
