@@ -127,6 +127,12 @@ width_of = compiled(width)
 
 
 @compiled
+def window_of(scalar):  # type: ignore[no-untyped-def]
+    """Bits of a digit of a scalar given as bytes."""
+    return 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
+
+
+@compiled
 def windows_of_bytes(scalar, width):  # type: ignore[no-untyped-def]
     """The non-adjacent form of :func:`jacobian.addition.ladder.signed_digits`, of a scalar given as bytes."""
     size = 8 * len(scalar)
@@ -205,7 +211,7 @@ def packed(K, curve, data, scalar):  # type: ignore[no-untyped-def]
     One function, and one for all curves over a field: what it calls is compiled once.
     """
     g, words, S = curve[0], np.frombuffer(data, np.int64), scratch(curve)
-    window = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
+    window = window_of(scalar)
     odd = np.empty((1 << (window - 2), width_of(g)), np.int64)
     total, other = np.empty(width_of(g), np.int64), np.empty(width_of(g), np.int64)
     if len(scalar) == 0:

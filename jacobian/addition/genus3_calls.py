@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numba import typeof, types
 
-from jacobian.addition.calls import JIT, SCALAR, LineKernel, compiled, entry, windows_of_bytes
+from jacobian.addition.calls import JIT, SCALAR, LineKernel, compiled, entry, window_of, windows_of_bytes
 from jacobian.addition.cantor import Triple
 from jacobian.addition.genus3_words import chord, closed, product, short_equation, tangent
 from jacobian.curve.curve import HyperellipticCurve
@@ -81,7 +81,7 @@ def _keep(odd, i, row):  # type: ignore[no-untyped-def]
 @njit(nogil=True, **JIT)
 def multiple_of_cubic(K, C, u, v, scalar):  # type: ignore[no-untyped-def]
     """As :func:`add_cubics`, for the multiple of one class by the scalar > 0 that little-endian bytes give."""
-    window = 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
+    window = window_of(scalar)
     digits, odd = windows_of_bytes(scalar, window), np.empty((1 << (window - 2), 6), np.int64)
     first = _row(K, u, v)
     _keep(odd, 0, first)
