@@ -22,6 +22,8 @@ Three = tuple[Real, Real, Real]
 
 # where the Laurent series of ℘ is summed: |v|²·size at most
 NEAR = 1 / 16
+# modes whose speed is less than this part of its terms are resonant where they are loud, and where they hardly move
+RESONANT, STILL = 2.0**-10, 2.0**-40
 
 
 class Track(NamedTuple):
@@ -214,16 +216,9 @@ def misses(waves: Waves, x: Row, t: Row, out: Row) -> None:
 
 def shown(waves: Waves, x: Real) -> Real:
     """What the clock shows."""
-    numbers, room, columns = waves.numbers, waves.room, waves.columns
-    two_pi = numbers[2]
-    c, s = on_circle(fraction(numbers[5] * x + numbers[6]), two_pi)
-    p, q = 1 + 0 * x, 0 * x
-    for n in range(columns):
-        room[2 * n], room[2 * n + 1] = p, q
-        p, q = p * c - q * s, p * s + q * c
-    c, s = on_circle(fraction(numbers[3] * x + numbers[4]), two_pi)
-    p, q = 1 + 0 * x, 0 * x
-    total = numbers[0] * x - numbers[1]
+    room, columns = waves.room, waves.columns
+    p, q, c, s = circles(waves, x)
+    total = waves.numbers[0] * x - waves.numbers[1]
     place = 0
     for _ in range(len(waves.even) // columns):
         even, odd = 0 * x, 0 * x
@@ -236,18 +231,155 @@ def shown(waves: Waves, x: Real) -> Real:
     return total
 
 
+def paces(waves: Waves, rates: Row, x: Row, out: Row) -> None:
+    """1/g at every x into ``out``, from its c_mn row by row as the clock's."""
+    room, columns = waves.room, waves.columns
+    for i in range(len(x)):
+        p, q, c, s = circles(waves, x[i])
+        total = 0 * p
+        place = 0
+        for _ in range(len(rates) // columns):
+            for n in range(columns):
+                total += p * rates[place] * room[2 * n]
+                place += 1
+            p, q = p * c - q * s, p * s + q * c
+        out[i] = total
+
+
+def circles(waves: Waves, x: Real) -> tuple[Real, Real, Real, Real]:
+    """1, 0, cos θ₁, sin θ₁ at x, and those of all nθ₂ in the clock's room."""
+    numbers, room = waves.numbers, waves.room
+    c, s = on_circle(fraction(numbers[5] * x + numbers[6]), numbers[2])
+    p, q = 1 + 0 * x, 0 * x
+    for n in range(waves.columns):
+        room[2 * n], room[2 * n + 1] = p, q
+        p, q = p * c - q * s, p * s + q * c
+    c, s = on_circle(fraction(numbers[3] * x + numbers[4]), numbers[2])
+    return 1 + 0 * x, 0 * x, c, s
+
+
 def fraction(turns: Real) -> Real:
     """What is left of a number of turns beyond whole ones."""
     return turns - float(floor(float(turns) + 0.5))
 
 
+class Modes(NamedTuple):
+    """What 1/g = Σ c_mn cos mθ₁ cos nθ₂ is made of, 0 ≤ m ≤ ``rows``, 0 ≤ n ≤ ``columns``: ``numbers`` are d, the
+    weights of 1 + dz_k in g², μ1, μ2, and of half a turn over rows and over columns cosine and sine. ``table`` is for
+    the c_mn row by row, ``room`` for 2·(rows + columns) + 4 numbers.
+    """
+
+    numbers: Row
+    rows: int
+    columns: int
+    table: Row
+    room: Row
+
+
+def expand(first: Track, second: Track, modes: Modes) -> None:
+    """The c_mn of 1/g, by cosine transforms along both phases of its values at half turns over rows and columns."""
+    numbers, rows, columns, table, room = modes
+    # of either curve its part of g²
+    heights(first, numbers[0], numbers[1], numbers[3], rows, room, 0)
+    heights(second, numbers[0], numbers[2], numbers[4], columns, room, rows + 1)
+    place = 0
+    for i in range(rows + 1):
+        for j in range(columns + 1):
+            table[place] = 1 / root(room[i] + room[rows + 1 + j])
+            place += 1
+    powers(numbers[7], numbers[8], columns, room)
+    for i in range(rows + 1):
+        transform(table, i * (columns + 1), 1, columns, room)
+    powers(numbers[5], numbers[6], rows, room)
+    for j in range(columns + 1):
+        transform(table, j, columns + 1, rows, room)
+
+
+def heights(track: Track, d: Real, weight: Real, mu: Real, count: int, out: Row, place: int) -> None:
+    """weight·(1 + dz) at the phases πj/count, j = 0 … count."""
+    numbers = track.numbers
+    step = translation(track, numbers[0] / (2 * count))
+    r = (0 * mu, root(numbers[1]), root(numbers[2]))
+    for j in range(count + 1):
+        out[place + j] = weight * (1 + d * height(track, r, mu))
+        r = added(r, step)
+
+
+def powers(c: Real, s: Real, count: int, out: Row) -> None:
+    """cos πj/count, j = 0 … 2·count − 1, from the cosine and sine of π/count."""
+    p, q = 1 + 0 * c, 0 * c
+    for j in range(2 * count):
+        out[j] = p
+        p, q = p * c - q * s, p * s + q * c
+
+
+def transform(table: Row, place: int, stride: int, count: int, room: Row) -> None:
+    """c_k with Σ c_k cos(πjk/count) = v_j, j, k = 0 … count, in place of the v_j; ``room`` begins with the cosines."""
+    half, line = (count - 1) // 2, 2 * count
+    # cos(π(count − j)k/count) = ±cos(πjk/count): of even k sums are enough, of odd k differences
+    for j in range(count + 1):
+        other = table[place + (count - j) * stride]
+        if j <= half:
+            room[line + j] = table[place + j * stride] + other
+        elif 2 * j > count:
+            room[line + j] = other - table[place + j * stride]
+        else:
+            room[line + j] = other
+    for k in range(count + 1):
+        begin, way = (line, 1) if k % 2 == 0 else (line + count, -1)
+        total = room[begin] * 0.5
+        turn = 0
+        for j in range(1, half + 1):
+            turn += k
+            if turn >= 2 * count:
+                turn -= 2 * count
+            total += room[begin + way * j] * room[turn]
+        if count % 2 == 0 and k % 2 == 0:
+            middle = room[line + count // 2]
+            total += middle if k % 4 == 0 else -middle
+        ends = 2 if k == 0 or k == count else 1
+        table[place + k * stride] = total * 2.0 / float(count * ends)
+
+
+def integrate(modes: Modes, speeds: Row, least: float, even: Row, odd: Row) -> bool:
+    """The e_mn and o_mn of :class:`Waves` from the c_mn of at least ``least``, where θ₁ and θ₂ turn at ``speeds``:
+    whether no mode is resonant.
+    """
+    place, mean = -1, float(modes.table[0])
+    for m in range(modes.rows + 1):
+        for n in range(modes.columns + 1):
+            place += 1
+            value = modes.table[place]
+            even[place], odd[place] = 0 * value, 0 * value
+            if place == 0 or abs(float(value)) < least:
+                continue
+            one, other = float(m) * speeds[0], float(n) * speeds[1]
+            slow, terms = abs(float(one - other)), float(one + other)
+            # a quiet mode may be slow: what it swings by is no more than the mean is in a radian
+            if slow < RESONANT * terms and (slow < STILL * terms or abs(float(value)) > slow * mean):
+                return False
+            if m == 0 or n == 0:
+                # cos mθ₁, or cos nθ₂
+                even[place], odd[place] = (value / one, 0 * value) if n == 0 else (0 * value, value / other)
+            else:
+                # the mean of cos(mθ₁ + nθ₂) and cos(mθ₁ − nθ₂)
+                up, down = value * 0.5 / (one + other), value * 0.5 / (one - other)
+                even[place], odd[place] = up + down, up - down
+    return True
+
+
 _TRACK = record(Track, WIDES, WIDES, FLOAT)
 _FRAME = record(Frame, WIDES, WIDES, BOOL, TupleKind((FLOAT, FLOAT)))
+_WAVES = record(Waves, WIDES, WIDES, WIDES, INT, WIDES)
+_MODES = record(Modes, WIDES, INT, INT, WIDES, WIDES)
 LIBRARY = Library(
     "deformations",
     {
         "states": (states, (_TRACK, _TRACK, _FRAME, WIDES, FLOATS, FLOATS)),
-        "misses": (misses, (record(Waves, WIDES, WIDES, WIDES, INT, WIDES), WIDES, WIDES, WIDES)),
+        "misses": (misses, (_WAVES, WIDES, WIDES, WIDES)),
+        "paces": (paces, (_WAVES, WIDES, WIDES, WIDES)),
+        "expand": (expand, (_TRACK, _TRACK, _MODES)),
+        "integrate": (integrate, (_MODES, WIDES, FLOAT, WIDES, WIDES)),
     },
     SPECIAL,
 )

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.deformations.oval_loops import LIBRARY, Frame, Track, Waves
-from integrable.motion.precise import SPARE
+from integrable.deformations.oval_loops import LIBRARY, Frame, Modes, Track, Waves
+from integrable.deformations.separated_clock import extremes, grown, series_sizes
 from integrable.moving_point.newton import step_inside
 from jacobian import RR
 from jacobian.errors import ArgumentError
@@ -20,13 +20,16 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import exact_product, split
 
 if TYPE_CHECKING:
-    from integrable.deformations.separated_clock import Doubles
     from integrable.motion.precise import RoundedRows
 
 # periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
 # what H and K, relative to their sizes, and the farthest state may be off by
 MOST_LOST = 1e-20
+# what 1/g may be off by: a part of a physical time
+MOST_OFF = 1e-18
+# the digits of 1/g, how often a series that lacks them grows, and beyond what the tables of another way are cheaper
+DIGITS, GROWTHS, MOST_WORK = 24, 4, 1 << 25
 # modes of 1/g, over its mean, that τ does not show
 MODES = 1e-22
 # where Newton's steps in floats end, and when they are given up
@@ -68,38 +71,42 @@ class QuickStates:
 
     def _tau(self, times: np.ndarray) -> np.ndarray | None:
         """τ at physical times as double-doubles, shape (N, 2)."""
-        many: Any = self._rows.many
-        carrier = many.carrier
+        carrier: Any = self._rows.many.carrier
         far = carrier.field.coerce(float(times[np.argmax(np.abs(times))]))
         if not carrier.turns(abs(carrier.most_tau(far))) < MOST_TURNS:
             return None
+        packed = self._compiled(carrier)
+        if packed is None:
+            return None
         # one for all times
-        clock = carrier.clock(many.digits + SPARE + carrier.lost(MOST_TURNS * carrier.period))
-        if self._clock[0] is not clock:
-            doubles = clock.doubles()
-            self._clock = clock, None if doubles is None else QuickClock(doubles)
-        quick = self._clock[1]
-        found = None if quick is None else quick.tau(times)
-        if found is None:
+        if self._clock[0] is not carrier:
+            self._clock = carrier, QuickClock.of(carrier, packed[:2])
+        clock: QuickClock | None = self._clock[1]
+        found = None if clock is None else clock.tau(times)
+        if clock is None or found is None:
             return None
         n = int(np.argmax(np.abs(times)))
-        tau = sum(map(carrier.field.coerce, found[n].tolist()))
-        return found if abs(clock.time(tau) - far) <= MOST_LOST * (carrier.period + abs(far)) else None
+        return found if clock.holds(found[n : n + 1], times[n : n + 1]) else None
 
-    def _quick(self, tau: np.ndarray) -> np.ndarray | None:
-        carrier: Any = self._rows.many.carrier
-        far = int(np.argmax(np.abs(tau[:, 0])))
-        if not carrier.turns(carrier.field.coerce(float(tau[far, 0]))) < MOST_TURNS:
-            return None
+    def _compiled(self, carrier: Any) -> Any:
+        """What :func:`packed` makes of a carrier, once."""
         if self._packed[0] is not carrier:
             try:
                 self._packed = carrier, packed(carrier)
             except ArgumentError:
                 # numbers like |M|² beyond the range of floats
                 self._packed = carrier, None
-        if self._packed[1] is None:
+        return self._packed[1]
+
+    def _quick(self, tau: np.ndarray) -> np.ndarray | None:
+        carrier: Any = self._rows.many.carrier
+        far = int(np.argmax(np.abs(tau[:, 0])))
+        if not carrier.turns(carrier.field.coerce(float(tau[far, 0]))) < MOST_TURNS:
             return None
-        *tracks, frame, order = self._packed[1]
+        compiled = self._compiled(carrier)
+        if compiled is None:
+            return None
+        *tracks, frame, order = compiled
         out, rest = np.empty(6 * len(tau)), np.empty(6 * len(tau))
         if not LIBRARY.states(*tracks, frame, tau, out, rest) <= MOST_LOST:
             return None
@@ -117,23 +124,59 @@ class QuickStates:
 
 
 class QuickClock:
-    """τ(t) of a :class:`integrable.deformations.separated_clock.SeparatedClock`: Newton in floats, and a last step from
-    double-doubles.
+    """τ(t) by a series like that of :class:`integrable.deformations.separated_clock.SeparatedClock`, made and summed in
+    double-doubles: Newton in floats, and a last step. What 1/g is there is compared with the curves of the carrier.
     """
 
-    def __init__(self, clock: Doubles) -> None:
-        self._bounds = clock.bounds
+    @classmethod
+    def of(cls, carrier: Any, tracks: tuple[Track, Track]) -> QuickClock | None:
+        """That of a carrier; None where the series is long, or modes are resonant."""
+        sizes: tuple[int, ...] = series_sizes(carrier, DIGITS)
+        for _ in range(GROWTHS):
+            rows, columns = sizes
+            if rows * columns * (rows + columns) > MOST_WORK:
+                break
+            modes = expanded(carrier, tracks, rows, columns)
+            table = modes.table[:, 0].reshape(rows + 1, columns + 1)
+            if not np.isfinite(table).all():
+                break
+            sizes = grown(table, 10.0**-DIGITS * table[0, 0])
+            if sizes == (rows, columns):
+                return cls._of_modes(carrier, modes)
+        return None
+
+    @classmethod
+    def _of_modes(cls, carrier: Any, modes: Modes) -> QuickClock | None:
+        mean, (rows, columns) = modes.table[0].copy(), (modes.rows + 1, modes.columns + 1)
+        K, periods = carrier.field, [curve.period for curve in carrier.curves]
+        # time is counted in the faster one's radians
+        unit = 2 * K.context.pi / min(periods)
+        speeds = _wide([min(periods) / period for period in periods])
+        even, odd = np.empty_like(modes.table), np.empty_like(modes.table)
+        least = 10.0**-DIGITS * mean[0] / 16
+        if not LIBRARY.integrate(modes, speeds, least, even, odd):
+            return None
+        tables = [x.reshape(rows, columns, 2) for x in (even, odd, modes.table)]
         # modes below do not change double-doubles' first 20 digits
-        scale = 2.0**-clock.bits
-        least = int(MODES * abs(int(clock.rates[0, 0])))
-        loud = (abs(clock.even) > least) | (abs(clock.odd) > least) | (abs(clock.rates) > least)
+        loud = np.max([np.abs(x[..., 0]) for x in tables], axis=0) > MODES * mean[0]
         rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + 1 for k in range(2))
-        even, odd, rates = (x[:rows, :columns] for x in (clock.even, clock.odd, clock.rates))
-        wide = _wide([*clock.numbers, clock.unit])
-        self._unit, self._inverse = wide[-1], _wide([1 / clock.unit])[0]
-        first, second = (_halves(x, clock.bits) for x in (even, odd))
-        self._waves = Waves(wide[:-1].copy(), first, second, columns, np.zeros((2 * columns, 2)))
-        self._even, self._odd, self._rates = (x.astype(float) * scale for x in (even, odd, rates))
+        numbers = [K.zero, K.zero, 2 * K.context.pi]
+        for curve, period in zip(carrier.curves, periods, strict=True):
+            numbers += [1 / (unit * period), curve.since_low() / period]
+        wide = _wide(numbers)
+        wide[0] = mean
+        return cls(carrier, unit, wide, [np.ascontiguousarray(x[:rows, :columns]) for x in tables])
+
+    def __init__(self, carrier: Any, unit: Any, numbers: np.ndarray, tables: list[np.ndarray]) -> None:
+        self._carrier, self._unit, self._inverse = carrier, _wide([unit])[0], _wide([1 / unit])[0]
+        self._even, self._odd, self._rates = (x[..., 0] for x in tables)
+        even, odd, self._rates_wide = (x.reshape(-1, 2) for x in tables)
+        columns = tables[0].shape[1]
+        self._waves = Waves(numbers, even, odd, columns, np.zeros((2 * columns, 2)))
+        # dt/dτ = 1/g lies between these
+        self._bounds = [float(x) / numbers[0, 0] for x in extremes(carrier)]
+        start = np.zeros((1, 2))
+        LIBRARY.misses(self._waves, start, start, numbers[1:2])
 
     def tau(self, times: np.ndarray) -> np.ndarray | None:
         """τ as double-doubles, shape (N, 2); None where floats do not converge."""
@@ -157,6 +200,25 @@ class QuickClock:
         tau[:, 1] = -left[:, 0] / self._swing(x)[1]
         return _product(tau, self._inverse)
 
+    def holds(self, tau: np.ndarray, times: np.ndarray) -> bool:
+        """Whether the clock shows a time at τ, shapes (1,) and (1, 2), and 1/g is there and at the start what the
+        curves say.
+        """
+        x, t, left = _product(tau, self._unit), _times(times, self._unit), np.empty_like(tau)
+        LIBRARY.misses(self._waves, x, t, left)
+        if not abs(left[0, 0]) <= MOST_LOST * (2 * np.pi + abs(t[0, 0])):
+            return False
+        both = np.concatenate([0 * x, x])
+        found = np.empty_like(both)
+        LIBRARY.paces(self._waves, self._rates_wide, both, found)
+        K, curves = self._carrier.field, self._carrier.curves
+        for place, pair in zip((0 * tau, tau), found.tolist(), strict=True):
+            wide = sum(map(K.coerce, place[0].tolist()))
+            rate = self._carrier.pace(*(curve.height(curve.moved(wide)) for curve in curves))
+            if not abs(sum(map(K.coerce, pair)) / rate - 1) <= MOST_OFF:
+                return False
+        return True
+
     def _swing(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The sum of sines, and 1/g."""
         _, _, _, a1, b1, a2, b2 = self._waves.numbers[:, 0].tolist()
@@ -169,12 +231,19 @@ class QuickClock:
         return swing, ((one.real @ self._rates) * other.real).sum(axis=1)
 
 
-def _halves(table: np.ndarray, bits: int) -> np.ndarray:
-    """Integers in units of 2^−bits as double-doubles, one after the other."""
-    values = table.ravel().tolist()
-    high = [float(x) for x in values]
-    low = [float(x - int(y)) for x, y in zip(values, high, strict=True)]
-    return np.ldexp(np.array([high, low]).T, -bits).copy()
+def expanded(carrier: Any, tracks: tuple[Track, Track], rows: int, columns: int) -> Modes:
+    """The modes of 1/g."""
+    K = carrier.field
+    numbers = [carrier.system.d, *carrier.weights, *(curve.mu for curve in carrier.curves)]
+    for count in (rows, columns):
+        numbers += [K.context.cospi(K.one / count), K.context.sinpi(K.one / count)]
+    table, room = (
+        np.empty(((rows + 1) * (columns + 1), 2)),
+        np.empty((2 * (rows + columns) + 4 + max(rows, columns), 2)),
+    )
+    modes = Modes(_wide(numbers), rows, columns, table, room)
+    LIBRARY.expand(*tracks, modes)
+    return modes
 
 
 def _times(x: np.ndarray, scale: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ Coefficients are integers in units of 2^−bits: numpy multiplies matrices of th
 from __future__ import annotations
 
 from math import ceil, isqrt, log
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -50,21 +50,6 @@ class OnTwoCurves(Protocol):
         """1/g from z on both curves."""
 
 
-class Doubles(NamedTuple):
-    """A clock in scaled τ and t: ``unit`` times the user's, the ``numbers`` of
-    :class:`integrable.deformations.oval_loops.Waves`, tables of integers in units of 2^−``bits`` of the swing and of
-    1/g, and between what 1/g lies over its mean.
-    """
-
-    unit: Any
-    numbers: list[Any]
-    even: np.ndarray
-    odd: np.ndarray
-    rates: np.ndarray
-    bits: int
-    bounds: tuple[float, float]
-
-
 class SeparatedClock:
     """t(τ) and τ(t) of one motion to ``digits`` digits of its longer period.
 
@@ -81,17 +66,17 @@ class SeparatedClock:
         # time is counted in the faster one's radians
         self._unit = 2 * K.context.pi / min(self._periods)
         self._slow = [min(self._periods) / period for period in self._periods]
-        spread = max(self._periods) / min(self._periods) / motion.pace(*_highest(motion))
+        least, most = extremes(motion)
+        spread = max(self._periods) / min(self._periods) / least
         self._bits = ceil(3.33 * digits) + GUARD_BITS + ceil(float(K.context.log(spread, 2)))
         self._noise = K.coerce(10) ** -digits
-        sizes = self._sizes()
+        sizes = self._possible(*series_sizes(motion, digits))
         while True:
             table = self._transformed(*sizes)
-            sizes, grown = self._grown(table), sizes
-            if sizes == grown:
+            sizes, before = self._possible(*grown(table, int(self._noise * abs(table[0, 0])))), sizes
+            if sizes == before:
                 break
         self._keep(table)
-        least, most = motion.pace(*_highest(motion)), motion.pace(*_lowest(motion))
         # with room for rounding
         self._least, self._most = least * (1 - 1e-9), most * (1 + 1e-9)
         self._origin = self._exact(self._phases(K.zero))[0]
@@ -142,18 +127,6 @@ class SeparatedClock:
         _, found = self._exact(self._phases(tau * self._unit))
         return abs(found / rate - 1)
 
-    def doubles(self) -> Doubles | None:
-        """The series in floats and what they leave; None where modes are resonant."""
-        if self._resonant:
-            return None
-        least = self._least / self._mean, self._most / self._mean
-        numbers = [self._mean, self._origin, 2 * self._motion.field.context.pi]
-        for since, period in zip(self._since, self._periods, strict=True):
-            numbers += [1 / (self._unit * period), since / period]
-        return Doubles(
-            self._unit, numbers, self._even, self._odd, self._table, self._bits, (float(least[0]), float(least[1]))
-        )
-
     # --- the series
 
     def _phases(self, x: Any) -> list[Any]:
@@ -203,23 +176,7 @@ class SeparatedClock:
 
     # --- set-up
 
-    def _sizes(self) -> tuple[int, int]:
-        """How many modes either phase takes: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
-
-        z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does: on the
-        second curve, z < 0 is as far as the pole; on the first one, it is between that and the real axis.
-        """
-        motion, d = self._motion, self._motion.system.d
-        one, two = motion.curves
-        share = motion.weights[1] / motion.weights[0]
-        zero = -(1 + share * (1 + d * _lowest(motion)[1])) / d
-        heights = one.imaginary_half(zero * one.mu), two.imaginary_half(None)
-        strips = [2 * motion.field.context.pi * x / period for x, period in zip(heights, self._periods, strict=True)]
-        rows, columns = (int(self.digits * log(10) / float(x)) + MARGIN for x in strips)
-        return self._possible(rows, columns)
-
     def _possible(self, rows: int, columns: int) -> tuple[int, int]:
-        rows, columns = _smooth(rows), _smooth(columns)
         if rows * columns * max(self._bits, USUAL_BITS) > MOST_MODES * USUAL_BITS:
             raise self._too_many(rows, columns)
         return rows, columns
@@ -256,16 +213,6 @@ class SeparatedClock:
         result: np.ndarray = np.concatenate([x[: count + 1] for x in parts], axis=1)[:, : values.shape[1]] // count
         result[[0, -1]] = result[[0, -1]] // 2
         return result
-
-    def _grown(self, table: np.ndarray) -> tuple[int, int]:
-        """The size of a table whose last modes are noise, else a larger one."""
-        rows, columns = (n - 1 for n in table.shape)
-        least = int(self._noise * abs(table[0, 0]))
-        if abs(table[-1 - rows // 16 :]).max() > least:
-            rows += rows // 4 + 1
-        if abs(table[:, -1 - columns // 16 :]).max() > least:
-            columns += columns // 4 + 1
-        return self._possible(rows, columns)
 
     def _keep(self, table: np.ndarray) -> None:
         """The tables of the sums: swings c/(mΩ1 + nΩ2) of the sines, and the resonant modes apart."""
@@ -322,14 +269,38 @@ def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
     return np.cos(angles), np.sin(angles)
 
 
-def _highest(motion: OnTwoCurves) -> list[Any]:
-    """z_k on the ovals where g is largest."""
-    return [max(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+def extremes(motion: OnTwoCurves) -> tuple[Any, Any]:
+    """Between what 1/g lies."""
+    ends = [[curve.e[i] / curve.mu for i in (curve.low, curve.middle)] for curve in motion.curves]
+    return motion.pace(*map(max, ends)), motion.pace(*map(min, ends))
 
 
-def _lowest(motion: OnTwoCurves) -> list[Any]:
-    """z_k where g is least."""
-    return [min(curve.e[i] / curve.mu for i in (curve.low, curve.middle)) for curve in motion.curves]
+def series_sizes(motion: OnTwoCurves, digits: int) -> tuple[int, int]:
+    """How many modes either phase takes: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
+
+    z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does: on the
+    second curve, z < 0 is as far as the pole; on the first one, it is between that and the real axis.
+    """
+    d = motion.system.d
+    one, two = motion.curves
+    share = motion.weights[1] / motion.weights[0]
+    least = min(two.e[i] / two.mu for i in (two.low, two.middle))
+    zero = -(1 + share * (1 + d * least)) / d
+    heights = one.imaginary_half(zero * one.mu), two.imaginary_half(None)
+    turn = 2 * motion.field.context.pi
+    strips = [turn * x / curve.period for x, curve in zip(heights, motion.curves, strict=True)]
+    rows, columns = (int(digits * log(10) / float(x)) + MARGIN for x in strips)
+    return _smooth(rows), _smooth(columns)
+
+
+def grown(table: np.ndarray, noise: Any) -> tuple[int, int]:
+    """The size of a table whose last modes are noise, else a larger one."""
+    rows, columns = (n - 1 for n in table.shape)
+    if abs(table[-1 - rows // 16 :]).max() > noise:
+        rows = _smooth(rows + rows // 4 + 1)
+    if abs(table[:, -1 - columns // 16 :]).max() > noise:
+        columns = _smooth(columns + columns // 4 + 1)
+    return rows, columns
 
 
 def _heights(curve: Oval, count: int) -> list[Any]:

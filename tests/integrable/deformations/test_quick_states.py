@@ -111,3 +111,43 @@ def test_a_clock_that_is_off_goes_the_readable_way(monkeypatch) -> None:
     monkeypatch.setattr(quick_states.QuickClock, "tau", lambda clock, times: split(clock, times) * (1 + 1e-14))
     found = flow.at(TAU)
     assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_compiled_times_of_bodies_at_random(seed, monkeypatch) -> None:
+    """Of some of them modes of 1/g hardly move, which are quiet."""
+    rng = np.random.default_rng(seed)
+    inertia, d, size = 10 ** rng.uniform(-1, 1, 3), 10 ** rng.uniform(-4, 4), 10 ** rng.uniform(-3, 3)
+    gamma, M = rng.normal(size=(2, 3))
+    gamma /= np.linalg.norm(gamma)
+    M = size * (M - gamma * (gamma @ M))
+    system = Tilde(tuple(inertia.tolist()), float(d))
+    flow = system.flow(system.state(gamma.tolist(), M.tolist()))
+    times = np.array([0.3, -41.5, 9e4]) / size * inertia.min()
+    readable, tau = flow._curves.at(times)
+
+    def unwanted(*_):
+        raise AssertionError("the compiled clock has been given up")
+
+    monkeypatch.setattr(RoundedRows, "at", unwanted)
+    found = flow.at(times)
+    for rows, true in ((found.gamma, readable[:, :3]), (found.M, readable[:, 3:])):
+        assert np.abs(rows - true).max() <= 2.3e-16 * np.abs(true).max()
+    assert np.abs(found.tau - tau).max() <= 2.3e-16 * np.abs(tau).max()
+
+
+@pytest.mark.parametrize("place", [0, 1, -1])
+def test_modes_that_are_off_go_the_readable_way(place, monkeypatch) -> None:
+    system = PAIRS["tilde, rolling"]
+    truth = system.flow(system.state(*START))._curves.at(TAU)[0]
+    expanded = quick_states.expanded
+
+    def changed(*arguments):
+        modes = expanded(*arguments)
+        modes.table[place, 0] += 1e-15
+        return modes
+
+    monkeypatch.setattr(quick_states, "expanded", changed)
+    flow = system.flow(system.state(*START))
+    found = flow.at(TAU)
+    assert np.array_equal(np.hstack([found.gamma, found.M]), truth)
