@@ -1,4 +1,4 @@
-"""``python -m tests.fuzz flow|engine|inexact|calls|all --seconds 60 --seed 1``: see docs/fuzz.md."""
+"""``python -m tests.fuzz flow|systems|engine|inexact|calls|command|all --seconds 60 --seed 1``: see docs/fuzz.md."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from typing import Any
 from tests.fuzz.case import FAILURES, run
 from tests.fuzz.run import Plan, Suite, Tally, follow
 
-SUITES = ("flow", "engine", "inexact", "calls", "command")
+SUITES = ("flow", "systems", "engine", "inexact", "calls", "command")
 
 
 def suite_of(name: str) -> Suite:

@@ -7,6 +7,7 @@ The equations are written here once more (γ̇ = γ×Ω; the deformations': Tsig
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache
 from types import SimpleNamespace
 from typing import Any
@@ -135,14 +136,20 @@ class Integrated:
         unit = np.sqrt(M @ M)
         a, wanted = 1 / (inertia + d), np.array(wanted) * unit
         if self.extended:
-            return _by_heyoka(
+            return by_heyoka(
                 _integrator(self.equations, tol), [*a, *(inertia * a), d, c / unit], [*gamma, *M / unit], wanted
             )
         # what no extended integrator reaches is left to cases of shorter times
         wanted = np.where(abs(wanted) * max(a) <= MOST_STEPS / 6, wanted, np.nan)
         if self.equations == "body":
             return _by_taylor(inertia, d, gamma, M / unit, wanted)
-        return _by_scipy(self.equations, a, inertia * a, d, c / unit, [*gamma, *M / unit], wanted)
+        constants = *(np.array(v, dtype=float) for v in (a, inertia * a)), float(d), float(c / unit)
+
+        def rates(y: Any) -> list[Any]:
+            w, momentum = EQUATIONS[self.equations](*constants, y[:3], y[3:])
+            return [*cross(y[:3], w), *momentum]
+
+        return by_scipy(rates, np.array([*gamma, *M / unit], dtype=float), wanted)
 
 
 @cache
@@ -167,9 +174,10 @@ def _integrator(name: str, tol: float) -> Any:
     return hy.taylor_adaptive(equations, start, fp_type=np.longdouble, tol=np.longdouble(tol), compact_mode=True)
 
 
-def _by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.ndarray:
+def by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.ndarray:
+    """The states at times from ``start``, NaN from where the integrator gives up."""
     run.pars[:] = constants[: len(run.pars)]
-    rows = np.full((len(wanted), 6), np.nan)
+    rows = np.full((len(wanted), len(start)), np.nan)
     for sign in (1, -1):
         chosen = np.flatnonzero(sign * wanted > 0)
         if not len(chosen):
@@ -178,7 +186,7 @@ def _by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.n
         run.time = np.longdouble(0)
         run.state[:] = start
         *_, values = run.propagate_grid(np.concatenate([[0], sign * grid]).astype(np.longdouble), max_steps=MOST_STEPS)
-        found = np.full((len(grid), 6), np.nan)
+        found = np.full((len(grid), len(start)), np.nan)
         found[: len(values) - 1] = values[1:]
         rows[chosen] = found[back]
     rows[wanted == 0] = start
@@ -195,22 +203,19 @@ def _by_taylor(inertia: Any, d: Any, gamma: Any, M: Any, wanted: np.ndarray) -> 
     return rows
 
 
-def _by_scipy(name: str, a: Any, q: Any, d: Any, c: Any, start: Any, wanted: np.ndarray) -> np.ndarray:
+def by_scipy(rates: Callable[[Any], list[Any]], start: np.ndarray, wanted: np.ndarray) -> np.ndarray:
+    """The states y at times of y' = rates(y), in floats."""
     from scipy.integrate import solve_ivp
 
-    a, q, d, c, start = a.astype(float), q.astype(float), float(d), float(c), np.array(start, dtype=float)
-
-    def rates(_: float, y: np.ndarray) -> list[Any]:
-        w, momentum = EQUATIONS[name](a, q, d, c, y[:3], y[3:])
-        return [*cross(y[:3], w), *momentum]
-
-    rows = np.full((len(wanted), 6), np.nan)
+    rows = np.full((len(wanted), len(start)), np.nan)
     for sign in (1, -1):
         chosen = np.flatnonzero(sign * wanted > 0)
         if not len(chosen):
             continue
         grid, back = np.unique(abs(wanted[chosen]), return_inverse=True)
-        found = solve_ivp(rates, (0, sign * grid[-1]), start, "DOP853", sign * grid, rtol=3e-14, atol=1e-16)
+        found = solve_ivp(
+            lambda _, y: rates(y), (0, sign * grid[-1]), start, "DOP853", sign * grid, rtol=3e-14, atol=1e-16
+        )
         if not found.success:
             raise Undecided("SciPy gave up")
         rows[chosen] = found.y.T[back]

@@ -8,6 +8,7 @@ import pytest
 
 from integrable.motion.flow import Flow
 from integrable.motion.trajectory import Trajectory
+from integrable.mumford.system import MumfordFlow, Path
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 from tests.fuzz.__main__ import SUITES, main, suite_of
@@ -48,6 +49,22 @@ def test_a_wrong_sign_is_noticed(monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "# python -m tests.fuzz flow --seed 5 --kind 'three equal' --case 0: wrong, off by" in said
     assert "3 wrong" in said
+    with pytest.raises(AssertionError):
+        exec(_program(said), {})
+    monkeypatch.undo()
+    exec(_program(said), {})
+
+
+def test_a_wrong_state_of_a_system_is_noticed(monkeypatch, capsys):
+    right = MumfordFlow.at
+
+    def wrong(self, times):
+        found = right(self, times)
+        return Path(found.times, found.q, found.p * (1 + 1e-6))
+
+    monkeypatch.setattr(MumfordFlow, "at", wrong)
+    assert main(["systems", "--cases", "2", "--kind", "pendulum", "--seed", "5"]) == 1
+    said = capsys.readouterr().out
     with pytest.raises(AssertionError):
         exec(_program(said), {})
     monkeypatch.undo()
@@ -148,6 +165,7 @@ def test_an_unknown_kind_is_named(capsys):
 # a few seconds, with what is compiled already
 EVERYDAY = {
     "flow": ("three equal", "attitude", "translation"),
+    "systems": ("neumann", "pendulum", "toda", "far lagrange"),
     "engine": ("textbook sum", "axioms", "counted"),
     "inexact": ("moderate",),
     "calls": ("operator",),
@@ -163,7 +181,7 @@ def test_a_few_cases(name):
 
 
 # suites and as many cases of them as take about a minute; --cases runs any number
-MANY = {"engine": 250, "flow": 400, "inexact": 300, "calls": 6000, "command": 2000}
+MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000}
 
 
 # motions whose oracle is a formula; other oracles take minutes where heyoka is not installed
