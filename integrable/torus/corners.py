@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, cached_property
-from math import cos, pi
+from math import asinh, copysign, cos, inf, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 
 from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
@@ -28,6 +27,10 @@ CLOSED = 1e-13
 PARTS = (0, 4, 7)
 # corners are walked over in steps of fewer cells than this
 MOST_AT_ONCE = 7
+# ovals so near each other, in parts of what they cover, are walked over from both sides at once
+NEAR = 2.0**-23
+# nodes on the way from there
+QUADRATURE = 32
 # the first grid of 1/g
 FIRST_SIZE = 16
 
@@ -67,7 +70,7 @@ class Corners:
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
-        self._walk_over()
+        self._walk_over(motion)
         self._check_walk()
 
     def _made_rates(self, pi: Any) -> Any:
@@ -187,16 +190,17 @@ class Corners:
         loops.directions(motion, self.lattice.chart, self.lattice.parts, nodes(loops.terms), tables, halves)
         return tables, halves
 
-    def _walk_over(self) -> None:
+    def _walk_over(self, motion: Any) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
-        columns = self.sizes[1]
-        self._walk(columns, MOST_AT_ONCE)
-        if not self.closure <= ROUND:
-            # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
-            # them: both ways to where the motion comes nearest to it
-            nearness, width = np.abs(self.loops.floats(self.states[: 10 * columns : 10])), columns // 8
-            around = sliding_window_view(np.take(nearness, range(-width, columns + width), mode="wrap"), 2 * width + 1)
-            self._walk(max(1, int(np.argmin(around.max(axis=1)))), 1)
+        # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
+        # them: both ways to where the motion comes nearest to it
+        motion, start, periods = map(self.loops.floats, (motion, self._start, self.lattice.found[:4]))
+        first, low, high, last = motion[:4].tolist()
+        near = high - low < NEAR * (last - first)
+        if not near:
+            self._walk(self.sizes[1], MOST_AT_ONCE)
+        if near or not self.closure <= ROUND:
+            self._walk(nearest_column(motion, start, periods, self.sizes[1]), 1)
         if not self.closure <= CLOSED:
             raise NotClosed(f"a period of this motion leads back to {self.closure:.1e} only; use more digits")
 
@@ -210,3 +214,40 @@ class Corners:
         sizes = np.maximum.reduceat(np.abs(loops.floats(self._start)), PARTS)
         # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
         self.closure = float((np.maximum.reduceat(gaps, PARTS) / sizes).max())
+
+
+def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, columns: int) -> int:
+    """The column of corners at which a motion is nearest to the unstable rotation, but not near the start's.
+
+    ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). Nearest is where one
+    point of the divisor is at one of the ends that nearly meet and the other at the far end of its oval: half a period
+    of the columns from where both are at the near ends. On the way there x is end ± gap·sinh²(t), dx/y then smooth.
+    """
+    first, low, high, last = motion[:4].tolist()
+    gap = high - low
+    u0, u1, v0, v1 = start[:4].tolist()
+    half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)
+    z, weights = legendre(QUADRATURE)
+    for sign, end in ((-1, low), (1, high)):
+        x = sign * half - 0.5 * u1
+        t = asinh(sqrt(abs(x - end) / gap))
+        # fewer where it ends, maybe at the far end of the oval, a branch point
+        xs = end + sign * gap * np.sinh(t * z * (2 - z)) ** 2
+        others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * (motion[10] - motion[8] * xs)
+        rates = weights * (1 - z) / np.sqrt(others)
+        passed += copysign(4 * t, -sign * (v0 + v1 * x)) * np.array([rates.sum(), rates @ xs])
+    a1, b1, a2, b2 = periods.tolist()
+    area = a1 * b2 - b1 * a2
+    if not 0 < abs(area) < inf:
+        return columns // 2
+    turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
+    # from a start that is near there, the walk back would end in its worst
+    least = columns // 8
+    return max(1, least, min(round(columns * turns) % columns, columns - least))
+
+
+@cache
+def legendre(count: int) -> tuple[np.ndarray, np.ndarray]:
+    """Gauss's nodes and weights on [0, 1]."""
+    x, weights = np.polynomial.legendre.leggauss(count)
+    return (x + 1) / 2, weights / 2

@@ -163,6 +163,24 @@ def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None
         assert max(abs(float(x - y)) for x, y in zip(gamma, true, strict=True)) < 2e-13
 
 
+@pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14", "1e-14 beside the separatrix"])
+def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, name) -> None:
+    """Where the walks have to meet is known before them; from a start that is there it is not met at its worst."""
+    walks, walk = [], Corners._walk
+
+    def counted(corners, forward, most) -> None:
+        walk(corners, forward, most)
+        walks.append((most, corners.closure))
+
+    monkeypatch.setattr(Corners, "_walk", counted)
+    system, state = scene(name)[:2] if name in SCENES else load_scene(name).start(15)
+    flow = system.flow(state, kernel="compiled")
+    assert flow._torus is not None
+    ((most, closure),) = walks
+    assert most == 1
+    assert closure < (1e-13 if name == "near_separatrix_14" else 1e-16)
+
+
 def test_the_corners_of_the_cells_close() -> None:
     """A walk around either period of the torus leads back, to what the polynomials of a translation leave out."""
     system, state, _, _ = scene("S1")
