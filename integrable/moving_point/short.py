@@ -15,7 +15,7 @@ Units are those of :class:`integrable.moving_point.problem.MotionProblem`.
 
 from __future__ import annotations
 
-from math import floor, frexp, ldexp, log
+from math import floor, frexp, ldexp
 
 from integrable.moving_point.addition import moving_point, put
 from integrable.moving_point.short_reading import drift, read_off
@@ -25,7 +25,6 @@ from integrable.moving_point.short_rows import (
     DOUBLINGS,
     FIRST,
     FIRST_RATE,
-    GROWTH,
     HALF,
     LEVELS,
     LIFT,
@@ -46,7 +45,7 @@ from integrable.moving_point.short_rows import (
     axes_of,
     curve_of,
 )  # fmt: skip
-from integrable.moving_point.short_start import at_start, scaled, set_up
+from integrable.moving_point.short_start import at_start, cast_shadow, scaled, set_up
 from integrable.moving_point.short_steps import (
     doubled,
     looked_at,
@@ -54,6 +53,8 @@ from integrable.moving_point.short_steps import (
     node_steps,
     node_values,
     panel_steps,
+    put_on_pairs,
+    shadow_moved,
     wide_values,
 )  # fmt: skip
 
@@ -72,11 +73,14 @@ CAREFUL = 10
 # integrals of states that are returned, and H2 of centres: where both points of a divisor pass a cluster of branch
 # points wide numbers lose most of their digits, and no step is seen between panels that share a centre
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# digits that wide numbers have to spare, as a natural logarithm; a body whose moments differ by less of I + d, and an
-# upright motion whose errors are larger by more in γ or M, are left to the torus
-SPARE, CLOSEST, STEEPEST = 33.0, 4e4, 25.0
-# where errors grow translations by many panels lose digits too: then so many panels are gone through one by one
-SEQUENCE = 256
+# a body whose moments differ by less of I + d, and an upright motion whose errors are larger by more in γ or M, are
+# left to the torus
+CLOSEST, STEEPEST = 4e4, 25.0
+# how far the shadow may be off the motion: it begins 2^7 roundings and more off it
+APART = 2.0**-45
+# where errors may grow by more, as a natural logarithm, translations by many panels lose too many digits: then panels
+# are gone through one by one
+STEADY = 8.25
 # after so many panels their pace is known to such a factor: a run that they do not lead to the end of is given up there
 PACED, UNSTEADY = 32, 1.05
 # why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits
@@ -94,6 +98,9 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     careful = room.made[4] > 0
     if too_far(room, request, h, request.most // CAREFUL if careful else request.most):
         return FAR
+    if one_by_one(room, request):
+        cast_shadow(room, given, tilted, h)
+        set_up(given, tilted, wide, room.points, numbers, room.point)
     panel_steps(room, h)
     status = both_ways(room, rule, request, h, careful)
     if status == ROUNDING and not careful and room.made[3] * CAREFUL <= request.most:
@@ -103,6 +110,11 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
         status = LOST
     at_start(given, tilted, request.times, request.out)
     return status
+
+
+def one_by_one(room: Room, request: Request) -> bool:
+    """Whether errors grow so much beside a separatrix that translations by many panels lose digits too."""
+    return len(request.centres) == 0 and not room.numbers[MOST_GROWN] <= STEADY
 
 
 def first_half(room: Room) -> float:
@@ -159,8 +171,10 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
             return FAR
         if len(request.centres) > 0:
             status, place = centre_given(room, request, n, sign)
+        elif one_by_one(room, request):
+            status, place = centre_after(room, n, sign)
         else:
-            status, place = centre_of(room, h, n, sign)
+            status, place = 0, centre_of(room, n, sign)
         if status != 0:
             return status
         for c in range(10):
@@ -189,30 +203,40 @@ def centre_given(room: Room, request: Request, n: int, sign: int) -> tuple[int, 
     return 0, DOUBLINGS
 
 
-def centre_of(room: Room, h: float, n: int, sign: int) -> tuple[int, int]:
-    """The same by one addition to an ancestor: LOST where wide numbers have too few digits for that."""
-    sequence = 2 * room.numbers[MOST_GROWN] > SPARE / 2
-    grown = (1 if sequence else 2) * min(room.numbers[GROWTH] * 2 * h * (n + 1), room.numbers[MOST_GROWN])
-    if not grown + log(1 + 2 * h * n) < SPARE or (sequence and n >= SEQUENCE):
-        return LOST, DOUBLINGS
+def centre_after(room: Room, n: int, sign: int) -> tuple[int, int]:
+    """The same by one addition to the centre before: LOST where wide numbers have too few digits for that."""
     if n == 0:
         moved(room.wide, room.points, START, room.steps, HALF, sign, 0, room.point)
-        return 0, DOUBLINGS
-    k, above, j = 0, n & (n - 1), DOUBLINGS
-    while (n >> k) & 1 == 0 and not sequence:
-        k += 1
-    while room.made[0] <= k:
-        doubled(room.wide, room.steps, PANEL + room.made[0])
-        room.made[0] += 1
-    if sequence:
+    else:
+        table_panels(room, 0)
         moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
-        return 0, DOUBLINGS
+    put_on_pairs(room.wide, room.points, 0)
+    looked_at(room.wide, room.points, 0, room.point)
+    return 0 if shadow_moved(room, n == 0, sign) <= APART else LOST, DOUBLINGS
+
+
+def centre_of(room: Room, n: int, sign: int) -> int:
+    """The same by one addition to an ancestor; where it is to be kept."""
+    if n == 0:
+        moved(room.wide, room.points, START, room.steps, HALF, sign, 0, room.point)
+        return DOUBLINGS
+    k, above, j = 0, n & (n - 1), DOUBLINGS
+    while (n >> k) & 1 == 0:
+        k += 1
+    table_panels(room, k)
     if above > 0:
         j = 0
         while (above >> j) & 1 == 0:
             j += 1
     moved(room.wide, room.points, FIRST + j, room.steps, PANEL + k, sign, 0, room.point)
-    return 0, k
+    return k
+
+
+def table_panels(room: Room, k: int) -> None:
+    """The translations by 2^k panels and fewer."""
+    while room.made[0] <= k:
+        doubled(room.wide, room.steps, PANEL + room.made[0])
+        room.made[0] += 1
 
 
 def panel(

@@ -19,8 +19,8 @@ TERMS = 18
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-GROWTH, MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE, RADIAN = 21, 22, 23, 24, 25, 27, 34, 35, 36
-NUMBERS = 37
+MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE, RADIAN = 21, 22, 23, 24, 26, 33, 34, 35
+NUMBERS = 36
 # in ``wide``: f, the axes, the start, then the units of τ and of physical time
 TAU_UNIT, TIME_UNIT = 24, 25
 WIDE = 26
@@ -29,6 +29,8 @@ RATE, BEGIN, OFF = 10, 11, 17
 # rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
 POINTS = START + 1
+# in ``shadow``: f and the axes, its start, where it is, and its translations by half a panel and a whole one
+SHADOW_START, SHADOW_AT, SHADOW_HALF, SHADOW_PANEL, SHADOW = 14, 24, 34, 44, 54
 # rows of wide translations, each twice the one before: by h, from there down by h/2^l and up by 2^k panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
 # the positive nodes of a panel, by one addition each, first those of (a, b), 2^−a and 2^−|b| more, or less where b < 0,
@@ -67,6 +69,8 @@ class Room(NamedTuple):
     """The same in floats."""
     series: Row
     roots: Row
+    shadow: Row
+    """A motion beside this one, in wide numbers (:func:`integrable.moving_point.short_start.cast_shadow`)."""
     made: Row
     """How many translations by 2^k panels there are, for how many levels there are nodes, steps of Newton from a float
     to a wide number, what all panels have cost, in those of floats that are not halved, and how often half a panel has
@@ -118,7 +122,7 @@ class Request(NamedTuple):
 # numbers in a room: integers, wide ones and floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 2 * TERMS
+WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 2 * TERMS + SHADOW
 FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
 
 
@@ -129,13 +133,14 @@ def new_room(wide: Row, floats: Row, made: Row) -> Room:
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + DOUBLINGS)
     series = nodes + NODE_STEPS
+    shadow = series + 2 * TERMS
     point = NUMBERS + NODE_STEPS
     values = point + OFF + 1
     last = values + 9 * NODES + 1
     return Room(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
-        floats[NUMBERS:point], wide[series : series + TERMS], wide[series + TERMS :], made, floats[point:values],
-        floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
+        floats[NUMBERS:point], wide[series : series + TERMS], wide[series + TERMS : shadow], wide[shadow:], made,
+        floats[point:values], floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
         floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : last], floats[last : last + 6],
         floats[last + 6 :],
     )  # fmt: skip

@@ -7,32 +7,40 @@ from __future__ import annotations
 from math import log, sqrt
 from typing import Any
 
-from integrable.moving_point.addition import moving_point, rate_at
+from integrable.moving_point.addition import moving_point, put, rate_at
 from integrable.moving_point.short_rows import (
     BEGIN,
     CLOCK,
     CLOSE,
     FIRST_RATE,
-    GROWTH,
+    GIVEN,
+    HALF,
     INVARIANTS,
     LIFT,
     MATRIX,
     MOMENTUM,
     MOST_GROWN,
+    PANEL,
     PHYSICAL,
     RADIAN,
     REACH,
+    SHADOW_HALF,
+    SHADOW_PANEL,
+    SHADOW_START,
     SHAPE,
     START,
     TAU_UNIT,
     TIME_UNIT,
+    Room,
     axes_of,
 )  # fmt: skip
-from integrable.moving_point.short_steps import gamma_and_w
+from integrable.moving_point.short_steps import doubled, gamma_and_w, panel_steps
 from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
+# what the inputs of a shadow are off by, of their size: more than some additions in double-doubles
+OFF_BY = 2.0**-99
 
 
 def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point: Row) -> None:
@@ -69,6 +77,26 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     lift = max(across + abs(s * k) * spin, (abs(across * rise) + s * spin) / length)
     numbers[LIFT] = max(1.0, float(lift) / 4)
     growth(float(ratio), float(e * top), numbers)
+
+
+def cast_shadow(room: Room, given: Row, tilted: bool, h: float) -> None:
+    """Into ``room.shadow`` the same motion from inputs that are off by :data:`OFF_BY`, by way of the rows of the motion
+    itself.
+    """
+    beside, gamma, M = room.shadow[:GIVEN], 0 * given[4], 0 * given[7]
+    for i in range(3):
+        gamma, M = gamma + abs(given[4 + i]), M + abs(given[7 + i])
+    for i in range(GIVEN):
+        size = given[i] if i < 4 else gamma if i < 7 else M
+        beside[i] = given[i] + size * ((1 + i * i % 7) * OFF_BY)
+    set_up(beside, tilted, room.wide, room.points, room.numbers, room.point)
+    panel_steps(room, h)
+    doubled(room.wide, room.steps, PANEL)
+    for i in range(SHADOW_START):
+        room.shadow[i] = room.wide[i]
+    put(moving_point(room.points, 10 * START), room.shadow, SHADOW_START)
+    put(moving_point(room.steps, 10 * HALF), room.shadow, SHADOW_HALF)
+    put(moving_point(room.steps, 10 * PANEL), room.shadow, SHADOW_PANEL)
 
 
 def made_upright(given: Row, a: Any, tilted: bool, numbers: Row) -> tuple[Any, Any, Any, Any]:
@@ -192,8 +220,8 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
 
 
 def growth(ratio: float, dX: float, numbers: Row) -> None:
-    """Into ``numbers``: half of a basic step, the least τ that a body takes for a radian, and how errors grow beside a
-    separatrix, the logarithm in a unit of τ and at most (:func:`integrable.moving_point.losses.lost_digits`).
+    """Into ``numbers``: half of a basic step, the least τ that a body takes for a radian, and by how much errors grow
+    beside a separatrix at most, its logarithm (:func:`integrable.moving_point.losses.lost_digits`).
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high
@@ -203,13 +231,11 @@ def growth(ratio: float, dX: float, numbers: Row) -> None:
     # the gap between the ovals lies between the middle axis and the ratio, the other between the last axis and 1/d
     first, second = min(middle, ratio), max(middle, ratio)
     gap, centre = second - first, (first + second) / 2
-    near, square = min(centre - low, high - centre), (centre - low) * (high - centre) * abs(1 - dX * centre)
+    near = min(centre - low, high - centre)
     if dX > 0:
         near = min(near, 1 / dX - centre)
-    rate, most = sqrt(abs(square)), log(1 + 16 * near / max(gap, 1e-300)) if near > 0 else 1e300
+    most = log(1 + 16 * near / max(gap, 1e-300)) if near > 0 else 1e300
     if dX > 0:
         gap, centre = 1 / dX - high, (1 / dX + high) / 2
-        square = dX * (centre - low) * (centre - middle) * abs(centre - ratio)
-        rate += sqrt(abs(square))
         most += log(1 + 16 * min(centre - middle, abs(centre - ratio)) / max(gap, 1e-300))
-    numbers[GROWTH], numbers[MOST_GROWN] = rate, most
+    numbers[MOST_GROWN] = most

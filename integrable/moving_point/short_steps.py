@@ -4,6 +4,7 @@ panels in wide numbers, the nodes about them in floats, or in wide numbers where
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
 from integrable.moving_point.addition import (
@@ -25,6 +26,10 @@ from integrable.moving_point.short_rows import (
     LOT,
     OFF,
     RATE,
+    SHADOW_AT,
+    SHADOW_HALF,
+    SHADOW_PANEL,
+    SHADOW_START,
     Room,
     Row,
     Rule,
@@ -119,6 +124,46 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
     divisor, transfer = add(curve_of(wide), point, (step[0], step[1], step[2], step[3]))
     into[k], into[k + 1], into[k + 2], into[k + 3] = divisor
     return divisor, transfer
+
+
+def put_on_pairs(wide: Row, points: Row, target: int) -> None:
+    """The divisor in row ``target`` as its pairs at the middle and the last axis have it: κσ² = U, κσν = V.
+
+    Where a point of it passes a node, x − e is lost to rounding as the square of σ. From there errors of U and V would
+    grow like the square of those that inputs have, while an addition keeps the digits of small pairs.
+    """
+    low, high = 0, 0
+    for i in range(1, 3):
+        low = i if float(wide[6 + i] - wide[6 + low]) < 0 else low
+        high = i if not float(wide[6 + i] - wide[6 + high]) < 0 else high
+    middle, place = 3 - low - high, 10 * target
+    a, b, p, q = wide[6 + middle], wide[6 + high], place + 4 + middle, place + 4 + high
+    x, y = wide[9 + middle] * points[p], wide[9 + high] * points[q]
+    unit = 1 / (b - a)
+    u, v = x * points[p], x * points[p + 3]
+    du, dv = (y * points[q] - u) * unit, (y * points[q + 3] - v) * unit
+    points[place], points[place + 1] = a * b + (u - du * a), du - (a + b)
+    points[place + 2], points[place + 3] = v - dv * a, dv
+
+
+def shadow_moved(room: Room, first: bool, sign: int) -> float:
+    """How far the shadow is off the first row of points, at the centre of the first panel or, from the centre before,
+    of the next one: in σ/|σ| and ν, where |w| = 1.
+    """
+    shadow = room.shadow
+    step = moving_point(shadow, SHADOW_HALF if first else SHADOW_PANEL)
+    if sign < 0:
+        step = opposite(step)
+    before = moving_point(shadow, SHADOW_START if first else SHADOW_AT)
+    put(carried(curve_of(shadow), axes_of(shadow), before, step), shadow, SHADOW_AT)
+    put_on_pairs(shadow, shadow[SHADOW_AT:], 0)
+    square, apart, lean = 0.0, 0.0, 0.0
+    for i in range(3):
+        sigma = float(shadow[SHADOW_AT + 4 + i])
+        square += sigma * sigma
+        apart += abs(float(shadow[SHADOW_AT + 4 + i] - room.points[4 + i]))
+        lean += abs(float(shadow[SHADOW_AT + 7 + i] - room.points[7 + i]))
+    return apart / sqrt(square) + lean
 
 
 def looked_at(wide: Row, points: Row, target: int, point: Row) -> None:

@@ -121,6 +121,30 @@ def test_a_separatrix_is_a_short_run_about_centres_of_more_digits(name) -> None:
         assert flow.physical_time(tau) == pytest.approx(precise.times(tau), rel=1e-14)
 
 
+BALL, PLANE = ChaplyginBall((1, 2, 3), 0.6), (-8 / 17, 9 / 17, -12 / 17)
+# H1/H2 off a₂ by 1.7e-9 and 1.7e-15
+BESIDE = {
+    "at 1e-8": (BALL, PLANE, (0.600000017, 26 / 15, 0.8999999886666667), 180.0),
+    "at 1e-14": (BALL, PLANE, (0.600000000000017, 26 / 15, 0.8999999999999887), -120.0),
+}
+
+
+@pytest.mark.parametrize("name", [*SEPARATRIX, *BESIDE])
+def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(name) -> None:
+    """Errors of inputs grow by up to 10^14 on the way, those of U and V would by the square of it."""
+    system, gamma, M, t = (SEPARATRIX | BESIDE)[name]
+    state = system.state(gamma, M)
+    times, runs = np.array([t, 0.6 * t, -0.4 * t]), ShortRuns(system, state)
+    true = system.flow(state)._precise.at(times)[0]
+    found = runs.at(times)
+    assert found is not None
+    assert abs(found[0] - true)[:, :3].max() < 2e-14
+    assert abs(found[0] - true)[:, 3:].max() < 2e-14 * float(np.linalg.norm(M))
+    if name in SEPARATRIX:
+        # there double-doubles have too few digits
+        assert runs.at(4 * times) is None
+
+
 def test_times_on_a_separatrix_that_no_digits_lead_to_are_refused() -> None:
     system, gamma, M, _ = SEPARATRIX["ball"]
     flow = system.flow(system.state(gamma, M))
