@@ -57,11 +57,12 @@ def two_word_curves() -> dict[str, HyperellipticCurve]:
         "GF(2^n), 16 < n < 64": GF(2, 17, [1, 0, 0, 1, *[0] * 13, 1]),
         "GF(2^n), n < 128": GF(2, 127, [1, 1, *[0] * 125, 1]),
     }
-    return {
+    curves = {
         f"{name}, genus 2, degree {len(f) - 1}": HyperellipticCurve(K, f, h if K.characteristic == 2 else ())
         for name, K in fields.items()
         for f, h in ((QUINTIC, [1]), (SEXTIC, [1, 1, 0, 1]))
     }
+    return curves | {"GF(p), p < 2^128, genus 3, degree 7": HyperellipticCurve(GF(2**127 - 1), SEPTIC)}
 
 
 def float_curves() -> dict[str, HyperellipticCurve]:

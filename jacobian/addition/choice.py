@@ -11,8 +11,8 @@ cache has the kernels already. So a group begins with the kernel above, and chan
 much work on such groups as the change costs: READY additions where the kernels lie in numba's cache (``python -m
 jacobian compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
 
-Genus 2 over GF(p), p odd of two words (2^63 < p < 2^128), and over GF(2^n), 16 < n < 128, has compiled formulas of its
-own (:mod:`jacobian.addition.two_word_calls`), which need no numba and are had for less.
+Genus 2 and y² = x⁷ + … over GF(p), p odd of two words (2^63 < p < 2^128), and genus 2 over GF(2^n), 16 < n < 128, are
+compiled without numba (:mod:`jacobian.addition.two_word_calls`), and had for less.
 """
 
 from __future__ import annotations
@@ -127,9 +127,17 @@ def is_word_sized(C: HyperellipticCurve) -> bool:
 
 def is_two_words_long(C: HyperellipticCurve) -> bool:
     """Whether there are compiled formulas of two words for C: genus 2 with, for odd p, h = 0 and, in degree 5, a monic
-    f.
+    f; genus 3 on y² = x⁷ + … over GF(p).
     """
-    return has_two_words(C.field) and short_equation(C, int) is not None
+    return has_two_words(C.field) and (short_equation(C, int) is not None or is_short_septic(C))
+
+
+def has_two_word_rows(C: HyperellipticCurve) -> bool:
+    """Whether arrays on C are compiled on two words: the same, for any h and any f, as rows have an equation of their
+    own.
+    """
+    septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2
+    return has_two_words(C.field) and (C.genus == 2 or septic)
 
 
 def has_two_words(K: Field[Any]) -> bool:
@@ -221,9 +229,9 @@ def costs(C: HyperellipticCurve) -> tuple[int, int]:
 def _is_cached(C: HyperellipticCurve) -> bool:
     """Whether they seem to be on disk."""
     if is_two_words_long(C):
-        from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, context_of
+        from jacobian.addition.two_word_libraries import SINGLE_LIBRARIES, context_of, equation_of
 
-        return SINGLE_LIBRARIES[type(context_of(C.field)), type(short_equation(C, int))].is_kept()
+        return SINGLE_LIBRARIES[type(context_of(C.field)), type(equation_of(C, int))].is_kept()
     from jacobian.addition.calls import is_cached, is_kept
 
     if is_short_septic(C):
@@ -261,8 +269,8 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
     if is_two_words_long(C):
         fields = "GF(2^n), 16 < n < 128" if C.field.characteristic == 2 else "GF(p), 2^63 < p < 2^128"
         return (
-            f"compiled code on two words, for genus 2 over {fields}: explicit formulas, and the kernel in Python in "
-            "special positions"
+            f"compiled code on two words, for genus {C.genus} over {fields}: explicit formulas, and the kernel in "
+            "Python in special positions"
         )
     return f"compiled code, for {WORDS}: {_compiled(C)}"
 

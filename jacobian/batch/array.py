@@ -7,7 +7,7 @@ from typing import Any, overload
 
 import numpy as np
 
-from jacobian.addition.choice import has_two_words, is_word_sized
+from jacobian.addition.choice import has_two_word_rows, is_word_sized
 from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
 from jacobian.fields import CC, RR
@@ -34,7 +34,7 @@ def engine(J: Jacobian) -> Any:
             from jacobian.batch.compiled_rows import CompiledRows
 
             found = CompiledRows(J)
-        elif J.curve.genus == 2 and has_two_words(K) and not interpreted():
+        elif has_two_word_rows(J.curve) and not interpreted():
             from jacobian.batch.two_word_rows import TwoWordRows
 
             found = TwoWordRows(J)
@@ -66,7 +66,7 @@ class DivisorArray(Immutable):
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`): in genus 2 by explicit formulas with an inversion for 256 rows, for p of two
     words (p < 2^128) and GF(2^n), 16 < n < 128, too, but not for tables of characteristic 2; likewise in genus 3 for
-    f of degree 7 over GF(p), p < 2^63; else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
+    f of degree 7 over GF(p), p < 2^128; else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
     :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by row.
     """
 

@@ -1,7 +1,8 @@
-"""Batches of genus 2 over GF(p), 2^63 < p < 2^128, and GF(2^n), 16 < n < 128, compiled: every number is two words.
+"""Batches of genus 2 and 3 over GF(p), 2^63 < p < 2^128, and of genus 2 over GF(2^n), 16 < n < 128, compiled: every
+number is two words.
 
-The explicit formulas of :mod:`jacobian.addition.genus2_two_words` take the general rows, and the kernel of single
-classes in Python the others, one by one. Importing this module needs no numba.
+In genus 3 the model is ramified. The explicit formulas of :mod:`jacobian.addition.two_word_loops` take the general
+rows, and the kernel of single classes in Python the others, one by one. Importing this module needs no numba.
 """
 
 from __future__ import annotations
@@ -13,8 +14,8 @@ import numpy as np
 
 from jacobian.addition.cantor import Triple
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.genus2_two_words import BLOCK, CONTEXTS, MODELS, ROW_LIBRARIES, SCRATCH, context_of
-from jacobian.addition.genus2_words import short_equation
+from jacobian.addition.two_word_libraries import CONTEXTS, MODELS, ROW_LIBRARIES, context_of, equation_of
+from jacobian.addition.two_word_loops import BLOCK, SCRATCH
 from jacobian.batch.stored_rows import Rows, StoredRows
 from jacobian.group import Jacobian
 from jacobian.native.library import Packed
@@ -32,7 +33,7 @@ class TwoWordRows(StoredRows):
         super().__init__(J)
         self.K = context_of(self.field)
         curve = self.equation.curve
-        formulas = short_equation(curve, self.K.to_word)
+        formulas = equation_of(curve, self.K.to_word)
         self._run = ROW_LIBRARIES[type(self.K), type(formulas)]
         self._context = Packed(self.K, CONTEXTS[type(self.K)])
         self._formulas = Packed(formulas, MODELS[type(formulas)])
@@ -54,7 +55,7 @@ class TwoWordRows(StoredRows):
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
         if any(shift):
             words = words_of([self.K.to_word(c) for c in shift])
-            self._run.shift_rows(self._context, pairs(words), pairs(x.data), x.degree.astype(np.int64))
+            self._run.shift_rows(self._context, pairs(words), pairs(x.data), x.degree.astype(np.int64), self._room())
 
     def _scale(self, x: Rows, c: Any) -> None:
         if c != self.field.one:
@@ -63,7 +64,12 @@ class TwoWordRows(StoredRows):
 
     def first_off_curve(self, x: Rows) -> int:
         """The first row that is not on the curve, or −1."""
-        return self._run.first_off_curve(self._context, (self._h, self._f), pairs(x.data), x.degree.astype(np.int64))
+        equation, degree = (self._h, self._f), x.degree.astype(np.int64)
+        return int(self._run.first_off_curve(self._context, equation, pairs(x.data), degree, self._room()))
+
+    def _room(self) -> Any:
+        """Room for three polynomials modulo a u."""
+        return np.empty((3, self.genus, 2), np.int64)
 
     # --- the group law
 
@@ -82,7 +88,7 @@ class TwoWordRows(StoredRows):
         arrays = [(pairs(x.data), x.degree[begin:end].astype(np.int64)) for x in operands]
         loop = getattr(self._run, name)
         count = loop(self._context, self._formulas, *arrays, pairs(out.data), span, special, scratch)
-        out.degree[begin:end] = 2
+        out.degree[begin:end] = self.genus
         if self.split:
             out.weight[begin:end] = 0
         if not count:
@@ -98,14 +104,17 @@ class TwoWordRows(StoredRows):
         columns = self._decoded(x.data).T.tolist()
         weights = x.weight.tolist() if self.split else [None] * len(x)
         found = []
-        for (u0, u1, *v), degree, n in zip(columns, x.degree.tolist(), weights, strict=True):
+        for column, degree, n in zip(columns, x.degree.tolist(), weights, strict=True):
+            v = column[self.genus :]
             while v and not v[-1]:
                 v.pop()
-            found.append((((1,), (u0, 1), (u0, u1, 1))[degree], tuple(v), n))
+            found.append(((*column[:degree], 1), tuple(v), n))
         return found
 
     def _from_triples(self, triples: Sequence[Triple]) -> Rows:
-        elements = [[*u, 0, 0][:2] + [*v, 0, 0][:2] for u, v, _ in triples]
+        g = self.genus
+        zeros = [0] * g
+        elements = [[*u, *zeros][:g] + [*v, *zeros][:g] for u, v, _ in triples]
         weight = np.array([n for _, _, n in triples] if self.split else (), np.uint8)
         return Rows(
             self._encoded(np.array(elements, object).T), np.array([len(u) - 1 for u, _, _ in triples], np.uint8), weight
@@ -113,7 +122,9 @@ class TwoWordRows(StoredRows):
 
     def _negate(self, x: Rows, out: Rows, begin: int, end: int) -> None:
         first = pairs(x.data), x.degree[begin:end].astype(np.int64)
-        self._run.negate_rows(self._context, self._h, first, pairs(out.data), (begin, end))
+        self._run.negate_rows(
+            self._context, self._formulas, self._h, first, pairs(out.data), (begin, end), self._room()
+        )
         self._negate_weights(x, out, begin, end)
 
     def selected(self, stacked: Sequence[Any], choice: Any) -> Rows:

@@ -5,9 +5,9 @@ import pytest
 from jacobian import compilation
 from jacobian.__main__ import main
 from jacobian.addition.calls import context
-from jacobian.addition.genus2_two_words import SINGLE_LIBRARIES, context_of
 from jacobian.addition.genus2_words import short_equation
 from jacobian.addition.genus3_words import is_short_septic
+from jacobian.addition.two_word_libraries import SINGLE_LIBRARIES, context_of, equation_of
 from jacobian.batch.array import engine
 from jacobian.batch.compiled_rows import CompiledRows
 from jacobian.batch.float_rows import FloatRows
@@ -41,7 +41,7 @@ def test_every_kernel_of_arrays_is_listed():
 def test_every_kernel_of_two_words_is_listed():
     curves = compilation.two_word_curves().values()
     assert all(type(engine(C.jacobian())) is TwoWordRows for C in curves)
-    kinds = {(type(K := context_of(C.field)), type(short_equation(C, K.to_word))) for C in curves}
+    kinds = {(type(K := context_of(C.field)), type(equation_of(C, K.to_word))) for C in curves}
     assert kinds == set(SINGLE_LIBRARIES)
 
 

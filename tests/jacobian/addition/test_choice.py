@@ -9,7 +9,7 @@ import pytest
 from jacobian import GF, QQ, RR, HyperellipticCurve
 from jacobian.addition import calls, choice
 from jacobian.addition.calls import LineKernel, WordKernel
-from jacobian.addition.choice import Counted, compiled_kernel, costs, kernel, python_kernel
+from jacobian.addition.choice import Counted, compiled_kernel, costs, is_two_words_long, kernel, python_kernel
 from jacobian.addition.genus2_prime import GmpFormulas, PrimeFormulas
 from jacobian.addition.two_word_calls import TwoWordKernel
 from jacobian.native.library import Library
@@ -113,6 +113,19 @@ def test_binary_fields_of_two_words_are_compiled():
     J.compile()
     assert owner(J) is TwoWordKernel
     assert J.explain().startswith("compiled code on two words, for genus 2 over GF(2^n), 16 < n < 128: explicit")
+
+
+def test_genus_3_is_compiled_on_two_words_where_its_formulas_apply():
+    K = GF(2**127 - 1)
+    J = HyperellipticCurve(K, [1, 1, 0, 0, 0, 0, 0, 1]).jacobian()
+    D = J.random(Random(1))
+    total, multiple = D + D.double(), 12345 * D
+    J.compile()
+    assert owner(J) is TwoWordKernel
+    assert J.explain().startswith("compiled code on two words, for genus 3 over GF(p), 2^63 < p < 2^128: explicit")
+    assert (D + D.double(), 12345 * D) == (total, multiple)
+    others = [1, 1, 0, 0, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 2]
+    assert not any(is_two_words_long(HyperellipticCurve(K, f)) for f in others)
 
 
 def test_primes_of_two_words_change_over_earlier(fresh):

@@ -7,49 +7,28 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from jacobian import GF, HyperellipticCurve, poly
 from jacobian.addition import cantor
 from jacobian.addition.calls import WordKernel
+from jacobian.addition.choice import python_kernel
 from jacobian.addition.genus2_prime import GmpFormulas
 from jacobian.addition.genus3_calls import CubicKernel
 from jacobian.addition.genus3_prime import SepticFormulas
-from jacobian.batch.equation import Equation
-from tests.jacobian.group_curves import random_curve, triple
+from jacobian.addition.ladder import signed_digits
+from jacobian.addition.two_word_calls import TwoWordKernel
+from jacobian.addition.two_word_libraries import context_of, equation_of
+from jacobian.addition.two_word_loops import add_classes, double_class, multiple_of_class
+from tests.jacobian.group_curves import triple
+from tests.jacobian.septics import septic, special_classes, with_branch_points
+from tests.jacobian.two_words import PRIMES as OF_TWO_WORDS
 
-PRIMES = (11, 10007, 2**31 - 1, 2**61 - 1, 2**63 - 25, 2**127 - 1, 2**255 - 19)
-
-
-def septic(p, seed):
-    """y² = f, f monic of degree 7."""
-    return Equation(random_curve(GF(p), 3, seed, model="ramified")).curve
-
-
-def with_branch_points(p):
-    """y² = (x − 2)(x − 3)(x − 4)·g: (2, 0), (3, 0), (4, 0) are branch points."""
-    rng, K = Random(p), GF(p)
-    roots = poly.mul(K, poly.mul(K, (p - 2, 1), (p - 3, 1)), (p - 4, 1))
-    while True:
-        g = (*[rng.randrange(p) for _ in range(4)], 1)
-        f = poly.mul(K, roots, g)
-        if len(poly.gcd(K, f, poly.derivative(K, f))) == 1:
-            return HyperellipticCurve(K, f)
+PRIMES = (11, 10007, 2**31 - 1, 2**61 - 1, 2**63 - 25, *OF_TWO_WORDS, 2**128 + 51, 2**255 - 19)
 
 
 def kernels(C):
-    found = [SepticFormulas(C), GmpFormulas(C, SepticFormulas)]
-    return [*found, CubicKernel(C)] if C.field.p < 1 << 63 else found
-
-
-def special_classes(C, rng):
-    """0, points in common, opposite and twice, every weight, classes of order 2."""
-    J = C.jacobian()
-    P, Q, R, S, T = (C.random_point(rng) for _ in range(5))
-    i = C.involution
-    A, B = (2, 0), (3, 0)
-    full = [(P, Q, R), (P, Q, S), (P, S, T), (P, P, Q), (P, P, P), (i(P), Q, R), (i(P), i(Q), R), (i(P), i(Q), i(R))]
-    torsion = [(A, B, (4, 0)), (A, B, P), (A, P, Q), (A, B), (A,), (A, P)]
-    lower = [(P, Q), (i(P), Q), (R, S), (P, P), (P,), (i(P),), (T,)]
-    return [J.zero(), *(J.from_points(list(some)) for some in full + torsion + lower)]
+    p, found = C.field.p, [SepticFormulas(C), GmpFormulas(C, SepticFormulas)]
+    if p < 1 << 63:
+        found.append(CubicKernel(C))
+    return [*found, TwoWordKernel(C, python_kernel(C))] if p < 1 << 128 else found
 
 
 @pytest.mark.parametrize("p", [3, 5])
@@ -78,7 +57,7 @@ def test_special_classes(p):
         assert all(kernel.double(a) == double for kernel in every), a
         for m in (1, 2, 3, 8, rng.getrandbits(70) + 1):
             first, *others = (kernel.multiple(m, a) for kernel in every[1:])
-            assert others in ([], [first]), (m, a)
+            assert all(other == first for other in others), (m, a)
     # the class of three branch points is its own opposite
     assert every[-1].double(classes[9]) == cantor.zero(C)
 
@@ -107,12 +86,12 @@ def test_which_classes_are_special(monkeypatch):
 def test_ladders_through_every_multiple_of_a_class(p):
     """All m up to beyond the order: every ladder meets 0, equal and opposite classes on its way."""
     C = septic(p, "ladder")
-    kernel, J = CubicKernel(C), C.jacobian()
+    compiled, J = kernels(C)[2:], C.jacobian()
     a = total = triple(J.random(Random(p)))
     for m in range(1, J.order() + 20):
-        assert kernel.multiple(m, a) == total, (m, a)
-        total = kernel.sum_of(total, a)
-    assert kernel.multiple(J.order(), a) == cantor.zero(C)
+        assert all(kernel.multiple(m, a) == total for kernel in compiled), (m, a)
+        total = compiled[0].sum_of(total, a)
+    assert all(kernel.multiple(J.order(), a) == cantor.zero(C) for kernel in compiled)
 
 
 CURVES = {p: septic(p, "walk") for p in PRIMES}
@@ -135,10 +114,25 @@ def test_sums_and_multiples(p, seed, m, n):
             assert kernel.double(a) == cantor.double(C, a)
             assert all(type(c) is int and 0 <= c < p for c in (*found[0], *found[1]))
         a, b = b, total
-    kernel = every[-1]
-    first, second = kernel.multiple(m, a), kernel.multiple(n, a)
-    assert kernel.multiple(m + n, a) == cantor.sum_of(C, first, second)
-    assert kernel.multiple(m, cantor.sum_of(C, a, b)) == cantor.sum_of(C, first, kernel.multiple(m, b))
+    for kernel in every[2:] or every[1:]:
+        first, second = kernel.multiple(m, a), kernel.multiple(n, a)
+        assert kernel.multiple(m + n, a) == cantor.sum_of(C, first, second)
+        assert kernel.multiple(m, cantor.sum_of(C, a, b)) == cantor.sum_of(C, first, kernel.multiple(m, b))
+
+
+def test_the_loops_interpreted_are_the_loops_compiled():
+    C = septic(2**89 - 1, "walk")
+    J, K, rng = C.jacobian(), context_of(C.field), Random(7)
+    equation, kernel = equation_of(C, K.to_word), TwoWordKernel(C, python_kernel(C))
+    D, E = ((*D.u[:-1], *D.v) for D in (J.random(rng), J.random(rng)))
+    odd = type("Odd", (dict,), {"shape": (6, 8)})()
+    general, total = add_classes(K, equation, D, E)
+    assert (general, *total) == kernel._sum(*D, *E)
+    general, total = double_class(K, equation, D)
+    assert (general, *total) == kernel._twice(*D)
+    general, (u0, u1, u2, *v) = multiple_of_class(K, equation, D, signed_digits(12345, 5), odd)
+    assert general
+    assert kernel.multiple(12345, ((*D[:3], 1), D[3:], None))[:2] == ((u0, u1, u2, 1), tuple(v))
 
 
 def test_a_class_of_low_degree_is_left_to_the_general_path(monkeypatch):

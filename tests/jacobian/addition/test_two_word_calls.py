@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from jacobian import ArgumentError, HyperellipticCurve, poly
 from jacobian.addition import cantor
 from jacobian.addition.choice import python_kernel
-from jacobian.addition.genus2_two_words import add_lines, context_of, double_line, multiple_line
-from jacobian.addition.genus2_words import short_equation
 from jacobian.addition.ladder import signed_digits
 from jacobian.addition.two_word_calls import TwoWordKernel
+from jacobian.addition.two_word_libraries import context_of, equation_of
+from jacobian.addition.two_word_loops import add_classes, double_class, multiple_of_class
 from jacobian.batch.equation import Equation
 from tests.jacobian.group_curves import random_curve, triple
 from tests.jacobian.two_words import LONG, MODELS, SMALL, special_classes
@@ -114,8 +114,8 @@ def test_sums_and_multiples(name, seed, m, n):
 def test_the_loops_interpreted_are_the_loops_compiled(name):
     C = CURVES[name]
     J, K, rng = C.jacobian(), context_of(C.field), Random(7)
-    equation = short_equation(C, K.to_word)
-    D, E = ((D.u[1], D.u[0], D.v[1], D.v[0]) for D in (J.random(rng), J.random(rng)))
+    equation = equation_of(C, K.to_word)
+    D, E = ((*D.u[:-1], *D.v) for D in (J.random(rng), J.random(rng)))
     kernel, digits = of(C), signed_digits(12345, 5)
 
     class Odd(dict):
@@ -126,9 +126,8 @@ def test_the_loops_interpreted_are_the_loops_compiled(name):
     def flat(found):
         return [int(found[0]), *found[1]]
 
-    assert flat(add_lines(K, equation, D, E)) == list(kernel._sum(*D, *E))
-    assert flat(double_line(K, equation, D)) == list(kernel._twice(*D))
-    found = flat(multiple_line(K, equation, D, digits, Odd()))
-    e1, e0, v1, v0 = found[1:]
-    assert found[0]
-    assert kernel.multiple(12345, ((D[1], D[0], 1), (D[3], D[2]), None))[:2] == ((e0, e1, 1), (v0, v1))
+    assert flat(add_classes(K, equation, D, E)) == list(kernel._sum(*D, *E))
+    assert flat(double_class(K, equation, D)) == list(kernel._twice(*D))
+    general, *found = flat(multiple_of_class(K, equation, D, digits, Odd()))
+    assert general
+    assert kernel.multiple(12345, ((*D[:2], 1), D[2:], None))[:2] == ((*found[:2], 1), tuple(found[2:]))

@@ -12,9 +12,10 @@ from jacobian import GF, ArgumentError, NotOnCurve
 from jacobian.batch import DivisorArray, array, set_threads
 from jacobian.batch.object_rows import ObjectRows
 from jacobian.batch.two_word_rows import TwoWordRows
-from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, sums
+from tests.jacobian import septics
+from tests.jacobian.batch.beside_cantor import assert_equal_to_cantor, random_rows, sums
 from tests.jacobian.group_curves import random_curve
-from tests.jacobian.two_words import LONG, MODELS, SMALL, special_classes
+from tests.jacobian.two_words import LONG, MODELS, PRIMES, SMALL, special_classes
 
 
 def with_and_without_h(fields):
@@ -22,9 +23,9 @@ def with_and_without_h(fields):
     return [(name, h) for name, K in fields.items() for h in ([True] if K.characteristic == 2 else [False, True])]
 
 
-def group(K, model, with_h=False):
+def group(K, model, with_h=False, genus=2):
     """The Jacobian of a curve, whose rows are of two words however small the field is."""
-    J = random_curve(K, 2, "two words", model=model, with_h=with_h).jacobian()
+    J = random_curve(K, genus, "two words", model=model, with_h=with_h).jacobian()
     J.__dict__["_rows"] = TwoWordRows(J)
     return J
 
@@ -53,6 +54,37 @@ def test_special_rows_over_long_fields(name, model, with_h):
     J = random_curve(LONG[name], 2, "long", model=model, with_h=with_h).jacobian()
     assert type(array.engine(J)) is TwoWordRows
     assert_right(J, special_classes(J.curve, Random(name)))
+
+
+@pytest.mark.parametrize(("p", "with_h"), [(3, False), (3, True), (5, False)])
+def test_pairs_of_a_small_group_of_genus_3(p, with_h):
+    J = group(GF(p), "ramified", with_h, genus=3)
+    classes = list(J.points())
+    assert len(classes) == J.order()
+    assert_right(J, classes[:: max(1, len(classes) // 24)])
+
+
+@pytest.mark.parametrize("p", PRIMES)
+def test_special_rows_of_genus_3(p):
+    J = septics.with_branch_points(p).jacobian()
+    assert type(array.engine(J)) is TwoWordRows
+    assert_right(J, septics.special_classes(J.curve, Random(p)))
+
+
+@pytest.mark.parametrize("p", PRIMES)
+def test_mixes_of_rows_of_genus_3(p):
+    """Sums beside Cantor's; f has any leading coefficient, and h is not 0."""
+    J = random_curve(GF(p), 3, "long", model="ramified", with_h=True).jacobian()
+    assert type(array.engine(J)) is TwoWordRows
+    A, B = random_rows(J, 300, 1, base=8), random_rows(J, 300, 2, base=8)
+    B = DivisorArray.stack([B[:270], A[270:285], -A[285:]])
+    rows = [*range(12), *range(254, 258), *range(268, 273), 284, 285, 299]
+    total = A + B
+    assert total[rows].to_list() == sums(J, A[rows], B[rows])
+    assert A.double()[rows].to_list() == sums(J, A[rows], A[rows])
+    assert (total - B == A).all()
+    m = Random(p).getrandbits(130) - (1 << 129)
+    assert (m * A[:3]).to_list() == [m * D for D in A[:3]]
 
 
 GROUPS = {f"{name}, {model}": group(K, model) for name, K in list(LONG.items())[1::2] for model in MODELS}
@@ -111,5 +143,6 @@ def test_threads_make_no_difference():
 def test_longer_primes_and_other_genera_are_rows_of_divisors():
     binary = GF(2, 128, [1, 1, 1, 0, 0, 0, 0, 1, *[0] * 120, 1])
     longer = [random_curve(K, 2, "longer") for K in (GF(2**128 + 51), binary)]
-    for C in (*longer, random_curve(GF(2**89 - 1), 3, "genus 3", model="ramified")):
+    others = [random_curve(GF(2**89 - 1), 3, "genus 3", model="split"), random_curve(GF(2, 20), 3, "genus 3")]
+    for C in (*longer, *others, random_curve(GF(2**128 + 51), 3, "genus 3", model="ramified")):
         assert type(array.engine(C.jacobian())) is ObjectRows
