@@ -212,17 +212,18 @@ class Flow(BodyMotion):
             return None
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        if self._closed:
-            return self._closed
         if self.system.field != RR:
-            return self._precise
-        if self.kernel == "compiled":
+            return self._closed or self._precise
+        if self.kernel == "compiled" or rotation_axis(self.state) is not None or (self._equal and not self._compiled):
             return self._far
-        return ShortFirst(self._short, vars(self).get("_torus") is not None, lambda: self._far)
+        there = vars(self).get("_torus") is not None or "_symmetric" in vars(self)
+        return ShortFirst(self._short, there, lambda: self._far)
 
     @property
     def _far(self) -> Way:
         """What computes the states at any times."""
+        if self._closed:
+            return self._closed
         if self._torus:
             return self._torus
         if not self._compiled:
@@ -263,9 +264,14 @@ class Flow(BodyMotion):
     @cached_property
     def _closed(self) -> SymmetricFlow | PreciseClosedForm | PrincipalRotation | None:
         """The closed form of the motion, where it has one."""
-        if symmetry_axis(self.system.inertia) is not None:
+        if self._equal:
             return self._symmetric
         return None if rotation_axis(self.state) is None else self._rotation
+
+    @property
+    def _equal(self) -> bool:
+        """Whether two moments are equal."""
+        return symmetry_axis(self.system.inertia) is not None
 
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseClosedForm:

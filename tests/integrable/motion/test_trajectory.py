@@ -36,7 +36,7 @@ DEFORMED = [
     Gyroscopic((1, 2, 4), 0.3),
 ]
 WAY = {
-    "closed form": (ChaplyginBall((1, 1, 3), 0.7), [1.0]),
+    "closed form": (ChaplyginBall((1, 1, 3), 0.7), [1e4]),
     "short run": (BALL, [1.0]),
     "torus": (BALL, [1e9]),
     "multiprecision": (ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), [1.0]),

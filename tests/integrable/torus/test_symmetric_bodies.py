@@ -153,12 +153,12 @@ FAR_APART = {
 def test_balls_whose_moments_differ_by_many_orders(name) -> None:
     inertia, d, gamma, M, time = FAR_APART[name]
     ball = ChaplyginBall(inertia, d)
-    run = ball.flow(ball.state(gamma, M)).at([time, 1e9 * time])
+    run = ball.flow(ball.state(gamma, M), kernel="compiled").at([time, 1e9 * time])
     right = reference.taylor(ball.body, restored(MP(50), gamma, M, tilted=False), [time], digits=30)
     # long doubles of a swing of θ that φ follows 4e5 times as fast
     assert np.abs(run.gamma[0] - right.gamma[0].astype(float)).max() < 1e-13
     assert np.abs(run.M[0] - right.M[0].astype(float)).max() < 1e-13 * np.linalg.norm(M)
-    alone = ball.flow(ball.state(gamma, M)).at([time])
+    alone = ball.flow(ball.state(gamma, M), kernel="compiled").at([time])
     assert np.array_equal(alone.gamma[0], run.gamma[0])
 
 
@@ -195,7 +195,7 @@ def test_a_ball_with_two_equal_moments_agrees_with_taylor_series(name) -> None:
 def test_the_closed_form_of_a_ball_is_the_motion_on_its_torus(name) -> None:
     inertia, d, gamma, M, tilted = BALLS[name]
     ball = ChaplyginBall(inertia, d)
-    flow = ball.flow(ball.state(gamma, M, tilted=tilted))
+    flow = ball.flow(ball.state(gamma, M, tilted=tilted), kernel="compiled")
     times = np.array([0.0, 1.3, -7, 50, 1e4, -3e5])
     assert flow._way_to(times, physical=True) is flow._symmetric
     (rows, tau), (expected, expected_tau) = flow._symmetric.at(times), flow._torus.at(times)
@@ -233,9 +233,31 @@ def test_special_motions_with_two_equal_moments(name) -> None:
     length, lean = K.sqrt(K.dot(g, g)), K.zero if tilted else K.dot(g, m)
     g, m = [x / length for x in g], [x - lean * y for x, y in zip(m, g, strict=True)]
     right = reference.taylor(ball.body, State(tuple(g), tuple(m)), times, digits=18)
-    run = ball.flow(state).at(times)
+    run = ball.flow(state, kernel="compiled").at(times)
     assert np.abs(run.gamma - right.gamma.astype(float)).max() < 3e-16
     assert np.abs(run.M - right.M.astype(float)).max() < 1e-15
+    # as it comes: a short run, or this where M is along an axis or all moments are equal
+    near = ball.flow(state).at(times)
+    assert np.abs(near.gamma - run.gamma).max() < 4e-15
+    assert np.abs(near.M - run.M).max() < 4e-15
+
+
+@pytest.mark.parametrize("tilted", [False, True])
+def test_near_times_do_not_wait_for_the_closed_form(tilted) -> None:
+    rng, quick = np.random.default_rng(31), 0
+    for _ in range(40):
+        inertia, _, gamma, M, _ = random_top(rng)
+        M = np.array(M) if tilted else np.array(M) - np.dot(M, gamma) * np.array(gamma)
+        ball = ChaplyginBall(inertia, 10 ** rng.uniform(-2, 1))
+        state = ball.state(gamma, M.tolist(), tilted=tilted)
+        times = rng.uniform(-20, 20, 5) / np.linalg.norm(ball.omega(state))
+        near, right = ball.flow(state).at(times), ball.flow(state, kernel="compiled").at(times)
+        assert right.way == "closed form"
+        quick += near.way == "short run"
+        assert np.abs(near.gamma - right.gamma).max() < 3e-14
+        assert np.abs(near.M - right.M).max() < 3e-14 * np.linalg.norm(M)
+        assert near.tau == pytest.approx(right.tau, rel=1e-14)
+    assert quick > 25
 
 
 def test_a_symmetric_body_too_far_away_is_refused() -> None:
