@@ -19,8 +19,8 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.series import through
 from integrable.mumford.system import Spectral, element, long_digits
-from integrable.mumford.translations import through
 from integrable.phase.enclosure import ball_digits, exact_times, widest
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, entries, shown

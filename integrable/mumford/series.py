@@ -1,7 +1,9 @@
 """Power series of a motion on y² = f(x) from one pair.
 
 The equations are polynomial (:mod:`integrable.mumford.fields`), so the coefficients come one after the other by
-Picard's iteration on python-flint's power series.
+Picard's iteration on python-flint's power series. Where the points of the pair are known, series of one variable do:
+the sums Σ∫x^k dx/y over the points grow as c_kτ; 1/y satisfies a linear equation of first order, so that the
+coefficients of each integral come one after the other; and Newton's method finds where the points are at τ.
 """
 
 from __future__ import annotations
@@ -11,14 +13,20 @@ from typing import Any
 
 from integrable.mumford.fields import Poly, multiplier, rates_and_quotients, second_kind_rate
 from jacobian import poly
+from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
+from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
 
 # the last coefficients that the radius of a series is estimated from
 LAST = 4
 # bits beyond those of the field
 GUARD = 64
+# of Newton's method, which is quadratic
+MOST_STEPS = 60
+# a step is the last one where its square, beside the way to the end of a series, is below the last bit by this factor
+SMALL = 2.0**-8
 
 
 class SeriesField(InexactField):
@@ -53,17 +61,7 @@ class Series:
         self.rows = [[field.from_ball(c) for c in row] for row in rows]
         self.size = size
         self.order = len(rows[0])
-        self.radius = self._radius()
-
-    def _radius(self) -> float:
-        """The least of (|earlier coefficients|/|last ones|)^(1/terms between): the unit of time does not matter."""
-        found, between = [], self.order // 2 - LAST
-        for row in self.rows:
-            last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (self.order, self.order - between))
-            if last and earlier:
-                # the ratio may be beyond the floats, its root is not
-                found.append(float((earlier / last) ** (self.field.one.real / between)))
-        return min(found, default=1.0)
+        self.radius = radius_of(self.rows)
 
     def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
         """(U, V, Ω, the third-kind integrals) at a time well inside the radius."""
@@ -80,6 +78,20 @@ class Series:
             values[2 * size],
             values[2 * size + 1 :],
         )
+
+
+def radius_of(rows: Sequence[Sequence[Any]]) -> float:
+    """About that of convergence of power series: the least of (|earlier coefficients|/|last ones|)^(1/terms between).
+    The unit of time does not matter.
+    """
+    found, order = [], len(rows[0])
+    between = order // 2 - LAST
+    for row in rows:
+        last, earlier = (max(abs(c) for c in row[end - LAST : end]) for end in (order, order - between))
+        if last and earlier:
+            # the ratio may be beyond the floats, its root is not
+            found.append(float((earlier / last) ** (1 / between)))
+    return min(found, default=1.0)
 
 
 def taylor(
@@ -147,3 +159,109 @@ def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], ro
         n, m, w = (poly.evaluate(K, b, e) for b in factors)
         found += [(n * nu - m * sigma) / 2, (m * nu + w * sigma) / 2]
     return found
+
+
+class PointSeries:
+    """∫x^k dx/y, k = 0 … g, and ∫dx/(y(x − e)) for ``others`` e, from a point of y² = f(x), to ``order`` terms over an
+    inexact field: ``count`` integrals, ``radius`` about that of convergence.
+    """
+
+    def __init__(self, K: Any, f: Poly, point: tuple[Any, Any], others: Sequence[Any], order: int) -> None:
+        self._field, self._point = K, point
+        x, y = point
+        self._f = poly.shift(K, f, x)
+        rates = [_inverse_root(self._f, 1 / y, order)]
+        for _ in range((len(f) - 2) // 2):
+            last = rates[-1]
+            rates.append([x * b + a for a, b in zip((K.zero, *last), last, strict=False)])
+        rates += [_over(x - e, rates[0]) for e in others]
+        self.radius = radius_of([rates[0]])
+        self._rows = [[c / (m + 1) for m, c in enumerate(row)][::-1] for row in rates]
+        self.count = len(rates)
+
+    def integral(self, k: int, move: Any) -> Any:
+        """The k-th to x + ``move``."""
+        total = self._field.zero
+        for c in self._rows[k]:
+            total = (total + c) * move
+        return total
+
+    def reached(self, move: Any) -> tuple[Any, Any]:
+        """The point at x + ``move``."""
+        x, y = self._point
+        return x + move, y * self._field.sqrt(poly.evaluate(self._field, self._f, move) / self._f[0])
+
+
+def _inverse_root(f: Poly, first: Any, order: int) -> list[Any]:
+    """The series of f^(−1/2) = w that begins with ``first``, from 2fw' = −f'w."""
+    row = [first]
+    for n in range(1, order):
+        total = sum(c * ((2 * n - j) * row[n - j]) for j, c in enumerate(f[1 : n + 1], 1))
+        row.append(-total / (2 * n * f[0]))
+    return row
+
+
+def _over(start: Any, row: Sequence[Any]) -> list[Any]:
+    """The series of ``row`` over start + m."""
+    found: list[Any] = []
+    for c in row:
+        found.append((c - found[-1]) / start if found else c / start)
+    return found
+
+
+class PointMotion:
+    """D(τ) from a pair with the ``points`` (xs, ys) along a direction, with the third-kind integrals of ``others``;
+    ``reach``: about the τ in which a point runs to where its series end.
+    """
+
+    def __init__(
+        self, K: Any, f: Poly, points: Any, direction: Sequence[Any], others: Sequence[Any], order: int
+    ) -> None:
+        self._field, self._direction = K, direction
+        self._points = [PointSeries(K, f, point, others, order) for point in zip(*points, strict=True)]
+        self._rates = self._newton(K.one, [K.zero] * len(self._points))
+        reaches = (p.radius / abs(rate) for p, rate in zip(self._points, self._rates, strict=True))
+        self.reach = min(map(float, reaches))
+
+    def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
+        """(U, V, Ω, the third-kind integrals) at a time well inside the reach."""
+        K, g = self._field, len(self._points)
+        moves = [rate * time for rate in self._rates]
+        for _ in range(MOST_STEPS):
+            step = self._newton(time, moves)
+            moves = [x + y for x, y in zip(moves, step, strict=True)]
+            part = max(abs(x) / p.radius for x, p in zip(step, self._points, strict=True))
+            if part * part <= SMALL * K.eps:
+                ends = [p.reached(x) for p, x in zip(self._points, moves, strict=True)]
+                rest = [
+                    sum((p.integral(k, x) for p, x in zip(self._points, moves, strict=True)), K.zero)
+                    for k in range(g, self._points[0].count)
+                ]
+                return *through(K, *map(list, zip(*ends, strict=True))), rest[0], rest[1:]
+        raise PrecisionLoss("a translation was not found at this precision: use more digits")
+
+    def _newton(self, time: Any, moves: Sequence[Any]) -> list[Any]:
+        """J⁻¹(cτ − F), F_k = Σ_i∫x^k dx/y."""
+        ends = [p.reached(x) for p, x in zip(self._points, moves, strict=True)]
+        powers = [1 / y for _, y in ends]
+        rows = []
+        for k, c in enumerate(self._direction):
+            rest = c * time
+            for p, move in zip(self._points, moves, strict=True):
+                rest -= p.integral(k, move)
+            rows.append([*powers, rest])
+            powers = [power * x for power, (x, _) in zip(powers, ends, strict=True)]
+        found = pivoted(rows)
+        if found is None:
+            raise PrecisionLoss("a translation was not found at this precision: use more digits")
+        return found
+
+
+def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[Poly, Poly]:
+    """(U, V) of points with different x, V with all its coefficients (Lagrange's interpolation)."""
+    total = [K.zero] * len(xs)
+    for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
+        others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])
+        scale = K.div(y, poly.evaluate(K, others, x))
+        total = [K.add(a, K.mul(scale, b)) for a, b in zip(total, others, strict=True)]
+    return poly.from_roots(K, xs), tuple(total)

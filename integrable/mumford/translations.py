@@ -1,8 +1,8 @@
 """Classes T(τ) of a motion with constant direction on a Jacobian of any genus, and adding them.
 
 D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E lies where the curve is real and away from its branch
-points, and E(h) comes from its Taylor series. T(2^k h) is kept as E_k − E, E_{k+1} = 2E_k − E: divisors in general
-position, where small translations would have their points near infinity. What τ is beyond a multiple of h is E(r) − E.
+points, and E(h) comes from series (:mod:`integrable.mumford.series`). T(2^k h) is kept as E_k − E, E_{k+1} = 2E_k − E,
+while it is small and has points near infinity itself, and then by itself. What τ is beyond a multiple of h is E(r) − E.
 """
 
 from __future__ import annotations
@@ -12,17 +12,20 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.fields import exponential
-from integrable.mumford.series import taylor
+from integrable.mumford.series import PointMotion, through
 from jacobian import poly
 from jacobian.errors import ArgumentError
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about the radius of the series over 2^FRACTION, and a coefficient gives so many bits: few terms, and more bits
-# for the doublings up to the radius
-FRACTION = 16
-# terms of the series that the radius is read off
-ROUGH_ORDER = 24
+# h is about the reach of the series over 2^FRACTION, and a coefficient gives so many bits
+FRACTION = 8
+# beside the points of E those of T are not far away within this factor
+NEAR = 4
 
+# of the largest root of f, imaginary parts that floats may leave of real ones
+REAL = 1e-9
+# of the way between the outermost real roots, what an interval must be longer than
+SHORT = 2.0**-10
 
 Pair = tuple[poly.Poly, poly.Poly]
 
@@ -39,7 +42,7 @@ class Translations:
     def __init__(self, group: ExtendedGroup, direction: Sequence[Any]) -> None:
         self.group = group
         self.field: Any = group.field
-        xs, ys = self._reference()
+        xs, ys = reference(group)
         g = group.genus
         pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
@@ -51,21 +54,17 @@ class Translations:
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
         self._doubles: dict[int, Extended] = {}
-        # single additions, where these are in general position
-        self._single: dict[int, Extended] = {}
-
-    def _reference(self) -> tuple[list[Any], list[Any]]:
-        """The points of E and P₀."""
-        return reference(self.group)
+        self._singles: dict[int, Extended | None] = {}
+        self._size = group.size_of_x(pair[0])
 
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
         as a :class:`Series` has. Sets the ``unit`` h.
         """
-        rough = taylor(self.field, self.group.f, pair, direction, ROUGH_ORDER)
-        self.unit = self.field.coerce(2.0 ** (math.frexp(rough.radius)[1] - 1 - FRACTION))
-        order = max(ROUGH_ORDER, self.field.bits // (FRACTION - 2) + 8)
-        return taylor(self.field, self.group.f, pair, direction, order, others)
+        order = self.field.bits // (FRACTION - 1) + 8
+        found = PointMotion(self.field, self.group.f, points, direction, others, order)
+        self.unit = self.field.coerce(2.0 ** (math.frexp(found.reach)[1] - 1 - FRACTION))
+        return found
 
     def carried(self, D: Extended, tau: Any) -> Extended:
         """D + T(τ)."""
@@ -87,14 +86,11 @@ class Translations:
 
     def added(self, D: Extended, k: int, digit: int) -> Extended:
         """D ± T(2^k h)."""
-        group, E = self.group, self._double(k)
+        group = self.group
         if digit < 0:
             return group.negate(self.added(group.negate(D), k, 1))
-        if k < self._fraction:
-            return self._moved(D, E)
-        if k not in self._single:
-            self._single[k] = self.from_reference(E)
-        return self._settled(group.add(D, self._single[k], *self._with))
+        S = self._single(k)
+        return self._moved(D, self._double(k)) if S is None else self._settled(group.add(D, S, *self._with))
 
     @property
     def reference(self) -> Extended:
@@ -132,6 +128,21 @@ class Translations:
             self._doubles[j] = self._near(self.unit) if E is None else self._moved(E, E)
         return self._doubles[k]
 
+    def _single(self, k: int) -> Extended | None:
+        """T(2^k h), less P₀ where there is one; None while it has points near infinity: doubling loses much there."""
+        group = self.group
+        for j in range(self._fraction + len(self._singles), k + 1):
+            S = self._singles.get(j - 1)
+            if S is not None:
+                S = self._settled(group.add(S, S, *self._with))
+            elif not self._is_general(S := self.from_reference(self._double(j))):
+                S = None
+            self._singles[j] = S
+        return self._singles.get(k)
+
+    def _is_general(self, D: Extended) -> bool:
+        return bool(self.group.size_of_x(D.u) < NEAR * self._size)
+
     def _near(self, time: Any) -> Extended:
         """E(time)."""
         u, v, omega, thirds = self._series.at(time)
@@ -158,8 +169,35 @@ class Translations:
 
 
 def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
-    """The x and the y of g + 1 points apart from each other and from the branch points: real points outside the circle
-    that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that circle.
+    """The x and the y of g + 1 points apart from each other and from the branch points: real points in different ovals,
+    near infinity where these are too few, or, over complex numbers, points around a circle that holds the roots of f.
+    """
+    K, f, g = group.field, group.f, group.genus
+    inside = [] if K.complex else map(K.coerce, intervals(f))
+    xs: list[Any] = [x for x in inside if poly.evaluate(K, f, x) > 0][: g + 1]
+    if len(xs) <= g:
+        xs += outside(group)[: g + 1 - len(xs)]
+    return xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
+
+
+def intervals(f: poly.Poly) -> list[float]:
+    """The middles of the intervals between the real roots of f as floats have them, the longest first, without those
+    that are short beside all of them.
+    """
+    import numpy as np
+
+    size = max(abs(c) for c in f)
+    scaled = [float(c / size) for c in f[::-1]]
+    found = np.roots(scaled)
+    ends = np.sort(found[abs(found.imag) <= REAL * abs(found).max(initial=0)].real)
+    lengths, middles = np.diff(ends), (ends[1:] + ends[:-1]) / 2
+    kept = [i for i in np.argsort(-lengths) if lengths[i] > SHORT * lengths.sum()]
+    return [float(middles[i]) for i in kept]
+
+
+def outside(group: ExtendedGroup) -> list[Any]:
+    """The x of g + 1 points outside a circle that holds the roots of f: real ones, on the side where f > 0, or, over
+    complex numbers, all around it.
     """
     K, f, g = group.field, group.f, group.genus
     lead, degree = f[-1], len(f) - 1
@@ -176,14 +214,4 @@ def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
         if not group.odd and side < 0:
             raise ArgumentError("f < 0 near infinity on a model of even degree: give the motion over CC or MP complex")
         xs = [centre + K.coerce(side * reach * (1 + j / g)) for j in range(g + 1)]
-    return xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
-
-
-def through(K: Any, xs: Sequence[Any], ys: Sequence[Any]) -> tuple[poly.Poly, poly.Poly]:
-    """(U, V) of points with different x, V with all its coefficients (Lagrange's interpolation)."""
-    total = [K.zero] * len(xs)
-    for j, (x, y) in enumerate(zip(xs, ys, strict=True)):
-        others = poly.from_roots(K, [*xs[:j], *xs[j + 1 :]])
-        scale = K.div(y, poly.evaluate(K, others, x))
-        total = [K.add(a, K.mul(scale, b)) for a, b in zip(total, others, strict=True)]
-    return poly.from_roots(K, xs), tuple(total)
+    return xs

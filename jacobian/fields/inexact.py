@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import operator
 from collections.abc import Hashable
 from math import inf
 from typing import Any
@@ -22,23 +23,15 @@ class InexactField(Immutable):
     def __repr__(self) -> str:
         return self.name
 
-    def add(self, x: Any, y: Any) -> Any:
-        return x + y
-
-    def sub(self, x: Any, y: Any) -> Any:
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        return x * y
-
-    def neg(self, x: Any) -> Any:
-        return -x
+    # the operators themselves: a method around one would cost as much again
+    add: Any = staticmethod(operator.add)
+    sub: Any = staticmethod(operator.sub)
+    mul: Any = staticmethod(operator.mul)
+    div: Any = staticmethod(operator.truediv)
+    neg: Any = staticmethod(operator.neg)
 
     def inv(self, x: Any) -> Any:
         return 1 / x
-
-    def div(self, x: Any, y: Any) -> Any:
-        return x / y
 
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.

@@ -22,9 +22,11 @@ class LongField(InexactField):
         self._reals = BareReals(bits)
         self._mpc: Any = gmpy2.mpc
         self._sqrt: Any = gmpy2.sqrt
+        self._exponent, self._times, self._over = gmpy2.get_exp, gmpy2.mul_2exp, gmpy2.div_2exp
         with self._reals:
             self.zero, self.one = self.coerce(0), self.coerce(1)
             self.eps = gmpy2.exp2(1 - bits)
+            self.root_of_eps = gmpy2.sqrt(self.eps)
 
     def __reduce__(self) -> Any:
         return LongField, (self.bits, self.complex)
@@ -53,6 +55,41 @@ class LongField(InexactField):
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
         """Σ x_i y_i."""
         return sum([x * y for x, y in zip(xs, ys, strict=True)], self.zero)
+
+    def exponent(self, x: Any) -> int | None:
+        """The e with 2^(e−1) ≤ |x| < 2^e, None for 0."""
+        return self._exponent(abs(x)) if x else None
+
+    def doubled(self, x: Any, n: int) -> Any:
+        """x·2^n."""
+        return self._times(x, n) if n >= 0 else self._over(x, -n)
+
+    def poly_sub(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, ...]:
+        """a − b of polynomials."""
+        return (*map(self.sub, a, b), *(a[len(b) :] or map(self.neg, b[len(a) :])))
+
+    def poly_mul(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, ...]:
+        """a·b of polynomials, with little around each product."""
+        if not a or not b:
+            return ()
+        total = [self.zero] * (len(a) + len(b) - 1)
+        for i, x in enumerate(a):
+            for j, y in enumerate(b, i):
+                total[j] += x * y
+        return tuple(total)
+
+    def poly_divmod(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+        """(quotient, remainder) of polynomials."""
+        if not b or not b[-1]:
+            raise ZeroDivisionError("division by a polynomial whose leading coefficient is zero")
+        size, lead, rest, quotient = len(b) - 1, b[-1], list(a), []
+        below = b[:-1]
+        for i in range(len(a) - size - 1, -1, -1):
+            c = rest.pop() / lead
+            quotient.append(c)
+            for j, y in enumerate(below, i):
+                rest[j] -= c * y
+        return tuple(quotient[::-1]), tuple(rest)
 
     def nearest(self, x: Any) -> int:
         """The integer nearest to the real part of x, the upper of two."""

@@ -37,12 +37,12 @@ class Extended(NamedTuple):
 
 
 class Composition(NamedTuple):
-    """(u, v) of the sum of ``parts``; ``common`` are the points that went out with their opposites."""
+    """(u, v) of a sum; ``common`` are the points that went out with their opposites, ``quotients`` the (v − vᵢ)/uᵢ."""
 
     u: poly.Poly
     v: poly.Poly
-    parts: tuple[Extended, Extended]
     common: poly.Poly
+    quotients: tuple[poly.Poly, poly.Poly]
 
 
 class Reduction(NamedTuple):
@@ -135,20 +135,22 @@ class ExtendedGroup(Immutable):
         u, v, _ = cantor.compose(self.curve, first, second)
         everything = len(u) == len(D.u) + len(E.u) - 1
         common = (self.field.one,) if everything else cantor.cancelled(self.curve, first, second)
-        return Composition(u, v, (D, E), common)
+        quotients = tuple(poly.quotient(self.field, poly.sub(self.field, v, part.v), part.u) for part in (D, E))
+        return Composition(u, v, common, (quotients[0], quotients[1]))
 
     def _general_composition(self, D: Extended, E: Extended) -> Composition:
         """v = v₁ + u₁k, k·u₁ ≡ v₂ − v₁ mod u₂, or k·2v ≡ (f − v²)/u mod u for a double."""
         K = self.field
         if len(D.u) == 1 or len(E.u) == 1:
-            return Composition(poly.mul(K, D.u, E.u), D.v or E.v, (D, E), (K.one,))
+            return Composition(poly.mul(K, D.u, E.u), D.v or E.v, (K.one,), (E.v, D.v))
         if D is E:
             factor, right = poly.add(K, D.v, D.v), self.cofactor(D.u, D.v)
         else:
             factor, right = D.u, poly.sub(K, E.v, D.v)
         k = self._quotient_modulo(right, factor, E.u)
         v = poly.add(K, D.v, poly.mul(K, D.u, k))
-        return Composition(poly.mul(K, D.u, E.u), v, (D, E), (K.one,))
+        other = k if D is E else poly.quotient(K, poly.sub(K, v, E.v), E.u)
+        return Composition(poly.mul(K, D.u, E.u), v, (K.one,), (k, other))
 
     def _quotient_modulo(self, a: poly.Poly, b: poly.Poly, u: poly.Poly) -> poly.Poly:
         """The k of degree below deg u with kb ≡ a modulo u."""
@@ -172,37 +174,40 @@ class ExtendedGroup(Immutable):
         return (*a, *[self.field.zero] * (size - len(a)))
 
     def retracted(self, D: Extended) -> Extended:
-        """A pair of degree g moved onto the curve over an inexact field, by one Newton step of least length.
+        """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
 
         (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. What rounding leaves beside the curve grows with every
         addition, for models of even degree by tens of bits; on the curve errors only double where divisors do.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
-        size = self._size_of_x(D.u)
-        height = abs(max((abs(c) * size**i for i, c in enumerate(self.f)), default=K.one)) ** 0.5
-        # columns in units of what they move, rows in units of f
-        units = [*(height / size**i for i in range(g)), *(size ** (g - i) for i in range(g))]
+        # x is of size 2^size, f of 4^height there: columns in units of what they move, rows in units of f
+        exponents = list(map(K.exponent, D.u[:-1]))
+        size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
+        height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2
+        units = [*(height - size * i for i in range(g)), *(size * (g - i) for i in range(g))]
+        scales = [size * i - 2 * height for i in range(g)]
         columns: list[list[Any]] = []
         for b in (poly.add(K, D.v, D.v), w):
             column = self._padded(poly.mod(K, b, D.u), g)
-            for _ in range(g):
+            for j in range(g):
+                if j:
+                    column = self._padded(poly.mod(K, (K.zero, *column), D.u), g)
                 unit = units[len(columns)]
-                columns.append([c * unit * size**i / height**2 for i, c in enumerate(column)])
-                column = self._padded(poly.mod(K, (K.zero, *column), D.u), g)
+                columns.append([K.doubled(c, unit + scale) for c, scale in zip(column, scales, strict=True)])
         by_row = list(zip(*columns, strict=True))
-        rows = [[K.dot(by_row[i], by_row[j]) for j in range(g)] for i in range(g)]
+        rows = [[K.dot(a, b) for b in by_row] for a in by_row]
         # damped where U, V and W have nearly a common root, a point of the pair on a double point of the curve
-        damping = max(abs(rows[i][i]) for i in range(g)) * abs(K.eps) ** 0.5
-        for i, value in enumerate(self._padded(rest, g)):
+        damping = max(abs(rows[i][i]) for i in range(g)) * K.root_of_eps
+        for i, (value, scale) in enumerate(zip(self._padded(rest, g), scales, strict=True)):
             rows[i][i] += damping
-            rows[i].append(value * size**i / height**2)
+            rows[i].append(K.doubled(value, scale))
         weights = self._solved(rows)
-        move = [K.dot(column, weights) * unit for column, unit in zip(columns, units, strict=True)]
+        move = [K.doubled(K.dot(column, weights), unit) for column, unit in zip(columns, units, strict=True)]
         v = tuple(map(K.add, D.v, move[:g]))
         return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
 
-    def _size_of_x(self, u: poly.Poly) -> Any:
+    def size_of_x(self, u: poly.Poly) -> Any:
         """The size of the largest root of u, about."""
         g = len(u) - 1
         return max(abs(c) ** (self.field.one.real / (g - i)) for i, c in enumerate(u[:-1])) or abs(self.field.one)
@@ -267,8 +272,7 @@ class Lift(NamedTuple):
         else:
             swapped = bool(abs(first[1]) > abs(second[1]))
         # ν = (ν₁ + σ₁k(e))/(κ₂σ₂): nothing is divided by the σ that may vanish
-        near, far, part = (second, first, step.parts[1]) if swapped else (first, second, step.parts[0])
-        k = poly.quotient(K, poly.sub(K, step.v, part.v), part.u)
+        near, far, k = (second, first, step.quotients[1]) if swapped else (first, second, step.quotients[0])
         top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
         bottom = K.mul(far[0], far[1])
         if K.exact and bottom == K.zero:
