@@ -41,7 +41,9 @@ def _ascending(values: Any) -> Any:
     system = type(values).__module__.split(".")[0]
     if system in ("galois", "flint") and hasattr(values, "coeffs"):
         return values.coeffs[::-1] if system == "galois" else values.coeffs()
-    return list(values.Vecrev()) if system.startswith("cypari") and values.type() == "t_POL" else values
+    # PARI writes a constant polynomial as a number, which says of itself that it can be iterated
+    pari = system.startswith("cypari") and values.type() in ("t_POL", "t_INT", "t_FRAC", "t_INTMOD")
+    return list(values.Vecrev()) if pari else values
 
 
 def to_galois(K: Any, a: Poly) -> Any:

@@ -42,18 +42,23 @@ def _pari_element(K: Any, c: Any) -> str:
 
 
 def to_sage(K: Any, f: poly.Poly, h: poly.Poly) -> str:
-    """Two lines of Sage that make R, the polynomials over the field, and C, the curve."""
+    """Two lines of Sage that make R, the polynomials over the field, and C, the curve.
+
+    They mean the same at Sage's prompt and in a Python program, where ^ is no power and 1/3 is a float.
+    """
     if _exact(K).order is None:
         field = "QQ"
     elif K.degree == 1:
         field = f"GF({K.p})"
     else:
-        field = f"GF({K.characteristic}^{K.degree}, 'a', modulus=GF({K.characteristic})['x']({list(K.modulus)}))"
+        field = f"GF({K.characteristic}**{K.degree}, 'a', modulus=GF({K.characteristic})['x']({list(K.modulus)}))"
     parts = (f"R([{', '.join(_sage_element(K, c) for c in a)}])" for a in (f, h))
     return f"R = PolynomialRing({field}, 'x')\nC = HyperellipticCurve({', '.join(parts)})"
 
 
 def _sage_element(K: Any, c: Any) -> str:
+    if K.order is None and c.denominator > 1:
+        return f"QQ('{c}')"
     return str(c) if K.order is None or K.degree == 1 else f"R.base_ring()({list(K.coefficients(c))})"
 
 

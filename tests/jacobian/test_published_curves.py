@@ -1,4 +1,4 @@
-"""Curves of genus 2 over QQ beside the LMFDB and L-functions: invariants, torsion, heights, regulators, periods.
+"""Curves of genus 2 over QQ beside the LMFDB, Sage and L-functions: invariants, torsion, heights, regulators, periods.
 
 ``tests/data/genus2_curves.json``: a label is conductor.class.|discriminant|.number.
 """
@@ -16,7 +16,7 @@ import pytest
 
 from jacobian import QQ, HyperellipticCurve
 from jacobian.finite.integers import factorization
-from jacobian.models.invariants import igusa_invariants
+from jacobian.models.invariants import igusa_clebsch_invariants, igusa_invariants
 from jacobian.periods.proven import period_balls
 from jacobian.relatives.heights import canonical_height, regulator, relation
 
@@ -59,6 +59,7 @@ def test_discriminant_bad_primes_and_igusa_invariants(label):
     conductor, discriminant = (int(label.split(".")[k]) for k in (0, 2))
     found = igusa_invariants(C)
     assert abs(found[4]) == discriminant
+    assert list(igusa_clebsch_invariants(C)) == ROWS[label]["igusa_clebsch"]
     given = ROWS[label].get("igusa", found)
     # the page may have the twist by −1, whose weight is i
     sign = 1 if given[4] == found[4] else -1
