@@ -94,8 +94,11 @@ def gauss_legendre(reals: BareReals, count: int) -> tuple[list[Any], list[Any]]:
 
     balls = BallReals(reals.bits)
     with balls:
-        pairs = [arb.legendre_p_root(count, k, weight=True) for k in reversed(range(count))]
-        return balls.rounded((x for x, _ in pairs), reals), balls.rounded((w for _, w in pairs), reals)
+        # from the largest node to the middle; the others are their opposites
+        pairs = [arb.legendre_p_root(count, k, weight=True) for k in range(count - count // 2)]
+        nodes, weights = (balls.rounded(column, reals) for column in zip(*pairs, strict=True))
+    with reals:
+        return [-x for x in nodes[: count // 2]] + nodes[::-1], weights[: count // 2] + weights[::-1]
 
 
 def doubling_precisions(bits: int, known: int) -> list[int]:

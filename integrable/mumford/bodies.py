@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +37,10 @@ GUARD, DIGITS_APART = 6, 4
 FARTHEST = 1e100
 # of the numbers that a torus is set up with
 DIGITS = 50
+# what periods lose for each digit that branch points share
+DIGITS_A_GAP = 3
+# and how many they may share
+MOST_SHARED = 100
 # a panel of the clock of a separatrix, in some radians
 STEP = 0.5
 
@@ -138,6 +143,14 @@ class BodySystem(MumfordSystem):
         self._check(state)
         return BodyFlow(self, state)
 
+    def close_digits(self, N: Any) -> int:
+        """Digits beyond SPARE that periods lose where the c_i are close together, as those of a light ball are; 0 where
+        the numbers of N do not tell them apart.
+        """
+        weights = sorted(self._weights(N))
+        gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
+        return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
+
     def _unit(self, N: Any, state: Point) -> Unit:
         """The curve in X = 1 − l(x)/L, L = 2 max c_i, y = height·Y."""
         (p, q), weights = self._light(N), self._weights(N)
@@ -193,7 +206,8 @@ class BodyFlow(MumfordFlow):
     def _made(self, digits: int) -> SeriesClock | PanelClock:
         K = MP(digits + SPARE)
         try:
-            return SeriesClock(K, self._body._unit(K, self._inner(K)))
+            wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
+            return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
         except PrecisionLoss:
             # the ovals have met, or nearly
             reals = BareReals(K.context.prec)

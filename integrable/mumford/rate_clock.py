@@ -57,16 +57,16 @@ class Setup(NamedTuple):
 
 
 class SeriesClock:
-    """τ(t) of a motion over ``wide``, MP(digits), to 20 digits fewer.
+    """τ(t) of a motion over ``wide`` to ``digits``.
 
     PrecisionLoss where the torus is not compact: the ovals have met.
     """
 
-    def __init__(self, wide: Any, unit: Unit) -> None:
+    def __init__(self, wide: Any, unit: Unit, digits: int) -> None:
         one, zero = wide.one, wide.zero
         axes = (*unit.alphas, one, one, one, one, zero)
         problem = Problem(axes, unit.zeta, one, unit.start, zero)
-        setup = Setup(problem, wide, BareReals(wide.context.prec), wide.dps - SPARE)
+        setup = Setup(problem, wide, BareReals(wide.context.prec), digits)
         # Newton's method takes 1 for a time in which little turns, so t and τ are counted in such
         first, second = unit.direction
         self._unit = 1 / abs(first)
@@ -74,8 +74,9 @@ class SeriesClock:
         self._clock = MultiprecisionTorusClock(setup, direction=direction)  # type: ignore[arg-type]
 
     def tau(self, times: list[Any]) -> list[Any]:
-        """τ at every t, all wide."""
-        return [tau * self._unit for tau in self._clock.tau([t / self._unit for t in times])]
+        """τ at every t, wide."""
+        coerce = self._clock.wide.coerce
+        return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
 
 
 class PanelClock:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.system import Path, Point
 from integrable.phase.enclosure import EnclosedPath
@@ -49,9 +50,15 @@ class BodyOnLayer(BodySystem):
         return _Flow(body.flow(body.state(*state)))
 
     def by_additions(self, state: Point) -> Any:
-        """The motion of a state by additions in long numbers; ArgumentError at d = 0."""
-        if self.parameters[0] == self.field.zero:
+        """The motion of a state by additions in long numbers; ArgumentError at d = 0, and over RR where
+        :mod:`integrable.motion.domain` refuses the body or the state.
+        """
+        (d,) = self.parameters
+        if d == self.field.zero:
             raise ArgumentError("d = 0: the curve of a top has genus 1, and its pair is none of degree 1; give d ≠ 0")
+        self._check(state)
+        if self.field == RR and d > 0:
+            check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
     def _constants_in(self, N: Any) -> tuple[Any, ...]:

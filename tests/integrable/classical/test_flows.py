@@ -90,6 +90,24 @@ def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None
         assert np.abs(fast.p / size - path.p).max() < 1e-15
 
 
+@pytest.mark.parametrize("d", [1e-9, 1e-12, 1e-40])
+def test_light_balls_by_additions(d) -> None:
+    """The constants of the curve share all digits of a float: periods take as many more, and the clock is a series."""
+    ball = BodyOnLayer((1, 2, 3), d)
+    state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    own, other = ball.flow(state).at([10, 1e5]), ball.by_additions(state).at([10, 1e5])
+    assert np.abs(own.q - other.q).max() < 2e-15
+    assert np.abs(own.p - other.p).max() < 2e-15
+
+
+@pytest.mark.parametrize(("d", "size", "named"), [(1e-60, 1, "d = 1e-60"), (1e40, 1, "d = 1e+40"), (0.7, 1e-150, "M")])
+def test_additions_in_floats_have_the_domain_of_the_ball(d, size, named) -> None:
+    ball = BodyOnLayer((1, 2, 3), d)
+    state = ball.state((0.48, 0.6, 0.64), [size * x for x in (0.384, 1.28, -1.488)])
+    with pytest.raises(ArgumentError, match=re.escape(named)):
+        ball.by_additions(state)
+
+
 ESCAPING, BOUND = ((0.0625, -0.125), (0.03125, 0.0625)), ((0.01, -0.06), (0.005, 0.01))
 
 
@@ -394,6 +412,7 @@ def test_a_lattice_with_closed_gaps() -> None:
         (lambda: BodyOnLayer((1, 2, 3), -2), "d = -2.0"),
         (lambda: BodyOnLayer((1, 2, 3), 4, GF(7)), "d = 4"),
         (lambda: BodyOnLayer((1, 2, 3)).by_additions(Point((1, 0, 0), (0, 1, 0))), "d = 0"),
+        (lambda: BodyOnLayer((1, 2, 3), 1).by_additions("rest"), "state = 'rest'"),
         (lambda: TodaLattice(1), "n = 1"),
         (lambda: TodaLattice(2.5), "n = 2.5"),
         (lambda: TodaLattice(2, GF(101)).state((0, 1), (1, 1)), "e^q"),
