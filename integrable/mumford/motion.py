@@ -244,8 +244,8 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
         elif n < 2:
             step = rest / mean
         elif slow:
-            # beyond the target
-            step *= 2
+            # beyond the target; within bounds that may go from one side to the other for ever
+            step = (low[0] + high[0]) / 2 - tau if low and high else 2 * step
         elif low and high:
             step = _between(low, high, target) - tau
         if low and high and not low[0] < tau + step < high[0]:

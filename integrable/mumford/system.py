@@ -393,9 +393,9 @@ class MumfordFlow:
             return None
         try:
             torus = self._made_torus()
+            return torus if self._confirmed(torus) else None
         except (PrecisionLoss, ZeroDivisionError):
             return None
-        return torus if self._confirmed(torus) else None
 
     def _made_torus(self) -> RealTorus | BodyTorus:
         from integrable.mumford.real_torus import RealTorus

@@ -106,3 +106,15 @@ def test_where_newton_steps_for_a_length_alternate_it_is_found():
     path = ellipsoid.flow(start).at([-3.83])
     back = ellipsoid.flow(Point(tuple(path.q[0].tolist()), tuple(path.p[0].tolist()))).at([3.83])
     assert np.abs(np.ravel(start) - np.hstack([back.q[0], back.p[0]])).max() < 1e-13
+
+
+def test_where_doubled_steps_for_a_length_go_from_side_to_side_it_is_found_at_once():
+    """Every doubled step overshot by nearly what the one before had: minutes, then a refusal."""
+    ellipsoid = Ellipsoid((0.46572207114444303, 0.034994824104107335, 0.18009290735929562))
+    start = ellipsoid.state(
+        (0.15086287286409777, -0.15091748830616616, 0.23255084485618627),
+        (0.012438332353369573, -0.0027110536602145806, -0.01217455186570281),
+    )
+    path = ellipsoid.flow(start).at([-29.9])
+    back = ellipsoid.flow(Point(tuple(path.q[0].tolist()), tuple(path.p[0].tolist()))).at([29.9])
+    assert np.abs(np.ravel(start) - np.hstack([back.q[0], back.p[0]])).max() < 1e-13
