@@ -34,7 +34,7 @@ KINDS: dict[Any, TupleKind] = {
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
         record(Room, WIDES, WIDES, WIDES),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
-        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS),
+        record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),
         record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
         record(Tables, FLOATS, INTS, FLOATS, INTS, FLOATS, FLOATS, INTS, INTS),
         record(Clock, _INTS, _SERIES, _SERIES, _SERIES, INTS, WIDES, WIDES),

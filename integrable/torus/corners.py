@@ -31,6 +31,8 @@ MOST_AT_ONCE = 7
 NEAR = 2.0**-23
 # nodes on the way from there
 QUADRATURE = 32
+# parts of a factor of f, at the least, that its values may be: U there has the square of the loss, the sum its cube
+LEAST_REST = 2.0**-14
 # the first grid of 1/g
 FIRST_SIZE = 16
 
@@ -67,6 +69,7 @@ class Corners:
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
         self.rates = self._made_rates(motion[9:10])
         tables, self._halves = self._translations(motion)
+        self._rest = loops.room(2) if leans else rest_of(motion, loops)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
         if self.sizes[0] * self.sizes[1] > most:
             raise PrecisionLoss(f"the torus of this motion needs {self.sizes[0]} × {self.sizes[1]} cells")
@@ -169,7 +172,7 @@ class Corners:
         coarser = (0, 0)
         if known is not None:
             coarser = sizes[0] * self.doubled[0] // known.shape[0], sizes[1] * self.doubled[1] // known.shape[1]
-        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts, coarser))
+        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts, coarser, self._rest))
         loops.offsets(self._packed_curve, self._packed_small, fine)
         return fine
 
@@ -214,6 +217,17 @@ class Corners:
         sizes = np.maximum.reduceat(np.abs(loops.floats(self._start)), PARTS)
         # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
         self.closure = float((np.maximum.reduceat(gaps, PARTS) / sizes).max())
+
+
+def rest_of(motion: Any, loops: Any) -> Any:
+    """(d, r) of the factor r − dx of f, a row of the loops' numbers: 0 where it is so small at an axis, beside its
+    parts, that values lose what a grid of 1/g asks for.
+    """
+    floats = loops.floats(motion)
+    axes, d, r = floats[4:7], floats[8], floats[10]
+    if (r - d * axes).min() < LEAST_REST * (abs(r) + d * np.abs(axes).max()):
+        return loops.room(2)
+    return loops.joined(motion[8:9], motion[10:11])
 
 
 def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, columns: int) -> int:

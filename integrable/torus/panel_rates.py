@@ -44,7 +44,8 @@ class PanelRates:
         """Translations as :meth:`around` takes them."""
         rows = np.zeros((len(steps), 20, 2))
         rows[:, :10] = self._packed(steps)
-        return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), np.ones(len(steps), dtype=np.int64), (0, 0)
+        counts, rest = np.ones(len(steps), dtype=np.int64), np.zeros((2, 2))
+        return (1, 1), (1, len(steps)), (False, False), rows.reshape(-1, 2), counts, (0, 0), rest
 
     def values(self, point: Any, packed: Any) -> np.ndarray:
         """1/g after each of the translations ``packed`` by :meth:`steps`, as double-doubles, shape (N, 2)."""

@@ -21,6 +21,7 @@ from integrable.moving_point.addition import (
     shift,
 )
 from integrable.torus.tables import SmallSteps, small_translation
+from jacobian.inexact.genus2_real import chord, chord_apart
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
@@ -68,7 +69,8 @@ class Stride(NamedTuple):
 class Fine(NamedTuple):
     """A grid of ``finer[0]`` × ``finer[1]`` points to a cell: ``odd`` is whether a period turns an odd number of γ_i,
     ``steps`` and ``counts`` are what :func:`offsets` makes, 20 numbers and one for each point; those that are so many
-    points from one another as ``coarser`` says, unless that is 0, are KNOWN.
+    points from one another as ``coarser`` says, unless that is 0, are KNOWN. ``rest`` are (d, r) of the factor r − dx
+    of f where its values tell 1/g, of an upright body, else 0 (:func:`integrable.torus.corners.rest_of`).
     """
 
     cells: tuple[int, int]
@@ -77,6 +79,7 @@ class Fine(NamedTuple):
     steps: Row
     counts: Row
     coarser: tuple[int, int]
+    rest: Row
 
 
 def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
@@ -199,7 +202,10 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     """
     parts, cells, finer, counts, coarser = small.parts, fine.cells, fine.finer, fine.counts, fine.coarser
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
-    zero, n = 0 * parts[0], 0
+    zero, n, least = 0 * parts[0], 0, LEAST_CONDITION
+    if fine.rest[1] != 0:
+        # without the pairs nothing is lost at a branch point
+        least *= LEAST_CONDITION
     for i in range(-above, finer[0] - above):
         for j in range(-left, finer[1] - left):
             a, b = zero + i / (finer[0] * cells[0]), zero + j / (finer[1] * cells[1])
@@ -220,7 +226,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
                 both = carried(
                     curve.f, curve.unit_axes, moving_point(fine.steps, place), moving_point(fine.steps, place + 10)
                 )
-                if conditioning(both) > LEAST_CONDITION:
+                if conditioning(both) > least:
                     put(both, fine.steps, place)
                     counts[n] = 1
             n += 1
@@ -232,20 +238,26 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
     """
     (rows, columns), finer = fine.cells, fine.finer
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
-    height, width = rows * finer[0], columns * finer[1]
+    height, width, d, r = rows * finer[0], columns * finer[1], fine.rest[0], fine.rest[1]
     for i in range(rows):
-        n = -1
-        for a in range(-above, finer[0] - above):
-            row, over = i * finer[0] + a, False
-            if row < 0:
-                row, over = row + height, fine.odd[0]
-            for b in range(-left, finer[1] - left):
-                n += 1
-                if fine.counts[n] == KNOWN:
-                    continue
-                for j in abreast(0, columns):
-                    corner = moving_point(states, (i * columns + j) * 10)
-                    rate, other = rates_beside(curve, corner, fine.steps, 20 * n + 0 * j, fine.counts[n])
+        for j in abreast(0, columns):
+            corner = moving_point(states, (i * columns + j) * 10)
+            own, n = rate_at(curve.axes, corner), -1
+            scale = own * height_of(d, r, corner)
+            for a in range(-above, finer[0] - above):
+                row, over = i * finer[0] + a, False
+                if row < 0:
+                    row, over = row + height, fine.odd[0]
+                for b in range(-left, finer[1] - left):
+                    n += 1
+                    if fine.counts[n] == KNOWN:
+                        continue
+                    place = 20 * n + 0 * j
+                    if r != 0 and fine.counts[n] == 1:
+                        rate = rate_by_height(curve.f, (d, r, scale), corner, moving_point(fine.steps, place))
+                        other = rate
+                    else:
+                        rate, other = rates_beside(curve, corner, fine.steps, place, fine.counts[n])
                     column, flipped = j * finer[1] + b, over
                     if column < 0:
                         column, flipped = column + width, over != fine.odd[1]
@@ -253,6 +265,26 @@ def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> N
                         rate, other = other, rate
                     rates[row * width + column] = rate
                     others[row * width + column] = other
+
+
+def height_of(d: Real, r: Real, point: Row) -> Real:
+    """d²U(r/d), which vanishes where a point of the divisor is at the root of r − dx."""
+    return r * r + d * (r * point[1] + d * point[0])
+
+
+def rate_by_height(f: Row, scale: tuple[Real, Real, Real], point: Row, step: Row) -> Real:
+    """:func:`integrable.moving_point.addition.rate_after` of an upright body, from the root r/d of f: ``scale`` is d, r
+    and 1/g times :func:`height_of` at the point.
+
+    g² is a multiple of U(r/d), and f vanishes there: U'' is P²/(l1²·U·U') with P = qV + LU.
+    """
+    d, r, size = scale
+    first, second = (point[0], point[1], point[2], point[3]), (step[0], step[1], step[2], step[3])
+    q, l1, l0, good = chord_apart(first, second)
+    if not good:
+        q, l1, l0 = chord((f[0], f[1], f[2], f[3], f[4], f[5]), first, second)
+    across = q * (d * d) * (d * point[2] + r * point[3]) + (d * l0 + r * l1) * height_of(d, r, point)
+    return abs(size * l1 * root(height_of(d, r, step)) / across)
 
 
 def rates_beside(curve: Curve, corner: Row, steps: Row, place: int, count: int) -> tuple[Real, Real]:

@@ -281,6 +281,35 @@ def test_a_finer_grid_takes_what_the_coarser_one_knows(d, tilted) -> None:
         assert np.abs(anew[::2] - coarse).max() < 1e-17
 
 
+@pytest.mark.parametrize(
+    "name",
+    [
+        "S1",
+        "S4a, thin",
+        "1e-4 beside the separatrix",
+        "d = 1e-12",
+        "nearly equal moments, 1e-12",
+        "heavy ball, d·max a → 1",
+    ],
+)
+def test_one_over_g_from_a_root_of_f_is_that_from_the_axes(name) -> None:
+    """U'' at the root 1/d, where f vanishes, against σ₁, σ₂, σ₃ of the sum: U loses too much on a thinner ball."""
+    system, state, _, _ = scene(name)
+    corners = Corners(system.flow(state).setup, CompiledLoops(), 1 << 16)
+    sizes = 4 * corners.sizes[0], 2 * corners.sizes[1]
+    assert corners.loops.floats(corners._rest)[1] > 0
+    by_root = corners.samples(sizes)
+    corners._rest = corners.loops.room(2)
+    by_axes = corners.samples(sizes)
+    assert np.abs(by_root / by_axes - 1).max() < 2e-19
+
+
+def test_one_over_g_of_thinner_and_tilted_balls_is_had_from_the_axes() -> None:
+    for name in ("thinner", "(γ, M) = 1.5"):
+        system, state, _, _ = scene(name)
+        assert not Corners(system.flow(state).setup, CompiledLoops(), 1 << 16)._rest.any()
+
+
 def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None:
     """(γ, M) = 0 in a state made as a tilted one: half of the grid was empty, and digits were sent for."""
     ball = ChaplyginBall((0.013839669882170155, 0.002377476045841977, 0.016785435607574308), 1.0475366205208094e-09)
