@@ -85,6 +85,10 @@ class Placed:
             self._carried = further, D
         return D if tau == 0 else self.translations().carried(D, tau)
 
+    def after(self, D: Extended, tau: Any, step: Any) -> Extended:
+        """What comes a step after D = D(τ)."""
+        return self._resting(tau + step) if self.rests else self.translations().carried(D, step)
+
     def _resting(self, tau: Any) -> Extended:
         """The pair as it is; lifts at points turn, σ'/σ = ½n(x)y/U(x)."""
         K, (u, _, data) = self.field, self.start
@@ -180,8 +184,10 @@ class MumfordMotion:
             target, *further = map(K.coerce, times)
             if clock is None:
                 return read(K, placed.at(target, tuple(further)))
-            time, near = self._reached
-            tau, D = _at_clock(placed, target, clock, K.coerce(near) if time == times[0] else None)
+            time, tau = self._reached
+            # where that shows this time too, or by its mean rate
+            near = K.coerce(tau) * (target / K.coerce(time)) if time else None
+            tau, D = _at_clock(placed, target, clock, near)
             self._reached = times[0], tau
             return read(K, D)
 
@@ -229,7 +235,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
     start, rate = clock(K, D)
     tau, now, low, high, step = K.zero, start, None, None, unit
     # of the points before
-    rests = [K.zero, K.zero]
+    rests = [math.inf, math.inf]
     for n in range(MOST_STEPS):
         rest = target - now
         slow = 4 * abs(rest) > rests[-2]
@@ -250,8 +256,9 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
             step = _between(low, high, target) - tau
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
+        # the first step is a long one, and what is lost on those after it little
+        D = placed.after(D, tau, step) if n else placed.at(step)
         tau += step
-        D = placed.at(tau)
         if abs(step) < unit * K.eps**0.5 / SMALL:
             return tau, D
         now, rate = clock(K, D)

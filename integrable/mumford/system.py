@@ -8,6 +8,8 @@ and MP the flow at any time. Exact fields put their bare elements into jets with
 
 from __future__ import annotations
 
+import cmath
+import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -17,7 +19,17 @@ from integrable.mumford.motion import MumfordMotion, Start, settled
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import Divisor, HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, entries, one_of, one_or_more, shown, whole
+from jacobian.errors import (
+    ArgumentError,
+    JacobianError,
+    NotRepresentable,
+    PrecisionLoss,
+    entries,
+    one_of,
+    one_or_more,
+    shown,
+    whole,
+)
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable, Record, replaced
 from jacobian.inexact.long_field import LongField
@@ -166,7 +178,8 @@ class MumfordSystem(Immutable):
     def _check(self, state: Point) -> None:
         N = self.numbers
         inside = self._inside(N, state)
-        values = self._constraints(N, inside)
+        # a constraint that is infinite is off
+        values = self._formula(self._constraints, state, finite=False)
         sizes = [None] * len(values) if N.exact else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
             if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
@@ -187,10 +200,27 @@ class MumfordSystem(Immutable):
 
     _constraint_names: tuple[str, ...] = ()
 
+    def _formula(self, formula: Callable[[Any, Point], Any], state: Point, finite: bool = True) -> Any:
+        """``formula(N, state)`` in the numbers of the field; PrecisionLoss where floats do not reach what it needs."""
+        N = self.numbers
+        try:
+            found = formula(N, self._inside(N, state))
+        except JacobianError:
+            raise
+        except (ArithmeticError, ValueError):
+            if N.exact:
+                raise
+            found, finite = math.inf, True
+        if not finite or _in_range(found):
+            return found
+        raise PrecisionLoss(
+            f"q, p = {shown(tuple(state))}: the formulas of {self!r} go beyond the range of {N.name} there; use "
+            "MP(digits), or another unit"
+        )
+
     def spectral(self, state: Point) -> Spectral:
         """f, u and v of a state, all coefficients, ascending."""
-        N = self.numbers
-        return Spectral(*(tuple(map(self._bare, a)) for a in self._spectral(N, self._inside(N, state))))
+        return Spectral(*(tuple(map(self._bare, a)) for a in self._formula(self._spectral, state)))
 
     def divisor(self, state: Point) -> Divisor:
         """The class of the state's pair in the Jacobian of its curve."""
@@ -199,14 +229,12 @@ class MumfordSystem(Immutable):
 
     def integrals(self, state: Point) -> dict[str, Any]:
         """The integrals by name."""
-        N = self.numbers
-        found = self._integrals(N, self._inside(N, state))
+        found = self._formula(self._integrals, state)
         return {name: tuple(map(self._bare, x)) if isinstance(x, tuple) else self._bare(x) for name, x in found.items()}
 
     def vector_field(self, state: Point) -> Point:
         """(q', p')."""
-        N = self.numbers
-        return self._outside(self._vector_field(N, self._inside(N, state)))
+        return self._outside(self._formula(self._vector_field, state))
 
     def direction(self, genus: int) -> tuple[Any, ...]:
         """The c of the motion, Σ_i x_i^k dx_i/y_i = c_k dτ."""
@@ -244,7 +272,7 @@ class MumfordSystem(Immutable):
             raise ArgumentError(f"point = {shown(point)}: a pair (λ, μ) is needed")
         N = self.numbers
         x, y = (N.coerce(value, "point") for value in found)
-        f = self._spectral(N, self._inside(N, state)).f
+        f = self._formula(self._spectral, state).f
         rest = y * y - poly.evaluate(N, f, x)
         size = None if N.exact else abs(y) ** 2 + sum(abs(c * x**i) for i, c in enumerate(f))
         if (rest != N.zero) if size is None else abs(rest) > OFF * N.eps * size:
@@ -431,6 +459,15 @@ class MumfordFlow:
 
     def _reader(self, time: Any) -> Any:
         return lambda N, D: self.system._back(N, self._inner(N), D, N.coerce(time))
+
+
+def _in_range(found: Any) -> bool:
+    """Whether there is no infinity and no NaN among numbers, if they are floats, in tuples and dicts."""
+    if isinstance(found, dict):
+        found = tuple(found.values())
+    if isinstance(found, tuple):
+        return all(map(_in_range, found))
+    return cmath.isfinite(found) if isinstance(found, (float, complex)) else True
 
 
 def normalized(N: Any, q: Sequence[Any]) -> tuple[Any, ...]:

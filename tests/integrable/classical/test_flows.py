@@ -524,3 +524,34 @@ def test_discretization_of_moser_and_veselov() -> None:
     ratio = total * np.sqrt(np.array(system.constants) - x) / np.array(states[1].q)
     assert np.ptp(ratio) < 1e-12 * abs(ratio[0])
     assert np.allclose(system.integrals(states[2])["F"], system.integrals(state)["F"], rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("make", "q", "p"),
+    [
+        (lambda K: Garnier((0, 1, 3), field=K), (1e200, 1, 1), (0, 0, 0)),
+        (lambda K: HenonHeiles((1, 2), -0.5, -0.25, 0, field=K), (1e200, 1, 1), (0, 0, 0)),
+        (lambda K: TodaLattice(2, K), (0, 800), (3000, -5000)),
+        (lambda K: TodaLattice(3, K), (0, -1600, 5), (0, 1, 2)),
+    ],
+)
+def test_what_is_beyond_floats_is_refused_by_name(make, q, p) -> None:
+    system = make(RR)
+    state = system.state(q, p)
+    for use in (system.flow, system.spectral, system.divisor, system.integrals):
+        with pytest.raises(PrecisionLoss, match=r"q, p = .*MP\(digits\)"):
+            use(state)
+    fine = make(MP(30))
+    start = fine.state(q, p)
+    assert all(map(fine.field.context.isfinite, fine.spectral(start).f))
+
+
+def test_a_vector_field_beyond_floats_is_refused_by_name() -> None:
+    system = Garnier((0, 1, 3))
+    with pytest.raises(PrecisionLoss, match="beyond the range of"):
+        system.vector_field(system.state((1e200, 1, 1), (0, 0, 0)))
+
+
+def test_constraints_beyond_floats_are_refused_by_name() -> None:
+    with pytest.raises(PrecisionLoss, match="beyond the range of"):
+        Neumann((1, 2, 4)).state((1e200, 1e200, 0), (1e200, -1e200, 0))

@@ -118,3 +118,13 @@ def test_where_doubled_steps_for_a_length_go_from_side_to_side_it_is_found_at_on
     path = ellipsoid.flow(start).at([-29.9])
     back = ellipsoid.flow(Point(tuple(path.q[0].tolist()), tuple(path.p[0].tolist()))).at([29.9])
     assert np.abs(np.ravel(start) - np.hstack([back.q[0], back.p[0]])).max() < 1e-13
+
+
+@pytest.mark.parametrize("length", [1e-7, 3e-9])
+def test_short_geodesics_are_found_to_all_digits_and_enclosed(length):
+    """The first Newton step is small there, which was taken for the last one."""
+    ellipsoid = Ellipsoid((1, 2, 3))
+    flow = ellipsoid.flow(ellipsoid.state((1, 0, 0), (0, 1, 0)))
+    rough, fine = (flow.tau_near(length, digits) for digits in (20, 40))
+    assert abs(rough - fine) < 1e-19 * abs(fine)
+    assert flow.enclosure([length]).radius[0] <= 1e-15
