@@ -18,7 +18,6 @@ from integrable.moving_point.addition import (
     put,
     rate_at,
     settled_pair,
-    shift,
 )
 from integrable.moving_point.short_rows import (
     FINEST,
@@ -83,7 +82,7 @@ def put_node(room: Room, rule: Rule, level: int, j: int, origin: Any) -> None:
     step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
     if power < 0:
         step = opposite(step)
-    there = shift(curve_of(room.wide), unit_axes(room.wide), origin, step)
+    there = carried(curve_of(room.wide), unit_axes(room.wide), origin, step)
     put(there, room.wide_nodes, 10 * ((level + 1) * count - 1 - j))
     put(opposite(there), room.wide_nodes, 10 * (level * count + j))
 
