@@ -42,7 +42,7 @@ if TYPE_CHECKING:
     from jacobian.native.library import Library, Packed
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
-# between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short). A torus takes
+# between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short). A torus is
 # 600 to 1800 on ordinary bodies, 6600 on thin ones: in between, so that "auto" loses least where it is wrong
 PANEL_COST, START_COST = 1.8, 80.0
 TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2000.0
