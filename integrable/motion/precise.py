@@ -142,9 +142,10 @@ class ManyDigits:
         """Start again with that many more digits."""
         digits = self.carrier.digits + more
         if digits > 2 * self.digits + MOST_LOST:
+            lost = digits - self.digits
             raise PrecisionLoss(
-                f"the motion loses more than {self.digits + MOST_LOST} digits on the way there; times nearer to 0 are "
-                "within reach, and MP fields of more digits allow as many more"
+                f"the motion loses more than {self.digits + MOST_LOST} digits on the way there, {lost} or more; times "
+                f"nearer to 0 are within reach, and MP fields of at least {lost - MOST_LOST} digits allow as many"
             )
         self.carrier, self._witness, self._witnessed = self.carrier_of(digits), None, 0
 
@@ -277,8 +278,10 @@ class BodyCarrier(Carrier):
             return setup.reals.plain_row(point)
 
     def vectors(self, point: Any) -> tuple[Any, Any]:
-        setup, problem = self.setup, self.setup.problem
-        return vectors(setup.reals.elements(setup.wide, point), problem.momentum, problem.matrix)
+        setup, bare = self.setup, self.setup.bare
+        with setup.reals as reals:
+            gamma, M = vectors(point, bare.momentum, bare.matrix)
+        return reals.elements(setup.wide, gamma), reals.elements(setup.wide, M)
 
     def drift(self, points: list[Any]) -> int:
         return max((digits_of(drift(self.setup, point)) for point in points), default=-NOTHING)

@@ -133,7 +133,7 @@ TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 class View:
     """A motion in one kind of number, which ``number`` makes of an mpf or a bare real: ``f``, ``axes`` and ``start``
-    as :mod:`integrable.moving_point.addition` takes them, half of a basic step and |M|.
+    as :mod:`integrable.moving_point.addition` takes them, half of a basic step, |M| and the matrix of a tilted motion.
     """
 
     def __init__(self, setup: Setup, number: Callable[[Any], Any]) -> None:
@@ -141,6 +141,7 @@ class View:
         problem = setup.problem
         self.f, self.axes, self.start = (tuple(map(number, row)) for row in (problem.f, problem.axes, problem.start))
         self.half_step, self.momentum = number(problem.half_step), number(problem.momentum)
+        self.matrix = None if problem.matrix is None else tuple(map(number, problem.matrix))
         self._rows: dict[int, list[tuple[Any, ...]]] = {1: [], -1: []}
         self._passed: dict[int, tuple[Any, ...]] = {}
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from time import process_time
 
 import numpy as np
@@ -263,8 +264,11 @@ def test_an_ordinary_motion_is_not_expected_to_lose_digits() -> None:
 def test_what_loses_too_much_is_refused_by_name(monkeypatch) -> None:
     monkeypatch.setattr(precise, "MOST_LOST", 5)
     system, state = ball(30, start=(("1e-20", "0", "1"), ("0", "1", "0")))
-    with pytest.raises(PrecisionLoss, match="loses more than 35 digits"):
+    with pytest.raises(PrecisionLoss, match="loses more than 35 digits") as refused:
         PreciseFlow(system.body, state, 30).at([200])
+    enough = int(re.findall(r"at least (\d+) digits", str(refused.value))[0])
+    assert 30 < enough < 200
+    assert len(PreciseFlow(system.body, state, enough + 20).at([200])[1]) == 1
 
 
 @pytest.mark.parametrize("digits", [15, 30])
