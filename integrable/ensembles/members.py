@@ -171,7 +171,7 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 
 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
-    """Which members nobody refuses, whose moments all differ and whose M is beside every axis: shape (K,)."""
+    """Which members nobody refuses, whose moments differ or are two equal ones, M beside every axis: shape (K,)."""
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):
         least, most = inertia.min(axis=1), inertia.max(axis=1)
@@ -180,7 +180,8 @@ def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
         good = np.isfinite(members).all(axis=1)
         good &= (least > 1e3 / LARGEST) & (most < LARGEST / 1e3) & (most < FAR_INSIDE * WIDEST * least)
         good &= (d == 0) | ((d > 1e-40 * most) & (d < FAR_INSIDE * HEAVIEST * least))
-        good &= (np.diff(ordered, axis=1) > DISTINCT * (most + d)[:, None]).all(axis=1)
+        apart = np.diff(ordered, axis=1)
+        good &= ((apart > DISTINCT * (most + d)[:, None]) | (apart == 0)).all(axis=1) & (least < most)
         good &= abs((gamma * gamma).sum(axis=1) - 1) < tolerance
         good &= (size > 1e3 / LARGEST) & (size < LARGEST / 1e3)
         good &= (np.sort(abs(M), axis=1)[:, 1] > ASIDE * size) & (np.abs(M).max(axis=1) > 1e3 / LARGEST)
