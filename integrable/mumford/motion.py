@@ -233,27 +233,27 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
     """
     K, unit, D = placed.field, placed.translations().unit, placed.start
     start, rate = clock(K, D)
-    tau, now, low, high, step = K.zero, start, None, None, unit
+    tau, now, low, high, flat = K.zero, start, None, None, K.one / 4
     # of the points before
     rests = [math.inf, math.inf]
     for n in range(MOST_STEPS):
         rest = target - now
-        slow = 4 * abs(rest) > rests[-2]
-        # where rounding is reached, what is left no longer shrinks
-        if rest == 0 or (slow and abs(step) < unit / SMALL):
+        if rest == 0:
             return tau, D
+        slow = 4 * abs(rest) > rests[-2]
         low, high = ((tau, now, rate), high) if rest > 0 else (low, (tau, now, rate))
         mean = (now - start) / tau if tau else rate
-        step = rest / max(rate, mean / 4)
         if near is not None:
             step, near = near - tau, None
         elif n < 2:
             step = rest / mean
-        elif slow:
-            # beyond the target; within bounds that may go from one side to the other for ever
-            step = (low[0] + high[0]) / 2 - tau if low and high else 2 * step
         elif low and high:
-            step = _between(low, high, target) - tau
+            # where slow, the cubic may go from one side to the other for ever
+            step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
+        else:
+            # places flatter than that are stepped over, but for those that the target may be in
+            flat = flat / 16 if slow else flat
+            step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
         # the first step is a long one, and what is lost on those after it little
