@@ -142,7 +142,10 @@ class CurveQuestions(Immutable):
         return self.jacobian().cartier_manin()
 
     def p_rank(self) -> int:
-        """The rank over GF(p) of the p-torsion of the Jacobian over the algebraic closure, 0 … g (finite fields)."""
+        """The rank over GF(p) of the p-torsion of the Jacobian over the algebraic closure, 0 … g (finite fields).
+
+        In characteristic 2 h tells it, over any field; else the limits of :meth:`cartier_manin` or of counting hold.
+        """
         return self.jacobian().p_rank()
 
     def is_ordinary(self) -> bool:

@@ -78,8 +78,7 @@ class FiniteGroup(GroupLaw):
         """See :meth:`jacobian.curve.questions.CurveQuestions.is_supersingular`."""
         from jacobian.finite.slopes import is_supersingular
 
-        field: Any = self.field
-        return is_supersingular(self.frobenius_polynomial(), field.characteristic, field.degree)
+        return is_supersingular(self.curve, self.frobenius_polynomial)
 
     def bad_primes(self) -> list[int]:
         """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`."""

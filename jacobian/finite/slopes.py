@@ -5,7 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
-from jacobian.errors import FieldError
+from jacobian.errors import FieldError, Infeasible
+from jacobian.fields.factor import factor
 from jacobian.finite.hasse_witt import cartier_manin, frobenius_modulo_p
 
 if TYPE_CHECKING:
@@ -35,14 +36,34 @@ def p_rank(C: HyperellipticCurve, chi: Any) -> int:
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
-    a = frobenius_modulo_p(C)
+    if K.characteristic == 2:
+        return _two_rank(C)
+    try:
+        a = frobenius_modulo_p(C)
+    except Infeasible:
+        # of curves with complex multiplication χ is known over any field
+        a = None
     if a is None:
         p = K.characteristic
         a = [c % p for c in chi()[::-1][1 : C.genus + 1]]
     return max((i for i, c in enumerate(a, 1) if c), default=0)
 
 
-def is_supersingular(chi: list[int], p: int, degree: int) -> bool:
-    """Whether the Newton polygon of χ over GF(p^degree) is the line of slope degree/2: p^⌈i·degree/2⌉ | a_i."""
-    g = len(chi) // 2
-    return all(c % p ** ((i * degree + 1) // 2) == 0 for i, c in enumerate(chi[::-1][: g + 1]))
+def _two_rank(C: HyperellipticCurve) -> int:
+    """The 2-rank in characteristic 2: one less than the number of points over which y is ramified, the distinct zeros
+    of h as a form of degree g + 1 (Deuring–Shafarevich; Subrao 1975).
+    """
+    return sum(len(P) - 1 for P, _ in factor(C.field, C.h)) + (len(C.h) < C.genus + 2) - 1
+
+
+def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
+    """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` as above.
+
+    In characteristic 2 the p-rank, 0 where it is, decides alone up to genus 2, where there is no other such polygon.
+    """
+    K: Any = C.field
+    p, g = K.characteristic, C.genus
+    rank = _two_rank(C) if p == 2 else 0
+    if p == 2 and (rank > 0 or g <= 2):
+        return rank == 0
+    return all(c % p ** ((i * K.degree + 1) // 2) == 0 for i, c in enumerate(chi()[::-1][: g + 1]))

@@ -200,6 +200,30 @@ def test_supersingular_curves():
     assert chi[5] % 5 or chi[4] % 5 or chi[3] % 25
 
 
+def test_ranks_and_slopes_in_characteristic_2():
+    """Against χ, and over fields where χ is not had."""
+    for C in curves(6, 60, [GF(2), GF(2, 2), GF(2, 3), GF(2, 4)]):
+        g, k = C.genus, C.field.degree
+        a = C.jacobian().frobenius_polynomial()[::-1][: g + 1]
+        assert C.p_rank() == max(i for i, c in enumerate(a) if c % 2)
+        assert C.is_supersingular() == all(c**2 % 2 ** (i * k) == 0 for i, c in enumerate(a))
+    K = GF(2, 61)
+    x, line = [3, 5, 0, 0, 9, 7], (12345, 1)
+    once = HyperellipticCurve(K, x, line)
+    assert (once.p_rank(), once.is_supersingular()) == (1, False)
+    twice = HyperellipticCurve(K, x, poly.mul(K, line, line))
+    assert (twice.p_rank(), twice.is_ordinary()) == (1, False)
+    assert HyperellipticCurve(K, x, 1).is_supersingular()
+    assert HyperellipticCurve(K, [*x, 0, 4], (1, 1, 0, 7)).is_ordinary()
+
+
+def test_p_ranks_by_complex_multiplication():
+    """Where the matrix of Cartier and Manin is out of reach: y² = x⁵ + 3 is ordinary for p ≡ 1 modulo 5 alone."""
+    for p, expected in ((2**127 + 123, 2), (2**127 - 1, 0)):
+        assert p % 5 == (1 if expected else 2)
+        assert HyperellipticCurve(GF(p), [3, 0, 0, 0, 0, 1]).p_rank() == expected
+
+
 def test_what_has_no_zeta_function_is_refused():
     with pytest.raises(FieldError, match="finite fields"):
         HyperellipticCurve(QQ, TEN).count_points()
