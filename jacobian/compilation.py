@@ -15,6 +15,8 @@ from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields import CC, GF, RR
 
 QUINTIC, SEXTIC, SEPTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 1]
+# h in characteristic 2, by the degree of f
+WITH_H = {5: [1], 6: [1, 1, 0, 1]}
 
 
 def single_curves() -> dict[str, HyperellipticCurve]:
@@ -25,7 +27,9 @@ def single_curves() -> dict[str, HyperellipticCurve]:
         "GF(p), p < 2^63, genus 2, degree 5": HyperellipticCurve(word, QUINTIC),
         "GF(p), p < 2^63, genus 2, degree 6": HyperellipticCurve(word, SEXTIC),
         "GF(p), p < 2^63, genus 3, degree 7": HyperellipticCurve(word, SEPTIC),
-        "GF(2^k), k ≤ 16, any genus": HyperellipticCurve(binary, QUINTIC, [1]),
+        "GF(2^k), k ≤ 16, any genus": HyperellipticCurve(binary, [1, 1, 0, 1], [1]),
+        "GF(2^k), k ≤ 16, genus 2, degree 5": HyperellipticCurve(binary, QUINTIC, WITH_H[5]),
+        "GF(2^k), k ≤ 16, genus 2, degree 6": HyperellipticCurve(binary, SEXTIC, WITH_H[6]),
         "GF(p^k) ≤ 2^16, p odd, any genus": HyperellipticCurve(odd, [1, 1, 0, 2]),
         "GF(p^k) ≤ 2^16, p odd, genus 2, degree 5": HyperellipticCurve(odd, QUINTIC),
         "GF(p^k) ≤ 2^16, p odd, genus 2, degree 6": HyperellipticCurve(odd, SEXTIC),
@@ -42,11 +46,10 @@ def batch_curves() -> dict[str, HyperellipticCurve]:
         "GF(2^k), k ≤ 16": GF(2, 2, (1, 1, 1)),
         "GF(p^k) ≤ 2^16, p odd": GF(3, 2, (2, 2, 1)),
     }
-    equations = {2: (QUINTIC,), 3: (QUINTIC, SEXTIC)}
     return {
-        f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f, [1] if K.characteristic == 2 else ())
+        f"{name}, degree {len(f) - 1}": HyperellipticCurve(K, f, WITH_H[len(f) - 1] if K.characteristic == 2 else ())
         for name, K in fields.items()
-        for f in equations.get(K.characteristic, (QUINTIC, SEXTIC, SEPTIC))
+        for f in ((QUINTIC, SEXTIC) if K.characteristic in (2, 3) else (QUINTIC, SEXTIC, SEPTIC))
     }
 
 
@@ -58,9 +61,11 @@ def two_word_curves() -> dict[str, HyperellipticCurve]:
         "GF(2^n), n < 128": GF(2, 127, [1, 1, *[0] * 125, 1]),
     }
     curves = {
-        f"{name}, genus 2, degree {len(f) - 1}": HyperellipticCurve(K, f, h if K.characteristic == 2 else ())
+        f"{name}, genus 2, degree {len(f) - 1}": HyperellipticCurve(
+            K, f, WITH_H[len(f) - 1] if K.characteristic == 2 else ()
+        )
         for name, K in fields.items()
-        for f, h in ((QUINTIC, [1]), (SEXTIC, [1, 1, 0, 1]))
+        for f in (QUINTIC, SEXTIC)
     }
     return curves | {"GF(p), p < 2^128, genus 3, degree 7": HyperellipticCurve(GF(2**127 - 1), SEPTIC)}
 

@@ -1,8 +1,9 @@
 """One addition, doubling or multiple of reduced triples over a word-size field, each a single call of compiled code.
 
-In genus 2 with h = 0 and, on a ramified model, a monic f, the explicit formulas take the general case; everything else
-is Cantor's (:mod:`jacobian.addition.cantor_words`), compiled too. A multiple is a whole ladder of signed windows in one
-call, its special cases included. Importing this module imports numba; what it compiles stays on disk, in numba's cache.
+In genus 2 with h = 0 for odd p and, on a ramified model, a monic f, the explicit formulas take the general case;
+everything else is Cantor's (:mod:`jacobian.addition.cantor_words`), compiled too. A multiple is a whole ladder of
+signed windows in one call, its special cases included; in characteristic 2 all of it is Cantor's. Importing this
+module imports numba; what it compiles stays on disk, in numba's cache.
 """
 
 from __future__ import annotations
@@ -354,8 +355,7 @@ def context(K: Any) -> Any:
 
 def word_kernel(C: HyperellipticCurve) -> WordKernel:
     """The compiled kernel of a curve, an arithmetic model over GF(p), p < 2^63 odd, or over a TableField."""
-    plain = C.field.characteristic == 2 or short_equation(C, int) is None
-    return WordKernel(C) if plain else LineKernel(C)
+    return WordKernel(C) if short_equation(C, int) is None else LineKernel(C)
 
 
 def is_kept(kernel: Any) -> bool:

@@ -1,10 +1,10 @@
 """Cantor's composition and reduction on python-flint's polynomials, where it pays.
 
 Triples come and go as raw elements (ints, Fractions); in between the polynomials are those of
-:mod:`jacobian.fields.flint_polynomials`. With the conversions an addition
-takes a third of the time of the Python one or less, over finite fields and over QQ (``python -m benchmarks single
-heights``). In genus 2 over GF(p) and small extensions the explicit formulas are as fast; and the elements of a large
-field of characteristic 2 cost as much to convert as to multiply: there it is not used.
+:mod:`jacobian.fields.flint_polynomials`. With the conversions an addition takes a third of the time of the Python one
+or less, over finite fields and over QQ (``python -m benchmarks single heights``). Where there are explicit formulas, in
+genus 2 over GF(p) and small extensions and in genus 3 over GF(p), they are as fast or faster; and the elements of a
+large field of characteristic 2 cost as much to convert as to multiply: there it is not used.
 
 The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests equate this copy.
 """
@@ -14,7 +14,7 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian.addition import cantor
-from jacobian.addition.genus3_words import is_short_septic
+from jacobian.addition.genus3_prime import genus3_formulas
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
 from jacobian.fields.extension import ExtensionField
@@ -29,7 +29,7 @@ def pays(C: HyperellipticCurve) -> bool:
     if type(K) is DigitField:
         # Python's explicit formulas are slow on elements split into digits
         return K.p != 2
-    if C.genus == 2 or is_short_septic(C):
+    if C.genus == 2 or genus3_formulas(C) is not None:
         return isinstance(K, RationalField)
     return isinstance(K, RationalField | PrimeField | ExtensionField)
 

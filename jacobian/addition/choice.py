@@ -1,7 +1,7 @@
 """Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
 
 By measurement (``python -m benchmarks single nucomp heights``): genus 2 takes explicit formulas, except
-where Python's arithmetic is slow, and so does genus 3 over GF(p) on y² = x⁷ + …;
+where Python's arithmetic is slow, and so does genus 3 over GF(p) on y² = x⁷ + … and on split models with h = 0;
 :func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is left goes to Cantor in Python, and
 to NUCOMP from a genus on that the model decides. All give the same triples.
 
@@ -28,7 +28,7 @@ from jacobian.addition import cantor, cantor_flint, ladder, nucomp
 from jacobian.addition.genus2 import ExplicitFormulas
 from jacobian.addition.genus2_prime import GMP_BITS, GmpFormulas, PrimeFormulas
 from jacobian.addition.genus2_words import short_equation
-from jacobian.addition.genus3_prime import SepticFormulas
+from jacobian.addition.genus3_prime import SepticFormulas, genus3_formulas
 from jacobian.addition.genus3_words import is_short_septic
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.fields.digits import DigitField
@@ -111,7 +111,7 @@ def of_primes(C: HyperellipticCurve) -> Any:
     """The explicit formulas over GF(p) that C has, as a class, or None."""
     if type(C.field) is not PrimeField:
         return None
-    return PrimeFormulas if C.genus == 2 else SepticFormulas if is_short_septic(C) else None
+    return PrimeFormulas if C.genus == 2 else genus3_formulas(C)
 
 
 def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> Kernel:
@@ -276,10 +276,9 @@ def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
 
 
 def _compiled(C: HyperellipticCurve) -> str:
-    if C.genus == 2 and C.field.characteristic == 2:
-        return "Cantor, as explicit formulas are for odd p and, in characteristic 2, for more than 2^16 elements"
     if C.genus == 2 and short_equation(C, int) is None:
-        return "Cantor, as explicit formulas want h = 0 and in degree 5 a monic f"
+        wanted = "" if C.field.characteristic == 2 else "h = 0 and "
+        return f"Cantor, as explicit formulas want {wanted}in degree 5 a monic f"
     if C.genus == 3 and not is_short_septic(C):
         return "Cantor, as explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7"
     if C.genus not in (2, 3):

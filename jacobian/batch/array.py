@@ -65,8 +65,8 @@ class DivisorArray(Immutable):
 
     Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
     (:func:`jacobian.batch.set_threads`): in genus 2 by explicit formulas with an inversion for 256 rows, for p of two
-    words (p < 2^128) and GF(2^n), 16 < n < 128, too, but not for tables of characteristic 2; likewise in genus 3 for
-    f of degree 7 over GF(p), p < 2^128; else by Cantor's algorithm; over RR and CC in genus 2 by the composition of
+    words (p < 2^128) and GF(2^n), n < 128, too; likewise in genus 3 for f of degree 7 over GF(p), p < 2^128; else by
+    Cantor's algorithm; over RR and CC in genus 2 by the composition of
     :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by row.
     """
 

@@ -57,9 +57,8 @@ class CompiledRows(StoredRows):
             if self.floats:
                 self.K, self.dtype = double_context(K.p), np.float64
         self.packed = packed_curve(curve, self.to_word)
-        # formulas in characteristic 2 are compiled for fields without tables alone
         to_word = self.K.balanced if self.floats else self.to_word
-        self.formulas: Any = None if K.characteristic == 2 else genus2_words.short_equation(curve, to_word)
+        self.formulas: Any = genus2_words.short_equation(curve, to_word)
         self._explicit: Any = genus2_kernels
         if self.genus == 3:
             self.formulas, self._explicit = genus3_words.short_equation(curve, self.to_word), genus3_kernels

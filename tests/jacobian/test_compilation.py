@@ -19,11 +19,11 @@ def test_every_kernel_of_single_classes_is_listed():
     kinds = set()
     for C in compilation.single_curves().values():
         K = context(C.field)
-        # over tables in characteristic 2 all is Cantor's
-        short = None if C.field.characteristic == 2 else short_equation(C, K.to_word)
+        short = short_equation(C, K.to_word)
         kinds.add((type(K).__name__, "Septic" if is_short_septic(C) else type(short).__name__))
     several = {(K, equation) for K in ("Wide64", "OddTable") for equation in ("NoneType", "Quintic", "Sextic")}
-    assert kinds == several | {("BinaryTable", "NoneType"), ("Wide64", "Septic")}
+    binary = {("BinaryTable", equation) for equation in ("NoneType", "BinaryQuintic", "BinarySextic")}
+    assert kinds == several | binary | {("Wide64", "Septic")}
 
 
 def test_every_kernel_of_arrays_is_listed():
@@ -35,7 +35,7 @@ def test_every_kernel_of_arrays_is_listed():
     contexts = ("Lazy32", "Wide32", "Lazy64", "Wide64", "OddTable")
     several = {(K, equation) for K in contexts for equation in ("Quintic", "Sextic")}
     septics = {(K, "Septic") for K in contexts if K != "OddTable"}
-    assert kinds == several | septics | {("BinaryTable", "NoneType")}
+    assert kinds == several | septics | {("BinaryTable", equation) for equation in ("BinaryQuintic", "BinarySextic")}
 
 
 def test_every_kernel_of_two_words_is_listed():

@@ -47,7 +47,8 @@ def test_elements_stay_ints_and_fractions(rng):
 
 CURVES = {
     "QQ": (HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]), True),
-    "genus 3, degree 8": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 0, 1]), True),
+    "genus 3, degree 8 with h": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 0, 1], [1]), True),
+    "genus 3, degree 8": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 0, 1]), False),
     "genus 3, not monic": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 2]), True),
     "genus 3, explicit": (HyperellipticCurve(GF(101), [1, 1, 0, 0, 0, 0, 0, 1]), False),
     "genus 1": (HyperellipticCurve(GF(101), [1, 1, 0, 1]), True),

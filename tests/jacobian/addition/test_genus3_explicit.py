@@ -12,28 +12,32 @@ from jacobian.addition.calls import WordKernel
 from jacobian.addition.choice import python_kernel
 from jacobian.addition.genus2_prime import GmpFormulas
 from jacobian.addition.genus3_calls import CubicKernel
-from jacobian.addition.genus3_prime import SepticFormulas
+from jacobian.addition.genus3_prime import OcticFormulas, SepticFormulas
 from jacobian.addition.ladder import signed_digits
 from jacobian.addition.two_word_calls import TwoWordKernel
 from jacobian.addition.two_word_libraries import context_of, equation_of
 from jacobian.addition.two_word_loops import add_classes, double_class, multiple_of_class
 from tests.jacobian.group_curves import triple
-from tests.jacobian.septics import septic, special_classes, with_branch_points
+from tests.jacobian.septics import octic, septic, special_classes, with_branch_points
 from tests.jacobian.two_words import PRIMES as OF_TWO_WORDS
 
 PRIMES = (11, 10007, 2**31 - 1, 2**61 - 1, 2**63 - 25, *OF_TWO_WORDS, 2**128 + 51, 2**255 - 19)
 
 
 def kernels(C):
+    if C.model == "split":
+        return [OcticFormulas(C), GmpFormulas(C, OcticFormulas)]
     p, found = C.field.p, [SepticFormulas(C), GmpFormulas(C, SepticFormulas)]
     if p < 1 << 63:
         found.append(CubicKernel(C))
     return [*found, TwoWordKernel(C, python_kernel(C))] if p < 1 << 128 else found
 
 
-@pytest.mark.parametrize("p", [3, 5])
-def test_every_pair_of_a_small_group(p):
-    C = septic(p, "pairs")
+@pytest.mark.parametrize(
+    ("p", "curve"), [(3, septic), (5, septic), (3, octic), pytest.param(5, octic, marks=pytest.mark.slow)]
+)
+def test_every_pair_of_a_small_group(p, curve):
+    C = curve(p, "pairs")
     triples = [triple(D) for D in C.jacobian().points()]
     assert len(triples) == C.jacobian().order()
     every = kernels(C)
@@ -44,9 +48,10 @@ def test_every_pair_of_a_small_group(p):
         assert all(kernel.sum_of(a, b) == total for kernel in every), (a, b)
 
 
+@pytest.mark.parametrize("model", ["ramified", "split"])
 @pytest.mark.parametrize("p", PRIMES)
-def test_special_classes(p):
-    C, rng = with_branch_points(p), Random(p)
+def test_special_classes(p, model):
+    C, rng = with_branch_points(p, model), Random(p)
     classes = [triple(D) for D in special_classes(C, rng)]
     every = kernels(C)
     for a, b in product(classes, repeat=2):
@@ -58,22 +63,24 @@ def test_special_classes(p):
         for m in (1, 2, 3, 8, rng.getrandbits(70) + 1):
             first, *others = (kernel.multiple(m, a) for kernel in every[1:])
             assert all(other == first for other in others), (m, a)
-    # the class of three branch points is its own opposite
-    assert every[-1].double(classes[9]) == cantor.zero(C)
+    if model == "ramified":
+        # the class of three branch points is its own opposite
+        assert every[-1].double(classes[9]) == cantor.zero(C)
 
 
-def test_which_classes_are_special(monkeypatch):
-    """General ones never reach Cantor; a quintic of lower degree, s₂ = 0, does."""
-    C, rng, asked = septic(2**61 - 1, "special"), Random(5), []
+@pytest.mark.parametrize(("curve", "kind"), [(septic, SepticFormulas), (octic, OcticFormulas)])
+def test_which_classes_are_special(curve, kind, monkeypatch):
+    """General ones never reach Cantor; a sum of lower weight does."""
+    C, rng, asked = curve(2**61 - 1, "special"), Random(5), []
     for name in ("sum_of", "double"):
         original = getattr(cantor, name)
         monkeypatch.setattr(cantor, name, lambda *given, of=original: asked.append(1) or of(*given))
-    formulas, J = SepticFormulas(C), C.jacobian()
+    formulas, J = kind(C), C.jacobian()
     a, b = (triple(J.from_points([C.random_point(rng) for _ in range(3)])) for _ in range(2))
     total = formulas.sum_of(a, b)
     assert formulas.double(total)
     assert not asked
-    # a sum of weight 2: the quintic through a and b meets the curve in fewer points
+    # a sum of weight 2: the quintic through a and b, or the quartic after it, meets the curve in fewer points
     lower = triple(J.from_points([C.random_point(rng), C.random_point(rng)]))
     other = formulas.sum_of(lower, cantor.negate(C, a))
     asked.clear()
@@ -94,14 +101,14 @@ def test_ladders_through_every_multiple_of_a_class(p):
     assert all(kernel.multiple(J.order(), a) == cantor.zero(C) for kernel in compiled)
 
 
-CURVES = {p: septic(p, "walk") for p in PRIMES}
+CURVES = {(p, curve): curve(p, "walk") for p in PRIMES for curve in (septic, octic)}
 
 
-@pytest.mark.parametrize("p", PRIMES)
+@pytest.mark.parametrize(("p", "curve"), CURVES)
 @settings(max_examples=6, deadline=None)
 @given(seed=st.integers(0, 2**32), m=st.integers(1, 2**260), n=st.integers(1, 2**260))
-def test_sums_and_multiples(p, seed, m, n):
-    C = CURVES[p]
+def test_sums_and_multiples(p, curve, seed, m, n):
+    C = CURVES[p, curve]
     rng, J, every = Random(seed), C.jacobian(), kernels(C)
     # few points, so that classes share some
     points = [C.random_point(rng) for _ in range(4)]
