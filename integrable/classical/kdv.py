@@ -18,19 +18,24 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from integrable.mumford.motion import MumfordMotion, Start
+from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
-from integrable.mumford.system import Spectral, element, long_digits
+from integrable.mumford.system import GENERA_TABLED, MANY, Spectral, element, long_digits
 from integrable.phase.enclosure import ball_digits, exact_times, widest
+from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, poly
-from jacobian.errors import ArgumentError, entries, shown
+from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.fields.protocol import check_field
 from jacobian.immutable import Immutable
-from jacobian.inexact.long_field import LongField
+from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
+    from integrable.classical.kdv_profile import Profile
     from integrable.mumford.balls import EnclosedPlace
+
+# of the pair that a profile starts from, and bits that a narrow band may take from its double-double numbers
+PROFILE_DIGITS, MOST_LOST = 60, 24
 
 
 class Eigenvalues(NamedTuple):
@@ -128,8 +133,9 @@ class Wave:
         self._constant = None if points else self._edges[0]
         self._genus = len(points)
         self._motion = MumfordMotion(self._place, self._genus)
+        self._profiles: dict[float, Profile] = {}
 
-    def _place(self, N: LongField) -> Start:
+    def _place(self, N: Any) -> Start:
         f, u, v = self.kdv._spectral(N, self.start)
         of_x, of_t = directions(N, f)
         return Start(f, u, v, of_x, further=(of_t,))
@@ -138,9 +144,20 @@ class Wave:
         """u(x, t), an array of the shape that x and t have together (numpy's rules): ``at(x, t[:, None])`` is a table.
 
         Right to the digits of floats, or of MP(digits), of the span of the edges, at any x and t of a g-gap solution.
+        In floats many x of one t are fast: from 24 on with two gaps, from 200 on with three to six.
         With a double edge it takes bits in proportion to x and t: PrecisionLoss some 500 widths of a soliton away.
         """
-        return self._filled(x, t, self._value, object if hasattr(self.kdv.field, "dps") else float)
+        import numpy as np
+
+        xs, ts = self._given(x, t)
+        if not self._profiles_pay:
+            return self._filled(xs, ts, self._value, object if hasattr(self.kdv.field, "dps") else float)
+        found = np.empty(xs.shape)
+        times, which = np.unique(ts.astype(float).ravel(), return_inverse=True)
+        places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which)))
+        for time, at_time in zip(times.tolist(), places, strict=False):
+            found.flat[at_time] = self._at_one_time(xs.ravel()[at_time].astype(float), time)
+        return found
 
     def enclosure(self, x: Any, t: Any = 0, digits: int | None = None) -> Any:
         """Proven bounds of u(x, t): balls (``flint.arb``) of radius at most 10^(−digits) of the span of the edges that
@@ -159,7 +176,7 @@ class Wave:
                 return exact_times([self._constant])[0]
             return precisions.narrow(lambda place: self._ball(place, x, t), max(abs(float(x)), abs(float(t))))[0]
 
-        return self._filled(x, t, value, object)
+        return self._filled(*self._given(x, t), value, object)
 
     def _ball(self, place: EnclosedPlace, x: Any, t: Any) -> tuple[Any, Any]:
         """u and its radius, beside the span of the edges."""
@@ -168,28 +185,79 @@ class Wave:
         ((value, span),) = self._read(K, D)
         return value, widest(((value,), span))
 
-    def _filled(self, x: Any, t: Any, value: Callable[[Any, Any], Any], kind: Any) -> Any:
-        """An array of the values at x and t."""
+    def _given(self, x: Any, t: Any) -> tuple[Any, Any]:
+        """x and t as arrays of one shape, of elements of the field."""
         import numpy as np
 
         K = self.kdv.field
         given = [np.array(values, dtype=object) for values in (x, t)]
         try:
-            xs, ts = np.broadcast_arrays(*given)
+            arrays = np.broadcast_arrays(*given)
         except ValueError:
             raise ArgumentError(
                 f"x, t have the shapes {given[0].shape}, {given[1].shape}: one shape fits both"
             ) from None
+        found = [np.empty(array.shape, dtype=object) for array in arrays]
+        for row, array, name in zip(found, arrays, "xt", strict=True):
+            for place in np.ndindex(array.shape):
+                row[place] = K.coerce(array[place], name)
+        return found[0], found[1]
+
+    @staticmethod
+    def _filled(xs: Any, ts: Any, value: Callable[[Any, Any], Any], kind: Any) -> Any:
+        """An array of the values at xs and ts."""
+        import numpy as np
+
         found = np.empty(xs.shape, dtype=kind)
         for place in np.ndindex(found.shape):
-            found[place] = value(K.coerce(xs[place], "x"), K.coerce(ts[place], "t"))
+            found[place] = value(xs[place], ts[place])
+        return found
+
+    @property
+    def _profiles_pay(self) -> bool:
+        """Whether compiled loops in floats may take many x of one t."""
+        tabled = self._genus == 2 or self._genus in GENERA_TABLED
+        return tabled and not hasattr(self.kdv.field, "dps") and not interpreted()
+
+    def _at_one_time(self, xs: Any, t: float) -> Any:
+        """u at many x and one t, in floats."""
+        found = None
+        if len(xs) >= MANY:
+            try:
+                profile = self._profile(t)
+            except PrecisionLoss:
+                profile = None
+            if profile is not None and self._genus == 2:
+                found = profile.from_torus(xs)
+            elif profile is not None and self._lost(max(abs(xs)), t) <= MOST_LOST:
+                found = profile.from_tables(xs)
+        return [self._value(x, t) for x in xs.tolist()] if found is None else found
+
+    def _profile(self, t: float) -> Profile:
+        """The last one is kept."""
+        from integrable.classical.kdv_profile import Profile
+
+        found = self._profiles.get(t)
+        if found is None:
+            size = self._genus + 1
+            (pair,) = self._row(0.0, t, lambda N, D: ((*D.u, *D.v),), PROFILE_DIGITS)
+
+            def place(K: Any) -> Start:
+                start = self._place(K)
+                u, v = (tuple(element(K, x) if hasattr(K, "dps") else x for x in a) for a in (pair[:size], pair[size:]))
+                return Start(start.f, u, v, start.direction)
+
+            found = Profile(place, self._read, lambda x: [[*map(float, row)] for row in self._row(x, t, self._read)])
+            self._profiles = {t: found}
         return found
 
     def _value(self, x: Any, t: Any) -> Any:
         if self._constant is not None:
             return self._constant
-        rows = self._motion.row(x, self._read, self.digits, further=(t,), lost=self._lost(x, t))
-        return element(self.kdv.field, rows[0][0])
+        return element(self.kdv.field, self._row(x, t, self._read, self.digits)[0][0])
+
+    def _row(self, x: Any, t: Any, read: Read, digits: int = ROUNDED_TO_FLOATS) -> Vectors:
+        return self._motion.row(x, read, digits, further=(t,), lost=self._lost(x, t))
 
     def _lost(self, x: Any, t: Any) -> int:
         """Bits that a narrow band or double edge n takes on the way to t and x, U(n) = ψ² having its size there.
@@ -207,8 +275,8 @@ class Wave:
             needed = max(needed, min(size, -math.log(width)) if width else size)
         return math.ceil(2 * needed / math.log(2))
 
-    def _read(self, N: LongField, D: Extended) -> list[list[Any]]:
-        f, _, _ = self.kdv._spectral(N, self.start)
+    def _read(self, N: Any, D: Extended) -> list[list[Any]]:
+        f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
         # u beside the span of the edges, which decides how many of its digits count
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 

@@ -160,9 +160,8 @@ class PairTables:
         """The tables, in long numbers."""
         K, group, translations = placed.field, placed.group, placed.translations()
         apart = [self._step * (131 + 53 * k) for k in range(count)]
+        translations.unit = min(translations.unit, K.coerce(self._step / 4))
         unit = round(math.log2(self._step / 4 / float(translations.unit)))
-        if unit < 0:
-            raise PrecisionLoss("the step of the tables is too small")
         rows: list[list[Any]] = []
         times: list[float] = []
         places: list[tuple[int, int, int]] = []

@@ -125,6 +125,34 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
     assert table.min() >= sum(edges) - 2 * sum(edges[2::2])
 
 
+@pytest.mark.parametrize(
+    ("edges", "gamma", "signs", "count", "reach"),
+    [
+        ((0, 1, 2, 3.5, 5), (1.5, 4), (1, -1), 24, 1e6),
+        ((-3, -2, 0.5, 0.75, 6), (0.5, 3), (1, 1), 24, 1e6),
+        ((0, 0.5, 1, 2, 3, 4, 5.5), (0.75, 2.5, 5), (1, 1, -1), 200, 20.0),
+    ],
+)
+def test_many_points_at_one_time(edges, gamma, signs, count, reach) -> None:
+    """From the torus, or from tables, as additions have them, near and far, at several t at once."""
+    ours, fine = wave(edges, gamma, signs), wave(edges, gamma, signs, MP(30))
+    x, t = np.random.default_rng(count).uniform(-reach, reach, count), np.array([0.0, -1e3 / 3])
+    x[:2] = 0.0, 1e-3
+    found = ours.at(x, t[:, None])
+    assert list(ours._profiles) == [0.0]
+    assert found.shape == (2, count)
+    span = edges[-1] - edges[0]
+    some = [0, 1, 2, 5, count - 1]
+    assert np.abs(found[:, some] - fine.at(x[some], t[:, None]).astype(float)).max() < 4e-16 * span
+
+
+def test_many_points_of_a_narrow_band_are_those_of_additions() -> None:
+    """Tables of double-double numbers would not hold it, and there is no torus beside a double edge."""
+    for edges, gamma in (((0, 1, 2, 3, 3 + 1e-7, 4, 5), (1.5, 3 + 1e-7, 4.5)), ((-1, -1, 0.5, 1, 2), (0, 1.5))):
+        ours, x = wave(edges, gamma, [1] * len(gamma)), np.linspace(-3, 3, 25)
+        assert ours.at(x, 0.25).tolist() == [ours._value(a, 0.25) for a in x.tolist()]
+
+
 def test_one_soliton() -> None:
     u, x = wave((-1, -1, 0), (0,), (1,)), np.array([-30, -1, 0.5, 3, 21])
     for t in (0.0, 0.75):

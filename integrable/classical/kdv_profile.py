@@ -1,0 +1,70 @@
+"""Many x of a KdV solution at one time t: from the compiled torus in genus 2, from tables in genus 3 to 6.
+
+u(x, t) at a fixed t is a motion in x from the pair at (0, t)
+(:mod:`integrable.mumford.real_torus`, :mod:`integrable.mumford.tabled`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from integrable.mumford.columns import Column, Columns
+from integrable.mumford.motion import Start
+from integrable.mumford.real_torus import RealTorus
+from integrable.mumford.system import RIGHT
+from integrable.mumford.tabled import TabledStates
+from jacobian.errors import PrecisionLoss
+from jacobian.relatives.extended import Extended
+
+
+class Profile:
+    """u at many x in floats of the motion in x that ``place`` starts; ``read(N, D)`` is ((u, the span of the edges),)
+    at a divisor, ``by_additions(x)`` the same in floats at one x.
+    """
+
+    def __init__(
+        self,
+        place: Callable[[Any], Start],
+        read: Callable[[Any, Extended], Any],
+        by_additions: Callable[[float], list[list[float]]],
+    ) -> None:
+        self._place, self._by_additions, self._read_one = place, by_additions, read
+
+    def from_torus(self, xs: np.ndarray) -> np.ndarray | None:
+        """u at xs in genus 2, None where there is no torus or it does not reach them."""
+        torus = self._torus
+        return None if torus is None or not torus.reaches(xs) else self._on(torus, xs)
+
+    def from_tables(self, xs: np.ndarray) -> np.ndarray:
+        """u at xs in genus 3 to 6."""
+        found: np.ndarray = self._tabled.at(xs)[0][:, 0]
+        return found
+
+    @cached_property
+    def _tabled(self) -> TabledStates:
+        return TabledStates(self._place, self._read, self._by_additions)
+
+    @cached_property
+    def _torus(self) -> RealTorus | None:
+        """The torus, if it is there and has what additions have."""
+        try:
+            torus = RealTorus(self._place)
+            found = self._on(torus, torus.witnesses)
+            true = [self._by_additions(x)[0] for x in torus.witnesses.tolist()]
+        except (PrecisionLoss, ZeroDivisionError):
+            return None
+        right = all(abs(x - u) <= RIGHT * span for x, (u, span) in zip(found.tolist(), true, strict=True))
+        return torus if right else None
+
+    def _read(self, xs: np.ndarray, D: Extended) -> list[list[Column]]:
+        ((u, span),) = self._read_one(Columns(), D)
+        return [[u, Column(np.full(len(xs), span.hi))]]
+
+    def _on(self, torus: RealTorus, xs: np.ndarray) -> np.ndarray:
+        ((u, _),) = self._read(xs, torus.at(xs))
+        found: np.ndarray = u.hi
+        return found
