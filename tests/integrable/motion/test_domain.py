@@ -202,21 +202,23 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
 
 
 def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
-    """Four branch points within 2e-2 of the fifth's distance, two of them within 1e-8: double-doubles do not close."""
-    system = ChaplyginBall((9.8e4, 1e-5, 0.21), 890)
-    gamma = np.array([-0.304, 0.947, 0.107])
-    M = np.array([-0.609, -0.138, -0.507])
-    gamma /= np.linalg.norm(gamma)
-    flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
+    """1/d and the a_i of two moments within 2e-6 of each other, two of them within 1e-10: double-doubles do not close."""
+
+    def flow_from(d, gamma, M):
+        system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), d), np.array(gamma) / np.linalg.norm(gamma)
+        return system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
+
+    flow = flow_from(160_000, (0.469, 0.717, 0.551), np.array([-0.457, -1.695, -0.799]))
     assert len(flow.at([10.0, 1000.0]).gamma) == 2
     began = process_time()
     with pytest.raises(PrecisionLoss, match=r"values of 1/g, where floats take 1\.6e\+04.*MP\(digits\).*nearer times"):
         flow.at([0.01, 1e9, -1e5])
     assert process_time() - began < 10
     # the same to as many digits as are asked for has no such bound
+    flow = flow_from(890, (-0.304, 0.947, 0.107), np.array([-0.609, -0.138, -0.507]))
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
-        PreciseFlow(system.body, flow.state, 17, limits=Limits(100)).at([1000.0])
-    tau, _ = PreciseFlow(system.body, flow.state, 17).at([10.0])
+        PreciseFlow(flow.system.body, flow.state, 17, limits=Limits(100)).at([1000.0])
+    tau, _ = PreciseFlow(flow.system.body, flow.state, 17).at([10.0])
     assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
 
 
