@@ -202,7 +202,7 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
 
 
 def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
-    """1/d and the a_i of two moments within 2e-6 of each other, two of them within 1e-10: double-doubles do not close."""
+    """1/d and the a_i of two moments within 2e-6 of each other, two within 1e-10: double-doubles do not close."""
 
     def flow_from(d, gamma, M):
         system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), d), np.array(gamma) / np.linalg.norm(gamma)
