@@ -46,9 +46,8 @@ def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object
     state = system.state(q, p)
     start = time.process_time()
     flow = system.flow(state)
-    flow.at([1.0])
-    near = time.process_time() - start
     flow.at([1e6])
+    near = time.process_time() - start
     K = MP(40)
     fine = make(genus, K)
     truth = MumfordFlow(fine, fine._inside(K, state)).at([1e6])
@@ -56,7 +55,7 @@ def _row(make: Callable[..., Any], genus: int, repeats: int) -> dict[str, object
         "system": type(system).__name__,
         "genus": genus,
         "set-up and one point, ms": 1e3 * near,
-        "a point near, ms": 1e3 * least_seconds(lambda: flow.at([1.25]), repeats),
+        "a point near, ms": 1e3 * least_seconds(lambda: flow._far([1.25]), repeats),
         "a point at 1e6, ms": 1e3 * least_seconds(lambda: flow.at([1e6 + 0.25]), repeats),
         **_many(flow, 10 if repeats == 1 else 1000 if make is _neumann and genus < 8 else 50),
         "error at 1e6": float(np.abs(flow.at([1e6]).q - truth.q.astype(float)).max()),

@@ -84,6 +84,15 @@ class TodaLattice(MumfordSystem):
         rates = tuple(x * y for x, y in zip(state.q, state.p, strict=True)) if N.exact else state.p
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
+    def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
+        """The links."""
+        return tuple(self._links(N, state))
+
+    def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
+        links, p = auxiliary, state.p
+        pulls = (links[k] - links[k - 1] for k in range(self.size))
+        return (*p, *pulls, *(links[k] * (p[(k + 1) % self.size] - p[k]) for k in range(self.size)))
+
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """The coefficients of Δ, ascending, and H, which is among their polynomials."""
         (a, _), (_, d) = self._transfer(N, state)

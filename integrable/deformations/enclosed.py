@@ -12,15 +12,16 @@ from collections.abc import Sequence
 from math import ceil, log
 from typing import Any, NamedTuple
 
+from integrable.deformations.equations import rates
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.series import coefficients, values_at
-from integrable.deformations.tape import CONSTANT, ROOT, rates, recorded
 from integrable.motion.enclosure import BOUND_BITS
 from integrable.motion.trajectory import Motion
 from integrable.moving_point.balls import BallField, picard_box
 from integrable.moving_point.balls import around as widened
 from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, rounded_up, widest
 from integrable.phase.state import State, onto_constraints
+from integrable.series.recurrences import coefficients, values_at
+from integrable.series.tape import CONSTANT, ROOT, recorded
 from jacobian.errors import Infeasible, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 
@@ -185,7 +186,7 @@ class _March:
                 series[n * width] = point[n]
             elif given == CONSTANT:
                 series[n * width] = kind(tape.constants[n])
-        coefficients(tape.kinds, tape.left, tape.right, tape.results, order, series)
+        coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, order, 1, series)
         return series
 
     def _velocity(self, point: Sequence[Any]) -> list[Any]:

@@ -10,14 +10,15 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
+from integrable.deformations.equations import rates
 from integrable.deformations.hamiltonian import Hamiltonian
-from integrable.deformations.tape import rates, recorded
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
 from integrable.motion.refusals import Rows, refused_rows
 from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
+from integrable.series.tape import recorded
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 

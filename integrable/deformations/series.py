@@ -1,5 +1,5 @@
-"""The recurrences of the Taylor coefficients of what a :class:`integrable.deformations.tape.Tape` does (Moore 1966),
-for numbers of any kind; compiled for double-double numbers in :mod:`integrable.deformations.series_compiled`.
+"""Marching along the Taylor series of a tape, and its values, for numbers of any kind; compiled for double-double
+numbers in :mod:`integrable.deformations.series_compiled`.
 """
 
 from __future__ import annotations
@@ -7,10 +7,9 @@ from __future__ import annotations
 from math import exp, log
 from typing import Any, NamedTuple
 
-from integrable.deformations.tape import DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
-from jacobian.numbers.roots import root
+from integrable.series.recurrences import coefficients, values_at
 
-__all__ = ["Room", "coefficients", "evaluated", "march", "values_at"]
+__all__ = ["Room", "evaluated", "march"]
 
 SMALLEST_STEP = 1e-6
 # steps from which on what is left is judged from what is done, and the factor by which they may differ
@@ -29,49 +28,6 @@ class Room(NamedTuple):
     now: Any
     series: Any
     told: Any
-
-
-def coefficients(kinds: Any, left: Any, right: Any, rates: Any, order: int, series: Any) -> None:
-    """The Taylor coefficients of all nodes, those of node n from ``series[n·(order + 1)]`` on: of the order 0 to
-    ``order`` − 1, of the variables to ``order``; those of the order 0 of variables and constants are there already.
-    """
-    width = order + 1
-    for k in range(order):
-        for n in range(len(rates), len(kinds)):
-            kind, own, p, q = kinds[n], n * width + k, left[n] * width, right[n] * width
-            if kind == SUM:
-                series[own] = series[p + k] + series[q + k]
-            elif kind == DIFFERENCE:
-                series[own] = series[p + k] - series[q + k]
-            elif kind == MULTIPLE:
-                series[own] = series[p] * series[q + k]
-            elif kind == PRODUCT:
-                total = series[p] * series[q + k]
-                for j in range(1, k + 1):
-                    total = total + series[p + j] * series[q + k - j]
-                series[own] = total
-            elif kind == ROOT:
-                total = series[p + k]
-                for j in range(1, k):
-                    total = total - series[n * width + j] * series[own - j]
-                series[own] = total / (2 * series[n * width]) if k > 0 else root(total)
-            elif kind == QUOTIENT:
-                total = series[p + k]
-                for j in range(k):
-                    total = total - series[n * width + j] * series[q + k - j]
-                series[own] = total / series[q]
-        for i in range(len(rates)):
-            series[i * width + k + 1] = series[rates[i] * width + k] / (k + 1)
-
-
-def values_at(x: Any, order: int, series: Any, count: int, out: Any, place: int) -> None:
-    """The first ``count`` variables at a distance ``x`` from the middle of their series, from ``out[place]`` on."""
-    for i in range(count):
-        start = i * (order + 1)
-        total = series[start + order]
-        for k in range(order - 1, -1, -1):
-            total = total * x + series[start + k]
-        out[place + i] = total
 
 
 def march(
@@ -110,7 +66,7 @@ def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: 
             middles[n] = rows[i + n]
         for n in range(len(middles)):
             series[2 * n] = middles[n]
-        coefficients(kinds, left, right, results, 1, series)
+        coefficients(kinds, left, right, results, 0, 1, 1, series)
         for n in range(count):
             out[i + n] = series[2 * n + 1]
 
@@ -120,7 +76,7 @@ def expand(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: 
     kinds, left, right, rates = tape
     for n in range(len(room.middles)):
         room.series[n * (order + 1)] = room.middles[n]
-    coefficients(kinds, left, right, rates, order, room.series)
+    coefficients(kinds, left, right, rates, 0, order, 1, room.series)
     room.told[STEPS] += 1
     room.told[STEP] = reach(order, tolerance, len(rates), room.series)
     if room.told[LONGEST] == 0:

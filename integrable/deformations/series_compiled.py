@@ -11,7 +11,6 @@ _TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(series.Room, WIDES, W
 LIBRARY = Library(
     "taylor_series",
     {
-        "coefficients": (series.coefficients, (INTS, INTS, INTS, INTS, INT, WIDES)),
         "evaluated": (series.evaluated, (_TAPE, WIDES, WIDES, WIDES, WIDES)),
         "march": (series.march, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES)),
     },

@@ -1,6 +1,6 @@
 """Taylor series of any vector field that is rational in its variables, of any number of digits: variable steps.
 
-The coefficients by the recurrences of :mod:`integrable.deformations.series`, interpreted on numbers of any precision
+The coefficients by the recurrences of :mod:`integrable.series.recurrences`, interpreted on numbers of any precision
 or compiled for double-double numbers, the steps from the last two of them (Jorba & Zou 2005).
 """
 
@@ -13,7 +13,7 @@ from typing import Any, Protocol
 import numpy as np
 
 from integrable.deformations.series import ENDS, REACHED, STEPS, Room, evaluated, march
-from integrable.deformations.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
+from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
 from jacobian.numbers.double_double import split

@@ -18,7 +18,7 @@ from integrable.mumford.fields import padded
 from integrable.mumford.motion import MumfordMotion, Start, settled
 from integrable.phase.jets import JetField
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
-from jacobian import Divisor, HyperellipticCurve, poly
+from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.errors import (
     ArgumentError,
     JacobianError,
@@ -37,15 +37,22 @@ from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from integrable.mumford.body_torus import BodyTorus
     from integrable.mumford.real_torus import RealTorus
     from integrable.mumford.tabled import TabledStates
     from integrable.phase.enclosure import EnclosedPath
+    from integrable.series.equations import Equations
 
 # how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
 OFF = 2.0**24
 # from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
 MANY, RIGHT = 24, 1e-12
+# steps of series that take as long as setting up additions, as a point by them, and on a torus once it is there
+STEPS, STEPS_BY_ADDITIONS, STEPS_ON_TORUS = 3000, 200, 0.5
+# of a start in double-double numbers, and a few more
+START_BITS = 128
 # where tables in double-double numbers keep what floats need
 GENERA_TABLED = range(3, 7)
 
@@ -118,6 +125,15 @@ class MumfordSystem(Immutable):
     def _vector_field(self, N: Any, state: Point) -> Point:
         """Table: (q', p') by the equations of motion."""
         raise NotImplementedError
+
+    def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
+        """Table, where the equations of motion are not rational: functions of a state with which they are."""
+        return ()
+
+    def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Table, likewise: q', p' and the rates of those functions, by the four operations."""
+        rate = self._vector_field(N, state)
+        return (*rate.q, *rate.p)
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """Table: the integrals by name, numbers or tuples of them."""
@@ -242,6 +258,23 @@ class MumfordSystem(Immutable):
         genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
+    @cached_property
+    def _equations(self) -> Equations | None:
+        """The equations of motion for compiled series; None where they are no formula of the four operations."""
+        from integrable.series.equations import Equations
+
+        n = self.size
+
+        def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+            return self._rational_rates(N, Point(tuple(y[:n]), tuple(y[n : 2 * n])), tuple(y[2 * n :]))
+
+        rest = Point((RR.zero,) * n, (RR.zero,) * n)
+        try:
+            return Equations(rates, n, 2 * n + len(self._auxiliary(RR, rest)))
+        except (TypeError, ArgumentError):
+            # a function of another library's, constants beyond floats
+            return None
+
     def flow(self, state: Point) -> MumfordFlow:
         """The motion of a state over RR or MP(digits), any time at once."""
         self._check(state)
@@ -333,8 +366,11 @@ class MumfordFlow:
         self.system = system
         self.start = state
         self._genus = len(system.spectral(state).v)
-        self._motion = MumfordMotion(self._place, self._genus, system.complex_data)
         self._clock = system._clock if system.clocked else None
+
+    @cached_property
+    def _motion(self) -> MumfordMotion:
+        return MumfordMotion(self._place, self._genus, self.system.complex_data)
 
     def _inner(self, N: Any) -> Point:
         return self.system._constrained(N, self.system._inside(N, self.start))
@@ -346,13 +382,45 @@ class MumfordFlow:
         """The states at times (a number or a sequence of them, in any order, of any sign and size).
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
-        :meth:`integrable.mumford.motion.MumfordMotion.row`. Many times of a motion of genus 2 in floats are read off
+        :meth:`integrable.mumford.motion.MumfordMotion.row`. Where all times are near the start, floats come from Taylor
+        series (:mod:`integrable.series.short`). Many times of a motion of genus 2 in floats are read off
         its real torus, some units in the last place off; those of one of genus 3 to 6 come from tables. ArgumentError
         for times that are no numbers.
         """
         import numpy as np
 
-        K, given = self.system.field, self._given(times)
+        given = self._given(times)
+        equations = None if hasattr(self.system.field, "dps") or interpreted() else self.system._equations
+        if equations is None or not given:
+            return self._far(given)
+        places, rows = self._near(equations, np.array(given))
+        if not len(places):
+            return self._far(given)
+        left = np.delete(np.arange(len(given)), places)
+        states = np.empty((len(given), 2, self.system.size))
+        states[places] = rows
+        if len(left):
+            far = self._far([given[i] for i in left])
+            states[left] = np.stack([far.q, far.p], axis=1)
+        return Path(np.array(given), states[:, 0], states[:, 1])
+
+    def _near(self, equations: Equations, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """The places of times that series reach in no more time than additions, and the states there."""
+        if "_motion" in vars(self):
+            on_torus = len(times) >= MANY and vars(self).get("_torus") is not None
+            most = min(STEPS, len(times) * (STEPS_ON_TORUS if on_torus else STEPS_BY_ADDITIONS))
+        else:
+            most = STEPS
+        with LongField(START_BITS) as N:
+            state = self._inner(N)
+            start = [*state.q, *state.p, *self.system._auxiliary(N, state)]
+        return equations.around(start, times, most)
+
+    def _far(self, given: list[Any]) -> Path:
+        """The states at times, by additions, however they are made."""
+        import numpy as np
+
+        K = self.system.field
         if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
             return self._path(self._torus, np.array(given))
         if given and self._tabled is not None:

@@ -141,8 +141,8 @@ def moved_by(system: Any) -> str:
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
     """γ and M at one time, shapes (1, 3), by an integrator that has nothing in common with the truth."""
+    from integrable.deformations.equations import rates
     from integrable.deformations.integrated import IntegratedMotion
-    from integrable.deformations.tape import rates
 
     if by == "Taylor series":
         return _states(taylor(flow.system, flow.state, [time], digits=digits))

@@ -61,6 +61,9 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
+    # the body's own flow is the fast one near its start too
+    _equations = None
+
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
         (d,) = self._parameters_in(N)
         return tuple(N.one / (N.coerce(moment) + d) for moment in self.constants)

@@ -10,7 +10,8 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations import taylor
 from integrable.deformations.deformed_flow import widened
-from integrable.deformations.tape import (
+from integrable.deformations.equations import rates
+from integrable.series.tape import (
     CONSTANT,
     DIFFERENCE,
     MULTIPLE,
@@ -19,7 +20,6 @@ from integrable.deformations.tape import (
     ROOT,
     SUM,
     Tape,
-    rates,
     recorded,
 )
 from jacobian import MP, PrecisionLoss

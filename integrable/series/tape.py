@@ -1,7 +1,7 @@
 """A vector field as a list of operations: what a formula does to its variables, recorded once.
 
 A formula written with operators is called on :class:`Recorded` numbers; what it adds, multiplies, divides and takes the
-square root of becomes a :class:`Tape`, on which Taylor series run (:mod:`integrable.deformations.taylor`). Equal
+square root of becomes a :class:`Tape`, on which Taylor series run (:mod:`integrable.series.recurrences`). Equal
 operations are recorded once, what is done to constants is done at once. (Griewank & Walther 2008, *Evaluating
 Derivatives*, chapters 2 and 13.)
 """
@@ -10,9 +10,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
-
-from integrable.deformations.hamiltonian import dot
-from integrable.phase.state import State
 
 VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT = range(8)
 
@@ -37,23 +34,6 @@ def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) 
     results = [recorder.lifted(x).index for x in formula(given)]
     kinds, left, right = (list(x) for x in zip(*recorder.nodes, strict=True))
     return Tape(kinds, left, right, recorder.constants, results)
-
-
-def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
-    """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
-    unless ``physical``, the derivatives by τ, and of t.
-    """
-    rolls = system.body.rolls
-
-    def right_hand_side(y: Sequence[Any]) -> list[Any]:
-        rate = system.vector_field(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
-        moved = [*rate.gamma, *rate.M]
-        if not rolls:
-            return moved
-        slow = dot(system.body.contact, [x * x for x in y[:3]]) ** (system.field.one / 2)
-        return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
-
-    return right_hand_side
 
 
 class _Recorder:
@@ -155,6 +135,8 @@ class Recorded:
         return self._recorder.operation(QUOTIENT, other, self)
 
     def __pow__(self, exponent: Any) -> Recorded:
+        if exponent == 2:
+            return self * self
         assert exponent == 0.5
         return self._recorder.node(ROOT, self.index, self.index)
 

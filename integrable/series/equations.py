@@ -1,0 +1,86 @@
+"""Equations of motion in floats near their start: states by compiled Taylor series, where they are cheap and right."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+
+from integrable.series.short import COARSE, FINE, FINEST, Room, Way
+from integrable.series.tape import Recorded, recorded
+from jacobian.fields.inexact import InexactField
+from jacobian.inexact.long_field import LongField
+from jacobian.numbers.double_double import split
+
+BITS = 128
+"""Of the constants of equations and of starts."""
+
+
+class Recording(InexactField):
+    """The numbers of a formula that is recorded: constants are those of ``field``."""
+
+    name = "recorded numbers"
+
+    def __init__(self, field: Any) -> None:
+        self.field = field
+        self.zero, self.one, self.eps = field.zero, field.one, field.eps
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """A recorded number as it is, others as constants."""
+        return value if isinstance(value, Recorded) else self.field.coerce(value)
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+    def sqrt(self, x: Any) -> Any:
+        """√x."""
+        return x**0.5 if isinstance(x, Recorded) else self.field.sqrt(x)
+
+
+class Equations:
+    """y' = ``rates``(N, y) in numbers N with operators: ``half`` of y are q, as many p, then there may be others, until
+    there are ``count``.
+    """
+
+    def __init__(self, rates: Callable[[Any, Sequence[Any]], Sequence[Any]], half: int, count: int) -> None:
+        with LongField(BITS) as field:
+            recording = Recording(field)
+            kinds, left, right, constants, results = recorded(lambda y: rates(recording, y), count)
+            self._middles = np.array([split(x) for x in constants])
+        self._half = half
+        self._tape = tuple(np.array(x, dtype=np.int64) for x in (kinds, left, right, results))
+
+    def around(self, start: Sequence[Any], times: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray]:
+        """The places of ``times`` that are reached, and q and p there, shape (N, 2, half), right to the last bits of
+        floats, from a start of long numbers. Where the last of the times takes more than about ``most`` steps, only
+        those of the first steps are reached; none beyond a pole or where rounding has grown.
+        """
+        places, rows = [], []
+        for ahead in (times >= 0, times < 0):
+            order = np.flatnonzero(ahead)
+            order = order[np.argsort(np.abs(times[order]))]
+            if len(order):
+                found, right = self._one_way(start, times[order], most)
+                places.append(order[: len(found)][right])
+                rows.append(found[right])
+        return np.concatenate(places), np.concatenate(rows)
+
+    def _one_way(self, start: Sequence[Any], times: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray]:
+        """The rows at those of times, ascending or descending from 0, that are reached, and which of them are right."""
+        from integrable.series.short_compiled import LIBRARY
+
+        middles, count = self._middles.copy(), len(self._middles)
+        middles[: len(start)] = [split(x) for x in start]
+        sizes = count * (FINEST.wide + 1), count * (FINEST.order + 1)
+        room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]))
+        out, again = np.empty((2, len(times) * 2 * self._half, 2))
+        way = Way(self._tape, self._half, float(most))
+        for coarse, fine in ((COARSE, FINE), (FINE, FINEST)):
+            reached = LIBRARY.walked_twice(way, fine, coarse, middles, room, times, out, again)
+            rows, wrong = (x[:, 0].reshape(len(times), 2, self._half)[:reached] for x in (out, again))
+            right = wrong[:, 0, 0] == 0
+            if right.all():
+                break
+        return rows, right

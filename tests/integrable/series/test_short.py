@@ -1,0 +1,167 @@
+"""Short runs in floats along Taylor series: beside additions in 40 digits, and where they must give way to them."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from random import Random
+
+import numpy as np
+import pytest
+
+from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.lagrange import LagrangeTop
+from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
+from integrable.classical.toda import TodaLattice
+from integrable.classical.veselova import Veselova
+from integrable.mumford.system import MumfordSystem, Point
+from integrable.series.equations import Equations
+from integrable.series.recurrences import convolved
+from jacobian import MP, RR, ArgumentError
+from tests.integrable.classical.rows import CASES, REAL
+
+SERIES = [case for case in CASES if case[0] not in ("ball", "top")]
+# unsorted, of both signs, twice the same
+TIMES = [12.0, -3.5, 0.0, 0.25, 40.0, -25.0, 12.0]
+
+
+def by_additions(system: MumfordSystem, state: Point, times):
+    """States from the same floats in 40 digits, rounded."""
+    K = MP(40)
+    fine = system.over(K)
+    path = fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)
+    return path.q.astype(float), path.p.astype(float)
+
+
+def runs_short(flow) -> bool:
+    return "_motion" not in vars(flow)
+
+
+def assert_rounded(path, expected) -> None:
+    """Right to the last bits of each row's largest number."""
+    for found, true in zip((path.q, path.p), expected, strict=True):
+        assert (np.abs(found - true).max(axis=1) <= 2e-16 * np.abs(true).max(axis=1)).all()
+
+
+@pytest.mark.parametrize(("name", "n"), SERIES)
+def test_near_times_are_those_of_forty_digits(name, n) -> None:
+    system, state = REAL[name](RR, n)
+    flow = system.flow(state)
+    path = flow.at(TIMES)
+    assert runs_short(flow)
+    assert_rounded(path, by_additions(system, state, TIMES))
+    # one by one, and far ones beside near ones
+    assert np.array_equal(np.concatenate([flow.at(t).q for t in TIMES[:3]]), path.q[:3])
+
+
+SPECIAL = {
+    "on a coordinate sphere": (Neumann((1, 2, 4)), (0.6, 0.8, 0), (0.4, -0.3, 0)),
+    "at a branch point": (Neumann((1, 2, 4)), (0.6, 0, 0.8), (0.4, 0.5, -0.3)),
+    "through the vertical": (LagrangeTop(0.7), (0, 0, 1), (0.1, 0, 1.5)),
+    "a plane pendulum": (SphericalPendulum(), (0.6, 0, -0.8), (0.8, 0, 0.6)),
+    "a pendulum near its separatrix": (SphericalPendulum(), (0.6, 0, 0.8), (0.4, 0.3, -0.3)),
+    "from the centre": (Garnier((-1, -4)), (0, 0), (1, 0.5)),
+    "from a turning point": (Garnier((-1, -4)), (1, 0.5), (0, 0)),
+    "closed gaps": (TodaLattice(4), (0, 0.5, 0, 0.5), (0.1, -0.1, 0.1, -0.1)),
+    "a body about nearly its middle axis": (Veselova((1, 2, 3)), (0.6, 0.8, 0), (-0.8, 0.6, 1e-8)),
+}
+
+
+@pytest.mark.parametrize("name", SPECIAL)
+def test_special_positions(name) -> None:
+    system, q, p = SPECIAL[name]
+    state = system.state(q, p)
+    flow, times = system.flow(state), np.linspace(-60, 90, 7)
+    path = flow.at(times)
+    assert runs_short(flow)
+    assert_rounded(path, by_additions(system, state, times))
+
+
+def test_what_rests_rests() -> None:
+    flow = TodaLattice(3).flow(TodaLattice(3).state((0.5, 0.5, 0.5), (0, 0, 0)))
+    path = flow.at([-1e9, 0, 1e100])
+    assert runs_short(flow)
+    assert (path.q == 0.5).all()
+    assert (path.p == 0).all()
+
+
+@pytest.mark.parametrize("size", [2.0**150, 2.0**-150])
+def test_units_of_time_do_not_matter(size) -> None:
+    body = Veselova((1, 2, 3))
+    state = body.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    times = np.linspace(1, 30, 9)
+    flow = body.flow(body.state(state.q, [size * x for x in state.p]))
+    assert np.array_equal(flow.at(times / size).q, body.flow(state).at(times).q)
+    assert runs_short(flow)
+
+
+def test_beyond_a_pole_it_is_additions() -> None:
+    """q_0 of a star over the saddle is at infinity near t = 6.6; before that series have it."""
+    star = HenonHeiles.with_frequencies(1, 1.25)
+    state = star.state((0.1, 0.05), (0, 0.1))
+    flow, times = star.flow(state), [3.0, 8.0, -2.0, 1e3]
+    path = flow.at(times)
+    assert not runs_short(flow)
+    assert_rounded(path, by_additions(star, state, times))
+    places, _ = flow._near(star._equations, np.array(times))
+    assert sorted(places) == [0, 2]
+
+
+@pytest.mark.parametrize("count", [1, 101])
+def test_far_times_cost_no_walk(count) -> None:
+    """Where the last of the times is far, one series says so."""
+    system, state = REAL["neumann"](RR, 2)
+    flow = system.flow(state)
+    places, _ = flow._near(system._equations, np.linspace(1e5, 1e6, count))
+    assert len(places) == 0
+
+
+def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:
+    """The pendulum leaves the vertical by 1e-25 e^t: what floats of 20 or 30 digits know of it is gone at t = 80."""
+    system = SphericalPendulum()
+    flow = system.flow(system.state((1e-25, 0, 1), (0, 1e-25, 0)))
+    times = [10.0, 150.0]
+    assert_rounded(flow.at(times), by_additions(system, flow.start, times))
+
+
+def test_bad_and_no_times() -> None:
+    system, state = REAL["garnier"](RR, 3)
+    flow = system.flow(state)
+    assert flow.at([]).q.shape == (0, 3)
+    for bad in ([math.nan], [1, math.inf], ["x"], [1 + 1j]):
+        with pytest.raises(ArgumentError, match=r"times\["):
+            flow.at(bad)
+
+
+class Foreign(Garnier):
+    """Its equations of motion use a function that takes floats only."""
+
+    def _vector_field(self, N, state):
+        return Point(state.p, tuple(math.copysign(1.0, x) for x in state.q))
+
+
+def test_equations_that_are_no_formula_are_left_to_additions() -> None:
+    system, state = REAL["garnier"](RR, 2)
+    foreign = Foreign(system.constants, *system.parameters)
+    assert foreign._equations is None
+    assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
+
+
+def test_roots_and_constants_of_long_numbers() -> None:
+    """y' = √(1 + y²)/3, y = sinh(t/3), with a third that is no float."""
+    made = Equations(lambda N, y: (N.sqrt(1 + y[0] * y[0]) / N.coerce(3), N.zero), 1, 2)
+    times = np.array([0.5, -7.0, 11.0])
+    places, rows = made.around((0.0, 1.0), times, 200)
+    expected = [float(MP(30).context.sinh(MP(30).coerce(t) / 3)) for t in times[places]]
+    assert rows[:, 0, 0].tolist() == expected
+
+
+@pytest.mark.parametrize("k", range(12))
+def test_a_convolution_is_its_sum(k) -> None:
+    rng = Random(k)
+    series = [Fraction(rng.randint(-9, 9), 7) for _ in range(40)]
+    for begin in (0, 1):
+        expected = sum(series[3 + j] * series[20 + k - j] for j in range(begin, k + 1))
+        assert convolved(series, 3, 20, begin, k + 1, k) == expected
