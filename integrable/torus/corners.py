@@ -131,7 +131,9 @@ class Corners:
         ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
         samples = samples or self.samples
-        sizes, known = (max(FIRST_SIZE, self.sizes[0]), max(FIRST_SIZE, self.sizes[1])), None
+        # a sample a cell does not show how a motion beside the separatrix passes, in columns
+        finer, (rows, columns), known = 1 + self._near, self.sizes, None
+        sizes = max(finer * FIRST_SIZE, rows), max(finer * FIRST_SIZE, finer * columns)
         while sizes[0] * sizes[1] <= self._most:
             known = samples(sizes, known)
             found, wanted = transformed(known)
@@ -199,10 +201,10 @@ class Corners:
         # them: both ways to where the motion comes nearest to it
         motion, start, periods = map(self.loops.floats, (motion, self._start, self.lattice.found[:4]))
         first, low, high, last = motion[:4].tolist()
-        near = high - low < NEAR * (last - first)
-        if not near:
+        self._near = bool(high - low < NEAR * (last - first))
+        if not self._near:
             self._walk(self.sizes[1], MOST_AT_ONCE)
-        if near or not self.closure <= ROUND:
+        if self._near or not self.closure <= ROUND:
             self._walk(nearest_column(motion, start, periods, self.sizes[1]), 1)
         if not self.closure <= CLOSED:
             raise NotClosed(f"a period of this motion leads back to {self.closure:.1e} only; use more digits")
