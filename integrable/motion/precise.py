@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.precise_clock import NONE, Limits, PanelClock
+from integrable.motion.precise_clock import NONE, Limits, OneTime, PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.centres import Centres
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
@@ -36,6 +36,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 20
+# from this many digits on a first time is found alone, and by how many digits of it
+ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
@@ -67,6 +69,10 @@ class Carrier:
     def tau(self, times: list[Any], digits: int) -> list[Any]:
         """τ at physical times, to so many digits."""
         return times
+
+    def tau_alone(self, time: Any, digits: int) -> Any:
+        """τ at a physical time where no other is asked for."""
+        return self.tau([time], digits)[0]
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
         """Physical times at values of τ."""
@@ -159,11 +165,14 @@ class ManyDigits:
             if lost is None:
                 continue
             if clock and tau:
-                # the farthest alone says whether the digits suffice
-                (last,) = carrier.tau([max(tau, key=abs)], self.digits + SPARE + lost)
-                if self._enough(abs(last)) is None:
-                    continue
-                tau = carrier.tau(tau, self.digits + SPARE + lost) if len(tau) > 1 else [last]
+                wanted = self.digits + SPARE + lost
+                if len(tau) == 1:
+                    tau = [carrier.tau_alone(tau[0], wanted)]
+                else:
+                    # the farthest says whether the digits suffice
+                    if self._enough(abs(carrier.tau([max(tau, key=abs)], wanted)[0])) is None:
+                        continue
+                    tau = carrier.tau(tau, wanted)
                 if self._enough(max(map(abs, tau))) is None:
                     continue
             points = [carrier.point(t) for t in tau]
@@ -256,6 +265,7 @@ class BodyCarrier(Carrier):
         self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
+        self._alone = False
 
     def scaled(self, t: Any) -> Any:
         return self.setup.wide.coerce(t) * self.setup.time_scale
@@ -310,6 +320,26 @@ class BodyCarrier(Carrier):
                 tau = sign * (2 * cell + x) * setup.bare.half_step
             result[i] = setup.reals.element(setup.wide, tau)
         return result
+
+    def tau_alone(self, time: Any, digits: int) -> Any:
+        # a series of the clock is worth its making from the second time on
+        if self.digits >= ALONE_FROM and time != 0 and not self._alone and not self._clocks and self._limits == NONE:
+            self._alone = True
+            found = self._one_time(time)
+            if found is not None:
+                return found
+        return super().tau_alone(time, digits)
+
+    def _one_time(self, time: Any) -> Any:
+        """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where that is not its way."""
+        setup, sign = self.setup, -1 if time < 0 else 1
+        rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
+        user = time / setup.time_scale
+        start = setup.wide.coerce(rough.unscaled(rough.tau([rough.scaled(user)])[0])) * setup.time_scale
+        with setup.reals as reals:
+            t, tau = (abs(reals.number(x)) for x in (time, start))
+            found = OneTime(setup, sign, scouts=self._scouts).tau(t, tau, self.point)
+            return None if found is None else reals.element(setup.wide, sign * found)
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
         setup, torus = self.setup, self._far(tau)

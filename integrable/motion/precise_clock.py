@@ -8,6 +8,7 @@ panel grow with its length more slowly than the nodes for its cells.
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Callable
 from math import ceil, inf
 from operator import mul
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -31,6 +32,8 @@ SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # 1 − dα at the axes from which on 1/g is read off U(1/d): three digits of those that guard
 LIGHT = 1e-3
+# the panel at the end of a way to one time has this part of it, in decimal digits: τ is to be known to more
+END_DIGITS, END_STEPS = 12, 12
 # where Newton's steps in floats end, how good a place must be then, and the bits of it that are right; else so many
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
@@ -61,22 +64,61 @@ class Unresolved(ArithmeticError):
     """A cell whose Legendre series has not converged."""
 
 
-class PanelClock:
-    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
-
-    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. ``scouts`` are those of another
-    clock of the motion. PrecisionLoss where 1/g is too uneven for Legendre series of at most 6 nodes
-    a digit, and where a way takes more values of 1/g than ``limits`` says.
+class Panels:
+    """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` are
+    those of another clock of the motion.
     """
 
     def __init__(self, setup: Setup, sign: int, limits: Limits = NONE, scouts: Scouts | None = None) -> None:
         self._setup = setup
         self._sign = sign
-        self._most = limits.most
         self._digits = min(setup.digits, limits.digits)
         self._compiled = PanelRates(setup, self._digits + 4) if limits.compiled else None
         self._half, self._d = setup.bare.half_step, setup.reals.number(setup.problem.d)
         self._scouts = Scouts(setup, limits.compiled) if scouts is None else scouts
+
+    def _at_nodes(self, nodes: list[Any], length: Any) -> Nodes:
+        """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
+        steps = self._setup.translations.at_nodes(nodes, self._sign * length)
+        roots, d = None, self._d
+        if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
+            with self._setup.reals:
+                roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
+        return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
+
+    def _rates_at(self, point: Any, nodes: Nodes) -> list[Any]:
+        bare = self._setup.bare
+        if self._compiled:
+            found = self._compiled.around(point, nodes.steps, nodes.packed)
+            if found is not None:
+                zero = 0 * self._half
+                return [zero + high + low for high, low in found.tolist()]
+        if nodes.roots is not None:
+            return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
+        return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
+
+    # --- how many nodes
+
+    def _node_count(self, rate: float) -> int:
+        """An even number of nodes that bring the digits of the setup when each brings ``rate`` of them."""
+        return 2 * int(0.525 * (self._digits + 6) / rate) + 8
+
+    def _digits_a_node(self, length: int) -> float:
+        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst."""
+        return self._scouts.digits_a_node(self._sign, length)
+
+
+class PanelClock(Panels):
+    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
+
+    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is
+    too uneven for Legendre series of at most 6 nodes a digit, and where a way takes more values of 1/g than ``limits``
+    says.
+    """
+
+    def __init__(self, setup: Setup, sign: int, limits: Limits = NONE, scouts: Scouts | None = None) -> None:
+        super().__init__(setup, sign, limits, scouts)
+        self._most = limits.most
         self._use(self._node_count(self._digits_a_node(1)))
         self._long: tuple[Nodes, list[Any]] | None = None
         self._far: list[Any] = []
@@ -113,15 +155,6 @@ class PanelClock:
         # t at the upper end of cell −1, 0, 1, …
         self._ends: list[Any] = []
         self._far = []
-
-    def _at_nodes(self, nodes: list[Any], length: int) -> Nodes:
-        """T at nodes of [−1, 1], symmetric about 0 and without it, over ``length`` cells."""
-        steps = self._setup.translations.at_nodes(nodes, self._sign * length)
-        roots, d = None, self._d
-        if not self._setup.tilt and min(1 - d * x for x in self._setup.bare.axes[:3]) > LIGHT:
-            with self._setup.reals:
-                roots = [root(1 + d * (step[1] + d * step[0])) for step in steps]
-        return Nodes(steps, self._compiled and self._compiled.steps(steps), roots)
 
     # --- the integral
 
@@ -230,17 +263,6 @@ class PanelClock:
 
     # --- one cell
 
-    def _rates_at(self, point: Any, nodes: Nodes) -> list[Any]:
-        bare = self._setup.bare
-        if self._compiled:
-            found = self._compiled.around(point, nodes.steps, nodes.packed)
-            if found is not None:
-                zero = 0 * self._half
-                return [zero + high + low for high, low in found.tolist()]
-        if nodes.roots is not None:
-            return addition.upright_rates(bare.f, bare.axes, self._d, point, nodes.steps, nodes.roots)
-        return [addition.rate_after(bare.f, bare.axes, point, step) for step in nodes.steps]
-
     def _mean(self, cell: int) -> Any:
         """The mean of 1/g over a cell."""
         if cell not in self._means:
@@ -261,12 +283,59 @@ class PanelClock:
             self._series[cell] = series
         return self._series[cell]
 
-    # --- how many nodes
 
-    def _node_count(self, rate: float) -> int:
-        """An even number of nodes that bring the digits of the setup when each brings ``rate`` of them."""
-        return 2 * int(0.525 * (self._digits + 6) / rate) + 8
+class OneTime(Panels):
+    """τ at one physical time to very many digits, without a series of the clock; ``point(τ)`` is the moving point.
 
-    def _digits_a_node(self, length: int) -> float:
-        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst."""
-        return self._scouts.digits_a_node(self._sign, length)
+    Where τ is known to some digits, a Gauss rule over the way gives the physical time there, in half the nodes that a
+    series as good takes, and a short panel at the end of the way gives what τ lacks.
+    """
+
+    def tau(self, t: Any, start: Any, point: Callable[[Any], Any]) -> Any:
+        """τ at t > 0, both without the sign of the direction, from one that is right to more than END_DIGITS; None
+        where the way is long, or its panels are not resolved.
+        """
+        if start > 2 * NEAR_CELLS * self._half:
+            return None
+        shown = self._time(start, point)
+        if shown is None:
+            return None
+        end = start * self._setup.reals.number(10) ** -END_DIGITS
+        rule = LegendreSeries(self._setup.reals, 2 * ceil(self._digits / END_DIGITS / 2) + 8)
+        rates = self._rates_at(point(self._sign * start), self._at_nodes(rule.nodes, end / self._half))
+        series = rule.coefficients(rates)
+        target, x = (t - shown) / end, 0 * t
+        for _ in range(END_STEPS):
+            angle, rate = addition.integrate_series(series, x)
+            step = (angle - target) / rate
+            x -= step
+            if abs(x) < 1 and abs(step) * end <= start * self._small(self._digits):
+                return start + end * x if self._ends(series[0], series[-2:], self._digits) else None
+        return None
+
+    def _time(self, tau: Any, point: Callable[[Any], Any]) -> Any:
+        """The physical time at τ > 0, by a Gauss rule on panels that are no longer than a cell."""
+        count = ceil(float(tau / (2 * self._half)))
+        nodes, weights = gauss_legendre(self._setup.reals, self._node_count(2 * self._digits_a_node(1)))
+        n, panel = len(nodes), tau / (2 * count)
+        steps, total = self._at_nodes(nodes, panel / self._half), 0 * tau
+        # w_i·P_(n − 1)(x_i), P_(n − 1)² = 2(1 − x²)/(n²w) at the nodes, and n·P_n = 0 gives P_(n − 2)
+        pairs = list(zip(nodes, weights, strict=True))
+        last = [(1 - 2 * (k % 2)) * root(2 * (1 - x * x) * w) / n for k, (x, w) in enumerate(pairs)]
+        other = [(2 * n - 1) * x * y / (n - 1) for x, y in zip(nodes, last, strict=True)]
+        for k in range(count):
+            rates = self._rates_at(point(self._sign * (2 * k + 1) * panel), steps)
+            whole = sum(map(mul, weights, rates))
+            tail = [(2 * n - 1) * sum(map(mul, row, rates)) for row in (last, other)]
+            # a rule is right to twice the digits of its last coefficients
+            if not self._ends(whole, tail, self._digits / 2):
+                return None
+            total += whole
+        return panel * total
+
+    def _ends(self, first: Any, tail: list[Any], digits: float) -> bool:
+        """Whether coefficients at the end of a series are nothing beside its first."""
+        return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
+
+    def _small(self, digits: float) -> Any:
+        return self._setup.reals.number(10) ** -ceil(digits)

@@ -12,7 +12,7 @@ from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import BodyCarrier, PreciseFlow
-from integrable.motion.precise_clock import LONG, NEAR_CELLS, Limits, PanelClock
+from integrable.motion.precise_clock import LONG, NEAR_CELLS, Limits, OneTime, PanelClock, Panels
 from integrable.moving_point import setup as setups
 from integrable.moving_point.addition import rate_after
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
@@ -369,3 +369,26 @@ def test_decimal_exponents(x, exponent) -> None:
     assert digits_of(x) == exponent
     assert digits_of(MP(20).coerce(10) ** -1000) in (-1000, -999)
     assert np.sign(digits_of(0)) == -1
+
+
+@pytest.mark.parametrize(("time", "tilt"), [("0.3", 0), ("5e-30", 0), ("-3", 1)])
+def test_one_time_alone_is_that_of_the_series(time, tilt) -> None:
+    system, state = ball(270, tilt=tilt)
+    flow = PreciseFlow(system.body, state, 270)
+    time = flow.carrier.setup.wide.coerce(time)
+    (alone,) = flow.at([time])[0]
+    assert not flow.carrier._clocks
+    # a second one has the series
+    (again,) = flow.at([time])[0]
+    assert flow.carrier._clocks
+    assert abs(again - alone) <= abs(again) * flow.carrier.setup.wide.coerce(10) ** -275
+
+
+def test_one_time_alone_goes_another_way_where_its_rule_does_not_resolve(monkeypatch) -> None:
+    system, state = ball(270)
+    truth = PreciseFlow(system.body, state, 290).at([2])[0][0]
+    monkeypatch.setattr(OneTime, "_node_count", lambda panels, rate: Panels._node_count(panels, rate) // 4 * 2)
+    flow = PreciseFlow(system.body, state, 270)
+    (found,) = flow.at([2])[0]
+    assert flow.carrier._clocks
+    assert abs(found - truth) <= flow.carrier.setup.wide.coerce(10) ** -270
