@@ -1,12 +1,13 @@
 """States near the start of a motion, by Chebyshev panels: written to be compiled as it stands.
 
 A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers, a
-centre being a few additions of tabled translations from the start; those at the nodes of a panel are one addition in
-floats from its centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for
-physical time the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a
-step between its ends and those of its neighbours, say that it should; where rounding says so, its nodes are made in
-wide numbers. The neighbours share no addition but those of their ancestors, and γ and w cannot change sign without a
-step: what passes has the signs of the motion.
+centre being a few additions of tabled translations from the start, or, beside a separatrix, one from the centre before,
+where a shadow of the motion goes along and says how errors have grown; those at the nodes of a panel are one addition
+in floats from its centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for physical time
+the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a step between its ends
+and those of its neighbours, say that it should; where rounding says so, its nodes are made in wide numbers. The
+neighbours share no addition but those of their ancestors, and γ and w cannot change sign without a step: what passes
+has the signs of the motion.
 
 Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
 reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.
