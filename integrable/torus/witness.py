@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.moving_point.addition import moving_point, near_identity, shift
-from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, START, TIME_SCALE
+from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, START, TIME_SCALE, BareProblem
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import axes_of, curve_of, unit_axes
-from integrable.moving_point.translations import power_series
+from integrable.moving_point.translations import Translations, power_series
 from integrable.torus.states import Torus, point_at, point_beside, put_state
 from jacobian.numbers.abreast import abreast
 
@@ -58,9 +58,11 @@ def confirmed(
     loops.reached(problem, tau, loops.room(2 * TERMS), quick.ravel())
     if _difference(found, quick) <= ROUGH:
         return True
+    bare = setup.bare_problem
+    # not the set-up's own, which are made from numbers of the wide field
+    translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     with setup.reals:
-        momentum, matrix = setup.bare_problem.momentum, setup.bare_problem.matrix
-        exact = [vectors(_in_digits(setup, t), momentum, matrix) for t in tau.tolist()]
+        exact = [vectors(_in_digits(bare, translations, t), bare.momentum, bare.matrix) for t in tau.tolist()]
     return _difference(found, np.array([(*gamma, *M) for gamma, M in exact], dtype=float)) <= RIGHT
 
 
@@ -110,11 +112,10 @@ def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
         put_state(point, matrix, out, 6 * i)
 
 
-def _in_digits(setup: Setup, tau: float) -> tuple[Any, ...]:
-    """The moving point at τ, in the wide precision."""
-    with setup.reals:
-        step = setup.translations.near(setup.reals.number(tau) * setup.reals.number(setup.time_scale))
-        return shift(setup.bare.f, setup.bare.axes, setup.bare.start, step)
+def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row:
+    """The moving point at τ, in bare reals."""
+    step = translations.near(translations.reals.number(tau) * bare.time_scale)
+    return shift(bare.f, bare.axes, bare.start, step)
 
 
 def _difference(rows: np.ndarray, states: np.ndarray) -> float:
