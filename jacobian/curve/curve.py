@@ -314,8 +314,8 @@ class HyperellipticCurve(CurveQuestions):
 
     def _formula(self) -> str:
         K = self.field
-        h = f" + ({poly.text(K, self.h)})·y" if self.h else ""
-        return f"y^2{h} = {poly.text(K, self.f)}"
+        linear = latex.term_of_y(K, self.h, poly.text(K, self.h), "({})·y", "·")
+        return f"y^2{linear} = {poly.text(K, self.f)}"
 
     def __repr__(self) -> str:
         return f"{self._formula()} over {self.field.name}"

@@ -17,14 +17,25 @@ def field(K: Any) -> str:
     return rf"\mathbf{{F}}_{{{power}}}"
 
 
-def polynomial(K: Any, a: poly.Poly) -> str:
-    """A polynomial in x, the highest power first."""
-    written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a)).replace("·", " ").replace("j", "i")
+def polynomial(K: Any, a: poly.Poly, variable: str = "x") -> str:
+    """A polynomial, the highest power first."""
+    written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a, variable)).replace("·", " ").replace("j", "i")
     written = re.sub(r"(\d+)/(\d+)", r"\\tfrac{\1}{\2}", written)
     return re.sub(r"e\+?(-?)0*(\d+)", r" \\cdot 10^{\1\2}", written)
 
 
 def equation(K: Any, f: poly.Poly, h: poly.Poly) -> str:
     """y² + h(x)y = f(x)."""
-    linear = rf" + \left({polynomial(K, h)}\right) y" if h else ""
+    linear = term_of_y(K, h, polynomial(K, h), r"\left({}\right) y", " ")
     return f"y^{{2}}{linear} = {polynomial(K, f)}"
+
+
+def term_of_y(K: Any, h: poly.Poly, written: str, bracketed: str, times: str) -> str:
+    """The term with y behind y²; h is in brackets where it has terms or signs of its own: y² − 2x·y, y² + (x + 1)·y."""
+    if not h:
+        return ""
+    if h == (K.one,):
+        return " + y"
+    terms = sum(c != K.zero for c in h)
+    plain = terms == 1 and not any(sign in written[1:] for sign in "+-/j")
+    return f" + {written}{times}y".replace("+ -", "- ") if plain else " + " + bracketed.format(written)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from jacobian.curve import latex
 from jacobian.errors import whole
+from jacobian.fields import QQ
 
 MOST_COUNTS = 10_000
 
@@ -21,6 +23,13 @@ class ZetaFunction(NamedTuple):
         n = whole(n, "n", f"the largest degree of the fields is an int, 1 … {MOST_COUNTS}", 1, MOST_COUNTS)
         q, sums = self.denominator[2], power_sums(self.numerator, n)
         return [q**i + 1 - sums[i] for i in range(1, n + 1)]
+
+    def _latex_(self) -> str:
+        written = latex.polynomial(QQ, self.numerator, "T")
+        return rf"\frac{{{written}}}{{(1 - T)(1 - {self.denominator[2]} T)}}"
+
+    def _repr_latex_(self) -> str:
+        return f"${self._latex_()}$"
 
 
 def power_sums(descending: Sequence[int], count: int) -> list[int]:

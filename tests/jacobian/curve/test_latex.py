@@ -44,3 +44,24 @@ def test_curves_groups_and_divisors():
     assert C._repr_latex_() == f"${C._latex_()}$"
     split = HyperellipticCurve(GF(7), [1, 1, 0, 0, 0, 0, 1]).jacobian()
     assert split.zero()._repr_latex_() == r"$\left(1, 0, n = 1\right)$"
+
+
+@pytest.mark.parametrize(
+    ("h", "plain", "written"),
+    [
+        ([1], "y^2 + y", "y^{2} + y"),
+        ([0, 0, 1], "y^2 + x^2·y", "y^{2} + x^{2} y"),
+        ([0, -3], "y^2 - 3·x·y", "y^{2} - 3 x y"),
+        (["1/2"], "y^2 + (1/2)·y", r"y^{2} + \tfrac{1}{2} y"),
+        ([-1, 0, 1], "y^2 + (x^2 - 1)·y", r"y^{2} + \left(x^{2} - 1\right) y"),
+    ],
+)
+def test_the_term_of_y(h, plain, written):
+    C = HyperellipticCurve(QQ, QUINTIC, h)
+    assert repr(C) == f"{plain} = x^5 + 1 over QQ"
+    assert C._latex_().startswith(f"{written} = x^{{5}} + 1")
+
+
+def test_zeta_functions():
+    zeta = HyperellipticCurve(GF(7), [1, 2, 0, 0, 0, 1]).zeta_function()
+    assert zeta._repr_latex_() == r"$\frac{49 T^{4} + 14 T^{3} + 2 T + 1}{(1 - T)(1 - 7 T)}$"
