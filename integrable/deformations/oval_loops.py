@@ -266,7 +266,7 @@ def fraction(turns: Real) -> Real:
 class Modes(NamedTuple):
     """What 1/g = Σ c_mn cos mθ₁ cos nθ₂ is made of, 0 ≤ m ≤ ``rows``, 0 ≤ n ≤ ``columns``: ``numbers`` are d, the
     weights of 1 + dz_k in g², μ1, μ2, and of half a turn over rows and over columns cosine and sine. ``table`` is for
-    the c_mn row by row, ``room`` for 2·(rows + columns) + 4 numbers.
+    the c_mn row by row, ``room`` for 3·(rows + columns) numbers.
     """
 
     numbers: Row

@@ -2,6 +2,7 @@
 
 What they have lost is measured on every call, by H and K of all states in double-doubles and by the farthest state of a
 carrier of more digits; where that is more than floats show, or τ is too many periods away, that carrier computes them.
+So is the clock at d ≠ 0: by the farthest time, and by 1/g of that carrier.
 """
 
 from __future__ import annotations
@@ -237,10 +238,7 @@ def expanded(carrier: Any, tracks: tuple[Track, Track], rows: int, columns: int)
     numbers = [carrier.system.d, *carrier.weights, *(curve.mu for curve in carrier.curves)]
     for count in (rows, columns):
         numbers += [K.context.cospi(K.one / count), K.context.sinpi(K.one / count)]
-    table, room = (
-        np.empty(((rows + 1) * (columns + 1), 2)),
-        np.empty((2 * (rows + columns) + 4 + max(rows, columns), 2)),
-    )
+    table, room = (np.empty((size, 2)) for size in ((rows + 1) * (columns + 1), 3 * (rows + columns)))
     modes = Modes(_wide(numbers), rows, columns, table, room)
     LIBRARY.expand(*tracks, modes)
     return modes

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.precise_clock import NONE, Limits, OneTime, PanelClock
+from integrable.motion.precise_clock import NEAR_CELLS, NONE, Limits, OneTime, PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.centres import Centres
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
@@ -322,8 +322,9 @@ class BodyCarrier(Carrier):
         return result
 
     def tau_alone(self, time: Any, digits: int) -> Any:
+        near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
         # a series of the clock is worth its making from the second time on
-        if self.digits >= ALONE_FROM and time != 0 and not self._alone and not self._clocks and self._limits == NONE:
+        if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)
             if found is not None:
@@ -334,8 +335,8 @@ class BodyCarrier(Carrier):
         """τ at a physical time by :class:`~integrable.motion.precise_clock.OneTime`; None where that is not its way."""
         setup, sign = self.setup, -1 if time < 0 else 1
         rough = BodyCarrier(Setup(*self._problem, digits=ROUGH_DIGITS), self._problem)
-        user = time / setup.time_scale
-        start = setup.wide.coerce(rough.unscaled(rough.tau([rough.scaled(user)])[0])) * setup.time_scale
+        (found,) = rough.tau([rough.scaled(self.unscaled(time))])
+        start = self.scaled(rough.unscaled(found))
         with setup.reals as reals:
             t, tau = (abs(reals.number(x)) for x in (time, start))
             found = OneTime(setup, sign, scouts=self._scouts).tau(t, tau, self.point)
