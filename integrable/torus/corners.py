@@ -16,6 +16,7 @@ from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import Fine, Walk
 from integrable.torus.witness import seamless
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.double_double import EPS
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -240,7 +241,8 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     of the columns from where both are at the near ends. On the way there x is end ± gap·sinh²(t), dx/y then smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    gap = high - low
+    # what floats do not tell apart is that near, and no end is passed by rounding
+    gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)
     z, weights = legendre(QUADRATURE)
@@ -249,7 +251,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
         t = asinh(sqrt(abs(x - end) / gap))
         # fewer where it ends, maybe at the far end of the oval, a branch point
         xs = end + sign * gap * np.sinh(t * z * (2 - z)) ** 2
-        others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * (motion[10] - motion[8] * xs)
+        others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * np.maximum(r - d * xs, d * gap)
         rates = weights * (1 - z) / np.sqrt(others)
         passed += copysign(4 * t, -sign * (v0 + v1 * x)) * np.array([rates.sum(), rates @ xs])
     a1, b1, a2, b2 = periods.tolist()

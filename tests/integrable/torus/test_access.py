@@ -13,7 +13,7 @@ from integrable.oracles.reference import taylor
 from integrable.torus.access import TorusFlow, series_of
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Limits
-from integrable.torus.corners import Corners
+from integrable.torus.corners import Corners, nearest_column
 from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from integrable.torus.series import TorusSeries, half_spectrum, needed_sizes, spectrum
@@ -179,6 +179,20 @@ def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, 
     ((most, closure),) = walks
     assert most == 1
     assert closure < (1e-13 if name == "near_separatrix_14" else 1e-16)
+
+
+@pytest.mark.parametrize("d", [0.0, 0.25, 0.5])
+@pytest.mark.parametrize("gap", [0.0, 1e-14, 1.0])
+def test_where_walks_meet_is_a_column_whatever_floats_tell_apart(d, gap) -> None:
+    """Ends of ovals that are one float, a start at a far end, and the root 1/d there."""
+    motion = np.array(
+        [0.0, 1.0, 1.0 + gap, 2.0 + gap, 0.0, 1.0, 2.0 + gap, 1.0 + gap, d, 3.0, d * (2 + gap) or 1.0, 0.0]
+    )
+    for u in ((0.0, 2.0 + gap), (1.0, 1.0 + gap)):
+        start = np.array([u[0] * u[1], -u[0] - u[1], 0.1, 0.2])
+        for columns in (2, 8, 256):
+            for periods in ([1.0, 0.5, 40.0, 41.0], [1.0, 1.0, 1.0, 1.0]):
+                assert 1 <= nearest_column(motion, start, np.array(periods), columns) <= columns
 
 
 def test_the_corners_of_the_cells_close() -> None:
