@@ -283,7 +283,8 @@ def _compiled(C: HyperellipticCurve) -> str:
         return "Cantor, as explicit formulas in genus 3 want GF(p), h = 0 and a monic f of degree 7"
     if C.genus not in (2, 3):
         return "Cantor, as explicit formulas are for genus 2 and 3"
-    return "explicit formulas, and Cantor in special positions"
+    multiples = " and for multiples" if C.field.characteristic == 2 else ""
+    return f"explicit formulas, and Cantor in special positions{multiples}"
 
 
 def _prospects(ready: int, cold: int) -> str:

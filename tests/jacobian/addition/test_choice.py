@@ -93,6 +93,7 @@ def test_multiples_are_counted_by_their_length(fresh):
     for _ in range(3):
         assert m * D == expected
     assert owner(J) is LineKernel
+    assert J.explain().endswith("explicit formulas, and Cantor in special positions and for multiples")
 
 
 def test_a_group_of_few_additions_stays_as_it_is(fresh):
