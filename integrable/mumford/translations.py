@@ -90,7 +90,7 @@ class Translations:
         if digit < 0:
             return group.negate(self.added(group.negate(D), k, 1))
         S = self._single(k)
-        return self._moved(D, self._double(k)) if S is None else self._settled(group.add(D, S, *self._with))
+        return self._moved(D, self._double(k)) if S is None else self._with_single(D, S)
 
     @property
     def reference(self) -> Extended:
@@ -103,11 +103,17 @@ class Translations:
 
     def _moved(self, D: Extended, E: Extended) -> Extended:
         """D + E minus the reference."""
-        return self._settled(self.group.add(self.group.add(D, E, *self._with), *self._back))
+        return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
+
+    def _with_single(self, D: Extended, S: Extended) -> Extended:
+        """D + S, S as :meth:`_single` has it."""
+        total = self.group.add(D, S, *self._with)
+        # in general position sums on models of odd degree stay as near to the curve as they are
+        return self._settled(total if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
-        """On the curve, and with the κ of its lifts where they were: two sums in odd genus have divided it by ℓ²."""
-        group, D = self.group, self._on_curve(D)
+        """With the κ of its lifts where they were: two sums in odd genus have divided it by ℓ²."""
+        group = self.group
         if not (group.odd and group.genus % 2):
             return D
         c = 1 / group.f[-1]
@@ -130,11 +136,10 @@ class Translations:
 
     def _single(self, k: int) -> Extended | None:
         """T(2^k h), less P₀ where there is one; None while it has points near infinity: doubling loses much there."""
-        group = self.group
         for j in range(self._fraction + len(self._singles), k + 1):
             S = self._singles.get(j - 1)
             if S is not None:
-                S = self._settled(group.add(S, S, *self._with))
+                S = self._with_single(S, S)
             elif not self._is_general(S := self.from_reference(self._double(j))):
                 S = None
             self._singles[j] = S
