@@ -32,7 +32,9 @@ Motion = Callable[[Any, State, Any], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Σ |x ∂γ/∂x| and Σ |x ∂M/∂x|/|M| over the inputs x, the largest over the times."""
+    """Σ |x ∂γ/∂x| and Σ |x ∂M/∂x|/|M| over the inputs x, the largest over the times; of a system without a body those
+    of q and p beside their largest at the start or then, whichever is larger.
+    """
 
     gamma: float
     M: float
@@ -58,7 +60,7 @@ def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion
     move, wanted = motion or flow_motion, list(times)
     names, values = _inputs(system, state)
     base = move(*_problem(system, state, names, values), wanted)
-    size = float(field.sqrt(field.dot(state.M, state.M))) or 1.0
+    sizes = _sizes(system, state, base)
     gamma, M, parts = np.zeros(len(wanted)), np.zeros(len(wanted)), {}
     for k, name in enumerate(names):
         if values[k] == 0:
@@ -69,16 +71,26 @@ def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion
             moved = list(values)
             moved[k] = values[k] * (1 + field.coerce(change))
             rows = move(*_problem(system, state, names, moved), wanted)
-            return [abs((a - b).astype(float)).max(axis=1) for a, b in zip(rows, base, strict=True)]
+            pairs = zip(rows, base, sizes, strict=True)
+            return [abs((a - b).astype(float)).max(axis=1) / size for a, b, size in pairs]
 
         found = difference(change)
-        if field == RR and max(found[0].max(), found[1].max() / size) > LINEAR:
-            change *= max(LINEAR / 100 / max(found[0].max(), found[1].max() / size), 1e-6)
+        if field == RR and (largest := max(x.max() for x in found)) > LINEAR:
+            change *= max(LINEAR / 100 / largest, 1e-6)
             found = difference(change)
         gamma += found[0] / change
-        M += found[1] / (change * size)
+        M += found[1] / change
         parts[name] = float(found[0].max() / change)
     return Conditioning(float(gamma.max()), float(M.max()), parts)
+
+
+def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[Any]:
+    """What changes of γ and of M are measured by, at each time."""
+    size = float(system.field.sqrt(system.field.dot(state.M, state.M))) or 1.0
+    if not hasattr(system, "inputs"):
+        return [1.0, size]
+    starts = float(max(map(abs, state.gamma))) or 1.0, size
+    return [np.maximum(abs(x).max(axis=1).astype(float), start) for x, start in zip(rows, starts, strict=True)]
 
 
 def flow_motion(system: Any, state: State, times: Any) -> tuple[np.ndarray, np.ndarray]:

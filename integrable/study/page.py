@@ -59,7 +59,7 @@ def introduction(study: Study) -> str:
         "run times are medians and include set-up, not the compilation that the first use of a machine does once. "
         "Errors are the largest over components and times, of M relative to |M|, against the divisor flow at 40 digits "
         "or more, which is held against an integrator that shares no code with it. Of a system without a body q and p "
-        "stand for γ and M, and errors of q are relative to the largest q at the start.\n\n"
+        "stand for γ and M, and errors of both are relative to the largest at the start or in their row.\n\n"
         "The inputs of a scene are doubles: its moments, d, γ, M and times are rounded to doubles before anything is "
         "computed, and every method starts from these. For doubles |γ| = 1 and, in scenes that are not tilted, "
         "(γ, M) = 0 hold to rounding; the truth and all that computes in more than doubles therefore start from γ/|γ| "

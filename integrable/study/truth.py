@@ -174,7 +174,7 @@ class Judge:
         self.size_of_M = self.context.sqrt(sum(m * m for m in state.M)) or self.context.one
         # γ is a unit vector
         classical = isinstance(system, ClassicalSystem)
-        self.size_of_gamma = max(abs(x) for x in state.gamma) if classical else self.context.one
+        self.size_of_gamma = (max(map(abs, state.gamma)) if classical else 0) or self.context.one
 
     def judge(self, gamma: Any, M: Any) -> dict[str, Any]:
         """:meth:`errors`, and the "drift" of each integral from the start, the largest over the rows.
@@ -195,13 +195,16 @@ class Judge:
         return {**self.errors(gamma, M), "drift": {name: float(value) for name, value in drift.items()}}
 
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
-        """The errors of γ (q relative to the largest at the start) and of M (relative to |M|), the largest over the
-        rows.
+        """The errors of γ and of M (relative to |M|), the largest over the rows; of q and p relative to the largest at
+        the start or in their row, so that next to a pole rounding is no error.
         """
-        return {
-            "error_gamma": float(max(self.distances(gamma, self.gamma)) / self.size_of_gamma),
-            "error_M": float(max(self.distances(M, self.M)) / self.size_of_M),
-        }
+        parts = {"error_gamma": (gamma, self.gamma, self.size_of_gamma), "error_M": (M, self.M, self.size_of_M)}
+        return {name: float(max(self._relative(*part))) for name, part in parts.items()}
+
+    def _relative(self, rows: Any, true: list[list[Any]], size: Any) -> list[Any]:
+        if not isinstance(self.system, ClassicalSystem):
+            return [x / size for x in self.distances(rows, true)]
+        return [x / max(size, *map(abs, row)) for x, row in zip(self.distances(rows, true), true, strict=True)]
 
     def distances(self, rows: Any, true: list[list[Any]]) -> list[Any]:
         """The largest difference of a component in each row."""

@@ -12,9 +12,13 @@ import pytest
 import integrable
 from integrable.__main__ import main
 from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
+from integrable.motion.conditioning import conditioning
 from integrable.oracles.methods import METHODS
+from integrable.phase.state import State
+from integrable.scene.classical import ClassicalSystem
 from integrable.scene.data import SYSTEMS
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
@@ -25,7 +29,9 @@ from integrable.study.motions import measure, pieces_of_work
 from integrable.study.page import scene_section
 from integrable.study.plan import BACKLUND, FLOW, tasks_of
 from integrable.study.run import run
+from integrable.study.truth import Judge
 from integrable.sweeps.sweep import sweep
+from jacobian import MP
 from jacobian.errors import ArgumentError
 
 CLASSICAL = [name for name, kind in SYSTEMS.items() if kind.room == "classical"]
@@ -173,3 +179,19 @@ def test_what_is_wrong_is_named(write, old, new, said):
 def test_what_is_for_bodies_alone_is_refused(tmp_path):
     with pytest.raises(ArgumentError, match="neumann has no body"):
         sweep("neumann", vary={"d": [1, 2]}, out=tmp_path / "a.zarr")
+
+
+def test_next_to_a_pole_a_row_is_measured_by_itself() -> None:
+    """q_0 = 1803 at t = 81, p_0 = 153061: what inputs do there, and rounding, counts beside these."""
+    system = ClassicalSystem(HenonHeiles.with_frequencies(1, 1.25))
+    state = system.state((0.1, 0.05), (0, 0.1))
+    times = [80.0, 81.0]
+    found = conditioning(system, state, times)
+    assert 1e3 < found.gamma < 1e5
+    assert 1e3 < found.M < 1e5
+    fine = ClassicalSystem(system.system.over(MP(40)))
+    start = fine.onto_constraints(State(*(tuple(map(fine.field.coerce, x)) for x in (state.gamma, state.M))))
+    truth, floats = fine.motion_through(start).at(times), system.motion_through(state).at(times)
+    assert abs(float(truth.q[1][0])) > 1e3
+    errors = Judge(fine, start, truth.q, truth.p).errors(floats.q, floats.p)
+    assert max(errors.values()) < 2.0**-53
