@@ -63,7 +63,7 @@ def _isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> Iterator[Isom
     if not K.exact or K.characteristic == 2:
         raise FieldError(f"field = {K.name}: isomorphisms are found over QQ and finite fields of odd characteristic")
     if C.genus == 1 or E.genus == 1:
-        raise ArgumentError("genus = 1: curves of genus 1 have infinitely many isomorphisms; this is for genus ≥ 2")
+        raise ArgumentError("genus = 1: translations are isomorphisms too, and of another form; this is for genus ≥ 2")
     if C.genus != E.genus:
         return
     for matrix in _rational_matrices(C, E) if K == QQ else _matrices(K, C.discriminant, E.discriminant, C.genus):
