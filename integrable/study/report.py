@@ -133,8 +133,8 @@ def _words(report: Report) -> list[str]:
     if report.letters == ("q", "p"):
         names = ", ".join(report.integrals)
         return [
-            "error q: largest over components and times, relative to the largest q at the start or then; error p: the same,",
-            f"relative to |p|; Δ: largest relative drift of {names} from the exact start.",
+            "error q: largest over components and times, relative to the largest q at the start or then; error p: likewise",
+            f"beside |p|; Δ: largest relative drift of {names} from the exact start.",
         ]
     first_of, second_of = report.integrals[2:]
     return [
