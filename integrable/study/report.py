@@ -133,7 +133,7 @@ def _words(report: Report) -> list[str]:
     if report.letters == ("q", "p"):
         names = ", ".join(report.integrals)
         return [
-            "error q: largest over components and times, relative to the largest q at the start or then; error p: likewise",
+            "error q: largest over components and times, beside the largest q at the start or then; error p: likewise,",
             f"beside |p|; Δ: largest relative drift of {names} from the exact start.",
         ]
     first_of, second_of = report.integrals[2:]
