@@ -62,11 +62,13 @@ def toda(c: Any, q: Any, p: Any, exp: Any) -> Rates:
 
 
 def veselova(c: Any, q: Any, p: Any, exp: Any) -> Rates:
-    """γ' = γ×ω, M' = M×ω, ω = A(M − (γ, AM)γ/(γ, Aγ)); c the moments."""
-    turned = [m / e for m, e in zip(p, c, strict=True)]
+    """γ' = γ×ω, M' = M×ω, ω_i = a_i Σ_j a_jγ_j(γ_jM_i − γ_iM_j)/Σ_j a_jγ_j², a_i = 1/I_i; c the moments."""
     leaning = [x / e for x, e in zip(q, c, strict=True)]
-    pull = dot(q, turned) / dot(q, leaning)
-    omega = [x - pull * y for x, y in zip(turned, leaning, strict=True)]
+    stretch = dot(q, leaning)
+    omega = []
+    for x, m, e in zip(q, p, c, strict=True):
+        # of A(M − pull·γ) nothing would be left where moments are very different
+        omega.append(dot(leaning, [y * m - x * n for y, n in zip(q, p, strict=True)]) / (e * stretch))
     return cross(q, omega), cross(p, omega)
 
 
