@@ -19,7 +19,7 @@ from integrable.moving_point.balls import BallField, around
 from integrable.mumford.fields import multiplier
 from integrable.mumford.motion import Placed
 from integrable.mumford.series import through
-from integrable.mumford.translations import Pair, Translations
+from integrable.mumford.translations import Pair, Translations, reference
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.linear import pivoted
@@ -30,6 +30,8 @@ from jacobian.relatives.extended import Extended
 PART, FRACTION = 4, 12
 # the smallest disc around a point, and steps of Newton's method
 MOST_HALVES, MOST_STEPS = 256, 60
+# of the largest root of f, imaginary parts that floats may leave of real ones
+REAL = 1e-9
 
 
 class _Elementary:
@@ -215,6 +217,14 @@ class EnclosedTranslations(Translations):
 
     _fraction = FRACTION
 
+    def _reference(self) -> tuple[list[Any], list[Any]]:
+        # points in different ovals: far from all branch points balls lose more
+        K, group = self.field, self.group
+        xs: list[Any] = [] if K.complex else list(map(K.coerce, between(group.f)))[: group.genus + 1]
+        ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
+        more, roots = reference(group)
+        return [*xs, *more][: group.genus + 1], [*ys, *roots][: group.genus + 1]
+
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         K, order = self.field, self._order()
         near = [PointIntegrals(K, self.group.f, p, others, order) for p in zip(*points, strict=True)]
@@ -228,6 +238,17 @@ class EnclosedTranslations(Translations):
     def _on_curve(self, D: Extended) -> Extended:
         # a ball is not made smaller by what is known of its middle
         return D
+
+
+def between(f: poly.Poly) -> list[float]:
+    """The middles of the bounded intervals where f > 0, between its real roots as floats have them."""
+    import numpy as np
+
+    size = max(abs(c) for c in f)
+    scaled = [float(c / size) for c in f[::-1]]
+    found = np.roots(scaled)
+    ends = np.sort(found[abs(found.imag) <= REAL * abs(found).max(initial=0)].real)
+    return [float(x) for x in (ends[1:] + ends[:-1]) / 2 if np.polyval(scaled, x) > 0]
 
 
 class EnclosedPlace(Placed):

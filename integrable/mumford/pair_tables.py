@@ -39,7 +39,7 @@ TERMS, FRACTION = 32, 3
 # tables at least and at most, and starts
 FEWEST, MOST, STARTS = 2, 11, 10
 # bits of the numbers that tables are made in, beyond those of the genus, and those of a table
-BITS, OF_TABLE = 192, 12
+BITS, OF_TABLE = 192, 24
 
 _TABLE, _PLACES, _MATRIX = ArrayKind(WIDE, 2, 2), ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
 LIBRARY = Library(

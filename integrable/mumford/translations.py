@@ -22,11 +22,6 @@ FRACTION = 8
 # beside the points of E those of T are not far away within this factor
 NEAR = 4
 
-# of the largest root of f, imaginary parts that floats may leave of real ones
-REAL = 1e-9
-# of the way between the outermost real roots, what an interval must be longer than
-SHORT = 2.0**-10
-
 Pair = tuple[poly.Poly, poly.Poly]
 
 
@@ -42,7 +37,7 @@ class Translations:
     def __init__(self, group: ExtendedGroup, direction: Sequence[Any]) -> None:
         self.group = group
         self.field: Any = group.field
-        xs, ys = reference(group)
+        xs, ys = self._reference()
         g = group.genus
         pair, point = through(self.field, xs[:g], ys[:g]), through(self.field, xs[g:], ys[g:])
         points = [kind.x for kind in group.kinds if isinstance(kind, PointLift)]
@@ -56,6 +51,10 @@ class Translations:
         self._doubles: dict[int, Extended] = {}
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
+
+    def _reference(self) -> tuple[list[Any], list[Any]]:
+        """The points of E and P₀, which points of a motion on real ovals do not come near to."""
+        return reference(self.group)
 
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
@@ -174,35 +173,8 @@ class Translations:
 
 
 def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
-    """The x and the y of g + 1 points apart from each other and from the branch points: real points in different ovals,
-    near infinity where these are too few, or, over complex numbers, points around a circle that holds the roots of f.
-    """
-    K, f, g = group.field, group.f, group.genus
-    inside = [] if K.complex else map(K.coerce, intervals(f))
-    xs: list[Any] = [x for x in inside if poly.evaluate(K, f, x) > 0][: g + 1]
-    if len(xs) <= g:
-        xs += outside(group)[: g + 1 - len(xs)]
-    return xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
-
-
-def intervals(f: poly.Poly) -> list[float]:
-    """The middles of the intervals between the real roots of f as floats have them, the longest first, without those
-    that are short beside all of them.
-    """
-    import numpy as np
-
-    size = max(abs(c) for c in f)
-    scaled = [float(c / size) for c in f[::-1]]
-    found = np.roots(scaled)
-    ends = np.sort(found[abs(found.imag) <= REAL * abs(found).max(initial=0)].real)
-    lengths, middles = np.diff(ends), (ends[1:] + ends[:-1]) / 2
-    kept = [i for i in np.argsort(-lengths) if lengths[i] > SHORT * lengths.sum()]
-    return [float(middles[i]) for i in kept]
-
-
-def outside(group: ExtendedGroup) -> list[Any]:
-    """The x of g + 1 points outside a circle that holds the roots of f: real ones, on the side where f > 0, or, over
-    complex numbers, all around it.
+    """The x and the y of g + 1 points apart from each other and from the branch points: real points outside the circle
+    that holds the roots of f, on the side where f > 0, or, over complex numbers, points around that circle.
     """
     K, f, g = group.field, group.f, group.genus
     lead, degree = f[-1], len(f) - 1
@@ -219,4 +191,4 @@ def outside(group: ExtendedGroup) -> list[Any]:
         if not group.odd and side < 0:
             raise ArgumentError("f < 0 near infinity on a model of even degree: give the motion over CC or MP complex")
         xs = [centre + K.coerce(side * reach * (1 + j / g)) for j in range(g + 1)]
-    return xs
+    return xs, [K.sqrt(poly.evaluate(K, f, x)) for x in xs]
