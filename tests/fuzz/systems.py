@@ -17,6 +17,7 @@ import numpy as np
 
 from integrable.mumford.system import Point
 from jacobian import MP
+from jacobian.errors import PrecisionLoss
 from tests.fuzz.case import Case, Complaint, Undecided
 from tests.fuzz.classical import Integrated, Motion, beside
 from tests.fuzz.distributions import dot, general_moments, magnitude, momentum
@@ -223,7 +224,10 @@ class Precise:
         made = system(*map(inside, motion.arguments), field=K)
         # what doubles can meet to rounding only
         state = made._constrained(K, Point(inside(motion.q), inside(motion.p)))
-        found = made.flow(state).at(wanted)
+        try:
+            found = made.flow(state).at(wanted)
+        except PrecisionLoss as error:
+            raise Undecided("refused in many digits, too") from error
         return np.array(np.hstack([found.q, found.p]), dtype=float)
 
 
