@@ -22,7 +22,8 @@ from integrable.torus.corners import Corners, Samples
 from integrable.torus.loops import BEYOND, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import half_spectrum, in_resonance
-from integrable.torus.witness import confirmed
+from integrable.torus.tables import Room
+from integrable.torus.witness import TERMS, Line, confirmed
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -69,7 +70,7 @@ class TorusFlow(Corners):
         if not np.isfinite(self._of_rates(4 if self._rolls else 6, 8)).all():
             raise NotClosed(BEYOND)
         # before the borders of cells: these say of a wrong sign that digits are lost
-        if not confirmed(self.setup, self._problem, self._turns, self._rows_at_tau, self.loops):
+        if not confirmed(self.setup, self._turns, self._rows_at_tau, self.reached):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         super()._check_walk()
 
@@ -146,6 +147,16 @@ class TorusFlow(Corners):
         out = np.empty(6 * len(tau))
         self._check(tau, self._turns)
         self.loops.states_at_tau(self.torus, self.rates[6:8], tau, out)
+        return out.reshape(-1, 6)
+
+    def reached(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ by additions to the start, without periods and corners: shape (N, 6)."""
+        loops, out = self.loops, np.empty(6 * len(tau))
+        # where branch points had been close together, the flow's own centre is far from all of them
+        far = self.units.length < 1
+        line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
+        room, points = Room(*map(loops.room, (TERMS, TERMS, 9))), loops.room(10 * len(tau))
+        loops.reached(loops.packed(line), tau, room, points, out)
         return out.reshape(-1, 6)
 
     def _check(self, times: np.ndarray, rates: list[float]) -> None:

@@ -16,6 +16,7 @@ from integrable.torus.lattice import Chart
 from integrable.torus.states import Torus
 from integrable.torus.tables import Room, SmallSteps
 from integrable.torus.walks import Curve, Fine, Walk
+from integrable.torus.witness import Line
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
 
@@ -33,6 +34,7 @@ KINDS: dict[Any, TupleKind] = {
         _SMALL,
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
         record(Room, WIDES, WIDES, WIDES),
+        record(Line, _CURVE, WIDES, WIDES, WIDES, _FLOATS, BOOL),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
         record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),
         record(Torus, _CURVE, WIDES, WIDES, _SMALL, _SIGNS, _INTS),
@@ -69,6 +71,12 @@ def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
 def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     """:func:`integrable.torus.states.states_at_tau`."""
     at_tau(torus_numbered(torus), frequencies, tau, out)
+
+
+def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
+    """:func:`integrable.torus.witness.reached`."""
+    numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
+    torus_reached(numbers, times, room, points, out)
 
 
 def on_borders(torus: Torus, out: Row) -> None:
@@ -134,7 +142,7 @@ def eight(row: Row) -> Any:
 
 walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
-points_at, torus_on_borders = states.points_at_phases, witness.on_borders
+points_at, torus_on_borders, torus_reached = states.points_at_phases, witness.on_borders, witness.reached
 at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
 phases_at = clock_loops.phases_at_times
 
@@ -144,7 +152,7 @@ LIBRARY = Library(
     "torus",
     {
         "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
-        "reached": (witness.reached, (WIDES, FLOATS, WIDES, FLOATS)),
+        "reached": (reached, (KINDS[Line], FLOATS, KINDS[Room], WIDES, FLOATS)),
         "on_borders": (on_borders, (_TORUS, FLOATS)),
         "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),

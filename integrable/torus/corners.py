@@ -60,6 +60,7 @@ class Corners:
         self.setup, self.loops, self._most = setup, loops, most
         # the motion in an abscissa of its own
         self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
+        self._motion = motion
         self.lattice = lattice = TorusLattice(loops, motion)
         self.sizes, self.turns = lattice.cells, lattice.turns
         self.signs = tuple(self.turns.ravel().tolist())
@@ -79,7 +80,7 @@ class Corners:
 
     def _made_rates(self, pi: Any) -> Any:
         """What :func:`integrable.torus.survey.rates` gives."""
-        rates, units = self.loops.room(14), (self.units.length, self.units.lift)
+        rates, units = self.loops.room(15), (self.units.length, self.units.lift)
         self.loops.rates(self._problem, self.lattice.found, pi, units, self.doubled, rates)
         return rates
 

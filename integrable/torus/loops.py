@@ -115,10 +115,10 @@ class ReadableLoops:
 
     panel_values = staticmethod(panel_values)
 
-    def reached(self, problem: Any, times: Any, room: Any, out: Any) -> None:
+    def reached(self, line: Any, times: Any, *args: Any) -> None:
         """:func:`integrable.torus.witness.reached`."""
         with self.reals:
-            witness.reached(problem, times.tolist(), room, out)
+            witness.reached(line, times.tolist(), *args)
 
     def begun(self, setup: Any) -> None:
         """None: a set-up in as many digits is there."""

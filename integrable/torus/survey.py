@@ -322,7 +322,7 @@ def survey(
 def rates(problem: Row, found: Row, pi: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row) -> None:
     """In the user's units, of a :func:`survey`: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers),
     the turns of both phases in a unit of t and of τ, dτ/dt and dt/dτ in the mean, then the turns of the ``doubled``
-    periods in a unit of τ, dt/dτ again and 2π.
+    periods in a unit of τ, dt/dτ again, 2π and Σ∫dξ/η in a unit of τ.
 
     ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`, ``units`` the length and the lift of
     those of the survey.
@@ -335,9 +335,10 @@ def rates(problem: Row, found: Row, pi: Row, units: tuple[float, float], doubled
     out[2], out[3] = problem[MATRIX + 2], problem[MATRIX + 3] * momentum
     out[4], out[5], out[6], out[7], out[8], out[9] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
     out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * pi[0]
+    out[14] = scale
 
 
-def about_centre(motion: Row, centre: float, unit: float, out: Row) -> None:
+def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
     """f = (x − ζ)·Π(α_i − x)·(r − dx) in powers of (x − centre)/unit into out[0 … 5], and (α_i − centre)/unit into
     out[6 … 8]: from the roots, near which the coefficients of f about 0 would cancel. ``motion`` as for :func:`survey`.
     """

@@ -24,13 +24,14 @@ class Room(NamedTuple):
 
 
 class Expansion(NamedTuple):
-    """What :func:`integrable.moving_point.addition.near_identity` takes beside eps."""
+    """What :func:`integrable.moving_point.addition.near_identity` takes beside eps, about a centre and in a unit."""
 
     series: Row
     roots: Row
     f0: Real
     axes: Row
     passes: int
+    unit: float
 
 
 class SmallSteps(NamedTuple):
@@ -57,25 +58,31 @@ def directions(
     """
     for k in range(2):
         centre = chart.centres[k]
-        # about the distance to the nearest branch point: no power of it leaves the range of floats, no product rounds
-        near = abs(float(motion[7]) - centre)
-        for i in range(3):
-            near = min(near, abs(float(motion[4 + i]) - centre))
-        if motion[8] > 0:
-            near = min(near, abs(float(motion[10] / motion[8]) - centre))
-        unit = 2.0 ** floor(log2(near))
-        about_centre(motion, centre, unit, room.numbers)
-        power_series(room.numbers, -1, room.series)
-        power_series(room.numbers, 1, room.roots)
-        f0, axes = room.numbers[0], (room.numbers[6], room.numbers[7], room.numbers[8])
-        about = Expansion(room.series, room.roots, f0, axes, passes)
-        reach = chart.reaches[k] / unit + 0 * f0
+        about = expansion(motion, centre, room, passes)
+        reach = chart.reaches[k] / about.unit + 0 * about.f0
         for n in abreast(0, 2):
             x = parts[2 * k + n] * (0.5 / chart.cells[n])
-            put(recentred(near_centre(about, reach * x), axes, centre, unit), halves, 20 * n + 10 * k)
-        direction(about, reach, unit, nodes, 4 * len(nodes) * k, tables)
+            put(recentred(near_centre(about, reach * x), about.axes, centre, about.unit), halves, 20 * n + 10 * k)
+        direction(about, reach, nodes, 4 * len(nodes) * k, tables)
     for part in abreast(0, 8):
         to_powers(nodes, tables, len(nodes) * part)
+
+
+def expansion(motion: Row, centre: Real, room: Room, passes: int) -> Expansion:
+    """That about a centre, to as many terms as ``room`` has; its unit is near the distance to the nearest branch
+    point: no power of it leaves the range of floats, no product rounds.
+    """
+    place = float(centre)
+    near = abs(float(motion[7]) - place)
+    for i in range(3):
+        near = min(near, abs(float(motion[4 + i]) - place))
+    if motion[8] > 0:
+        near = min(near, abs(float(motion[10] / motion[8]) - place))
+    unit, numbers = 2.0 ** floor(log2(near)), room.numbers
+    about_centre(motion, centre, unit, numbers)
+    power_series(numbers, -1, room.series)
+    power_series(numbers, 1, room.roots)
+    return Expansion(room.series, room.roots, numbers[0], (numbers[6], numbers[7], numbers[8]), passes, unit)
 
 
 def near_centre(about: Expansion, eps: Real) -> Row:
@@ -83,7 +90,7 @@ def near_centre(about: Expansion, eps: Real) -> Row:
     return near_identity(about.series, about.roots, about.f0, about.axes, eps, about.passes)
 
 
-def recentred(step: Row, axes: Row, centre: float, unit: float) -> Row:
+def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
     """A translation in x from one in (x − centre)/unit, in which the axes are ``axes``.
 
     Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
@@ -109,14 +116,14 @@ def alike(x: Real, size: Real) -> Real:
     return -size if x < 0 else size
 
 
-def direction(about: Expansion, reach: Real, unit: float, nodes: Row, begin: int, table: Row) -> None:
+def direction(about: Expansion, reach: Real, nodes: Row, begin: int, table: Row) -> None:
     """Polynomials of T(s) in one direction, |s| ≤ reach, by their values at ``nodes`` into ``table`` from ``begin`` on:
     with x = s/reach and z = x² its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z);
     those of p, q, t, v one after the other.
 
-    ``about`` and ``reach`` are taken about the centre c in units of ``unit``; ``nodes`` are values of z.
+    ``about`` and ``reach`` are taken about the centre c in units of ``about.unit``; ``nodes`` are values of z.
     """
-    size = len(nodes)
+    size, unit = len(nodes), about.unit
     for n in abreast(0, size):
         x = root(nodes[n] + 0 * reach)
         step = near_centre(about, reach * x)

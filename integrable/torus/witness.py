@@ -1,8 +1,8 @@
 """Whether the states that a torus gives are those of the motion, signs included, by a way that shares nothing with it.
 
 H1 and H2 of a state do not change with the signs of its γ_i, nor with its place on the torus. What the corners of a
-torus, its periods and its signs make of a few times is compared with one addition to the start, of a translation made
-by doublings of a small one: no period, no corner and no choice of a sign goes into that.
+torus, its periods and its signs make of a few times is compared with an addition or two to the start, of translations
+made by doublings of small ones: no period, no corner and no choice of a sign goes into that.
 
 What translations lose beside a corner is seen where cells meet: a state on the border is reached from either corner.
 """
@@ -11,19 +11,25 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import ceil, log2
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.addition import moving_point, near_identity, shift
-from integrable.moving_point.bare_problem import HALF_STEP, MATRIX, MOMENTUM, START, TIME_SCALE, BareProblem
+from integrable.moving_point.addition import moving_point, put, shift
+from integrable.moving_point.bare_problem import BareProblem
 from integrable.moving_point.problem import vectors
-from integrable.moving_point.short_rows import axes_of, curve_of, unit_axes
-from integrable.moving_point.translations import Translations, power_series
+from integrable.moving_point.short_rows import curve_of, unit_axes
+from integrable.moving_point.translations import REACH, Translations
 from integrable.torus.states import Torus, point_at, point_beside, put_state
+from integrable.torus.tables import Room, expansion, near_centre, recentred
+from integrable.torus.walks import Curve
 from jacobian.numbers.abreast import abreast
+from jacobian.numbers.roots import root
 
+Real = Any
 Row = Any
+States = Callable[[np.ndarray], np.ndarray]
+"""γ and M at values of τ, shape (N, 6)."""
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -43,20 +49,30 @@ SEAM = 1e-13
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
-def confirmed(
-    setup: Setup, problem: Any, rates: list[float], states: Callable[[np.ndarray], np.ndarray], loops: Any
-) -> bool:
-    """Whether the torus has the states that translations lead to, at two times for each of its periods: by then every
-    sign that a period changes has been changed, in both directions. First in the numbers of the ``loops``, in which
-    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`; where these do not suffice, digits
-    decide. ``rates`` are turns of the phases in a unit of τ.
+class Line(NamedTuple):
+    """A motion as additions to its ``start``: about the flow's own centre or, where that is so ``far`` from all branch
+    points that digits are lost, about the two ``centres`` of the cells. ``motion`` and ``rates`` are rows of
+    :mod:`integrable.torus.survey`.
+    """
+
+    curve: Curve
+    start: Row
+    motion: Row
+    rates: Row
+    centres: tuple[float, float]
+    far: bool
+
+
+def confirmed(setup: Setup, rates: list[float], states: States, reached: States) -> bool:
+    """Whether the torus has the ``states`` that translations lead to, at two times for each of its periods: by then
+    every sign that a period changes has been changed, in both directions. First those ``reached`` in the numbers of its
+    loops; where these do not suffice, digits decide. ``rates`` are turns of the phases in a unit of τ.
     """
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
     tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
-    found, quick = states(tau), np.empty((len(tau), 6))
-    loops.reached(problem, tau, loops.room(2 * TERMS), quick.ravel())
-    if _difference(found, quick) <= ROUGH:
+    found = states(tau)
+    if _difference(found, reached(tau)) <= ROUGH:
         return True
     bare = setup.bare_problem
     # not the set-up's own, which are made from numbers of the wide field
@@ -89,27 +105,41 @@ def on_borders(torus: Torus, out: Row) -> None:
         put_state(other, torus.matrix, out, 12 * n + 6)
 
 
-def reached(problem: Row, times: Row, room: Row, out: Row) -> None:
-    """γ and M at some times of the flow, six floats each; what their additions lose is not known. ``room`` is for two
-    series.
+def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
+    """γ and M at some times of the flow, six floats each; what their additions lose is not known. ``room`` is for an
+    expansion, ``points`` for a point at each time.
     """
-    series, roots, half_step = room[:TERMS], room[TERMS:], float(problem[HALF_STEP])
-    f, axes = curve_of(problem), axes_of(problem)
-    power_series(f, -1, series)
-    power_series(f, 1, roots)
-    farthest = half_step
-    for time in times:
-        farthest = max(farthest, abs(float(time * problem[TIME_SCALE])))
-    doublings = ceil(log2(farthest / half_step)) + HALVINGS
-    for i in abreast(0, len(times)):
-        eps = times[i] * problem[TIME_SCALE] / 2.0**doublings
-        step = near_identity(series, roots, f[0], (axes[0], axes[1], axes[2]), eps, NEWTON_PASSES)
-        for _ in range(doublings):
-            step = shift(f, unit_axes(problem), step, step)
-        # the start in every lane: one addition less to compile
-        point, momentum = shift(f, axes, moving_point(problem, START + 0 * i), step), problem[MOMENTUM]
-        matrix = problem[MATRIX], problem[MATRIX + 1] * momentum, problem[MATRIX + 2], problem[MATRIX + 3] * momentum
-        put_state(point, matrix, out, 6 * i)
+    curve, rates = line.curve, line.rates
+    for i in range(len(times)):
+        put(moving_point(line.start, 0), points, 10 * i)
+    for k in range(2 if line.far else 1):
+        centre, share = leg(line, k)
+        about, numbers = expansion(line.motion, centre, room, NEWTON_PASSES), room.numbers
+        scale, half_step = share * rates[14] / about.unit, 2 * REACH / float(root(-about.f0))
+        farthest = half_step
+        for time in times:
+            farthest = max(farthest, abs(float(time * scale)))
+        doublings = ceil(log2(farthest / half_step)) + HALVINGS
+        for i in abreast(0, len(times)):
+            # doubled about its centre, where the digits of what is near the identity are
+            step = near_centre(about, times[i] * scale / 2.0**doublings)
+            for _ in range(doublings):
+                step = shift(curve_of(numbers), unit_axes(numbers), step, step)
+            step = recentred(step, about.axes, centre, about.unit)
+            put(shift(curve.f, curve.axes, moving_point(points, 10 * i), step), points, 10 * i)
+    for i in range(len(times)):
+        put_state(moving_point(points, 10 * i), (rates[0], rates[1], rates[2], rates[3]), out, 6 * i)
+
+
+def leg(line: Line, k: int) -> tuple[Real, Real]:
+    """(c, s) of the parts s·(1, c) that the direction (1, −x₀) of the flow is the sum of: itself, or about centres."""
+    own = -line.motion[11]
+    if not line.far:
+        return own, 1 + 0 * own
+    first, second = line.centres[0] + 0 * own, line.centres[1] + 0 * own
+    if k == 0:
+        return first, (second - own) / (second - first)
+    return second, (own - first) / (second - first)
 
 
 def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row:

@@ -10,6 +10,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion.precise import PreciseFlow
 from integrable.oracles.reference import taylor
+from integrable.torus import witness
 from integrable.torus.access import TorusFlow, series_of
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Limits
@@ -333,6 +334,29 @@ def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None
     runs = [ball.flow(state, kernel="compiled").at(times) for state in states]
     assert [run.way for run in runs] == ["torus", "torus"]
     assert np.abs(runs[0].gamma - runs[1].gamma).max() < 1e-15
+
+
+@pytest.mark.parametrize("d", [1e4, 1e6, 1e10])
+def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
+    """Additions to the start beside 40 digits; at 10⁶ they were off by 1, and digits decided about every torus."""
+    ball = ChaplyginBall((1, 2, 3), d)
+    state = ball.state(*START)
+    torus = TorusFlow(ball.flow(state).setup, CompiledLoops())
+    tau = np.array([turns / nu for nu in torus._turns for turns in witness.TURNS])
+    precise = PreciseFlow(ball.body, state, 40)
+    truth = [(*gamma, *M) for gamma, M in precise.vectors(precise.at_tau(tau.tolist()))]
+    found = torus.reached(tau)
+    assert np.abs(found - np.array(truth, dtype=float)).max() < 4e-15
+
+
+def test_a_wrong_torus_of_a_heavy_ball_is_noticed(monkeypatch) -> None:
+    """γ and M with the signs of another quadrant: the rough comparison and the one in digits refuse it."""
+    ball = ChaplyginBall((1, 2, 3), 1e6)
+    setup = ball.flow(ball.state(*START)).setup
+    right = TorusFlow._rows_at_tau
+    monkeypatch.setattr(TorusFlow, "_rows_at_tau", lambda self, tau: right(self, tau) * [-1, -1, 1, -1, -1, 1])
+    with pytest.raises(NotClosed, match="does not lead where its translations do"):
+        TorusFlow(setup, CompiledLoops())
 
 
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
