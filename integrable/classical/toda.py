@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import exponential, logarithm
+from integrable.mumford.fields import exponential, growth, logarithm
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
 from jacobian import RR, poly
@@ -85,13 +85,15 @@ class TodaLattice(MumfordSystem):
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """The links."""
-        return tuple(self._links(N, state))
+        """The links less 1, which are small where all q nearly are the same."""
+        q = state.q
+        return tuple(growth(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
     def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
-        links, p = auxiliary, state.p
-        pulls = (links[k] - links[k - 1] for k in range(self.size))
-        return (*p, *pulls, *(links[k] * (p[(k + 1) % self.size] - p[k]) for k in range(self.size)))
+        p = state.p
+        pulls = (auxiliary[k] - auxiliary[k - 1] for k in range(self.size))
+        pushes = (p[(k + 1) % self.size] - p[k] for k in range(self.size))
+        return (*p, *pulls, *(push + x * push for x, push in zip(auxiliary, pushes, strict=True)))
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """The coefficients of Δ, ascending, and H, which is among their polynomials."""

@@ -120,6 +120,11 @@ def exponential(N: Any, x: Any) -> Any:
     return _elementary(N, x, "exp")
 
 
+def growth(N: Any, x: Any) -> Any:
+    """e^x − 1 in the numbers of RR, MP or long numbers, without a difference."""
+    return _elementary(N, x, "expm1")
+
+
 def logarithm(N: Any, x: Any) -> Any:
     """log x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "log")

@@ -15,6 +15,8 @@ from jacobian.numbers.double_double import split
 
 BITS = 128
 """Of the constants of equations and of starts."""
+MOVED = 2.0**-104
+"""By how much of themselves numbers differ in the second of two walks, some units of what double-doubles round to."""
 
 
 class Recording(InexactField):
@@ -73,12 +75,15 @@ class Equations:
 
         middles, count = self._middles.copy(), len(self._middles)
         middles[: len(start)] = [split(x) for x in start]
+        moved = middles.copy()
+        # by different parts, as else it would be a change of units
+        moved[:, 1] += MOVED * (np.arange(count) % 5 - 2.5) * middles[:, 0]
         sizes = count * (FINEST.wide + 1), count * (FINEST.order + 1)
         room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]))
         out, again = np.empty((2, len(times) * 2 * self._half, 2))
         way = Way(self._tape, self._half, float(most))
         for coarse, fine in ((COARSE, FINE), (FINE, FINEST)):
-            reached = LIBRARY.walked_twice(way, fine, coarse, middles, room, times, out, again)
+            reached = LIBRARY.walked_twice(way, fine, coarse, middles, moved, room, times, out, again)
             rows, wrong = (x[:, 0].reshape(len(times), 2, self._half)[:reached] for x in (out, again))
             right = wrong[:, 0, 0] == 0
             if right.all():

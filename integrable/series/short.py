@@ -3,7 +3,8 @@
 
 Of the terms of a step the first count most: the first few coefficients are double-double numbers, those beyond are
 floats, and so a step costs little more than one in floats and is good to twenty digits. What rounding and what is left
-out have grown to is found out by walking a second time, in other steps that are good to a digit less.
+out have grown to is found out by walking a second time, in other steps that are good to a digit less, from a start that
+is moved by what it was rounded by.
 """
 
 from __future__ import annotations
@@ -55,13 +56,15 @@ class Way(NamedTuple):
     most: float
 
 
-def walked_twice(way: Way, fine: Steps, coarse: Steps, start: Any, room: Room, times: Any, out: Any, again: Any) -> int:
+def walked_twice(
+    way: Way, fine: Steps, coarse: Steps, start: Any, moved: Any, room: Room, times: Any, out: Any, again: Any
+) -> int:
     """q and p at ``times``, ascending from 0 or descending, into ``out``, row by row: how many were reached. Where
     ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats. ``start`` has
-    the values of all nodes that are variables or constants.
+    the values of all nodes that are variables or constants, ``moved`` the same but for their last bits.
     """
     reached = walk(way, fine, start, room, times, out)
-    reached = walk(way, coarse, start, room, times[:reached], again)
+    reached = walk(way, coarse, moved, room, times[:reached], again)
     for row in range(reached):
         wrong = 0
         for part in range(2):

@@ -11,6 +11,6 @@ WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT)
 STEPS, ROOM = record(Steps, INT, INT, FLOAT), record(Room, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
     "short_series",
-    {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, WIDES, ROOM, FLOATS, WIDES, WIDES))},
+    {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, WIDES, WIDES, ROOM, FLOATS, WIDES, WIDES))},
     SPECIAL,
 )

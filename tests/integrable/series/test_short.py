@@ -87,6 +87,30 @@ def test_what_rests_rests() -> None:
     assert (path.p == 0).all()
 
 
+@pytest.mark.parametrize("size", [1e-8, 1e-25, 1e-125])
+def test_small_motions_of_a_lattice(size) -> None:
+    """What double-doubles keep of e^(q_2 − q_1) is 1 there, what moves is beyond."""
+    system = TodaLattice(3)
+    state = system.state([size * x for x in (0.3, -0.5, 0.1)], [size * x for x in (0.2, 0.1, -0.7)])
+    times = np.array([0.5, -3.0, 20.0])
+    places, rows = system.flow(state)._near(system._equations, times)
+    expected = by_additions(system, state, times[places])
+    assert sorted(places) == [0, 1, 2]
+    for found, true in zip((rows[:, 0], rows[:, 1]), expected, strict=True):
+        assert (np.abs(found - true).max(axis=1) <= 2e-16 * np.abs(true).max(axis=1)).all()
+
+
+def test_what_is_left_of_forces_that_cancel() -> None:
+    """From rest, one rounding from where all forces are in balance: p grows from some 1e-17."""
+    rng = Random(3)
+    for _ in range(6):
+        beta = -rng.uniform(0.5, 3)
+        star = HenonHeiles((rng.uniform(-1, 1),), -0.5, beta)
+        state = star.state((beta / 1.5, 0), (0, 0))
+        times = [0.5, 1.7, 5.0]
+        assert_rounded(star.flow(state).at(times), by_additions(star, state, times))
+
+
 @pytest.mark.parametrize("size", [2.0**150, 2.0**-150])
 def test_units_of_time_do_not_matter(size) -> None:
     body = Veselova((1, 2, 3))
