@@ -16,7 +16,7 @@ import numpy as np
 from benchmarks.curves import least_seconds
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
-from integrable.mumford.system import MumfordFlow
+from integrable.mumford.flow import MumfordFlow
 from jacobian import MP
 
 GENERA = (1, 2, 3, 4, 5, 8)

@@ -74,6 +74,7 @@ PAGES: dict[str, tuple[str, str, list[str]]] = {
         [
             *(f"integrable.classical.{path.stem}" for path in sorted(CLASSICAL.glob("[a-z]*.py"))),
             "integrable.mumford.system",
+            "integrable.mumford.flow",
             "integrable.mumford.fields",
             "integrable.mumford.maps",
         ],

@@ -18,8 +18,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, uhlenbeck
+from integrable.mumford.system import MumfordSystem, Spectral, all_of, uhlenbeck
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField

@@ -12,8 +12,8 @@ from __future__ import annotations
 
 from typing import Any
 
+from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import Point
 from jacobian import RR
 from jacobian.errors import ArgumentError, shown
 

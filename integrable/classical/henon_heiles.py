@@ -15,8 +15,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import Point
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.fields.protocol import check_field

@@ -9,7 +9,7 @@ from math import acos, sin
 from typing import Any
 
 from integrable.classical.ellipsoid import Ellipsoid
-from integrable.mumford.system import Point, long_digits
+from integrable.mumford.flow import Point, long_digits
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 

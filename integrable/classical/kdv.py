@@ -18,9 +18,10 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from integrable.mumford.flow import GENERA_TABLED, MANY, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
-from integrable.mumford.system import GENERA_TABLED, MANY, Spectral, element, long_digits
+from integrable.mumford.system import Spectral
 from integrable.phase.enclosure import ball_digits, exact_times, widest
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, poly

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from integrable.mumford.columns import Column, Columns
+from integrable.mumford.flow import RIGHT
 from integrable.mumford.motion import Start
 from integrable.mumford.real_torus import RealTorus
-from integrable.mumford.system import RIGHT
 from integrable.mumford.tabled import TabledStates
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended

@@ -18,8 +18,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.mumford.flow import Point, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, element, long_digits, normalized
+from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from jacobian import RR, poly
 from jacobian.errors import NotRepresentable, one_or_more
 from jacobian.fields.protocol import check_field

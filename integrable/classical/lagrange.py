@@ -5,15 +5,15 @@ distance of the centre is 1. c = M_3, L = (M, γ), h = ½(M_1² + M_2²) + γ_3;
 
     f = 2(1 − x²)(h − x) − (L − cx)²,   U = x − z,   V = z' = γ_1M_2 − γ_2M_1,   m = (L − c, L + c),   w = (1 − j)c
 
-in the terms of :mod:`integrable.mumford.axial`, g = γ_1 + iγ_2, and M_1 + iM_2 = g((L − cz) + iz')/(1 − z²).
+in the terms of :mod:`integrable.classical.axial`, g = γ_1 + iγ_2, and M_1 + iM_2 = g((L − cz) + iz')/(1 − z²).
 """
 
 from __future__ import annotations
 
 from typing import Any
 
-from integrable.mumford.axial import AxialSystem, Axis, heavy
-from integrable.mumford.system import Point
+from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.mumford.flow import Point
 from jacobian import RR
 from jacobian.fields.protocol import check_field
 

@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from integrable.mumford.flow import Point
 from integrable.mumford.quadrics import QuadricSystem, Shape
-from integrable.mumford.system import Point, on_sphere, uhlenbeck
+from integrable.mumford.system import on_sphere, uhlenbeck
 from jacobian import RR
 
 

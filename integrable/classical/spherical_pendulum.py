@@ -5,7 +5,7 @@ h = ½|q'|² + q_3, L = q_1q_2' − q_2q_1'; with z = q_3
 
     f = 2(1 − x²)(h − x) − L²,   U = x − z,   V = z',   m = (L, −L),   w = 0
 
-in the terms of :mod:`integrable.mumford.axial`, g = q_1 + iq_2.
+in the terms of :mod:`integrable.classical.axial`, g = q_1 + iq_2.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.axial import AxialSystem, Axis, heavy
-from integrable.mumford.system import Point, on_sphere
+from integrable.classical.axial import AxialSystem, Axis, heavy
+from integrable.mumford.flow import Point
+from integrable.mumford.system import on_sphere
 from jacobian import RR
 from jacobian.fields.protocol import check_field
 

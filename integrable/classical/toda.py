@@ -16,8 +16,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.mumford.fields import exponential, growth, logarithm
+from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of
+from integrable.mumford.system import MumfordSystem, Spectral, all_of
 from jacobian import RR, poly
 from jacobian.errors import one_of, whole
 from jacobian.fields.protocol import check_field

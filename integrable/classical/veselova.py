@@ -15,7 +15,7 @@ from __future__ import annotations
 from typing import Any
 
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.system import Point
+from integrable.mumford.flow import Point
 from jacobian import RR
 from jacobian.errors import ArgumentError, shown
 

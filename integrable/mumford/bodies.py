@@ -18,9 +18,10 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
+from integrable.mumford.flow import MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
-from integrable.mumford.system import MumfordFlow, MumfordSystem, Path, Point, Spectral, all_of, on_sphere
+from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import cross
 from jacobian import MP, RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, shown

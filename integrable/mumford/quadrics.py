@@ -15,9 +15,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any, NamedTuple
 
 from integrable.mumford.fields import padded
+from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import OFF, MumfordSystem, Point, Spectral, all_of
+from integrable.mumford.system import OFF, MumfordSystem, Spectral, all_of
 from jacobian import poly
 from jacobian.errors import ArgumentError, entries, shown
 from jacobian.relatives.extended import Extended, Lift

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from itertools import islice
 from typing import Any
 
-from integrable.mumford.system import MumfordSystem, Path, Point
+from integrable.mumford.flow import Path, Point
+from integrable.mumford.system import MumfordSystem
 from integrable.phase.state import State
 from jacobian.immutable import replaced
 

@@ -81,9 +81,9 @@ class Equations:
         sizes = count * (FINEST.wide + 1), count * (FINEST.order + 1)
         room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]))
         out, again = np.empty((2, len(times) * 2 * self._half, 2))
-        way = Way(self._tape, self._half, float(most))
+        way = Way(self._tape, self._half, float(most), middles, moved)
         for coarse, fine in ((COARSE, FINE), (FINE, FINEST)):
-            reached = LIBRARY.walked_twice(way, fine, coarse, middles, moved, room, times, out, again)
+            reached = LIBRARY.walked_twice(way, fine, coarse, room, times, out, again)
             rows, wrong = (x[:, 0].reshape(len(times), 2, self._half)[:reached] for x in (out, again))
             right = wrong[:, 0, 0] == 0
             if right.all():

@@ -48,23 +48,23 @@ class Room(NamedTuple):
 
 class Way(NamedTuple):
     """What is walked: the variables are q and p, ``half`` of each, and further ones, with the rates of ``tape``; not
-    many more steps than ``most``.
+    many more steps than ``most``. ``start`` has the values of all nodes that are variables or constants, ``moved`` the
+    same but for their last bits.
     """
 
     tape: Any
     half: int
     most: float
+    start: Any
+    moved: Any
 
 
-def walked_twice(
-    way: Way, fine: Steps, coarse: Steps, start: Any, moved: Any, room: Room, times: Any, out: Any, again: Any
-) -> int:
+def walked_twice(way: Way, fine: Steps, coarse: Steps, room: Room, times: Any, out: Any, again: Any) -> int:
     """q and p at ``times``, ascending from 0 or descending, into ``out``, row by row: how many were reached. Where
-    ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats. ``start`` has
-    the values of all nodes that are variables or constants, ``moved`` the same but for their last bits.
+    ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats.
     """
-    reached = walk(way, fine, start, room, times, out)
-    reached = walk(way, coarse, moved, room, times[:reached], again)
+    reached = walk(way, fine, way.start, room, times, out)
+    reached = walk(way, coarse, way.moved, room, times[:reached], again)
     for row in range(reached):
         wrong = 0
         for part in range(2):
@@ -76,7 +76,7 @@ def walked_twice(
                 gap = rest if not rest <= gap else gap
             if not gap <= AGREED * size:
                 wrong = 1
-        again[2 * row * way.half] = wrong + 0 * start[0]
+        again[2 * row * way.half] = wrong + 0 * way.start[0]
     return reached
 
 

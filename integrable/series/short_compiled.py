@@ -7,10 +7,10 @@ from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, re
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
-WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT)
+WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT, WIDES, WIDES)
 STEPS, ROOM = record(Steps, INT, INT, FLOAT), record(Room, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
     "short_series",
-    {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, WIDES, WIDES, ROOM, FLOATS, WIDES, WIDES))},
+    {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, ROOM, FLOATS, WIDES, WIDES))},
     SPECIAL,
 )

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.system import Path, Point
+from integrable.mumford.flow import Path, Point
 from integrable.phase.enclosure import EnclosedPath
 from jacobian import RR, Divisor
 from jacobian.errors import ArgumentError, shown

@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.mumford.system import Point
+from integrable.mumford.flow import Point
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 from tests.fuzz.case import Case, Complaint, Undecided

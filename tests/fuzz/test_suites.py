@@ -8,7 +8,7 @@ import pytest
 
 from integrable.motion.flow import Flow
 from integrable.motion.trajectory import Trajectory
-from integrable.mumford.system import MumfordFlow, Path
+from integrable.mumford.flow import MumfordFlow, Path
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 from tests.fuzz.__main__ import SUITES, main, suite_of

@@ -15,7 +15,7 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.mumford.system import Point, element
+from integrable.mumford.flow import Point, element
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian.inexact.long_field import LongField
 from tests.integrable.exact_points import attempt

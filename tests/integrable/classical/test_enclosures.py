@@ -6,6 +6,7 @@ import flint
 import numpy as np
 import pytest
 
+from integrable.classical.axial import branches
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.henon_heiles import HenonHeiles
 from integrable.classical.kdv import KdV
@@ -13,9 +14,8 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
 from integrable.mumford import balls, enclosure
-from integrable.mumford.axial import branches
+from integrable.mumford.flow import MumfordFlow, Point
 from integrable.mumford.series import taylor
-from integrable.mumford.system import MumfordFlow, Point
 from integrable.mumford.translations import through
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian import MP, RR

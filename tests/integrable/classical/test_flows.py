@@ -14,8 +14,8 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
+from integrable.mumford.flow import MANY, Point
 from integrable.mumford.motion import Placed
-from integrable.mumford.system import MANY, Point
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian import CC, GF, MP, QQ, RR, ArgumentError, FieldError, NotRepresentable, PrecisionLoss
 from jacobian.inexact.long_field import LongField

@@ -10,7 +10,7 @@ import pytest
 
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.inverse import joining
-from integrable.mumford.system import Point
+from integrable.mumford.flow import Point
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError
 

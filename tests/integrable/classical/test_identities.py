@@ -5,7 +5,7 @@ from random import Random
 import pytest
 
 from integrable.mumford.fields import rates
-from integrable.mumford.system import Point
+from integrable.mumford.flow import Point
 from integrable.phase.jets import Jet, JetField
 from jacobian import poly
 from tests.integrable.classical.rows import EXACT, over_formulas

@@ -7,7 +7,7 @@ from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
 from integrable.moving_point.legendre import integral
-from integrable.mumford.system import Point
+from integrable.mumford.flow import Point
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian import MP, QQ
 

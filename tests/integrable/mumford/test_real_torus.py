@@ -12,9 +12,9 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
+from integrable.mumford.flow import MANY, Point
 from integrable.mumford.motion import MumfordMotion
 from integrable.mumford.real_torus import RealTorus
-from integrable.mumford.system import MANY, Point
 from integrable.torus.corners import Corners
 from jacobian import RR
 from jacobian.errors import PrecisionLoss

@@ -11,10 +11,10 @@ from integrable.classical.garnier import Garnier
 from integrable.classical.neumann import Neumann
 from integrable.classical.toda import TodaLattice
 from integrable.mumford import pair_sums
+from integrable.mumford.flow import MumfordFlow
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.pair_sums import Problem, Space
 from integrable.mumford.pair_tables import PairTables, Units, series_of
-from integrable.mumford.system import MumfordFlow
 from integrable.mumford.tabled import MANY, TabledStates
 from jacobian import MP
 from jacobian.errors import PrecisionLoss

@@ -16,7 +16,8 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.mumford.system import MumfordSystem, Point
+from integrable.mumford.flow import Point
+from integrable.mumford.system import MumfordSystem
 from integrable.series.equations import Equations
 from integrable.series.recurrences import convolved
 from jacobian import MP, RR, ArgumentError

@@ -14,8 +14,9 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from integrable.mumford.fields import cofactor, exponential
+from integrable.mumford.flow import Point
 from integrable.mumford.motion import Start
-from integrable.mumford.system import MumfordSystem, Point, Spectral, all_of, normalized
+from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalized
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Lift, PointLift
