@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.motion.precise import PreciseFlow
+from integrable.motion.symmetric_precise import PreciseClosedForm
 from integrable.motion.trajectory import Motion
 from integrable.moving_point.losses import digits_of
+from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss, whole
@@ -34,12 +36,11 @@ def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
     wanted = whole(wanted, "digits", f"{field.name} has 1 to {own} digits that can agree; give an int", 1, own)
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
-    finer = PreciseFlow(flow.system.body, flow.state, more)
     K = MP(more)
     # the times of the run, not those given: they are the same numbers
-    _, points = finer.at([K.coerce(t) for t in run.times])
+    finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
-    for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer.vectors(points), strict=True):
+    for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
         size = max(map(abs, true_M))
         near = max(abs(K.coerce(x) - y) for x, y in zip(gamma, true_gamma, strict=True))
         far = max(abs(K.coerce(x) - y) for x, y in zip(M, true_M, strict=True)) / size
@@ -53,3 +54,14 @@ def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
             )
     error = np.array(errors, dtype=float) if field == RR else np.array([K.coerce(e) for e in errors], dtype=object)
     return replaced(run, error=error, digits=np.array(agree, dtype=int))
+
+
+def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
+    """γ and M at physical times in the wide field K."""
+    body, state = flow.system.body, flow.state
+    if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
+        # there the clock of many digits has no torus, and would count steps
+        rows, _ = PreciseClosedForm(flow.system, state, field=K).at(np.array(times, dtype=object))
+        return [(row[:3], row[3:]) for row in rows]
+    finer = PreciseFlow(body, state, K.dps)
+    return finer.vectors(finer.at(times)[1])

@@ -177,15 +177,20 @@ class SymmetricForm(ClosedForm):
 class PreciseClosedForm:
     """γ and M at any times over MP(digits), to all digits, by closed forms that ``form`` makes in wider fields: like
     :class:`integrable.motion.symmetric.SymmetricFlow` and :class:`integrable.motion.rotation.PrincipalRotation`.
+    ``field`` is the system's unless it is given.
     """
 
     way = "closed form"
 
     def __init__(
-        self, system: PhaseSpace, state: State, form: Callable[[PhaseSpace, State, Any], ClosedForm] = SymmetricForm
+        self,
+        system: PhaseSpace,
+        state: State,
+        form: Callable[[PhaseSpace, State, Any], ClosedForm] = SymmetricForm,
+        field: Any = None,
     ) -> None:
         self._system, self._state, self._made = system, state, form
-        self._field: Any = system.field
+        self._field: Any = field or system.field
         self._forms: dict[int, ClosedForm] = {}
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

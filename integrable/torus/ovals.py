@@ -9,6 +9,7 @@ from math import ceil, log
 from typing import Any, NamedTuple, Protocol
 
 from integrable.torus.series import powers
+from jacobian.errors import PrecisionLoss
 
 # as a decimal exponent, 0
 NOTHING = 1e9
@@ -235,6 +236,8 @@ class Oval:
 
 
 def exponent(c: Any) -> float:
-    """log10 |c|."""
+    """log10 |c|; PrecisionLoss where c is no number, like what leans with two equal moments."""
     size = abs(c).mid()
+    if not size.is_finite():
+        raise PrecisionLoss("a mode of 1/g is 0/0: two moments of this body are equal, or all but equal")
     return float(size.log()) / log(10) if size > 0 else -NOTHING

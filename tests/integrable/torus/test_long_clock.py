@@ -67,6 +67,21 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
         assert abs(again - t) < 1e-24
 
 
+@pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 1)])
+def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(inertia) -> None:
+    """What leans is 0/0 there: left out, it put the states of far times at others."""
+    ball = ChaplyginBall(inertia, 1)
+    state = ball.state(START[0], (1.104, 2.18, -0.528), tilted=True)
+    with pytest.raises(PrecisionLoss, match="two moments of this body are equal"):
+        MultiprecisionTorusClock(Setup(ball.body, state.gamma, state.M, True, digits=18))
+    precise = PreciseFlow(ball.body, state, 18)
+    gamma, M = precise.vectors(precise.at([400.0])[1])[0]
+    run = ball.flow(state, kernel="compiled").at([400.0])
+    assert run.way == "closed form"
+    assert np.abs(run.gamma[0] - np.array(gamma, dtype=float)).max() < 1e-14
+    assert np.abs(run.M[0] - np.array(M, dtype=float)).max() < 1e-14
+
+
 def test_a_clock_that_is_not_inverted_says_so(monkeypatch) -> None:
     clock = MultiprecisionTorusClock(setup_of(ChaplyginBall((1, 2, 3), 0.7), *START))
     monkeypatch.setattr(clock, "_eps", -1)
