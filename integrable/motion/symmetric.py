@@ -273,10 +273,10 @@ class SymmetricFlow:
 def turns_of(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:
     """(whole turns, the rest in [−½, ½]) of values·rate + start, floats and long doubles; rate and start are wide."""
     # in a unit in which the rate is about 1: its parts and those of the products are floats
-    exponent = 0 if rate == 0 else int(np.frexp(float(rate))[1])
+    exponent = int(rate.context.frexp(rate)[1])
     high, low = split(rate * rate.context.mpf(2) ** -exponent)
     with np.errstate(over="ignore"):
-        scaled = np.ldexp(values, exponent)
+        scaled = np.ldexp(values if rate else 0 * values, exponent)
     if not np.abs(scaled).max(initial=0) < MOST_TURNS:
         farthest = float(np.abs(values).max())
         raise PrecisionLoss(

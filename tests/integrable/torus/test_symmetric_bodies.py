@@ -267,6 +267,18 @@ def test_a_symmetric_body_too_far_away_is_refused() -> None:
         flow.at([1.0, 1e300])
 
 
+@pytest.mark.parametrize("d", [0, 0.6])
+def test_few_turns_of_a_tiny_momentum_are_not_too_far_away(d) -> None:
+    """M across the axis: φ does not turn but for jumps, at the rate 0 that any time is near by."""
+    rows = []
+    for unit in (1, 1e-30):
+        ball = ChaplyginBall((1, 30, 1), d) if d else EulerTop((1, 30, 1))
+        flow = ball.flow(ball.state((0, 1, 0), (-0.125 * unit, 0, 0.75 * unit)), kernel="compiled")
+        run = flow.at(np.array([-90, 0.5, 30]) / unit)
+        rows.append(np.hstack([run.gamma, run.M / unit, run.tau[:, None] * unit]))
+    assert rows[1] == pytest.approx(rows[0], rel=1e-13, abs=1e-13)
+
+
 # --- the guard
 
 
