@@ -125,8 +125,8 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
     return divisor, transfer
 
 
-def put_on_pairs(wide: Row, points: Row, target: int) -> None:
-    """The divisor in row ``target`` as its pairs at the middle and the last axis have it: κσ² = U, κσν = V.
+def put_on_pairs(wide: Row, points: Row, place: int) -> None:
+    """The divisor of the point at ``place`` as its pairs at the middle and the last axis have it: κσ² = U, κσν = V.
 
     Where a point of it passes a node, x − e is lost to rounding as the square of σ. From there errors of U and V would
     grow like the square of those that inputs have, while an addition keeps the digits of small pairs.
@@ -135,7 +135,7 @@ def put_on_pairs(wide: Row, points: Row, target: int) -> None:
     for i in range(1, 3):
         low = i if float(wide[6 + i] - wide[6 + low]) < 0 else low
         high = i if not float(wide[6 + i] - wide[6 + high]) < 0 else high
-    middle, place = 3 - low - high, 10 * target
+    middle = 3 - low - high
     a, b, p, q = wide[6 + middle], wide[6 + high], place + 4 + middle, place + 4 + high
     x, y = wide[9 + middle] * points[p], wide[9 + high] * points[q]
     unit = 1 / (b - a)
@@ -155,7 +155,7 @@ def shadow_moved(room: Room, first: bool, sign: int) -> float:
         step = opposite(step)
     before = moving_point(shadow, SHADOW_START if first else SHADOW_AT)
     put(carried(curve_of(shadow), axes_of(shadow), before, step), shadow, SHADOW_AT)
-    put_on_pairs(shadow, shadow[SHADOW_AT:], 0)
+    put_on_pairs(shadow, shadow, SHADOW_AT)
     square, apart, lean = 0.0, 0.0, 0.0
     for i in range(3):
         sigma = float(shadow[SHADOW_AT + 4 + i])

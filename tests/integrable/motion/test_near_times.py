@@ -145,6 +145,16 @@ def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(n
         assert runs.at(4 * times) is None
 
 
+@pytest.mark.parametrize("name", ["ball", "at 1e-14"])
+def test_interpreted_panels_go_as_far_beside_a_separatrix(name) -> None:
+    system, gamma, M, t = (SEPARATRIX | BESIDE)[name]
+    state = system.state(gamma, M)
+    compiled, interpreted = (ShortRuns(system, state, kernel).at(np.array([t])) for kernel in ("auto", "python"))
+    assert interpreted is not None
+    assert compiled is not None
+    assert abs(interpreted[0] - compiled[0]).max() < 2e-14
+
+
 def test_times_on_a_separatrix_that_no_digits_lead_to_are_refused() -> None:
     system, gamma, M, _ = SEPARATRIX["ball"]
     flow = system.flow(system.state(gamma, M))
