@@ -139,6 +139,11 @@ def _names(error: Exception, arguments: set[str]) -> str | None:
 
 
 KINDS = {"bad argument": bad_argument, "operator": operator, "fixed attribute": fixed_attribute, "copied": copied}
-SUITE = Suite(
-    "calls", KINDS, {"bad argument": 16, "operator": 4}, {"": "from tests.fuzz.calls import targets\ntargets()\n"}
-)
+WARM = """
+from tests.fuzz.calls import names, targets
+targets()
+made = names()
+3 * made["A"] - made["A"], 3 * made["N"]
+made["flow"].sensitivity(1.5), made["spin"].sensitivity(1.5)
+"""
+SUITE = Suite("calls", KINDS, {"bad argument": 16, "operator": 4}, {"": WARM})
