@@ -13,11 +13,11 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from integrable.mumford.fields import cofactor, exponential, multiplier, rates
-from integrable.mumford.translations import Translations
+from integrable.mumford.translations import Translations, part_at
 from jacobian import poly
 from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
-from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, PointLift
+from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
 # bits between the two precisions, and those that each genus and each doubling is first given
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
@@ -70,8 +70,15 @@ class Placed:
     def translations(self, which: int = 0) -> Translations:
         """Those of one direction, made when its first time other than 0 is asked for."""
         if which not in self._translations:
-            self._translations[which] = self._kind(self.group, self._directions[which])
+            self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
+
+    @cached_property
+    def _ends(self) -> list[Any]:
+        """Of lifts, where the pair stays in a double point of the curve."""
+        K, (u, v, _) = self.field, self.start
+        lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
+        return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
 
     def at(self, tau: Any, further: tuple[Any, ...] = ()) -> Extended:
         """D at τ, and at the times along the further directions."""

@@ -14,7 +14,7 @@ from typing import Any
 from integrable.mumford.fields import exponential
 from integrable.mumford.series import PointMotion, through
 from jacobian import poly
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
 # h is about the reach of the series over 2^FRACTION, and a coefficient gives so many bits
@@ -29,13 +29,14 @@ class Translations:
     """T(τ) along ``direction`` on the curve of ``group``, a group over a :class:`LongField` that has been entered.
 
     On a model of even degree and odd genus two divisors of degree g leave one of degree g + 1, which its class does not
-    determine: there a point P₀ is added with the one, and taken away with the other.
+    determine: there a point P₀ is added with the one, and taken away with the other. ``ends``: of lifts, where the
+    pairs that are moved lie in double points of the curve.
     """
 
     _fraction = FRACTION
 
-    def __init__(self, group: ExtendedGroup, direction: Sequence[Any]) -> None:
-        self.group = group
+    def __init__(self, group: ExtendedGroup, direction: Sequence[Any], ends: Sequence[Any] = ()) -> None:
+        self.group, self._ends = group, ends
         self.field: Any = group.field
         xs, ys = self._reference()
         g = group.genus
@@ -89,7 +90,21 @@ class Translations:
         if digit < 0:
             return group.negate(self.added(group.negate(D), k, 1))
         S = self._single(k)
+        if self._ends:
+            self._check_growth(k)
         return self._moved(D, self._double(k)) if S is None else self._with_single(D, S)
+
+    def _check_growth(self, k: int) -> None:
+        """PrecisionLoss where T(2^k h) may take a pair away that lies in a double point e, and should stay there.
+
+        Sums keep it there to √eps, in all precisions alike. Along a motion that leaves the neighbourhood this grows as
+        1/U(e) of T does, up to 4/3 powers of it for all T together.
+        """
+        K = self.field
+        for j in range(self._fraction, k + 1):
+            u = (self._singles[j] or self._doubles[j]).u
+            if any(part_at(K, u, e) <= K.eps**0.25 for e in self._ends):
+                raise PrecisionLoss("rounding grows beside a double point of the curve: use more digits")
 
     @property
     def reference(self) -> Extended:
@@ -170,6 +185,12 @@ class Translations:
                 assert isinstance(kind, ThirdKind)
                 data.append(exponential(K, kind.r * omega))
         return Extended(u, v, tuple(data))
+
+
+def part_at(K: Any, a: poly.Poly, e: Any) -> Any:
+    """|a(e)| beside the terms that it is a sum of; 0 of the polynomial 0."""
+    size = sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
+    return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
 
 def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:

@@ -555,3 +555,18 @@ def test_a_vector_field_beyond_floats_is_refused_by_name() -> None:
 def test_constraints_beyond_floats_are_refused_by_name() -> None:
     with pytest.raises(PrecisionLoss, match="beyond the range of"):
         Neumann((1, 2, 4)).state((1e200, 1e200, 0), (1e200, -1e200, 0))
+
+
+@pytest.mark.parametrize("first", [0.0, 1e-60])
+def test_far_along_an_unstable_plane(first) -> None:
+    """A state of the plane q_1 = 0, from where all nearby leave and come back, with another time of arrival, stays
+    there: rounding did not, in all precisions alike. One beside it is there up to t = 1500.
+    """
+    a, alpha, beta = (0.0024411904061804155, 3.923886183455546e-05), 6.786038102469164, 0.04350103948664341
+    q, p = 0.0369312856466665, -0.012792476786878755
+    full, plane = Garnier(a, alpha, beta), Garnier(a[1:], alpha, beta)
+    times = [-200.0, -1500.0, *([] if first else [-1939.1224864021876, 3000.0])]
+    path = full.flow(full.state((first, q), (0.0, p))).at(times)
+    expected = plane.flow(plane.state((q,), (p,))).at(times)
+    assert np.allclose(path.q[:, 1:], expected.q, rtol=0, atol=1e-16)
+    assert np.abs(path.q[:, 0]).max() < 1e-16
