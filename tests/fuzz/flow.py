@@ -51,29 +51,41 @@ def judged(got: Any, start: Motion, oracle: Any, wanted: list[float]) -> Complai
     if got.shape != (len(wanted), 6):
         return Complaint(f"shape {got.shape}", f"({len(wanted)}, 6)", "got.shape == expected")
     truth = oracle.rows(wanted)
-    errors = abs(got / [1, 1, 1, size, size, size] - truth).max(axis=1)
+    worst = worst_row(abs(got / [1, 1, 1, size, size, size] - truth).max(axis=1), truth, lambda: oracle.floor(wanted))
+    if worst is None:
+        return None
+    if hasattr(oracle, "doubted") and (better := oracle.doubted()) is not None:
+        return judged(got, start, better, wanted)
+    i, error, allowed = worst
+    row = (truth[i] * [1, 1, 1, size, size, size]).tolist()
+    allow = f"{allowed:.1e} * np.array([1, 1, 1, {size:.17g}, {size:.17g}, {size:.17g}])"
+    return Complaint(
+        f"off by {error:.1e}, allowed {allowed:.1e}, at t = {wanted[i]}",
+        f"np.array({row})",
+        f"(abs(got[{i}] - expected) <= {allow}).all()",
+    )
+
+
+def worst_row(
+    errors: np.ndarray, truth: np.ndarray, floor: Callable[[], np.ndarray]
+) -> tuple[int, float, float] | None:
+    """The row that is farthest off what it may be by ``floor``, its error and what is allowed, if there is one; rows of
+    ``truth`` that are NaN are beyond the oracle. Undecided where no row can be judged.
+    """
     reached = ~np.isnan(truth[:, 0])
     if not reached.any():
         raise Undecided("beyond the oracle's horizon")
     suspects = reached & ~(errors <= FREE)
     if not suspects.any():
         return None
-    allowed = FREE + FACTOR * oracle.floor(wanted)
+    allowed = FREE + FACTOR * floor()
     worst = suspects & ~(errors <= allowed) & (allowed < HOPELESS)
     if not worst.any():
-        if (allowed[reached] >= HOPELESS).all():
+        if not (allowed[reached] < HOPELESS).any():
             raise Undecided("one unit in the last place of the inputs decides")
         return None
-    if hasattr(oracle, "doubted") and (better := oracle.doubted()) is not None:
-        return judged(got, start, better, wanted)
     i = int(np.argmax(np.where(worst, np.nan_to_num(errors / allowed, nan=np.inf), -1)))
-    row = (truth[i] * [1, 1, 1, size, size, size]).tolist()
-    allow = f"{allowed[i]:.1e} * np.array([1, 1, 1, {size:.17g}, {size:.17g}, {size:.17g}])"
-    return Complaint(
-        f"off by {errors[i]:.1e}, allowed {allowed[i]:.1e}, at t = {wanted[i]}",
-        f"np.array({row})",
-        f"(abs(got[{i}] - expected) <= {allow}).all()",
-    )
+    return i, float(errors[i]), float(allowed[i])
 
 
 # --- kinds

@@ -49,10 +49,7 @@ def test_a_wrong_sign_is_noticed(monkeypatch, capsys):
     said = capsys.readouterr().out
     assert "# python -m tests.fuzz flow --seed 5 --kind 'three equal' --case 0: wrong, off by" in said
     assert "3 wrong" in said
-    with pytest.raises(AssertionError):
-        exec(_program(said), {})
-    monkeypatch.undo()
-    exec(_program(said), {})
+    _fails_until_undone(monkeypatch, _program(said))
 
 
 def test_a_wrong_state_of_a_system_is_noticed(monkeypatch, capsys):
@@ -65,10 +62,7 @@ def test_a_wrong_state_of_a_system_is_noticed(monkeypatch, capsys):
     monkeypatch.setattr(MumfordFlow, "at", wrong)
     assert main(["systems", "--cases", "2", "--kind", "pendulum", "--seed", "5"]) == 1
     said = capsys.readouterr().out
-    with pytest.raises(AssertionError):
-        exec(_program(said), {})
-    monkeypatch.undo()
-    exec(_program(said), {})
+    _fails_until_undone(monkeypatch, _program(said))
 
 
 def test_a_wrong_sum_is_noticed(monkeypatch, capsys):
@@ -77,10 +71,7 @@ def test_a_wrong_sum_is_noticed(monkeypatch, capsys):
     assert main(["engine", "--cases", "4", "--kind", "textbook sum", "--seed", "5"]) == 1
     said = capsys.readouterr().out
     assert "not the textbook's sum" in said
-    with pytest.raises(AssertionError):
-        exec(_program(said), {})
-    monkeypatch.undo()
-    exec(_program(said), {})
+    _fails_until_undone(monkeypatch, _program(said))
 
 
 def test_a_wrong_float_sum_is_noticed(monkeypatch, capsys):
@@ -93,10 +84,7 @@ def test_a_wrong_float_sum_is_noticed(monkeypatch, capsys):
     monkeypatch.setattr(Jacobian, "add", wrong)
     assert main(["inexact", "--cases", "4", "--kind", "moderate", "--seed", "5"]) == 1
     said = capsys.readouterr().out
-    with pytest.raises(AssertionError):
-        exec(_program(said), {})
-    monkeypatch.undo()
-    exec(_program(said), {})
+    _fails_until_undone(monkeypatch, _program(said))
 
 
 def test_an_error_from_inside_is_noticed(monkeypatch, capsys):
@@ -111,6 +99,13 @@ def test_an_error_from_inside_is_noticed(monkeypatch, capsys):
     assert "raw, IndexError: list index out of range" in said
     with pytest.raises(IndexError):
         exec(_program(said), {})
+
+
+def _fails_until_undone(monkeypatch, program):
+    with pytest.raises(AssertionError):
+        exec(program, {})
+    monkeypatch.undo()
+    exec(program, {})
 
 
 def _program(said):
