@@ -30,8 +30,6 @@ if TYPE_CHECKING:
 MANY, RIGHT = 24, 1e-12
 # steps of series that take as long as setting up additions, as a point by them, and on a torus once it is there
 STEPS, STEPS_BY_ADDITIONS, STEPS_ON_TORUS = 3000, 200, 0.5
-# of a start in double-double numbers, and a few more
-START_BITS = 128
 # where tables in double-double numbers keep what floats need
 GENERA_TABLED = range(3, 7)
 
@@ -79,10 +77,10 @@ class MumfordFlow:
         """The states at times (a number or a sequence of them, in any order, of any sign and size).
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
-        :meth:`integrable.mumford.motion.MumfordMotion.row`. Where all times are near the start, floats come from Taylor
-        series (:mod:`integrable.series.short`). Many times of a motion of genus 2 in floats are read off
-        its real torus, some units in the last place off; those of one of genus 3 to 6 come from tables. ArgumentError
-        for times that are no numbers.
+        :meth:`integrable.mumford.motion.MumfordMotion.row`. Floats near the start come from Taylor series
+        (:mod:`integrable.series.short`). Many others of a motion of genus 2 in floats are read off its real torus, some
+        units in the last place off; those of one of genus 3 to 6 come from tables. ArgumentError for times that are no
+        numbers.
         """
         import numpy as np
 
@@ -103,12 +101,14 @@ class MumfordFlow:
 
     def _near(self, equations: Equations, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The places of times that series reach in no more time than additions, and the states there."""
+        from integrable.series.equations import BITS
+
         if "_motion" in vars(self):
             on_torus = len(times) >= MANY and vars(self).get("_torus") is not None
             most = min(STEPS, len(times) * (STEPS_ON_TORUS if on_torus else STEPS_BY_ADDITIONS))
         else:
             most = STEPS
-        with LongField(START_BITS) as N:
+        with LongField(BITS) as N:
             state = self._inner(N)
             start = [*state.q, *state.p, *self.system._auxiliary(N, state)]
         return equations.around(start, times, most)
