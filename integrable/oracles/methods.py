@@ -65,6 +65,11 @@ class Method:
         return (int(setting) if self.parameter == "digits" else DOUBLE_DIGITS) + self.guard
 
     @property
+    def in_doubles(self) -> bool:
+        """Whether it computes in doubles, and not in numbers of more digits."""
+        return self.parameter != "digits" and not self.guard
+
+    @property
     def multiprecision(self) -> bool:
         """Whether it integrates in mpf: a step takes hundreds of times as long as in doubles."""
         return self.parameter == "digits" and not self.module

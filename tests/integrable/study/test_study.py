@@ -23,6 +23,7 @@ from integrable.oracles.methods import METHODS, time_scale
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
 from integrable.study import plan, runner
+from integrable.study.claims import claims
 from integrable.study.command import planned, report_data, study_of
 from integrable.study.findings import Study, fitted_slope, gather
 from integrable.study.measure import measured
@@ -462,6 +463,28 @@ def test_behind_is_what_no_row_of_the_flow_beats(done):
     assert behind(2.0, 2 * error) == []
     assert behind(2.0, error / 2) == [(error, 1.0, None, False)]
     assert behind(0.5, 2 * error) == [(None, 1.0, 1.0, True)]
+
+
+def test_of_rows_in_doubles_three_in_a_hundred_may_be_lost(done):
+    study = studied(done)
+    scene = study.findings[0]
+    flow, other = scene.flow[0], scene.comparators[0]
+    mine = {**flow, "result": flow["result"] | {"total": 1.0}}
+
+    def row(method, total):
+        result = other["result"] | {"total": total, "error_gamma": 1.0}
+        return {**other, "row": other["row"] | {"method": method}, "result": result}
+
+    def claim(lost, *more):
+        rows = [row("SciPy DOP853", 0.5 if k < lost else 2.0) for k in range(100)]
+        found = replace(scene, comparators=[*rows, *more], flow=[mine])
+        line = next(line for line in claims(replace(study, findings=[found])) if "methods in doubles" in line[0])
+        return line[1].split(";")[0], line[2]
+
+    finer = row("heyoka, long double", 0.5), row("Taylor, multiprecision", 0.5)
+    assert claim(0) == ("100 of 100 rows on 1 scenes", "holds")
+    assert claim(3, *finer) == ("97 of 100 rows on 1 scenes", "holds")
+    assert claim(4, *finer) == ("96 of 100 rows on 1 scenes", "does not hold")
 
 
 def test_a_long_scene_has_a_line_that_says_when_the_flow_is_ahead_of_all(done):
