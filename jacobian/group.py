@@ -13,7 +13,7 @@ from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.curve.points import Point
 from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
 from jacobian.finite.group import FiniteGroup
-from jacobian.law.divisor import Divisor
+from jacobian.law.divisor import Divisor, is_zero_int
 
 if TYPE_CHECKING:
     from jacobian.batch.array import DivisorArray
@@ -147,7 +147,7 @@ class Jacobian(FiniteGroup):
     def __call__(self, P: Any, Q: Any = None) -> Divisor:
         """J(P, Q) is the class of P − Q; J(P) is ``from_points([P])``; J(0) the identity."""
         if Q is None:
-            return self.zero() if isinstance(P, int) and P == 0 else self.from_points([P])
+            return self.zero() if is_zero_int(P) else self.from_points([P])
         return self.from_points([P, self.curve.involution(Q)])
 
     @overload

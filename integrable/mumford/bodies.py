@@ -18,7 +18,7 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
-from integrable.mumford.flow import MumfordFlow, Path, Point
+from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
 from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
@@ -224,7 +224,7 @@ class BodyFlow(MumfordFlow):
 
     def _path(self, torus: Any, times: Any) -> Path:
         rows, _ = torus.at(times)
-        return Path(times, rows[:, :3], rows[:, 3:])
+        return Path(times, rows[:, :3], rows[:, 3:], TORUS)
 
     @cached_property
     def _pace(self) -> float:

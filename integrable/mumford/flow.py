@@ -30,6 +30,8 @@ if TYPE_CHECKING:
 MANY, RIGHT = 24, 1e-12
 # steps of series that take as long as setting up additions, as a point by them, and on a torus once it is there
 STEPS, STEPS_BY_ADDITIONS, STEPS_ON_TORUS = 3000, 200, 0.5
+# the words of Path.way
+SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 # where tables in double-double numbers keep what floats need
 GENERA_TABLED = range(3, 7)
 
@@ -42,12 +44,15 @@ class Point(NamedTuple):
 
 
 class Path(Record):
-    """States at ``times``: ``q`` and ``p`` of shape (N, n), floats, or objects over MP(digits)."""
+    """States at ``times``: ``q`` and ``p`` of shape (N, n), floats, or objects over MP(digits). ``way`` says what has
+    computed them: "series", "torus", "additions", or several of them.
+    """
 
-    def __init__(self, times: Any, q: Any, p: Any) -> None:
+    def __init__(self, times: Any, q: Any, p: Any, way: str = ADDITIONS) -> None:
         self.times = times
         self.q = q
         self.p = p
+        self.way = way
 
     def __len__(self) -> int:
         return len(self.times)
@@ -91,13 +96,13 @@ class MumfordFlow:
         places, rows = self._near(equations, np.array(given))
         if not len(places):
             return self._far(given)
-        left = np.delete(np.arange(len(given)), places)
+        left, way = np.delete(np.arange(len(given)), places), SERIES
         states = np.empty((len(given), 2, self.system.size))
         states[places] = rows
         if len(left):
             far = self._far([given[i] for i in left])
-            states[left] = np.stack([far.q, far.p], axis=1)
-        return Path(np.array(given), states[:, 0], states[:, 1])
+            states[left], way = np.stack([far.q, far.p], axis=1), f"{SERIES}, {far.way}"
+        return Path(np.array(given), states[:, 0], states[:, 1], way)
 
     def _near(self, equations: Equations, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """The places of times that series reach in no more time than additions, and the states there."""
@@ -121,7 +126,8 @@ class MumfordFlow:
         if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
             return self._path(self._torus, np.array(given))
         if given and self._tabled is not None:
-            return Path(np.array(given), *self._tabled.at(np.array(given)))
+            q, p = self._tabled.at(np.array(given))
+            return Path(np.array(given), q, p)
         rows = [self._row(t) for t in self._places(given)]
         kind = object if hasattr(K, "dps") else float
         q, p = (
@@ -213,7 +219,8 @@ class MumfordFlow:
         import numpy as np
 
         found = self._read_columns(times, torus.at(times))
-        return Path(times, *(np.stack([x.hi for x in part], axis=1) for part in found))
+        q, p = (np.stack([x.hi for x in part], axis=1) for part in found)
+        return Path(times, q, p, TORUS)
 
     def _read_columns(self, times: Any, D: Extended) -> Point:
         """The states of pairs at times, all in columns."""

@@ -20,7 +20,6 @@ __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
 class ClassicalRun(Path):
     """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is what a scene's run found, or None."""
 
-    way = "additions"
     report: Any = None
     tau = None
 
@@ -107,7 +106,7 @@ class ClassicalMotion:
     def at(self, times: Any) -> ClassicalRun:
         """The states at times."""
         found = self._flow.at(times)
-        return ClassicalRun(found.times, found.q, found.p)
+        return ClassicalRun(found.times, found.q, found.p, found.way)
 
 
 def _point(state: State) -> Point:

@@ -13,7 +13,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.progress import bar_of_pieces
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
@@ -63,9 +63,7 @@ def _checked(given: Any, digits: Any, out: Any) -> tuple[Scene, int]:
     if out is not None and not isinstance(out, (str, os.PathLike)):
         raise ArgumentError(f"out = {shown(out)}: give the path of a folder")
     digits = scene.digits if digits is None else digits
-    if isinstance(digits, bool) or not isinstance(digits, int) or digits < 1:
-        given = digits if isinstance(digits, str) else shown(digits)
-        raise ArgumentError(f"digits: {given} given; a positive number of decimal digits is needed (15: floats)")
+    digits = whole(digits, "digits", "a positive number of decimal digits is needed (15: floats)", 1)
     if scene.finite_field and digits != scene.digits:
         raise ArgumentError(f"digits: {digits} given; an orbit over {scene.finite_field} is exact and has none")
     system, _ = scene.start(digits)

@@ -20,6 +20,7 @@ from filelock import FileLock
 from integrable.study.plan import Task
 from integrable.study.store import Store
 from integrable.study.timing import TooLong
+from integrable.sweeps.orphans import end_with_parent
 from jacobian.numbers.compiler import NoCacheWarning
 
 __all__ = ["run_tasks"]
@@ -199,9 +200,10 @@ def _head(task: Task) -> dict[str, Any]:
 
 
 def _work(connection: Connection) -> None:
-    """The loop of a worker process: it ends with the connection, that is, with the process that started it."""
+    """The loop of a worker process: it ends with the process that started it."""
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)
+    end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent has said so
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt ends the parent, which ends its workers
     for name in _THREADS:

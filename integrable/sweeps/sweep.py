@@ -26,6 +26,7 @@ from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.sweeps.grid import Grid
 from integrable.sweeps.jobs import BodyJob, SceneJob, done
+from integrable.sweeps.orphans import end_with_parent
 from integrable.sweeps.store import Layout, Store
 from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
 from jacobian.numbers.threads import threads
@@ -269,7 +270,7 @@ def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int
         pool = ThreadPoolExecutor(workers)
     else:
         # a fork would copy the locks of this process's threads
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"))
+        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
         yield pool, workers
     finally:

@@ -84,7 +84,7 @@ class _Flow:
     def at(self, times: Any) -> Path:
         """The states at times."""
         run = self._flow.at(times)
-        return Path(run.times, run.gamma, run.M)
+        return Path(run.times, run.gamma, run.M, run.way)
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
         """Proven bounds of the states at times."""

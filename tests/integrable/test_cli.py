@@ -89,7 +89,7 @@ WRONG = {
     "a long integer for a count": ("truth_digits = 30", f"truth_digits = 0x{'f' * 5000}", [], ["300 digits"]),
     "a long word": ("chaplygin_ball", "x" * 6000, [], ["system", "6002 characters", "chaplygin_ball"]),
     "a long word on the line": ("", "", ["--digits", "9" * 5000], ["--digits"]),
-    "no digits": ("", "", ["--digits", "0"], ["digits: 0 given", "a positive number"]),
+    "no digits": ("", "", ["--digits", "0"], ["digits = 0", "a positive number"]),
     "digits that are none": ("", "", ["--digits", "many"], ["--digits", "'many'", "int"]),
     "a format that is none": ("", "", ["--format", "gif"], ["--format", "'gif'", "png"]),
     "an unknown option": ("", "", ["--colour"], ["--colour"]),

@@ -13,6 +13,7 @@ import pytest
 from integrable.scene.data import SYSTEMS, Scene, Times
 from integrable.scene.file import load_scene, scene_names
 from integrable.study.run import run
+from jacobian import MP
 from jacobian.errors import ArgumentError
 from tests.integrable.scene_texts import MIXED
 
@@ -158,8 +159,12 @@ def test_run_returns_the_trajectory_the_scene_asks_for(write):
 
 @pytest.mark.parametrize("digits", [0, -3, 2.5, True, "30"])
 def test_run_refuses_digits_that_are_none(write, digits):
-    with pytest.raises(ArgumentError, match=f"digits: {digits} given"):
+    with pytest.raises(ArgumentError, match=f"digits = {digits!r}: a positive number of decimal digits is needed"):
         run(write(MIXED), digits=digits)
+
+
+def test_run_takes_digits_of_numpy(write) -> None:
+    assert run(write(MIXED), digits=np.int64(30)).system.field == MP(30)
 
 
 def test_run_writes_nothing_unless_told_where(write, tmp_path, monkeypatch):

@@ -70,6 +70,18 @@ def test_a_shipped_scene_runs_as_its_system_does(name):
     assert found.q.tolist() == path.q.tolist()
     assert found.p.tolist() == path.p.tolist()
     assert found.report is None
+    assert found.way == path.way
+
+
+def test_a_run_says_what_has_computed_its_states() -> None:
+    system = Neumann((1, 2, 4))
+    flow = ClassicalSystem(system).motion_through(State((0.48, 0.6, 0.64), (0.8, 0, -0.6)))
+    many = np.linspace(1e6, 2e6, 30)
+    assert [flow.at(times).way for times in ([1], [1e6], [1e-3, 1e6])] == ["series", "additions", "series, additions"]
+    assert [flow.at(times).way for times in (many, [1e-3, *many])] == ["torus", "series, torus"]
+    precise = ClassicalSystem(Neumann((1, 2, 4), MP(30)))
+    state = precise.state(("0.48", "0.6", "0.64"), ("0.8", 0, "-0.6"))
+    assert precise.motion_through(state).at([1]).way == "additions"
 
 
 def test_a_run_writes_its_report_pictures_and_numbers(write, tmp_path):

@@ -357,7 +357,7 @@ def test_other_types():
     with pytest.raises(TypeError):
         D * D
     assert D != 0
-    assert J(0) == J.zero()
+    assert J(0) == J(np.int64(0)) == J(np.uint8(0)) == J.zero()
 
 
 def test_divisors_are_immutable():
