@@ -21,7 +21,7 @@ from integrable.torus.clock_modes import MOST_LOUD, Limits, Tables
 from integrable.torus.corners import Corners, Samples
 from integrable.torus.loops import BEYOND, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
-from integrable.torus.series import half_spectrum, in_resonance
+from integrable.torus.series import in_resonance
 from integrable.torus.tables import Room
 from integrable.torus.witness import TERMS, Line, confirmed
 from jacobian.errors import PrecisionLoss
@@ -198,10 +198,9 @@ def resolved_spectrum(
     first, second = (min(loops.noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
     def transformed(samples: np.ndarray) -> tuple[Any, tuple[int, int]]:
-        half = half_spectrum(samples)
-        values = loops.long_row(half.ravel().view(half.real.dtype))
-        room = np.empty(samples.shape[0] // 2 + samples.shape[1] // 2 + 2)
-        return (values, samples.shape), loops.sizes_needed(values, samples.shape, (first, second), room)
+        values, (rows, columns) = loops.half_spectrum(samples), samples.shape[:2]
+        room = np.empty(rows // 2 + columns // 2 + 2)
+        return (values, (rows, columns)), loops.sizes_needed(values, (rows, columns), (first, second), room)
 
     found: tuple[Any, tuple[int, int]] = torus.resolved(transformed, samples)
     return found

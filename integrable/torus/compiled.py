@@ -19,6 +19,7 @@ from integrable.torus.walks import Curve, Fine, Walk
 from integrable.torus.witness import Line
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
+from jacobian.numbers import fourier
 
 Row = Any
 
@@ -173,6 +174,7 @@ LIBRARY = Library(
         ),
         "phases_at_times": (phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+        "half_spectrum": (fourier.half_spectrum, (WIDES, _INTS, WIDES, WIDES, WIDES, WIDES)),
         "sizes_needed": (clock_modes.sizes_needed, (WIDES, _INTS, _FLOATS, FLOATS)),
         "clock_series": (
             clock_modes.clock_series,

@@ -139,31 +139,33 @@ class Corners:
         while sizes[0] * sizes[1] <= self._most:
             known = samples(sizes, known)
             found, wanted = transformed(known)
-            if wanted == known.shape:
+            shape = known.shape[:2]
+            if wanted == shape:
                 return found
-            sizes = (sizes[0] * wanted[0] // known.shape[0], sizes[1] * wanted[1] // known.shape[1])
+            sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
         raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
-        """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of long doubles, or
-        of the loops' own numbers where they are for more digits. ``known`` are the samples of a coarser grid.
+        """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of double-doubles
+        with a last axis, of interpreted loops of long doubles, or of their own numbers where they are for more digits.
+        ``known`` are the samples of a coarser grid.
         """
         loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
         loops.sampled(self._packed_curve, self.states, fine, first, other)
-        table = loops.samples(first).reshape(sizes)
+        table = loops.samples(first, sizes)
         if self.doubled == (1, 1):
             return self.completed(table, known)
-        beside = loops.samples(other).reshape(sizes)
-        whole = np.empty((self.doubled[0], sizes[0], self.doubled[1], sizes[1]), dtype=table.dtype)
+        beside, (rows, columns), (down, across) = loops.samples(other, sizes), sizes, self.doubled
+        whole = np.empty((down, rows, across, columns, *table.shape[2:]), dtype=table.dtype)
         for i, j in np.ndindex(self.doubled):
             whole[i, :, j] = beside if (i * self.odd[0] + j * self.odd[1]) % 2 else table
-        return self.completed(whole.reshape(self.doubled[0] * sizes[0], -1), known)
+        return self.completed(whole.reshape(down * rows, across * columns, *table.shape[2:]), known)
 
     def completed(self, samples: np.ndarray, known: np.ndarray | None) -> np.ndarray:
         """The samples with those in their places that a coarser grid knew."""
         if known is not None:
-            samples[tuple(slice(None, None, n // m) for n, m in zip(samples.shape, known.shape, strict=True))] = known
+            samples[:: samples.shape[0] // known.shape[0], :: samples.shape[1] // known.shape[1]] = known
         return samples
 
     def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:

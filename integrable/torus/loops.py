@@ -14,11 +14,13 @@ from integrable.torus import clock_modes, walks, witness
 from integrable.torus import survey as torus_survey
 from integrable.torus.clock_loops import Clock, panel_values, states_at_times, times_at_tau
 from integrable.torus.lattice import Beginning, Units
+from integrable.torus.series import half_spectrum
 from integrable.torus.states import Torus, states_at_phases, states_at_tau
 from integrable.torus.tables import Room, directions
 from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS, split
+from jacobian.numbers.fourier import circle_of
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -71,10 +73,12 @@ class ReadableLoops:
         """Numbers of any kind as working ones."""
         return list(self.reals.row(values))
 
-    def long_row(self, values: Any) -> Any:
-        """Long doubles as working ones."""
+    def half_spectrum(self, samples: Any) -> Any:
+        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers."""
+        half = half_spectrum(samples)
+        values = half.ravel().view(half.real.dtype).tolist()
         with self.reals:
-            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values.tolist()]
+            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
 
     def room(self, count: int) -> Any:
         """Room for so many."""
@@ -88,14 +92,14 @@ class ReadableLoops:
         """Working numbers rounded to floats, shape (N,)."""
         return np.array([float(x) for x in values])
 
-    def samples(self, values: Any) -> np.ndarray:
-        """Working numbers, shape (N,), as they are, or as the long doubles of this machine where those suffice."""
+    def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
+        """Working numbers on a grid as they are, or as the long doubles of this machine where those suffice."""
         if self._digits > FLOAT_DIGITS:
-            return np.array(values, dtype=object)
+            return np.array(values, dtype=object).reshape(sizes)
         high = self.floats(values)
         with self.reals:
             low = [float(x - y) for x, y in zip(values, self.row(high.tolist()), strict=True)]
-        return high.astype(np.longdouble) + low
+        return (high.astype(np.longdouble) + low).reshape(sizes)
 
     def differences(self, first: Any, second: Any) -> np.ndarray:
         """Differences of working numbers, as floats."""
@@ -206,6 +210,7 @@ class CompiledLoops:
         self.phases_at_times: Any = entries.phases_at_times
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
+        self.half_spectra: Any = entries.half_spectrum
         self.sizes_needed: Any = entries.sizes_needed
         self.clock_series: Any = entries.clock_series
         self.panel_values: Any = entries.panel_values
@@ -239,11 +244,16 @@ class CompiledLoops:
     def joined(self, *rows: Any) -> Any:
         return np.concatenate(rows)
 
-    def long_row(self, values: Any) -> Any:
-        out = np.empty((len(values), 2))
-        out[:, 0] = values
-        out[:, 1] = values - out[:, 0]
-        return out
+    def half_spectrum(self, samples: Any) -> Any:
+        if samples.dtype == np.longdouble:
+            high = samples.astype(np.float64)
+            samples = np.stack([high, (samples - high).astype(np.float64)], axis=-1)
+        rows, columns, _ = samples.shape
+        room, size = np.empty((3, (rows + 2) * columns, 2)), rows * columns
+        self.half_spectra(
+            samples.reshape(size, 2), (rows, columns), circle_of(max(rows, columns)), room[0], room[1], room[2]
+        )
+        return room[2]
 
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))
@@ -256,9 +266,9 @@ class CompiledLoops:
     def floats(self, values: Any) -> np.ndarray:
         return np.ascontiguousarray(values[:, 0])
 
-    def samples(self, values: Any) -> np.ndarray:
-        long: np.ndarray = values[:, 0].astype(np.longdouble) + values[:, 1]
-        return long
+    def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
+        found: np.ndarray = values.reshape(*sizes, 2)
+        return found
 
     def differences(self, first: Any, second: Any) -> np.ndarray:
         # exact where they are close
