@@ -100,8 +100,7 @@ class ClassicalMotion:
         self._flow = system.system.flow(_point(state))
 
     def _prepare(self, times: Any) -> None:
-        """Sets up what the last of the times needs."""
-        self._flow.at(times[-1:])
+        """Nothing: which way the times are gone shows on the way, so that what they need is set up with them."""
 
     def at(self, times: Any) -> ClassicalRun:
         """The states at times."""

@@ -79,7 +79,7 @@ class Equations:
         # by different parts, as else it would be a change of units
         moved[:, 1] += MOVED * (np.arange(count) % 5 - 2.5) * middles[:, 0]
         sizes = count * (FINEST.wide + 1), count * (FINEST.order + 1)
-        room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]))
+        room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]), np.empty((FINEST.wide + 1, 2)))
         out, again = np.empty((2, len(times) * 2 * self._half, 2))
         way = Way(self._tape, self._half, float(most), middles, moved)
         for coarse, fine in ((COARSE, FINE), (FINE, FINEST)):

@@ -8,22 +8,25 @@ from typing import Any
 
 from integrable.series.tape import DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
 from jacobian.numbers.roots import root
+from jacobian.numbers.sums import plus_product
 
 
 def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
-    """Σ of products p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q; in four sums, which do not wait
-    for each other.
-    """
+    """Σ of products p_j q_{k−j}, begin ≤ j < end, of the series that begin at p and q: two sums, neither waits."""
     nothing = 0 * series[p]
-    a, b, c, d = nothing, nothing, nothing, nothing
-    for j in range(begin, end - 3, 4):
-        a = a + series[p + j] * series[q + k - j]
-        b = b + series[p + j + 1] * series[q + k - j - 1]
-        c = c + series[p + j + 2] * series[q + k - j - 2]
-        d = d + series[p + j + 3] * series[q + k - j - 3]
-    for j in range(end - (end - begin) % 4, end):
-        a = a + series[p + j] * series[q + k - j]
-    return (a + b) + (c + d)
+    a, b = nothing, nothing
+    for j in range(begin, end - 1, 2):
+        a = plus_product(a, series[p + j], series[q + k - j])
+        b = plus_product(b, series[p + j + 1], series[q + k - j - 1])
+    if (end - begin) % 2 == 1:
+        a = plus_product(a, series[p + end - 1], series[q + k - end + 1])
+    return a + b
+
+
+def squared(series: Any, p: int, begin: int, k: int) -> Any:
+    """The same with p = q from j = ``begin`` to k − ``begin``, which are equal from both ends."""
+    half = convolved(series, p, p, begin, (k + 1) // 2, k)
+    return half + half if k % 2 == 1 else plus_product(half + half, series[p + k // 2], series[p + k // 2]) + 0
 
 
 def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, order: int, unit: Any, series: Any) -> None:
@@ -42,12 +45,12 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, orde
             elif kind == MULTIPLE:
                 series[own] = series[p] * series[q + k]
             elif kind == PRODUCT:
-                series[own] = convolved(series, p, q, 0, k + 1, k)
+                series[own] = squared(series, p, 0, k) if p == q else convolved(series, p, q, 0, k + 1, k)
+            elif kind == ROOT and k > 0:
+                total = series[p + k] - squared(series, n * width, 1, k) if k > 1 else series[p + k]
+                series[own] = total / (2 * series[n * width])
             elif kind == ROOT:
-                total = series[p + k]
-                for j in range(1, k):
-                    total = total - series[n * width + j] * series[own - j]
-                series[own] = total / (2 * series[n * width]) if k > 0 else root(total)
+                series[own] = root(series[p])
             elif kind == QUOTIENT:
                 total = series[p + k] - convolved(series, n * width, q, 0, k, k) if k > 0 else series[p]
                 series[own] = total / series[q]

@@ -13,6 +13,7 @@ from math import exp, log
 from typing import Any, NamedTuple
 
 from integrable.series.recurrences import coefficients
+from jacobian.numbers.sums import plus_product
 
 __all__ = ["COARSE", "FINE", "FINEST", "Room", "Steps", "Way", "walked_twice"]
 
@@ -39,11 +40,14 @@ COARSE, FINE, FINEST = Steps(10, 30, 1e-22), Steps(12, 36, 1e-25), Steps(18, 44,
 
 
 class Room(NamedTuple):
-    """What a walk works in: the values of all nodes where its series are, and the series, wide and in floats."""
+    """What a walk works in: the values of all nodes where its series are, the series, wide and in floats, and powers of
+    how far from there they are taken.
+    """
 
     middles: Any
     wide: Any
     floats: Any
+    powers: Any
 
 
 class Way(NamedTuple):
@@ -101,14 +105,16 @@ def walk(way: Way, kind: Steps, start: Any, room: Room, times: Any, out: Any) ->
                 return row
             steps += 1
             ahead = step if target > 0 else -step
+            put_powers(kind, room.powers, ahead + 0 * now)
             for i in range(moved):
-                room.middles[i] = value(kind, room, i, ahead + 0 * now)
+                room.middles[i] = value(kind, room, i)
             now = now + ahead
             step = expanded(way, kind, room, unit)
         if not step > 0:
             return row
+        put_powers(kind, room.powers, target - now)
         for i in range(count):
-            out[row * count + i] = value(kind, room, i, target - now)
+            out[row * count + i] = value(kind, room, i)
     return len(times)
 
 
@@ -143,13 +149,24 @@ def expanded(way: Way, kind: Steps, room: Room, unit: float) -> float:
     return 0.0 if bent and found == FARTHEST else found
 
 
-def value(kind: Steps, room: Room, i: int, ahead: Any) -> Any:
-    """Variable i at a distance ``ahead`` from the middle of its series."""
-    first = i * (kind.wide + 1)
-    total = tail(room.floats, i * (kind.order + 1), kind.wide, kind.order, float(ahead)) + room.wide[first + kind.wide]
-    for k in range(kind.wide - 1, -1, -1):
-        total = total * ahead + room.wide[first + k]
-    return total
+def value(kind: Steps, room: Room, i: int) -> Any:
+    """Variable i at the distance from the middle of its series whose powers are in the room."""
+    first, last, powers = i * (kind.wide + 1), kind.wide, room.powers
+    rest = tail(room.floats, i * (kind.order + 1), last, kind.order, float(powers[1]))
+    total = plus_product(0 * powers[0], room.wide[first + last] + rest, powers[last])
+    for k in range(last - 1, -1, -1):
+        total = plus_product(total, room.wide[first + k], powers[k])
+    return total + 0
+
+
+def put_powers(kind: Steps, powers: Any, ahead: Any) -> None:
+    """Those of ``ahead``, from 0 to the last that has a wide coefficient; 0 for what is no float: only where all is
+    straight steps are so long.
+    """
+    powers[0], powers[1] = 0 * ahead + 1, ahead
+    for k in range(2, kind.wide + 1):
+        power = powers[k // 2] * powers[k - k // 2]
+        powers[k] = power if abs(float(power)) < FARTHEST else 0 * ahead
 
 
 def tail(floats: Any, first: int, wide: int, order: int, ahead: float) -> float:

@@ -8,7 +8,7 @@ from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
 WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT, WIDES, WIDES)
-STEPS, ROOM = record(Steps, INT, INT, FLOAT), record(Room, WIDES, WIDES, FLOATS)
+STEPS, ROOM = record(Steps, INT, INT, FLOAT), record(Room, WIDES, WIDES, FLOATS, WIDES)
 LIBRARY = Library(
     "short_series",
     {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, ROOM, FLOATS, WIDES, WIDES))},

@@ -6,9 +6,11 @@ from collections.abc import Callable
 from typing import Any
 
 from jacobian.native.kinds import WIDE, Value, single
-from jacobian.native.operators import Operators, real
+from jacobian.native.operators import Operators, in_lanes, real
 from jacobian.numbers.double_double import EPS
+from jacobian.numbers.double_double_steps import plus_product as step_of_sum
 from jacobian.numbers.roots import negligible, root
+from jacobian.numbers.sums import plus_product
 
 
 def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
@@ -19,4 +21,16 @@ def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
     return b.compare("Eq", b.binary("Add", large, small), large)
 
 
-SPECIAL: dict[Any, Callable[..., Value]] = {root: Operators.root, negligible: adds_nothing}
+@in_lanes
+def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
+    """:func:`jacobian.numbers.sums.plus_product`, written out where all are double-doubles."""
+    if any(v.kind is not WIDE for v in (total, x, y)):
+        return b.binary("Add", total, b.binary("Mult", x, y))
+    return Value(WIDE, step_of_sum(b, *total.parts, *x.parts, *y.parts))
+
+
+SPECIAL: dict[Any, Callable[..., Value]] = {
+    root: Operators.root,
+    negligible: adds_nothing,
+    plus_product: one_more,
+}

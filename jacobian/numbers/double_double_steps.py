@@ -19,8 +19,8 @@ Pair = tuple[Float, Float]
 class Instructions(Protocol):
     """What writes instructions on floats, one after the other, and returns their results."""
 
-    one: Float
-
+    @property
+    def one(self) -> Float: ...
     def fadd(self, x: Float, y: Float) -> Float: ...
     def fsub(self, x: Float, y: Float) -> Float: ...
     def fmul(self, x: Float, y: Float) -> Float: ...
@@ -76,6 +76,13 @@ def product_float(b: Instructions, xh: Float, xl: Float, y: Float) -> Pair:
     """x·y of a float y."""
     ch, cl = two_product(b, xh, y)
     return fast_two_sum(b, ch, b.fma(xl, y, cl))
+
+
+def plus_product(b: Instructions, th: Float, tl: Float, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
+    """t + x·y, a step of a sum whose parts may overlap until it is done."""
+    ph, pl = two_product(b, xh, yh)
+    sh, sl = two_sum(b, th, ph)
+    return sh, b.fadd(tl, b.fadd(sl, b.fma(xl, yh, b.fma(xh, yl, pl))))
 
 
 def reciprocal(b: Instructions, yh: Float, yl: Float) -> Pair:

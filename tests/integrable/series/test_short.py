@@ -19,7 +19,7 @@ from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.equations import Equations
-from integrable.series.recurrences import convolved
+from integrable.series.recurrences import convolved, squared
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
 
@@ -190,3 +190,5 @@ def test_a_convolution_is_its_sum(k) -> None:
     for begin in (0, 1):
         expected = sum(series[3 + j] * series[20 + k - j] for j in range(begin, k + 1))
         assert convolved(series, 3, 20, begin, k + 1, k) == expected
+        if k >= 2 * begin:
+            assert squared(series, 3, begin, k) == convolved(series, 3, 3, begin, k + 1 - begin, k)

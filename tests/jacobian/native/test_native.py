@@ -4,6 +4,7 @@ import json
 import math
 import subprocess
 import sys
+from fractions import Fraction
 from random import Random
 from typing import NamedTuple
 
@@ -28,6 +29,7 @@ from jacobian.native.library import Library, Packed
 from jacobian.native.special import SPECIAL
 from jacobian.numbers.double_double import pack, unpack
 from jacobian.numbers.roots import negligible, root
+from jacobian.numbers.sums import plus_product
 
 FACTOR = 3
 
@@ -129,6 +131,14 @@ def wide_numbers(xs, y, n, out):
     out[4] = float(negligible(xs[0] * 1e-40, xs[1])) - n / xs[2]
 
 
+def sum_of_products(xs, ys, sizes, out):
+    total, beside = xs[0] * 0, 0.0
+    for i in range(len(xs)):
+        total = plus_product(total, xs[i], ys[i])
+        beside = plus_product(beside, sizes[i], 0.5)
+    out[0], out[1], out[2] = total + 0, plus_product(xs[0], 4, sizes[0]), 0 * xs[0] + beside
+
+
 def long_numbers(a, b, n, row, out):
     """Natural numbers below 2^128: sums, shifts, bits, relations, arrays; an integer beside one is one."""
     x, best = 1, a
@@ -153,6 +163,7 @@ LOOPS = Library(
         "arrays": (arrays, (ROWS, INTS, FLOATS)),
         "long_numbers": (long_numbers, (LONG, LONG, INT, LONGS, LONGS)),
         "wide_numbers": (wide_numbers, (WIDES, FLOAT, INT, WIDES)),
+        "sum_of_products": (sum_of_products, (WIDES, WIDES, FLOATS, WIDES)),
     },
     SPECIAL,
 )
@@ -164,6 +175,28 @@ def same(found, true):
         if isinstance(y, tuple):
             y = y[0]
         assert x == y or abs(x - y) <= 1e-14 * abs(y), (found, true)
+
+
+@pytest.mark.parametrize("size", [1, 1e-9, 1e9])
+def test_sums_of_products(size):
+    """To the digits of double-doubles beside the sum of the sizes of what is added, and from both ends."""
+    rng = Random(5)
+    for count in range(1, 30):
+        xs, ys = ([Fraction(rng.getrandbits(104) - (1 << 103), 1 << 100) for _ in range(count)] for _ in range(2))
+        if count > 3:
+            # what cancels
+            xs[-1], ys[-1] = -xs[1] * Fraction(size), ys[1] / Fraction(size)
+        sizes, out = np.array([float(abs(x)) for x in xs]), np.empty((3, 2))
+        LOOPS.sum_of_products(pack(xs), pack(ys), sizes, out)
+        found = unpack(out)
+        xs, ys = unpack(pack(xs)), unpack(pack(ys))
+        true = [None] * 3
+        sum_of_products(xs, ys, list(map(Fraction, sizes.tolist())), true)
+        bound = 2 * count**2 * Fraction(2) ** -106 * sum(abs(x * y) for x, y in zip(xs, ys, strict=True))
+        assert abs(found[0] - true[0]) <= bound
+        assert abs(out[0, 1]) <= 2.0**-53 * abs(out[0, 0])
+        assert abs(found[1] - true[1]) <= Fraction(2) ** -102 * abs(true[1]) + bound
+        assert found[2] == true[2] or abs(found[2] - true[2]) <= 1e-15 * true[2]
 
 
 def test_whole_numbers():
