@@ -115,6 +115,11 @@ class TupleKind:
         """Whether its items are single words of a call as they are."""
         return all(item in (BOOL, INT, FLOAT) for item in self.items)
 
+    @cached_property
+    def forms(self) -> tuple[tuple[Any, ...], ...] | None:
+        """Those of its items; None where their words are as they are."""
+        return None if self.plain else tuple(map(form_of, self.items))
+
     def place(self, index: int) -> tuple[Any, int, int]:
         """(kind, first scalar, the one after the last) of an item."""
         if not -len(self.items) <= index < len(self.items):
@@ -128,6 +133,13 @@ class TupleKind:
         if self.named is None or name not in self.named._fields:
             raise CompileError(f"{self.named or 'a tuple'} has no field {name}")
         return int(self.named._fields.index(name))
+
+
+def form_of(kind: Any) -> tuple[Any, ...]:
+    """What a call looks at, known once for many: (kind, type and axes of an array or None and 0, forms of a tuple)."""
+    if isinstance(kind, ArrayKind):
+        return kind, kind.dtype, kind.axes, None
+    return kind, None, 0, kind.forms if isinstance(kind, TupleKind) else None
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,13 @@ from typing import Any
 import numpy as np
 
 from jacobian.native import kept, machine
-from jacobian.native.kinds import LONG, WIDE, ArrayKind, TupleKind, Value
+from jacobian.native.kinds import LONG, WIDE, TupleKind, Value, form_of
 from jacobian.native.program import Program
 from jacobian.numbers.compiler import say_once
 
 LOG = logging.getLogger(__name__)
+
+from_buffer = c_char.from_buffer
 
 
 class Library:
@@ -85,7 +87,7 @@ class Packed:
     def __init__(self, value: Any, kind: Any) -> None:
         self.value = value
         self.words: list[Any] = []
-        flatten(value, kind, self.words)
+        flatten((value,), (form_of(kind),), self.words)
 
     def __getitem__(self, index: int) -> Any:
         return self.value[index]
@@ -95,7 +97,7 @@ class Call:
     """An entry of a library."""
 
     def __init__(self, entry: machine.Entry, kinds: tuple[Any, ...], result: str) -> None:
-        self._entry, self._kinds, back = entry, kinds, result.strip("()")
+        self._entry, self._kinds, self._forms, back = entry, kinds, tuple(map(form_of, kinds)), result.strip("()")
         letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
         self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
@@ -103,11 +105,10 @@ class Call:
 
     def __call__(self, *arguments: Any) -> Any:
         words: list[Any] = []
-        for value, kind in zip(arguments, self._kinds, strict=True):
-            flatten(value, kind, words)
+        flatten(arguments, self._forms, words)
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
-        self._entry.call(addressof(c_char.from_buffer(memory)))
+        self._entry.call(addressof(from_buffer(memory)))
         found = self._read(memory)
         return found if self._tuple else found[0] if found else None
 
@@ -121,8 +122,7 @@ class Call:
     def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
         """The entry with its first arguments given; those that are left are longs."""
         words: list[Any] = []
-        for value, kind in zip(given, self._kinds, strict=False):
-            flatten(value, kind, words)
+        flatten(given, self._forms[: len(given)], words)
         letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
         head = struct.pack(f"={letters}", *words)
         room, call, read = bytes(self._out.size), self._entry.call, self._read
@@ -130,7 +130,7 @@ class Call:
         def called(*longs: int) -> tuple[Any, ...]:
             # the shortest way: it takes as long as the arithmetic
             memory = bytearray(b"".join([head, *[x.to_bytes(16, "little") for x in longs], room]))
-            call(addressof(c_char.from_buffer(memory)))
+            call(addressof(from_buffer(memory)))
             return read(memory)
 
         return called
@@ -139,31 +139,32 @@ class Call:
 LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}
 
 
-def flatten(value: Any, kind: Any, words: list[Any]) -> None:
-    """The words of a value at the end of ``words``."""
-    if type(value) is Packed:
-        words += value.words
-    elif type(kind) is ArrayKind:
-        # the kinds of most arguments: a call of a few panels takes not much longer than this
-        if (value.dtype is not kind.dtype and value.dtype != kind.dtype) or value.ndim != kind.axes:
-            raise _unfit(value, kind)
-        try:
-            # refused where it is not C-contiguous
-            words.append(addressof(c_char.from_buffer(value)))
-        except (TypeError, ValueError):
-            words.append(_unwritten(value, kind))
-        words += value.shape[: kind.ndim]
-    elif type(kind) is TupleKind and kind.plain:
-        words += value
-    elif type(kind) is TupleKind:
-        for item, part in zip(value, kind.items, strict=True):
-            flatten(item, part, words)
-    elif kind is WIDE:
-        words += value
-    elif kind is LONG:
-        words.append(value.to_bytes(16, "little"))
-    else:
-        words.append(value)
+def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -> None:
+    """The words of values at the end of ``words``; ``forms`` are :func:`~jacobian.native.kinds.form_of` their kinds."""
+    for value, (kind, dtype, axes, items) in zip(values, forms, strict=True):
+        if type(value) is Packed:
+            words += value.words
+        elif dtype is not None:
+            # the kinds of most arguments: a call of a few panels takes not much longer than this
+            if (value.dtype is not dtype and value.dtype != dtype) or value.ndim != axes:
+                raise _unfit(value, kind)
+            try:
+                # refused where it is not C-contiguous
+                words.append(addressof(from_buffer(value)))
+            except (TypeError, ValueError):
+                words.append(_unwritten(value, kind))
+            if kind.ndim == 1:
+                words.append(len(value))
+            else:
+                words += value.shape[: kind.ndim]
+        elif items is not None:
+            flatten(value, items, words)
+        elif type(kind) is TupleKind or kind is WIDE:
+            words += value
+        elif kind is LONG:
+            words.append(value.to_bytes(16, "little"))
+        else:
+            words.append(value)
 
 
 def _unwritten(array: np.ndarray, kind: Any) -> int:
