@@ -8,6 +8,7 @@ theta functions.)
 
 from __future__ import annotations
 
+from math import log10
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,8 +22,8 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# a step of Newton whose slope is a float's leaves that part of itself
-GAIN = 1e-13
+# a step of Newton whose slope is a float's leaves that part of itself; the first from floats leads to so many digits
+GAIN, FIRST_GOAL = 1e-13, 28
 
 
 class MultiprecisionTorusClock:
@@ -35,7 +36,7 @@ class MultiprecisionTorusClock:
     def __init__(self, setup: Setup, digits: int | None = None, direction: tuple[Any, Any] = (1, 0)) -> None:
         digits = digits or setup.digits
         self.wide = setup.wide
-        self._eps = self.wide.coerce(10) ** -digits
+        self._digits, self._eps = digits, self.wide.coerce(10) ** -digits
         modes = modes_of_rate(setup, digits, direction)
         self.frequencies, self.mean = modes.frequencies, modes.mean
         self._series = LongSeries(modes.rows, self.frequencies, self.wide, 10.0**-digits)
@@ -67,19 +68,25 @@ class MultiprecisionTorusClock:
         return self._refined(angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(self, angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]) -> list[Any]:
+        """Newton in many digits; before the last step no more of them than it can bring."""
         nu1, nu2 = self.frequencies
-        left = list(range(len(shifts)))
+        left, goal = list(range(len(shifts))), FIRST_GOAL
         for _ in range(100):
+            whole = goal >= self._digits
             places = [(angles[n][0] + nu1 * shifts[n], angles[n][1] + nu2 * shifts[n]) for n in left]
-            rest = []
-            for n, swing in zip(left, self._series.at(places), strict=True):
+            rest, known = [], self.wide.coerce(10) ** -goal
+            for n, swing in zip(left, self._series.at(places, None if whole else goal), strict=True):
                 step = (self.mean * shifts[n] + swing) / rates[n]
                 shifts[n] -= step
-                if GAIN * abs(step) > 4 * self._eps * (1 + abs(shifts[n])):
+                error = GAIN * abs(step) / (1 + abs(shifts[n]))
+                if not whole or error > 4 * self._eps:
                     rest.append(n)
+                    known = max(known, error)
             left = rest
             if not left:
                 return shifts
+            if not whole:
+                goal = int(-log10(2) * self.wide.exponent(known) - log10(GAIN))
         raise PrecisionLoss("the clock was not inverted: use more digits")
 
 

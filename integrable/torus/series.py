@@ -6,8 +6,8 @@ series of F divided by the rates of its phases.
 
 from __future__ import annotations
 
-from math import pi
-from typing import Any
+from math import ceil, log2, pi
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,8 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 TOGETHER = 256
 # floats hold no modes below
 TINY = 1e-290
+# the error of a mode in floats, for each turn of it, and the bits that guard sums of many digits
+ROUNDED, SPARE_BITS = 1e-15, 40
 
 
 class TorusSeries:
@@ -118,6 +120,17 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     return found
 
 
+class Level(NamedTuple):
+    """The modes of a :class:`LongSeries` that so many digits take: the large ones in balls of ``bits``, from the row 0
+    and the column ``first`` on, and ``tail``, those that floats hold well enough.
+    """
+
+    first: int
+    modes: Any
+    tail: np.ndarray
+    bits: int
+
+
 class LongSeries:
     """S in many digits, at many points at once; ``rough`` is the same for floats.
 
@@ -139,44 +152,84 @@ class LongSeries:
             # what floats do not hold
             kept = np.ones_like(kept)
             kept[0, : most + 1] = False
-        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
-        least, end, height = (
-            (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (most, most + 1, 1)
-        )
-        self._first, self._size = least - most, (height, end - least)
+        self._kept, self._noise, self._size = kept, noise, float(np.abs(grid).max())
+        self._levels: dict[int | None, Level] = {}
         with self._balls as balls:
             nu1, nu2 = map(balls.number, frequencies)
             # the conjugate half counted with this one, over 2πi
             factor = flint.acb(0, -1 / flint.arb.pi())
-            swing = [
+            self._modes = [
                 [
-                    rows[k][m] * factor / (k * nu1 + (m - most) * nu2) if kept[k, m] else flint.acb(0)
-                    for m in range(least, end)
+                    c * factor / (k * nu1 + (m - most) * nu2) if here else flint.acb(0)
+                    for m, (c, here) in enumerate(zip(row, kept[k].tolist(), strict=True))
                 ]
-                for k in range(height)
+                for k, row in enumerate(rows)
             ]
-            self._swing = flint.acb_mat(swing)
-            self._origin = sum((c.real for row in swing for c in row), flint.arb(0))
+            self._origin = sum((c.real for row in self._modes for c in row), flint.arb(0))
             # S + origin has the mean 0
             self.origin = balls.element(field, self._origin)
 
-    def at(self, angles: list[tuple[Any, Any]]) -> list[Any]:
-        """S at pairs of phases in turns: numbers of the field, as are those returned."""
-        found: list[Any] = []
+    def at(self, angles: list[tuple[Any, Any]], digits: int | None = None) -> list[Any]:
+        """S at pairs of phases in turns: numbers of the field, as are those returned. With ``digits`` only to so many
+        of the size of F, fewer than all.
+        """
+        if digits not in self._levels:
+            self._levels[digits] = self._level(digits)
+        level, found = self._levels[digits], []
         for begin in range(0, len(angles), TOGETHER):
-            with self._balls as balls:
-                left, right = zip(*(map(self._circle, pair) for pair in angles[begin : begin + TOGETHER]), strict=True)
-                rows, columns = self._size
-                down = self._flint.acb_mat([powers(z**0, z, rows) for z in left]) * self._swing
-                across = [powers(z**self._first, z, columns) for z in right]
-                for one, other in zip(down.table(), across, strict=True):
-                    total = sum((x * y for x, y in zip(one, other, strict=True)), self._flint.acb(0))
-                    found.append(balls.element(self._field, total.real - self._origin))
+            some = angles[begin : begin + TOGETHER]
+            tails = self._tails(some, level)
+            with self._balls.at(level.bits):
+                left, right = zip(*(map(self._circle, pair) for pair in some), strict=True)
+                down = self._flint.acb_mat([powers(z**0, z, level.modes.nrows()) for z in left]) * level.modes
+                for row, z, tail in zip(down.table(), right, tails, strict=True):
+                    total = self._flint.acb_poly(row)(z) * z**level.first
+                    found.append(self._balls.element(self._field, total.real - self._origin + tail))
         return found
+
+    def _tails(self, angles: list[tuple[Any, Any]], level: Level) -> list[float]:
+        """The sums of the small modes."""
+        if not level.tail.size:
+            return [0.0] * len(angles)
+        first, second = np.array(angles, dtype=float).T
+        sums: list[float] = self.rough._sums(first, second, level.tail)[0].tolist()
+        return sums
+
+    def _level(self, digits: int | None) -> Level:
+        """Modes are left to floats, or left out, where what that costs adds up to a part of the noise."""
+        noise = self._noise if digits is None else 10.0**-digits
+        kept, tail = self._kept.copy(), np.zeros((0, 0))
+        if noise > TINY:
+            swing = np.abs(self.rough._swing)
+            if digits is not None:
+                kept &= ~_adding_up(swing, noise * self._size / 4)
+            turns = np.add.outer(np.arange(swing.shape[0]), np.abs(np.arange(swing.shape[1]) + self.rough._first))
+            small = kept & _adding_up(swing * (1 + turns) * ROUNDED, noise * self._size / 4)
+            tail = np.where(small, self.rough._swing, 0)
+            kept &= ~small
+        chosen, used = np.flatnonzero(kept.any(axis=0)), np.flatnonzero(kept.any(axis=1))
+        middle = -self.rough._first
+        least, end, height = (
+            (int(chosen[0]), int(chosen[-1]) + 1, int(used[-1]) + 1) if len(used) else (middle, middle + 1, 1)
+        )
+        zero = self._flint.acb(0)
+        modes = [[self._modes[k][m] if kept[k, m] else zero for m in range(least, end)] for k in range(height)]
+        bits = self._balls.bits
+        if noise > TINY:
+            bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
+        return Level(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
 
     def _circle(self, angle: Any) -> Any:
         x = 2 * self._balls.number(angle)
         return self._flint.acb(x.cos_pi(), x.sin_pi())
+
+
+def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
+    """Where the smallest of the sizes are, as many as add up to no more than ``most``."""
+    order = np.argsort(sizes, axis=None)
+    small = np.zeros(sizes.size, dtype=bool)
+    small[order[np.cumsum(sizes.ravel()[order]) <= most]] = True
+    return small.reshape(sizes.shape)
 
 
 def powers(first: Any, base: Any, count: int) -> list[Any]:

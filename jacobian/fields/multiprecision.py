@@ -24,6 +24,8 @@ class MultiprecisionField(InexactField):
 
     def __init__(self, dps: int, complex: bool) -> None:
         from mpmath import MPContext
+        from mpmath.ctx_mp_python import _mpf
+        from mpmath.libmp import from_man_exp, mpf_pos
 
         self.dps = dps
         self.complex = complex
@@ -32,6 +34,10 @@ class MultiprecisionField(InexactField):
         self.name = f"MP({dps}, complex=True)" if complex else f"MP({dps})"
         self.eps: Any = self.context.mpf(2) ** (1 - self.context.prec)
         self._type = self.context.mpc if complex else self.context.mpf
+        # of any context
+        self._reals: Any = _mpf
+        self._made: Any = from_man_exp
+        self._rounded: Any = mpf_pos
         self.zero: Any = self._type(0)
         # each context has classes of its own, which pickle does not know
         copyreg.pickle(self.context.mpf, self._packed)
@@ -53,6 +59,11 @@ class MultiprecisionField(InexactField):
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
         """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
+        if isinstance(value, self._reals) and not self.complex:
+            parts = value._mpf_
+            # what has no mantissa is 0 or not finite
+            if parts[1]:
+                return self.context.make_mpf(self._rounded(parts, self.context.prec, "n"))
         try:
             x = self._convert(value, argument)
         except FieldError:
@@ -85,6 +96,11 @@ class MultiprecisionField(InexactField):
                 value = context.mpf(top) / bottom
         # unary plus rounds what came with more digits to this precision
         return +self._type(value)
+
+    def binary(self, mantissa: Any, exponent: int) -> Any:
+        """mantissa·2^exponent, both integers, rounded once."""
+        x = self.context.make_mpf(self._made(mantissa, exponent, self.context.prec, "n"))
+        return self._type(x) if self.complex else x
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
         """Σ x_i y_i, rounded once."""

@@ -63,13 +63,7 @@ class BareReals:
 
     def element(self, field: Any, x: Any) -> Any:
         """x as an mpf of ``field``, MP(digits); nan where a division by 0 or nearly 0 left no number."""
-        from mpmath.libmp import from_man_exp
-
-        if not self._finite(x):
-            return field.context.nan
-
-        mantissa, exponent = self._parts(x)
-        return field.coerce(field.context.make_mpf(from_man_exp(mantissa, exponent)))
+        return field.binary(*self._parts(x)) if self._finite(x) else field.context.nan
 
     def elements(self, field: Any, values: Iterable[Any]) -> tuple[Any, ...]:
         """:meth:`element` of each."""

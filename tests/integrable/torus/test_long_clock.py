@@ -13,9 +13,11 @@ from integrable.torus.corners import Corners
 from integrable.torus.lattice import TorusLattice, Units, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
+from integrable.torus.series import LongSeries
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.long_reals import BallReals
 from jacobian.periods.matrix import real_periods
 from tests.integrable.torus.translations import combine, directed, moved, ovals, translation
 
@@ -80,6 +82,43 @@ def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(in
     assert run.way == "closed form"
     assert np.abs(run.gamma[0] - np.array(gamma, dtype=float)).max() < 1e-14
     assert np.abs(run.M[0] - np.array(M, dtype=float)).max() < 1e-14
+
+
+@pytest.mark.parametrize("digits", [20, 45, 300])
+def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None:
+    """Modes that fall as those of 1/g do, against their sum term by term in twice the digits."""
+    import flint
+
+    K, rng = MP(2 * digits), np.random.default_rng(digits)
+    context = K.context
+    nu, most = (K.coerce("0.618034"), K.coerce("0.3183")), 9
+    fall = 10.0 ** (-(digits + 3) / most)
+    sizes = {(k, m): K.coerce(fall) ** (abs(m) + 1.5 * k) for k in range(most) for m in range(-most, most + 1)}
+    modes = {at: context.mpc(*rng.normal(size=2)) * size for at, size in sizes.items()}
+    with BallReals(context.prec + 16) as balls:
+        rows = [
+            [
+                flint.acb(*(balls.number(x) for x in (modes[k, m].real, modes[k, m].imag)))
+                for m in range(-most, most + 1)
+            ]
+            for k in range(most)
+        ]
+    series = LongSeries(rows, nu, K, 10.0**-digits)
+    angles = [(K.coerce(a), K.coerce(b)) for a, b in rng.uniform(0, 1, (4, 2)).tolist()]
+
+    def swing(a, b) -> object:
+        # with those of −(k, m), which are conjugate
+        terms = [
+            (context.expjpi(2 * (k * a + m * b)) - 1) * c / (context.mpc(0, 2) * context.pi * (k * nu[0] + m * nu[1]))
+            for (k, m), c in modes.items()
+            if (k, m) > (0, 0)
+        ]
+        return 2 * sum(terms).real
+
+    largest = max(abs(c) for c in modes.values())
+    for wanted, known in ((None, digits), (10, 10)):
+        for (a, b), found in zip(angles, series.at(angles, wanted), strict=True):
+            assert abs(found - swing(a, b)) < 100 * largest * K.coerce(10) ** -known
 
 
 def test_a_clock_that_is_not_inverted_says_so(monkeypatch) -> None:
