@@ -63,8 +63,8 @@ MOST_PANELS_OF_MANY = 2000
 MOST_CENTRES, MOST_CARE = 400, 10_000
 # digits that an addition loses, twice those that errors grow by, from which on panels in floats round less than inputs
 SENSITIVE = 16
-# bits of the wide numbers, and steps of Newton from floats to them, where nothing is compiled
-BITS, PASSES = 160, 2
+# bits of the wide numbers where nothing is compiled
+BITS = 160
 
 Found = tuple[np.ndarray, np.ndarray]
 
@@ -125,7 +125,7 @@ class ShortRuns:
             [0.0] * count, [0.0] * count, [0.0] * (6 * count), [0.0] * count, 0.0, 0, [],
         )  # fmt: skip
         with reals:
-            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0, 0, PASSES, 0, 0])
+            room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0] * MADE)
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):

@@ -102,7 +102,8 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     if one_by_one(room, request):
         cast_shadow(room, given, tilted, h)
         set_up(given, tilted, wide, room.points, numbers, room.point)
-    panel_steps(room, h)
+    if not panel_steps(room, h):
+        return LOST
     status = both_ways(room, rule, request, h, careful)
     if status == ROUNDING and not careful and room.made[3] * CAREFUL <= request.most:
         far = too_far(room, request, h, request.most // CAREFUL)

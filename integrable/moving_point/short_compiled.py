@@ -35,7 +35,7 @@ def entry(
         at = member % len(times)
         for i in range(GIVEN):
             wide[i] = given[member, i]
-        made[0], made[1], made[2], made[3], made[4] = 0, 0, 1, 0, 0
+        made[0], made[1], made[2], made[3], made[4] = 0, 0, 0, 0, 0
         room = new_room(wide[GIVEN:], floats, made)
         request = Request(
             asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at], scaled[:count], scaled[count:],

@@ -4,18 +4,20 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from integrable.moving_point.translations import Expansion, expansion_of
+
 Real = Any
 Row = Any
 
 # moments, d, γ and M
 GIVEN = 10
 NODES = 28
-# panels may be halved so often; translations by half a panel over 2^l are tabled so far down, for every level one more
-LEVELS, FINEST = 6, 8
+# panels may be halved so often; their nodes take translations by half of each over 2^l so far down
+LEVELS, FINEST = 6, 7
 # translations by 2^k panels that are tabled
 DOUBLINGS = 20
-# terms of power series: at h/2^FINEST each brings two digits
-TERMS = 18
+# orders of the expansion of translations, and how many of them are wide: each brings so many bits at least
+ORDERS, WIDE_ORDERS, ORDER_BITS = 14, 8, 7.7
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
@@ -67,13 +69,13 @@ class Room(NamedTuple):
     """Translations to the nodes of panels of all levels, in wide numbers."""
     nodes: Row
     """The same in floats."""
-    series: Row
-    roots: Row
+    series: Expansion
+    """Coefficients of translations (:func:`integrable.moving_point.translations.expand`)."""
     shadow: Row
     """A motion beside this one, in wide numbers (:func:`integrable.moving_point.short_start.cast_shadow`)."""
     made: Row
-    """How many translations by 2^k panels there are, for how many levels there are nodes, steps of Newton from a float
-    to a wide number, what all panels have cost, in those of floats that are not halved, and how often half a panel has
+    """How many translations by 2^k panels there are, for how many levels there are nodes, at which level the finest
+    translation is, what all panels have cost, in those of floats that are not halved, and how often half a panel has
     been doubled (:func:`integrable.moving_point.short.first_half`).
     """
     point: Row
@@ -122,24 +124,22 @@ class Request(NamedTuple):
 # numbers in a room: integers, wide ones and floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 2 * TERMS + SHADOW
+WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 7 * ORDERS + SHADOW
 FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
-    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is (0, 0, steps of Newton from a float to a wide
-    number, 0, 0).
-    """
+    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is :data:`MADE` of them."""
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + DOUBLINGS)
     series = nodes + NODE_STEPS
-    shadow = series + 2 * TERMS
+    shadow = series + 7 * ORDERS
     point = NUMBERS + NODE_STEPS
     values = point + OFF + 1
     last = values + 9 * NODES + 1
     return Room(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
-        floats[NUMBERS:point], wide[series : series + TERMS], wide[series + TERMS : shadow], wide[shadow:], made,
+        floats[NUMBERS:point], expansion_of(wide[series:shadow]), wide[shadow:], made,
         floats[point:values], floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
         floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : last], floats[last : last + 6],
         floats[last + 6 :],

@@ -11,7 +11,6 @@ from integrable.moving_point.addition import (
     carried,
     cofactor,
     moving_point,
-    near_identity,
     noise,
     opposite,
     pair,
@@ -24,11 +23,14 @@ from integrable.moving_point.short_rows import (
     HALF,
     LOT,
     OFF,
+    ORDER_BITS,
+    ORDERS,
     RATE,
     SHADOW_AT,
     SHADOW_HALF,
     SHADOW_PANEL,
     SHADOW_START,
+    WIDE_ORDERS,
     Room,
     Row,
     Rule,
@@ -36,36 +38,82 @@ from integrable.moving_point.short_rows import (
     curve_of,
     unit_axes,
 )  # fmt: skip
-from integrable.moving_point.translations import power_series
+from integrable.moving_point.translations import Expansion, expand, high_parts
 from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
 
-def panel_steps(room: Room, h: float) -> None:
-    """The translations by h/2^l, as far down as FINEST, or as the series need."""
-    f = curve_of(room.wide)
-    power_series(f, -1, room.series)
-    power_series(f, 1, room.roots)
-    finest = FINEST + room.made[4]
-    small_step(room, h, finest)
-    for place in range(HALF - finest + 1, HALF + 1):
+def panel_steps(room: Room, h: float) -> bool:
+    """The translations by h/2^l, as far down as FINEST: by their expansion where it is exact to wide numbers, or from
+    where it is on by doubling; whether it is so anywhere.
+    """
+    rows = room.series
+    expand(curve_of(room.wide), rows, 0, WIDE_ORDERS)
+    # further ones count for so little that floats do
+    expand(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
+    level, eps = 0, h
+    while level < HALF and not exact_at(rows, eps):
+        level, eps = level + 1, eps / 2
+    room.made[0], room.made[1], room.made[2] = 0, 0, max(level, FINEST)
+    small_steps(room, eps, level, room.made[2])
+    for place in range(HALF - level + 1, HALF + 1):
         doubled(room.wide, room.steps, place)
-    room.made[0], room.made[1] = 0, 0
+    return level < HALF
 
 
-def small_step(room: Room, h: float, level: int) -> None:
-    """The translation by h/2^level, by its series."""
-    f, axes = curve_of(room.wide), unit_axes(room.wide)
-    eps = (0 * f[0] + h) / 2.0**level
-    put(near_identity(room.series, room.roots, f[0], axes, eps, room.made[2]), room.steps, 10 * (HALF - level))
+def exact_at(rows: Expansion, eps: float) -> bool:
+    """Whether each order of an expansion brings its bits at eps: what is left out is below wide numbers then, what is
+    in floats below floats.
+    """
+    square, exact = eps * eps, True
+    fall = square * 2.0**ORDER_BITS
+    for row in (rows.u0, rows.u1, rows.v0, rows.v1):
+        most = max(abs(float(row[0])), abs(float(row[1])) * square, abs(float(row[2])) * square * square)
+        power = fall
+        for _ in range(1, WIDE_ORDERS):
+            power *= fall
+        for k in range(WIDE_ORDERS, ORDERS):
+            exact = exact and abs(float(row[k])) * power <= most
+            power *= fall
+    return exact
+
+
+def small_steps(room: Room, eps: float, first: int, last: int) -> None:
+    """The translations at some levels, by eps at the first of them, by their expansion."""
+    rows, axes = room.series, unit_axes(room.wide)
+    for level in range(first, last + 1):
+        # a row that nothing else is in yet
+        room.rates[level], eps = eps, eps / 2
+    for level in abreast(first, last + 1):
+        put(expanded(rows, axes, room.rates[level]), room.steps, 10 * (HALF - level))
+
+
+def expanded(rows: Expansion, axes: Row, eps: Any) -> Any:
+    """The translation by eps."""
+    square = (0 * rows.u0[0] + eps) * eps
+    z = float(square)
+    a, b, c, d = 0 * z, 0 * z, 0 * z, 0 * z
+    for k in range(ORDERS - 1, WIDE_ORDERS - 1, -1):
+        a, b = a * z + float(rows.u0[k]), b * z + float(rows.u1[k])
+        c, d = c * z + float(rows.v0[k]), d * z + float(rows.v1[k])
+    u0, u1, v0, v1 = 0 * square + a, 0 * square + b, 0 * square + c, 0 * square + d
+    for k in range(WIDE_ORDERS - 1, -1, -1):
+        u0, u1 = u0 * square + rows.u0[k], u1 * square + rows.u1[k]
+        v0, v1 = v0 * square + rows.v0[k], v1 * square + rows.v1[k]
+    v0, v1 = v0 * eps, v1 / eps
+    r1, r2, r3 = (
+        root((axes[0] + u1) * axes[0] + u0), root((axes[1] + u1) * axes[1] + u0), root((axes[2] + u1) * axes[2] + u0),
+    )  # fmt: skip
+    return u0, u1, v0, v1, r1, r2, r3, (v0 + v1 * axes[0]) / r1, (v0 + v1 * axes[1]) / r2, (v0 + v1 * axes[2]) / r3
 
 
 def node_steps(room: Room, rule: Rule, h: float) -> None:
     """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
     level, count = room.made[1], len(rule.nodes)
-    if level > room.made[4]:
-        small_step(room, h, FINEST + level)
+    while room.made[2] < FINEST + level:
+        room.made[2] += 1
+        small_steps(room, h / 2.0 ** room.made[2], room.made[2], room.made[2])
     for j in abreast(0, LOT):
         put_node(room, rule, level, j, moving_point(room.steps, 10 * (HALF - level - rule.sums[2 * j])))
     last = (level + 1) * count - 1

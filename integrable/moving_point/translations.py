@@ -10,9 +10,9 @@ from __future__ import annotations
 from functools import cached_property
 from math import ceil, frexp, inf, isqrt, log2
 from operator import mul
-from typing import Any
+from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import Row, centre, opposite, shift
+from integrable.moving_point.addition import Row, centre, leading, opposite, shift
 from integrable.moving_point.legendre import doubling_precisions
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
@@ -175,6 +175,70 @@ def expansion(f: Row, count: int) -> tuple[list[Any], list[Any], list[Any], list
         total = _product(u1, rest, k, k) - _product(u1, squares, k + 1, k) - _product(u0, s0, k, k)
         v0.append(total / (2 * (2 * k + 1 - one / (k + 1))))
     return u0, u1, v0, v1
+
+
+class Expansion(NamedTuple):
+    """Rows for the coefficients of :func:`expansion` and, behind v1, for what they come from: s0, those of (v1·eps)²,
+    and of w0 + u1w1 less those of the next order.
+    """
+
+    u0: Row
+    u1: Row
+    v0: Row
+    v1: Row
+    s0: Row
+    squares: Row
+    less: Row
+
+
+def expansion_of(row: Row) -> Expansion:
+    """Seven equal parts of a row."""
+    n = len(row) // 7
+    return Expansion(
+        row[:n], row[n : 2 * n], row[2 * n : 3 * n], row[3 * n : 4 * n], row[4 * n : 5 * n], row[5 * n : 6 * n],
+        row[6 * n :],
+    )  # fmt: skip
+
+
+def high_parts(rows: Expansion) -> Expansion:
+    """The same rows, of double-doubles their high parts, when compiled."""
+    return Expansion(
+        leading(rows.u0), leading(rows.u1), leading(rows.v0), leading(rows.v1), leading(rows.s0), leading(rows.squares),
+        leading(rows.less),
+    )  # fmt: skip
+
+
+def expand(f: Row, rows: Expansion, begin: int, end: int) -> None:
+    """:func:`expansion` written to be compiled: orders ``begin`` … ``end`` − 1 from those before."""
+    f0, f1, f2, f3, f4, f5 = f
+    u0, u1, v0, v1, s0, squares, less = rows
+    zero = 0 * f0
+    if begin == 0:
+        u0[0], u1[0], v0[0], v1[0] = zero, zero, f1 / 6, 2 + zero
+    for k in range(max(begin, 1), end):
+        # sums of one length together: the next term of one does not wait for that of another
+        s, t, own, straight, mixed, bent = zero, zero, zero, zero, zero, zero
+        for i in range(1, k):
+            s += v1[i] * u0[k - i]
+            t += u1[i] * v0[k - 1 - i]
+            own += v1[i] * v1[k - i]
+        for i in range(1, k - 1):
+            straight += u1[i] * u1[k - 1 - i]
+            mixed += u0[i] * u1[k - 1 - i]
+        u0[k] = -f0 / 4 if k == 1 else (s - t) / (2 * k - 2)
+        u1[k] = -v0[k - 1] / (2 * k)
+        s0[k - 1] = f5 * (straight - 2 * u0[k - 1]) - f4 * u1[k - 1] + (f3 if k == 1 else zero)
+        for i in range(1, k):
+            bent += u1[i] * s0[k - 1 - i]
+        rest = (f2 if k == 1 else zero) - bent - f4 * u0[k - 1]
+        v1[k] = (rest - f4 * u0[k - 1] + 2 * f5 * mixed - own) / (4 * k + 2)
+        squares[k] = 4 * v1[k] + own
+        less[k - 1] = rest - squares[k]
+        s, t = zero, zero
+        for i in range(1, k + 1):
+            s += u1[i] * less[k - i]
+            t += u0[i] * s0[k - i]
+        v0[k] = (s - t) * (k + 1) / (2 * k * (2 * k + 3))
 
 
 def _product(a: list[Any], b: list[Any], order: int, last: int) -> Any:

@@ -7,9 +7,18 @@ import pytest
 
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.short import ShortRuns, lagrange, rule
-from integrable.moving_point.short import panel_half
-from integrable.moving_point.short_rows import LOT, SUMS
+from integrable.moving_point.compiled import SPECIAL
+from integrable.moving_point.short import LENGTH, first_half, panel_half
+from integrable.moving_point.short_rows import FINEST, FLOATS, GIVEN, HALF, LOT, MADE, SUMS, WIDES, new_room
+from integrable.moving_point.short_start import set_up
+from integrable.moving_point.short_steps import panel_steps
+from integrable.moving_point.translations import Translations
 from jacobian.native.code import LANES
+from jacobian.native.kinds import BOOL, FLOAT, INTS, ArrayKind
+from jacobian.native.kinds import FLOATS as FLOAT_ROW
+from jacobian.native.kinds import WIDES as WIDE_ROW
+from jacobian.native.library import Library
+from jacobian.numbers.long_reals import BareReals
 
 
 def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() -> None:
@@ -56,6 +65,44 @@ def test_compiled_runs_are_interpreted_ones(name) -> None:
         (rows, back), (expected, _) = (x.at(times) for x in runs)
         assert abs(rows - expected).max(initial=0) < 4e-14
         assert abs(back - tau).max(initial=0) < 4e-14
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_translations_of_panels_are_wide(name) -> None:
+    """By half a panel, and by the least part of it that nodes take."""
+    system, gamma, M, tilted = MOTIONS[name]
+    state = system.state(gamma, M, tilted=tilted)
+    wide, floats, made = np.zeros((GIVEN + WIDES, 2)), np.zeros(FLOATS), np.zeros(MADE, dtype=np.intp)
+    found, given = np.zeros((35, 2)), np.array([[*system.inertia, system.d, *state.gamma, *state.M]])
+    STEPS.steps(given, tilted, wide, floats, made, found)
+    reals = BareReals(200)
+    with reals:
+        row = [reals.number(high) + reals.number(low) for high, low in found.tolist()]
+        f, axes, half = row[20:26], row[26:34], row[34]
+        translations = Translations(reals, f, axes, abs(half) / LENGTH / 2 ** made[4])
+        for begin, level in ((0, 0), (10, FINEST)):
+            for x, y in zip(row[begin : begin + 10], translations.near(half / 2**level), strict=True):
+                assert abs(x - y) < 1e-28 * max(1, abs(y))
+
+
+def first_steps(given, tilted, wide, floats, made, found):
+    """The translations by half a panel and by the least part of it, f, the axes and half a panel, compiled."""
+    for i in range(GIVEN):
+        wide[i] = given[0, i]
+    room = new_room(wide[GIVEN:], floats, made)
+    set_up(wide[:GIVEN], tilted, room.wide, room.points, room.numbers, room.point)
+    h = first_half(room)
+    panel_steps(room, h)
+    for i in range(10):
+        found[i], found[10 + i] = room.steps[10 * HALF + i], room.steps[10 * (HALF - FINEST) + i]
+    for i in range(14):
+        found[20 + i] = room.wide[i]
+    found[34] = 0 * found[0] + h
+
+
+STEPS = Library(
+    "first_steps", {"steps": (first_steps, (ArrayKind(FLOAT, 2), BOOL, WIDE_ROW, FLOAT_ROW, INTS, WIDE_ROW))}, SPECIAL
+)
 
 
 @pytest.mark.parametrize(("inertia", "most"), [((1.0, 1e4, 1e8), 100), ((1e8, 1e4, 1.0), 200)])

@@ -6,7 +6,7 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, legendre_transform
 from integrable.moving_point.setup import Setup
-from integrable.moving_point.translations import FEW, Translations
+from integrable.moving_point.translations import FEW, Expansion, Translations, expand, expansion
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
@@ -87,3 +87,17 @@ def test_the_coefficients_of_a_legendre_series_are_those_of_the_matrix(count) ->
         values = [1 / (2 - x) for x in nodes]
         expected = [sum(c * v for c, v in zip(row, values, strict=True)) for row in rows]
         assert max(abs(x - y) for x, y in zip(series.coefficients(values), expected, strict=True)) < 1e-33
+
+
+@pytest.mark.parametrize("ball", BODIES.values(), ids=BODIES.keys())
+def test_the_expansion_of_compiled_loops_is_the_readable_one(ball) -> None:
+    """In one go, and its last orders after the others."""
+    setup, count = setup_of(ball, 50), 14
+    with setup.reals as reals:
+        expected = expansion(setup.bare.f, count)
+        for begin in (0, 1, 2, 8, count):
+            rows = Expansion(*([reals.number(0)] * count for _ in Expansion._fields))
+            expand(setup.bare.f, rows, 0, begin)
+            expand(setup.bare.f, rows, begin, count)
+            for found, row in zip(rows, expected, strict=False):
+                assert all(abs(x - y) <= 1e-50 * abs(y) for x, y in zip(found, row, strict=True))
