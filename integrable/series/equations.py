@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.series.short import COARSE, FINE, FINEST, Room, Way
+from integrable.series.short import FINE, FINEST, Room, Way
 from integrable.series.tape import Recorded, recorded
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
@@ -73,19 +73,26 @@ class Equations:
         """The rows at those of times, ascending or descending from 0, that are reached, and which of them are right."""
         from integrable.series.short_compiled import LIBRARY
 
-        middles, count = self._middles.copy(), len(self._middles)
+        middles, count, half = self._middles.copy(), len(self._middles), self._half
         middles[: len(start)] = [split(x) for x in start]
         moved = middles.copy()
         # by different parts, as else it would be a change of units
         moved[:, 1] += MOVED * (np.arange(count) % 5 - 2.5) * middles[:, 0]
-        sizes = count * (FINEST.wide + 1), count * (FINEST.order + 1)
-        room = Room(np.empty((count, 2)), np.empty((sizes[0], 2)), np.empty(sizes[1]), np.empty((FINEST.wide + 1, 2)))
-        out, again = np.empty((2, len(times) * 2 * self._half, 2))
-        way = Way(self._tape, self._half, float(most), middles, moved)
-        for coarse, fine in ((COARSE, FINE), (FINE, FINEST)):
-            reached = LIBRARY.walked_twice(way, fine, coarse, room, times, out, again)
-            rows, wrong = (x[:, 0].reshape(len(times), 2, self._half)[:reached] for x in (out, again))
+        way = Way(self._tape, half, float(most), np.stack([middles, moved], axis=-1).reshape(count, 4))
+        room = _room(count)
+        out, again = np.empty((2, len(times) * 4 * half))
+        for kind in (FINE, FINEST):
+            reached = LIBRARY.walked_twice(way, kind, room, times, out, again)
+            rows, wrong = (x[::2].reshape(len(times), 2, half)[:reached] for x in (out, again))
             right = wrong[:, 0, 0] == 0
             if right.all():
                 break
         return rows, right
+
+
+def _room(count: int) -> Room:
+    """That of a tape of so many nodes."""
+    floats, values = np.empty((count * (FINEST.order + 1), 2)), np.zeros((1, 4))
+    wide, powers = np.empty((count * (FINEST.wide + 1), 4)), np.empty((FINEST.wide + 1, 4))
+    rows = floats.reshape(-1), values.reshape(-1)
+    return Room(np.empty((count, 4)), wide, floats, powers, values, *rows, np.empty((2, 2)), np.empty(2))

@@ -3,8 +3,9 @@
 
 Of the terms of a step the first count most: the first few coefficients are double-double numbers, those beyond are
 floats, and so a step costs little more than one in floats and is good to twenty digits. What rounding and what is left
-out have grown to is found out by walking a second time, in other steps that are good to a digit less, from a start that
-is moved by what it was rounded by.
+out have grown to is found out by walking twice: the second walk has other steps, good to a digit less, and a start that
+is moved by what it was rounded by. Both go together, as the numbers of an item of two
+(:data:`jacobian.native.kinds.TWIN_WIDES`), on which one instruction does the same.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import Any, NamedTuple
 from integrable.series.recurrences import coefficients
 from jacobian.numbers.sums import plus_product
 
-__all__ = ["COARSE", "FINE", "FINEST", "Room", "Steps", "Way", "walked_twice"]
+__all__ = ["FINE", "FINEST", "Room", "Steps", "Way", "walked_twice"]
 
 # what the two walks may differ by, beside the largest number of q, or of p; the errors of the finer one are far smaller
 AGREED = 2.0**-53
@@ -28,100 +29,179 @@ FARTHEST = 1e300
 
 class Steps(NamedTuple):
     """A kind of steps: coefficients up to ``wide`` are wide, those up to ``order``, an even number of them, floats;
-    what is left out is the part ``left_out`` of each q and p.
+    what is left out is the part ``left_out`` of each q and p, and in the second walk ``coarser`` times that.
     """
 
     wide: int
     order: int
     left_out: float
+    coarser: float
 
 
-COARSE, FINE, FINEST = Steps(10, 30, 1e-22), Steps(12, 36, 1e-25), Steps(18, 44, 1e-29)
+FINE, FINEST = Steps(12, 36, 1e-25, 1e3), Steps(18, 44, 1e-29, 1e3)
 
 
 class Room(NamedTuple):
-    """What a walk works in: the values of all nodes where its series are, the series, wide and in floats, and powers of
-    how far from there they are taken.
+    """What two walks work in, in items of two numbers: the values of all nodes where their series are, the series, wide
+    and in floats, powers of how far from there they are taken, and values there.
+
+    Numbers of one walk are read and written in the same memory as rows of floats: those of the series in floats and of
+    the values, which have four to an item, the high parts first. ``now``: where their series are; ``steps``: how far
+    these reach.
     """
 
     middles: Any
     wide: Any
     floats: Any
     powers: Any
+    values: Any
+    rows_of_floats: Any
+    rows_of_values: Any
+    now: Any
+    steps: Any
 
 
 class Way(NamedTuple):
     """What is walked: the variables are q and p, ``half`` of each, and further ones, with the rates of ``tape``; not
-    many more steps than ``most``. ``start`` has the values of all nodes that are variables or constants, ``moved`` the
-    same but for their last bits.
+    many more steps than ``most``. ``start`` has the values of all nodes that are variables or constants, and the same
+    but for their last bits.
     """
 
     tape: Any
     half: int
     most: float
     start: Any
-    moved: Any
 
 
-def walked_twice(way: Way, fine: Steps, coarse: Steps, room: Room, times: Any, out: Any, again: Any) -> int:
-    """q and p at ``times``, ascending from 0 or descending, into ``out``, row by row: how many were reached. Where
-    ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats.
+def walked_twice(way: Way, kind: Steps, room: Room, times: Any, out: Any, again: Any) -> int:
+    """q and p at ``times``, ascending from 0 or descending, into ``out``, row by row, (hi, lo) each: how many were
+    reached. Where ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats.
     """
-    reached = walk(way, fine, way.start, room, times, out)
-    reached = walk(way, coarse, way.moved, room, times[:reached], again)
-    for row in range(reached):
-        wrong = 0
-        for part in range(2):
-            begin = (2 * row + part) * way.half
-            size, gap = 0.0, 0.0
-            for i in range(begin, begin + way.half):
-                size = max(size, abs(float(out[i])))
-                rest = abs(float(out[i] - again[i]))
-                gap = rest if not rest <= gap else gap
-            if not gap <= AGREED * size:
-                wrong = 1
-        again[2 * row * way.half] = wrong + 0 * way.start[0]
-    return reached
+    unit, steps = begun(way, kind, room), 0
+    done, behind, limit = 0, 0, len(times)
+    while True:
+        done = put_rows(way, kind, room, 0, times, unit, done, limit, out)
+        if done < limit and not goes_on(way, room, 0, times[limit - 1] / unit, steps):
+            limit = done
+        behind = put_rows(way, kind, room, 1, times, unit, behind, limit, again)
+        if behind < limit and not goes_on(way, room, 1, times[limit - 1] / unit, steps):
+            limit = behind
+        if behind >= limit and done >= limit:
+            break
+        steps += 1
+        step_ahead(way, kind, room, done < limit, behind < limit, times[limit - 1])
+        expanded(way, kind, room, unit)
+    for row in range(limit):
+        compare(way, row, out, again)
+    return limit
 
 
-def walk(way: Way, kind: Steps, start: Any, room: Room, times: Any, out: Any) -> int:
-    """The same once, in one kind of steps: how many times were reached."""
-    moved, count = len(way.tape[3]), 2 * way.half
-    for n in range(len(start)):
-        room.middles[n] = start[n]
+def compare(way: Way, row: int, out: Any, again: Any) -> None:
+    """A number that is not 0 at the beginning of a row of ``again`` that is not that of ``out``, else 0."""
+    wrong = 0.0
+    for part in range(2):
+        begin = (2 * row + part) * way.half
+        size, gap = 0.0, 0.0
+        for i in range(begin, begin + way.half):
+            size = max(size, abs(out[2 * i]))
+            rest = abs((out[2 * i] - again[2 * i]) + (out[2 * i + 1] - again[2 * i + 1]))
+            gap = rest if not rest <= gap else gap
+        if not gap <= AGREED * size:
+            wrong = 1.0
+    again[4 * row * way.half] = wrong
+
+
+def begun(way: Way, kind: Steps, room: Room) -> float:
+    """The series at the start, and the unit of their time."""
+    for n in range(len(way.start)):
+        room.middles[n] = way.start[n]
     # constants have no further coefficients
-    for n in range(len(room.wide)):
-        room.wide[n] = 0 * start[0]
-    for n in range(len(room.floats)):
-        room.floats[n] = 0.0
+    for n in range(len(way.start) * (kind.wide + 1)):
+        room.wide[n] = 0 * way.start[0]
+    for n in range(2 * len(way.start) * (kind.order + 1)):
+        room.rows_of_floats[n] = 0.0
+    for lane in range(2):
+        room.now[lane] = 0
     unit = unit_of_time(way, kind, room)
-    now, steps, step = 0 * start[0], 0, expanded(way, kind, room, unit)
-    last = times[len(times) - 1] / unit
-    for row in range(len(times)):
-        target = times[row] / unit
-        while abs(float(target - now)) > step:
-            # of coefficients that are no numbers a step is 0
-            if not abs(float(last - now)) < UNEVEN * (way.most - steps) * step:
-                return row
-            steps += 1
-            ahead = step if target > 0 else -step
-            put_powers(kind, room.powers, ahead + 0 * now)
-            for i in range(moved):
-                room.middles[i] = value(kind, room, i)
-            now = now + ahead
-            step = expanded(way, kind, room, unit)
-        if not step > 0:
+    expanded(way, kind, room, unit)
+    return unit
+
+
+def put_rows(
+    way: Way, kind: Steps, room: Room, lane: int, times: Any, unit: float, row: int, limit: int, out: Any
+) -> int:
+    """The rows of one walk from ``row`` on that its series reach: the first that they do not reach."""
+    count, step = 2 * way.half, room.steps[lane]
+    while row < limit:
+        ahead = times[row] / unit - room.now[lane]
+        if not (step > 0 and abs(float(ahead)) <= step):
             return row
-        put_powers(kind, room.powers, target - now)
+        put_ahead(room, lane, ahead)
+        put_powers(kind, room.powers, room.values[0], step == FARTHEST)
         for i in range(count):
-            out[row * count + i] = value(kind, room, i)
-    return len(times)
+            room.values[0] = value(kind, room, i)
+            out[2 * (row * count + i)] = room.rows_of_values[lane]
+            out[2 * (row * count + i) + 1] = room.rows_of_values[2 + lane]
+        row += 1
+    return row
 
 
-def expanded(way: Way, kind: Steps, room: Room, unit: float) -> float:
-    """The series about the state that is in ``room.middles``, in a unit of time; how far they reach, 0 where they are
-    no numbers.
+def goes_on(way: Way, room: Room, lane: int, last: float, steps: int) -> bool:
+    """Whether the last time is near enough to go there."""
+    # of coefficients that are no numbers a step is 0
+    return abs(float(last - room.now[lane])) < UNEVEN * (way.most - steps) * room.steps[lane]
+
+
+def step_ahead(way: Way, kind: Steps, room: Room, first: bool, second: bool, last: float) -> None:
+    """One step towards the last time, of the walks that go on."""
+    for lane in range(2):
+        goes = second if lane > 0 else first
+        step = room.steps[lane] if goes else 0.0
+        ahead = (step if last > 0 else -step) + 0 * room.now[lane]
+        put_ahead(room, lane, ahead)
+        room.now[lane] = room.now[lane] + ahead
+    put_powers(kind, room.powers, room.values[0], False)
+    for i in range(len(way.tape[3])):
+        room.middles[i] = value(kind, room, i)
+
+
+def put_ahead(room: Room, lane: int, ahead: Any) -> None:
+    """A distance of one walk into the first of the values."""
+    room.rows_of_values[lane] = float(ahead)
+    room.rows_of_values[2 + lane] = float(ahead - float(ahead))
+
+
+def put_powers(kind: Steps, powers: Any, ahead: Any, straight: bool) -> None:
+    """Those of ``ahead``, from 0 to the last that has a wide coefficient; 0 instead of all that count for nothing where
+    all is ``straight``, as the distance may be as large as a float.
     """
+    powers[0], powers[1] = 0 * ahead + 1, ahead
+    for k in range(2, kind.wide + 1):
+        powers[k] = 0 * ahead if straight else powers[k // 2] * powers[k - k // 2]
+
+
+def value(kind: Steps, room: Room, i: int) -> Any:
+    """Variable i at the distance from the middle of its series whose powers are in the room."""
+    first, last, powers = i * (kind.wide + 1), kind.wide, room.powers
+    rest = tail(room.floats, i * (kind.order + 1), last, kind.order, float(powers[1]), float(powers[2]))
+    total = plus_product(0 * powers[0], room.wide[first + last] + rest, powers[last])
+    for k in range(last - 1, -1, -1):
+        total = plus_product(total, room.wide[first + k], powers[k])
+    return total + 0
+
+
+def tail(floats: Any, first: int, wide: int, order: int, ahead: Any, square: Any) -> Any:
+    """The terms beyond the wide ones, over that power of ``ahead``."""
+    # in two sums, which do not wait for each other
+    even, odd = 0 * ahead, 0 * ahead
+    for k in range(order, wide + 1, -2):
+        even = even * square + floats[first + k]
+        odd = odd * square + floats[first + k - 1]
+    return (even * ahead + odd) * ahead
+
+
+def expanded(way: Way, kind: Steps, room: Room, unit: float) -> None:
+    """The series about the states that are in ``room.middles``, in a unit of time, and how far they reach."""
     kinds, left, right, rates = way.tape
     wide, order = kind.wide, kind.order
     for n in range(len(kinds)):
@@ -131,52 +211,32 @@ def expanded(way: Way, kind: Steps, room: Room, unit: float) -> float:
         for k in range(wide + 1 if n < len(rates) else wide):
             room.floats[n * (order + 1) + k] = float(room.wide[n * (wide + 1) + k])
     coefficients(kinds, left, right, rates, wide, order, unit, room.floats)
-    found, bent = FARTHEST, False
+    room.steps[0] = reach(way, order, kind.left_out, room.rows_of_floats, 0)
+    room.steps[1] = reach(way, order, kind.left_out * kind.coarser, room.rows_of_floats, 1)
+
+
+def reach(way: Way, order: int, left_out: float, floats: Any, lane: int) -> float:
+    """How far the series of a walk reach, 0 where they are no numbers."""
+    before, last, bent = 0.0, 0.0, False
     for i in range(2 * way.half):
         # each beside itself: what is small now may grow; what is 0 now, beside how it moves
-        first = i * (order + 1)
+        first = 2 * i * (order + 1) + lane
         size = 0.0
         for k in range(FIRST):
-            size = max(size, abs(room.floats[first + k]))
-            bent = bent or (k > 1 and room.floats[first + k] != 0)
-        for k in range(order - 1, order + 1):
-            ratio = abs(room.floats[first + k]) / size if size > 0 else 0.0
-            if not ratio < FARTHEST:
+            size = max(size, abs(floats[first + 2 * k]))
+            bent = bent or (k > 1 and floats[first + 2 * k] != 0)
+        if size > 0:
+            x, y = abs(floats[first + 2 * order - 2]) / size, abs(floats[first + 2 * order]) / size
+            if not (x < FARTHEST and y < FARTHEST):
                 return 0.0
-            if ratio > 0:
-                found = min(found, exp((log(kind.left_out) - log(ratio)) / k))
+            before, last = max(before, x), max(last, y)
+    found = FARTHEST
+    if before > 0:
+        found = exp((log(left_out) - log(before)) / (order - 1))
+    if last > 0:
+        found = min(found, exp((log(left_out) - log(last)) / order))
     # where all is straight there is no end; else the last coefficients are below the range of floats
     return 0.0 if bent and found == FARTHEST else found
-
-
-def value(kind: Steps, room: Room, i: int) -> Any:
-    """Variable i at the distance from the middle of its series whose powers are in the room."""
-    first, last, powers = i * (kind.wide + 1), kind.wide, room.powers
-    rest = tail(room.floats, i * (kind.order + 1), last, kind.order, float(powers[1]))
-    total = plus_product(0 * powers[0], room.wide[first + last] + rest, powers[last])
-    for k in range(last - 1, -1, -1):
-        total = plus_product(total, room.wide[first + k], powers[k])
-    return total + 0
-
-
-def put_powers(kind: Steps, powers: Any, ahead: Any) -> None:
-    """Those of ``ahead``, from 0 to the last that has a wide coefficient; 0 for what is no float: only where all is
-    straight steps are so long.
-    """
-    powers[0], powers[1] = 0 * ahead + 1, ahead
-    for k in range(2, kind.wide + 1):
-        power = powers[k // 2] * powers[k - k // 2]
-        powers[k] = power if abs(float(power)) < FARTHEST else 0 * ahead
-
-
-def tail(floats: Any, first: int, wide: int, order: int, ahead: float) -> float:
-    """The terms beyond the wide ones, over that power of ``ahead``."""
-    # in two sums, which do not wait for each other
-    even, odd, square = 0.0, 0.0, ahead * ahead
-    for k in range(order, wide + 1, -2):
-        even = even * square + floats[first + k]
-        odd = odd * square + floats[first + k - 1]
-    return (even * ahead + odd) * ahead
 
 
 def unit_of_time(way: Way, kind: Steps, room: Room) -> float:
@@ -201,5 +261,5 @@ def largest(way: Way, kind: Steps, room: Room, begin: int, k: int) -> float:
     """The largest coefficient k of q, or of p, which begin at ``begin``."""
     found = 0.0
     for i in range(begin, begin + way.half):
-        found = max(found, abs(room.floats[i * (kind.order + 1) + k]))
+        found = max(found, abs(room.rows_of_floats[2 * (i * (kind.order + 1) + k)]))
     return found

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from integrable.series.short import Room, Steps, Way, walked_twice
-from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, WIDES, TupleKind, record
+from jacobian.native.kinds import FLOAT, FLOATS, INT, INTS, TWIN_FLOATS, TWIN_WIDES, WIDES, TupleKind, record
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
-WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT, WIDES, WIDES)
-STEPS, ROOM = record(Steps, INT, INT, FLOAT), record(Room, WIDES, WIDES, FLOATS, WIDES)
+WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT, TWIN_WIDES)
+STEPS = record(Steps, INT, INT, FLOAT, FLOAT)
+ROOM = record(Room, TWIN_WIDES, TWIN_WIDES, TWIN_FLOATS, TWIN_WIDES, TWIN_WIDES, FLOATS, FLOATS, WIDES, FLOATS)
 LIBRARY = Library(
     "short_series",
-    {"walked_twice": (walked_twice, (WAY, STEPS, STEPS, ROOM, FLOATS, WIDES, WIDES))},
+    {"walked_twice": (walked_twice, (WAY, STEPS, ROOM, FLOATS, FLOATS, FLOATS))},
     SPECIAL,
 )

@@ -8,28 +8,36 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# rounds of a loop that are done at once (:func:`jacobian.numbers.abreast.abreast`)
-LANES = 8
+# rounds of a loop that are done at once (:func:`jacobian.numbers.abreast.abreast`), and numbers of an array that go
+# together (:data:`jacobian.native.kinds.TWIN_WIDES`)
+LANES, TWO = 8, 2
 
 
 class Types(NamedTuple):
-    """What LLVM calls a float, an integer and a bit, or :data:`LANES` of them, and what names of functions end in."""
+    """What LLVM calls a float, an integer and a bit, or ``lanes`` of them, and what names of functions end in."""
 
     double: str
     word: str
     bit: str
     suffix: str
     mark: str
+    lanes: int
 
 
-SINGLE = Types("double", "i64", "i1", "f64", "")
-_DOUBLE, _WORD, _BIT = (f"<{LANES} x {leaf}>" for leaf in SINGLE[:3])
-ABREAST = Types(_DOUBLE, _WORD, _BIT, f"v{LANES}f64", ".abreast")
+SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
-def repeated(leaf: str, literal: str) -> str:
+def _types_in(n: int) -> Types:
+    double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
+    return Types(double, word, bit, f"v{n}f64", f".abreast{n}", n)
+
+
+TYPES = {1: SINGLE, TWO: _types_in(TWO), LANES: _types_in(LANES)}
+
+
+def repeated(leaf: str, literal: str, lanes: int) -> str:
     """A constant in all lanes."""
-    return f"<{', '.join([f'{leaf} {literal}'] * LANES)}>"
+    return f"<{', '.join([f'{leaf} {literal}'] * lanes)}>"
 
 
 def constant(x: float) -> str:
@@ -62,7 +70,7 @@ class Code:
 
     def literal(self, leaf: str, text: str) -> str:
         """A constant of a scalar type, or in all lanes."""
-        return text if self.types is SINGLE else repeated(leaf, text)
+        return text if self.types is SINGLE else repeated(leaf, text, self.types.lanes)
 
     @property
     def one(self) -> str:
@@ -113,7 +121,7 @@ def wide_functions() -> str:
     has them.
     """
     texts = []
-    for types in (SINGLE, ABREAST):
+    for types in TYPES.values():
         double, pairs = types.double, f"{{{types.double}, {types.double}}}"
         for name, (emit, count) in FUNCTIONS.items():
             code = Code(types)

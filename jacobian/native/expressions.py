@@ -269,7 +269,7 @@ class Expressions(Operators):
         parts = [self.write(f"load {leaf}, ptr {address.parts[0]}, align 8")]
         if len(item.leaves) == 2:
             beside = self.write(f"getelementptr inbounds {leaf}, ptr {address.parts[0]}, i64 1")
-            parts.append(self.write(f"load {leaf}, ptr {beside}"))
+            parts.append(self.write(f"load {leaf}, ptr {beside}, align 8"))
         return Value(item, tuple(parts))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:

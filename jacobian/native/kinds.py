@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from jacobian.native.code import LANES
+from jacobian.native.code import LANES, TWO
 
 
 class CompileError(TypeError):
@@ -29,6 +29,7 @@ class Kind:
     """Kinds of numbers meet in the one of higher rank."""
     single: Any = None
     """What every lane holds, of a kind of values abreast."""
+    lanes: int = 1
 
 
 BOOL = Kind("bool", ("i1",), 0)
@@ -39,20 +40,21 @@ LONG = Kind("long", ("i128",), 4)
 """A natural number below 2^128."""
 NONE = Kind("None", ())
 _ABREAST = {
-    kind: Kind(f"{kind.name} abreast", tuple(f"<{LANES} x {leaf}>" for leaf in kind.leaves), kind.rank, kind)
+    (kind, n): Kind(f"{n} {kind.name} abreast", tuple(f"<{n} x {leaf}>" for leaf in kind.leaves), kind.rank, kind, n)
     for kind in (BOOL, INT, FLOAT, WIDE)
+    for n in (TWO, LANES)
 }
 
 
-def abreast(kind: Any) -> Any:
+def abreast(kind: Any, lanes: int = LANES) -> Any:
     """The kind of as many values as there are lanes; of a tuple, of all that is in it."""
     if isinstance(kind, TupleKind):
-        return TupleKind(tuple(map(abreast, kind.items)), kind.named)
-    if is_abreast(kind):
+        return TupleKind(tuple(abreast(item, lanes) for item in kind.items), kind.named)
+    if is_abreast(kind) and kind.lanes == lanes:
         return kind
-    if kind not in _ABREAST:
-        raise CompileError(f"no {kind} abreast")
-    return _ABREAST[kind]
+    if (kind, lanes) not in _ABREAST:
+        raise CompileError(f"no {kind} abreast in {lanes} lanes")
+    return _ABREAST[kind, lanes]
 
 
 def is_abreast(kind: Any) -> bool:
@@ -85,7 +87,7 @@ class ArrayKind:
     @cached_property
     def axes(self) -> int:
         """Its axes there."""
-        return self.ndim + (self.parts == 2)
+        return self.ndim + (self.parts > 1)
 
     @property
     def memory(self) -> str:
@@ -97,6 +99,11 @@ INTS, FLOATS, WIDES = ArrayKind(INT), ArrayKind(FLOAT), ArrayKind(WIDE, parts=2)
 HIGHS = ArrayKind(FLOAT, parts=2)
 """The high parts of double-doubles."""
 LONGS = ArrayKind(LONG, parts=2)
+TWIN_FLOATS = ArrayKind(_ABREAST[FLOAT, TWO], parts=TWO)
+TWIN_WIDES = ArrayKind(_ABREAST[WIDE, TWO], parts=2 * TWO)
+"""Items of two numbers each, on which the same is done at once: of floats (x, y), of double-doubles (x_hi, y_hi, x_lo,
+y_lo).
+"""
 
 
 @dataclass(frozen=True)
@@ -190,13 +197,21 @@ def is_number(kind: Any) -> bool:
     return isinstance(kind, Kind) and kind.rank >= 0
 
 
+def together_in(*kinds: Any) -> int:
+    """How many lanes numbers of these kinds take together, 1 where none is abreast."""
+    found = {kind.lanes for kind in kinds if is_abreast(kind)}
+    if len(found) > 1:
+        raise CompileError("numbers in different lanes")
+    return found.pop() if found else 1
+
+
 def meeting(first: Any, second: Any) -> Any:
     """The kind in which values of both are held; CompileError where there is none."""
     if first == second:
         return first
     if is_number(first) and is_number(second):
         if is_abreast(first) or is_abreast(second):
-            return abreast(meeting(single(first), single(second)))
+            return abreast(meeting(single(first), single(second)), together_in(first, second))
         return first if first.rank > second.rank else second
     if isinstance(first, TupleKind) and isinstance(second, TupleKind) and len(first.items) == len(second.items):
         named = first.named if first.named is second.named else None

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from jacobian.native.code import wide_functions
-from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value
+from jacobian.native.kinds import NONE, WIDE, ArrayKind, CompileError, TupleKind, Value, single
 from jacobian.native.operators import DECLARED
 from jacobian.native.statements import Statements, returned_type
 
@@ -133,4 +133,4 @@ def _origins(module: str) -> dict[str, str]:
 def _has_wide(kind: Any) -> bool:
     if isinstance(kind, TupleKind):
         return any(map(_has_wide, kind.items))
-    return kind is WIDE or (isinstance(kind, ArrayKind) and kind.item is WIDE)
+    return single(kind) is WIDE or (isinstance(kind, ArrayKind) and single(kind.item) is WIDE)
