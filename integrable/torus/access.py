@@ -155,7 +155,7 @@ class TorusFlow(Corners):
         # where branch points had been close together, the flow's own centre is far from all of them
         far = self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
-        room, points = Room(*map(loops.room, (TERMS, TERMS, 9))), loops.room(10 * len(tau))
+        room, points = Room(*map(loops.room, (TERMS, TERMS, 9, 0))), loops.room(10 * len(tau))
         loops.reached(loops.packed(line), tau, room, points, out)
         return out.reshape(-1, 6)
 

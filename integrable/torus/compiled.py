@@ -34,7 +34,7 @@ KINDS: dict[Any, TupleKind] = {
         _CURVE,
         _SMALL,
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
-        record(Room, WIDES, WIDES, WIDES),
+        record(Room, WIDES, WIDES, WIDES, WIDES),
         record(Line, _CURVE, WIDES, WIDES, WIDES, _FLOATS, BOOL),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
         record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),

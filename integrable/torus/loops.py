@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 # steps from a float to a double-double number
 NEWTON_PASSES = 1
 # terms of a power series that bring 32 digits within reach
-SERIES = 85
+SERIES = 72
 # terms of the polynomials of a direction for 25 digits, those that a digit beyond them takes, and the bits that a term
 # costs where values become coefficients
 TERMS = 18
@@ -113,7 +113,7 @@ class ReadableLoops:
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
         """:func:`integrable.torus.tables.directions`."""
-        room = Room(*map(self.room, (self._series, self._series, 9)))
+        room = Room(*map(self.room, (self._series, self._series, 9, 10 * (len(nodes) + 2))))
         with self.reals:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
@@ -278,5 +278,5 @@ class CompiledLoops:
         return self.survey_rows(motion, short, np.array(points), out)
 
     def directions(self, motion: Any, chart: Any, parts: Any, nodes: Any, tables: Any, halves: Any) -> None:
-        room = Room(*map(self.room, (SERIES, SERIES, 9)))
+        room = Room(*map(self.room, (SERIES, SERIES, 9, 10 * (len(nodes) + 2))))
         self.direction_rows(motion, chart, parts, np.array(nodes), NEWTON_PASSES, room, tables, halves)

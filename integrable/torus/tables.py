@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import floor, log2
 from typing import Any, NamedTuple
 
-from integrable.moving_point.addition import near_identity, put
+from integrable.moving_point.addition import moving_point, near_identity, put
 from integrable.moving_point.translations import power_series
 from integrable.torus.survey import about_centre
 from jacobian.numbers.abreast import abreast
@@ -16,11 +16,12 @@ Row = Any
 
 
 class Room(NamedTuple):
-    """Room for two power series, and for nine numbers."""
+    """Room for two power series, for nine numbers, and for a moving point at each node and two more."""
 
     series: Row
     roots: Row
     numbers: Row
+    points: Row
 
 
 class Expansion(NamedTuple):
@@ -35,8 +36,8 @@ class Expansion(NamedTuple):
 
 
 class SmallSteps(NamedTuple):
-    """Translations inside a cell: ``axes`` those of κ = 1, ``tables`` two of :func:`direction` of 4·``terms`` numbers,
-    one for either centre, ``parts`` (p, q, r, s): the translation by (a, b) in periods takes the parts pa + qb and
+    """Translations inside a cell: ``axes`` those of κ = 1, ``tables`` those of :func:`directions`, 4·``terms`` numbers
+    for either centre, ``parts`` (p, q, r, s): the translation by (a, b) in periods takes the parts pa + qb and
     ra + sb of both reaches.
     """
 
@@ -50,22 +51,38 @@ class SmallSteps(NamedTuple):
 def directions(
     motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: Room, tables: Row, halves: Row
 ) -> None:
-    """:func:`direction` about either centre, one after the other into ``tables``, and into ``halves`` the translations
-    by half a cell in either direction, both parts of the first, then of the second.
+    """Polynomials of T(s) about either centre, |s| ≤ reach, one after the other into ``tables``, and into ``halves``
+    the translations by half a cell in either direction, both parts of the first, then of the second.
 
-    ``motion`` is as for :func:`integrable.torus.survey.survey`, ``chart`` a
-    :class:`~integrable.torus.lattice.Chart`; ``passes`` are those of Newton.
+    With x = s/reach and z = x² the points of T are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z)
+    about the centre c: those of p, q, t, v one after the other, from their values at ``nodes`` of z. ``motion`` is as
+    for :func:`integrable.torus.survey.survey`, ``chart`` a :class:`~integrable.torus.lattice.Chart`; ``passes`` are
+    those of Newton.
     """
+    size, points = len(nodes), room.points
     for k in range(2):
-        centre = chart.centres[k]
+        centre, first = chart.centres[k], 4 * len(nodes) * k
         about = expansion(motion, centre, room, passes)
-        reach = chart.reaches[k] / about.unit + 0 * about.f0
-        for n in abreast(0, 2):
-            x = parts[2 * k + n] * (0.5 / chart.cells[n])
-            put(recentred(near_centre(about, reach * x), about.axes, centre, about.unit), halves, 20 * n + 10 * k)
-        direction(about, reach, nodes, 4 * len(nodes) * k, tables)
+        unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
+        # those of the halves beside those of the nodes: they fill the last lanes
+        for n in abreast(0, size + 2):
+            beyond = max(0, n - size)
+            x = root(nodes[min(n, size - 1)] + 0 * reach)
+            if n >= size:
+                x = parts[2 * k + beyond] * (0.5 / chart.cells[beyond])
+            put(near_centre(about, reach * x), points, 10 * n)
+        for n in abreast(0, size):
+            step, x, place = moving_point(points, 10 * n), root(nodes[n] + 0 * reach), first + n
+            m = -step[1] / 2
+            tables[place] = m * unit / nodes[n]
+            tables[place + size] = (m * m - step[0]) * (unit * unit) / nodes[n]
+            tables[place + 2 * size] = step[3] / unit * x
+            tables[place + 3 * size] = step[2] / x
+        for n in range(2):
+            step = moving_point(points, 10 * (size + n))
+            put(recentred(step, about.axes, centre, unit), halves, 20 * n + 10 * k)
     for part in abreast(0, 8):
-        to_powers(nodes, tables, len(nodes) * part)
+        to_powers(nodes, tables, size * part)
 
 
 def expansion(motion: Row, centre: Real, room: Room, passes: int) -> Expansion:
@@ -114,24 +131,6 @@ def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
 def alike(x: Real, size: Real) -> Real:
     """``size`` with the sign of x."""
     return -size if x < 0 else size
-
-
-def direction(about: Expansion, reach: Real, nodes: Row, begin: int, table: Row) -> None:
-    """Polynomials of T(s) in one direction, |s| ≤ reach, by their values at ``nodes`` into ``table`` from ``begin`` on:
-    with x = s/reach and z = x² its points are c + m ± √r, m = z·p(z), r = z·q(z), and V' = (x − c)·t(z)/x + x·v(z);
-    those of p, q, t, v one after the other.
-
-    ``about`` and ``reach`` are taken about the centre c in units of ``about.unit``; ``nodes`` are values of z.
-    """
-    size, unit = len(nodes), about.unit
-    for n in abreast(0, size):
-        x = root(nodes[n] + 0 * reach)
-        step = near_centre(about, reach * x)
-        m = -step[1] / 2
-        table[begin + n] = m * unit / nodes[n]
-        table[begin + size + n] = (m * m - step[0]) * (unit * unit) / nodes[n]
-        table[begin + 2 * size + n] = step[3] / unit * x
-        table[begin + 3 * size + n] = step[2] / x
 
 
 def to_powers(nodes: Row, table: Row, first: int) -> None:

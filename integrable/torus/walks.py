@@ -32,6 +32,8 @@ Row = Any
 IDENTITY = 1e-30
 # translations that are conditioned worse than this are made in two parts
 LEAST_CONDITION = 0.02
+# a translation that is conditioned so nearly as well as the best can be is the one
+NEARLY = 0.5
 # the count of a point of a grid that is on a coarser one already
 KNOWN = -1
 
@@ -191,6 +193,9 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
+        # none is better than its parts, which do not become better
+        if best >= NEARLY * trust:
+            break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
         trust = min(trust, later, conditioning(first), conditioning(second))
     return chosen, lower, parts

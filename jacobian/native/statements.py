@@ -126,6 +126,7 @@ class Statements(Expressions):
             row = self.value(target.value)
             if not isinstance(row.kind, ArrayKind):
                 raise CompileError("items of arrays only are assigned to")
+            self.stored_by_all()
             self.put(row, self.address(row, target.slice), value)
         else:
             raise CompileError(f"{type(target).__name__} on the left of =")
@@ -143,6 +144,7 @@ class Statements(Expressions):
         operator = type(node.op).__name__
         if isinstance(node.target, ast.Subscript):
             row = self.value(node.target.value)
+            self.stored_by_all()
             address = self.address(row, node.target.slice)
             self.put(row, address, self.binary(operator, self.element(row, address), self.value(node.value)))
         else:
@@ -254,6 +256,11 @@ class Statements(Expressions):
         self.go(self.loops[-1][1])
         self.loops[-1].append("broken")
         self.open = False
+
+    def stored_by_all(self) -> None:
+        """CompileError where only some lanes are here: what the others hold would be stored too."""
+        if self.mask is not None:
+            raise CompileError("some lanes only store to an array")
 
     def all_lanes(self) -> None:
         """CompileError where only some lanes are here."""

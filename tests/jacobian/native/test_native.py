@@ -27,6 +27,7 @@ from jacobian.native.kinds import (
 )  # fmt: skip
 from jacobian.native.library import Library, Packed
 from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
 from jacobian.numbers.double_double import pack, unpack
 from jacobian.numbers.roots import negligible, root
 from jacobian.numbers.sums import plus_product
@@ -357,6 +358,12 @@ def into_integers(counts):
     counts[0] = 0.5
 
 
+def some_lanes_store(row):
+    for i in abreast(0, len(row)):
+        if row[i] > 0:
+            row[i] = 0.0
+
+
 @pytest.mark.parametrize(
     ("function", "kind", "words"),
     [
@@ -366,6 +373,7 @@ def into_integers(counts):
         (recursive, INT, "calls itself"),
         (negative_index, FLOATS, "negative indices"),
         (into_integers, INTS, "into an array of"),
+        (some_lanes_store, FLOATS, "some lanes only store"),
         (long_and_float, LONG, "for Kind"),
         (long_quotient, LONG, "FloorDiv of longs"),
     ],
