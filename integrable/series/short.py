@@ -80,10 +80,10 @@ def walked_twice(way: Way, kind: Steps, room: Room, times: Any, out: Any, again:
     unit, steps = begun(way, kind, room), 0
     done, behind, limit = 0, 0, len(times)
     while True:
-        done = put_rows(way, kind, room, 0, times, unit, done, limit, out)
+        done = put_rows(way, kind, room, 0, times[:limit], unit, done, out)
         if done < limit and not goes_on(way, room, 0, times[limit - 1] / unit, steps):
             limit = done
-        behind = put_rows(way, kind, room, 1, times, unit, behind, limit, again)
+        behind = put_rows(way, kind, room, 1, times[:limit], unit, behind, again)
         if behind < limit and not goes_on(way, room, 1, times[limit - 1] / unit, steps):
             limit = behind
         if behind >= limit and done >= limit:
@@ -127,12 +127,10 @@ def begun(way: Way, kind: Steps, room: Room) -> float:
     return unit
 
 
-def put_rows(
-    way: Way, kind: Steps, room: Room, lane: int, times: Any, unit: float, row: int, limit: int, out: Any
-) -> int:
+def put_rows(way: Way, kind: Steps, room: Room, lane: int, times: Any, unit: float, row: int, out: Any) -> int:
     """The rows of one walk from ``row`` on that its series reach: the first that they do not reach."""
     count, step = 2 * way.half, room.steps[lane]
-    while row < limit:
+    while row < len(times):
         ahead = times[row] / unit - room.now[lane]
         if not (step > 0 and abs(float(ahead)) <= step):
             return row
