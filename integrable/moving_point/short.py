@@ -21,6 +21,7 @@ from math import floor, frexp, ldexp
 from integrable.moving_point.addition import moving_point, put
 from integrable.moving_point.short_reading import drift, read_off
 from integrable.moving_point.short_rows import (
+    AHEAD,
     BEGIN,
     CLOSE,
     DOUBLINGS,
@@ -33,9 +34,11 @@ from integrable.moving_point.short_rows import (
     MOST_GROWN,
     OFF,
     PANEL,
+    POINT,
     RADIAN,
     RATE,
     REACH,
+    SHADOW,
     START,
     TAU_UNIT,
     TIME_UNIT,
@@ -49,13 +52,12 @@ from integrable.moving_point.short_rows import (
 from integrable.moving_point.short_start import at_start, cast_shadow, scaled, set_up
 from integrable.moving_point.short_steps import (
     doubled,
+    go_ahead,
     looked_at,
     moved,
     node_steps,
     node_values,
     panel_steps,
-    put_on_pairs,
-    shadow_moved,
     wide_values,
 )  # fmt: skip
 
@@ -100,8 +102,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     if too_far(room, request, h, request.most // CAREFUL if careful else request.most):
         return FAR
     if one_by_one(room, request):
-        cast_shadow(room, given, tilted, h)
-        set_up(given, tilted, wide, room.points, numbers, room.point)
+        cast_shadow(wide, room.ahead)
     if not panel_steps(room, h):
         return LOST
     status = both_ways(room, rule, request, h, careful)
@@ -201,20 +202,20 @@ def centre_given(room: Room, request: Request, n: int, sign: int) -> tuple[int, 
     if first >= last:
         return FAR, DOUBLINGS
     put(moving_point(request.centres, 10 * first), room.points, 0)
-    looked_at(room.wide, room.points, 0, room.point)
+    looked_at(room.wide, room.points, 0, room.point, 0)
     return 0, DOUBLINGS
 
 
 def centre_after(room: Room, n: int, sign: int) -> tuple[int, int]:
-    """The same by one addition to the centre before: LOST where wide numbers have too few digits for that."""
-    if n == 0:
-        moved(room.wide, room.points, START, room.steps, HALF, sign, 0, room.point)
-    else:
-        table_panels(room, 0)
-        moved(room.wide, room.points, FIRST + DOUBLINGS, room.steps, PANEL, sign, 0, room.point)
-    put_on_pairs(room.wide, room.points, 0)
-    looked_at(room.wide, room.points, 0, room.point)
-    return 0 if shadow_moved(room, n == 0, sign) <= APART else LOST, DOUBLINGS
+    """The same by one addition to a centre before: LOST where wide numbers have too few digits for that."""
+    place = (n + AHEAD - 1) % AHEAD
+    if n == 0 or place == 0:
+        go_ahead(room, n == 0, sign)
+    put(moving_point(room.ahead, 10 * place), room.points, 0)
+    for i in range(POINT):
+        if not BEGIN <= i < OFF:
+            room.point[i] = room.seen[POINT * place + i]
+    return 0 if room.seen[POINT * place + SHADOW] <= APART else LOST, DOUBLINGS
 
 
 def centre_of(room: Room, n: int, sign: int) -> int:

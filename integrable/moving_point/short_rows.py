@@ -23,16 +23,21 @@ ORDERS, WIDE_ORDERS, ORDER_BITS = 14, 8, 7.7
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
 MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE, RADIAN = 21, 22, 23, 24, 26, 33, 34, 35
 NUMBERS = 36
-# in ``wide``: f, the axes, the start, then the units of τ and of physical time
-TAU_UNIT, TIME_UNIT = 24, 25
-WIDE = 26
+# in ``wide``: f, the axes, the start, then the units of τ and of physical time, and r_i = I_i/(I_i + d)
+TAU_UNIT, TIME_UNIT, CONTACT = 24, 25, 26
+WIDE = 29
 # in ``point``: ten numbers of a moving point, 1/g there; γ and w of the start; how far off H2 is at the point
 RATE, BEGIN, OFF = 10, 11, 17
+# and of centres that are ahead how far their shadows are off them, and by what part an addition was
+SHADOW, MOVED = 11, 12
+POINT = OFF + 1
 # rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
 FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
 POINTS = START + 1
-# in ``shadow``: f and the axes, its start, where it is, and its translations by half a panel and a whole one
-SHADOW_START, SHADOW_AT, SHADOW_HALF, SHADOW_PANEL, SHADOW = 14, 24, 34, 44, 54
+# beside a separatrix so many centres are made at once, each with its shadow: those of all lanes of a processor. Rows of
+# ``ahead``: the centres, the shadows, and the two starts
+AHEAD = 4
+AHEAD_POINTS = 2 * AHEAD + 2
 # rows of wide translations, each twice the one before: by h, from there down by h/2^l and up by 2^k panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
 # the positive nodes of a panel, by one addition each, first those of (a, b), 2^−a and 2^−|b| more, or less where b < 0,
@@ -71,14 +76,18 @@ class Room(NamedTuple):
     """The same in floats."""
     series: Expansion
     """Coefficients of translations (:func:`integrable.moving_point.translations.expand`)."""
-    shadow: Row
-    """A motion beside this one, in wide numbers (:func:`integrable.moving_point.short_start.cast_shadow`)."""
+    ahead: Row
+    """The next centres beside a separatrix and those of a motion that begins beside this one, in wide numbers
+    (:func:`integrable.moving_point.short_steps.go_ahead`).
+    """
     made: Row
     """How many translations by 2^k panels there are, for how many levels there are nodes, at which level the finest
     translation is, what all panels have cost, in those of floats that are not halved, and how often half a panel has
     been doubled (:func:`integrable.moving_point.short.first_half`).
     """
     point: Row
+    seen: Row
+    """The same of the centres that are ahead."""
     values: Row
     rates: Row
     slowness: Row
@@ -124,8 +133,8 @@ class Request(NamedTuple):
 # numbers in a room: integers, wide ones and floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 7 * ORDERS + SHADOW
-FLOATS = NUMBERS + NODE_STEPS + OFF + 1 + 9 * NODES + 1 + 9
+WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS
+FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
@@ -133,16 +142,17 @@ def new_room(wide: Row, floats: Row, made: Row) -> Room:
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + DOUBLINGS)
     series = nodes + NODE_STEPS
-    shadow = series + 7 * ORDERS
+    ahead = series + 7 * ORDERS
     point = NUMBERS + NODE_STEPS
-    values = point + OFF + 1
+    seen = point + POINT
+    values = seen + 2 * AHEAD * POINT
     last = values + 9 * NODES + 1
     return Room(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
-        floats[NUMBERS:point], expansion_of(wide[series:shadow]), wide[shadow:], made,
-        floats[point:values], floats[values : values + 6 * NODES], floats[values + 6 * NODES : values + 7 * NODES],
-        floats[values + 7 * NODES : values + 8 * NODES], floats[values + 8 * NODES : last], floats[last : last + 6],
-        floats[last + 6 :],
+        floats[NUMBERS:point], expansion_of(wide[series:ahead]), wide[ahead:], made,
+        floats[point:seen], floats[seen:values], floats[values : values + 6 * NODES],
+        floats[values + 6 * NODES : values + 7 * NODES], floats[values + 7 * NODES : values + 8 * NODES],
+        floats[values + 8 * NODES : last], floats[last : last + 6], floats[last + 6 :],
     )  # fmt: skip
 
 

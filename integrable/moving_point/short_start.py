@@ -9,38 +9,31 @@ from typing import Any
 
 from integrable.moving_point.addition import moving_point, put, rate_at
 from integrable.moving_point.short_rows import (
+    AHEAD,
     BEGIN,
     CLOCK,
     CLOSE,
+    CONTACT,
     FIRST_RATE,
-    GIVEN,
-    HALF,
     INVARIANTS,
     LIFT,
     MATRIX,
     MOMENTUM,
     MOST_GROWN,
-    PANEL,
     PHYSICAL,
     RADIAN,
     REACH,
-    SHADOW_HALF,
-    SHADOW_PANEL,
-    SHADOW_START,
     SHAPE,
     START,
     TAU_UNIT,
     TIME_UNIT,
-    Room,
     axes_of,
 )  # fmt: skip
-from integrable.moving_point.short_steps import doubled, gamma_and_w, panel_steps
+from integrable.moving_point.short_steps import OFF_BY, contact_of, framed, gamma_and_w, levelled, on_pairs
 from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
-# what the inputs of a shadow are off by, of their size: more than some additions in double-doubles
-OFF_BY = 2.0**-99
 
 
 def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point: Row) -> None:
@@ -56,6 +49,7 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     contact = (I0 * a[0], I1 * a[1], I2 * a[2])
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     ratio = curve(given, a, (contact, e), gamma, M, wide)
+    wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2] = contact
     # physical time is counted in units of s: what is left of the clock is 1 on the mean, to the last digit
     wide[12], wide[13] = 1 + 0 * s, d * k * s / p * top * spin
     moving_start(a, (contact, e), gamma, M, spin, wide)
@@ -79,24 +73,19 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     growth(float(ratio), float(e * top), numbers)
 
 
-def cast_shadow(room: Room, given: Row, tilted: bool, h: float) -> None:
-    """Into ``room.shadow`` the same motion from inputs that are off by :data:`OFF_BY`, by way of the rows of the motion
-    itself.
-    """
-    beside, gamma, M = room.shadow[:GIVEN], 0 * given[4], 0 * given[7]
+def cast_shadow(wide: Row, ahead: Row) -> None:
+    """The start, and one whose pairs are off by :data:`OFF_BY`, into the last two rows of ``ahead``."""
+    start, beside, r = 20 * AHEAD, 20 * AHEAD + 10, contact_of(wide)
+    sigma, nu = 0 * wide[14], 0 * wide[14]
     for i in range(3):
-        gamma, M = gamma + abs(given[4 + i]), M + abs(given[7 + i])
-    for i in range(GIVEN):
-        size = given[i] if i < 4 else gamma if i < 7 else M
-        beside[i] = given[i] + size * ((1 + i * i % 7) * OFF_BY)
-    set_up(beside, tilted, room.wide, room.points, room.numbers, room.point)
-    panel_steps(room, h)
-    doubled(room.wide, room.steps, PANEL)
-    for i in range(SHADOW_START):
-        room.shadow[i] = room.wide[i]
-    put(moving_point(room.points, 10 * START), room.shadow, SHADOW_START)
-    put(moving_point(room.steps, 10 * HALF), room.shadow, SHADOW_HALF)
-    put(moving_point(room.steps, 10 * PANEL), room.shadow, SHADOW_PANEL)
+        sigma, nu = sigma + abs(wide[18 + i]), nu + abs(wide[21 + i])
+    for i in range(10):
+        ahead[start + i] = wide[14 + i]
+    for i in range(3):
+        ahead[beside + 4 + i] = wide[18 + i] + sigma * ((1 + i) * OFF_BY)
+        ahead[beside + 7 + i] = wide[21 + i] + nu * ((5 - i * i) * OFF_BY)
+    x, y, _ = framed(wide, r, moving_point(ahead, beside))
+    put(on_pairs(wide, r, x, levelled(wide, r, x, y, OFF_BY)), ahead, beside)
 
 
 def made_upright(given: Row, a: Any, tilted: bool, numbers: Row) -> tuple[Any, Any, Any, Any]:

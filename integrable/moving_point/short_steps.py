@@ -19,17 +19,19 @@ from integrable.moving_point.addition import (
     settled_pair,
 )
 from integrable.moving_point.short_rows import (
+    AHEAD,
+    CONTACT,
     FINEST,
     HALF,
     LOT,
+    MOVED,
     OFF,
     ORDER_BITS,
     ORDERS,
+    PANEL,
+    POINT,
     RATE,
-    SHADOW_AT,
-    SHADOW_HALF,
-    SHADOW_PANEL,
-    SHADOW_START,
+    SHADOW,
     WIDE_ORDERS,
     Room,
     Row,
@@ -42,6 +44,11 @@ from integrable.moving_point.translations import Expansion, expand, high_parts
 from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
+
+# what a shadow begins off the motion by, of its size: more than some additions in double-doubles
+OFF_BY = 2.0**-99
+# squares of slopes, beside their size, where a turn is half as long as it would have to be
+LEAST_SLOPE = 2.0**-16
 
 
 def panel_steps(room: Room, h: float) -> bool:
@@ -159,7 +166,7 @@ def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int
     for i in abreast(0, 3):
         x, y, sigma, nu = points[before + 4 + i], points[before + 7 + i], steps[by + 4 + i], sign * steps[by + 7 + i]
         points[there + 4 + i], points[there + 7 + i] = pair(wide[6 + i], wide[9 + i], x, y, sigma, nu, transfer)
-    looked_at(wide, points, target, point)
+    looked_at(wide, points, target, point, 0)
 
 
 def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: int) -> Any:
@@ -173,58 +180,162 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
     return divisor, transfer
 
 
-def put_on_pairs(wide: Row, points: Row, place: int) -> None:
-    """The divisor of the point at ``place`` as its pairs at the middle and the last axis have it: κσ² = U, κσν = V.
+def steps_ahead(room: Room) -> None:
+    """The translations by 1 … :data:`AHEAD` panels, one after the other."""
+    wide = room.wide
+    # what r_i is where κ = 1
+    r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
+    for k in range(1, AHEAD + 1):
+        # twice by half as many, or half a panel; or by one more than the last
+        if k == 1:
+            origin, by = HALF, HALF
+        elif k & 1 == 0:
+            origin, by = PANEL + k // 2 - 1, PANEL + k // 2 - 1
+        else:
+            origin, by = PANEL + k - 2, PANEL
+        there = carried(
+            curve_of(wide), unit_axes(wide), moving_point(room.steps, 10 * origin), moving_point(room.steps, 10 * by)
+        )
+        x, y, _ = framed(wide, r, there)
+        put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), room.steps, 10 * (PANEL + k - 1))
+    room.made[0] = AHEAD
 
-    Where a point of it passes a node, x − e is lost to rounding as the square of σ. From there errors of U and V would
-    grow like the square of those that inputs have, while an addition keeps the digits of small pairs.
+
+def go_ahead(room: Room, first: bool, sign: int) -> None:
+    """The centre of the ``first`` panel, or those of the panels after the last that was made, with their shadows; and
+    into ``seen`` what there is to see at them.
     """
-    low, high = 0, 0
-    for i in range(1, 3):
-        low = i if float(wide[6 + i] - wide[6 + low]) < 0 else low
-        high = i if not float(wide[6 + i] - wide[6 + high]) < 0 else high
-    middle = 3 - low - high
-    a, b, p, q = wide[6 + middle], wide[6 + high], place + 4 + middle, place + 4 + high
-    x, y = wide[9 + middle] * points[p], wide[9 + high] * points[q]
-    unit = 1 / (b - a)
-    u, v = x * points[p], x * points[p + 3]
-    du, dv = (y * points[q] - u) * unit, (y * points[q + 3] - v) * unit
-    points[place], points[place + 1] = a * b + (u - du * a), du - (a + b)
-    points[place + 2], points[place + 3] = v - dv * a, dv
+    if first:
+        for j in abreast(0, 2):
+            led_on(room, 2 * AHEAD + j, HALF, sign, AHEAD - 1 + AHEAD * j, j * OFF_BY)
+        seen(room, AHEAD - 1)
+        return
+    if room.made[0] < AHEAD:
+        steps_ahead(room)
+    for j in abreast(0, 2 * AHEAD):
+        side = j // AHEAD
+        led_on(room, AHEAD - 1 + AHEAD * side, PANEL + j - AHEAD * side, sign, j, side * OFF_BY)
+    for j in abreast(0, AHEAD):
+        seen(room, j)
 
 
-def shadow_moved(room: Room, first: bool, sign: int) -> float:
-    """How far the shadow is off the first row of points, at the centre of the first panel or, from the centre before,
-    of the next one: in σ/|σ| and ν, where |w| = 1.
+def led_on(room: Room, origin: int, place: int, sign: int, target: int, off: float) -> None:
+    """Row ``target`` of ``ahead``: row ``origin`` after a translation or its inverse, put back on its level; ``off`` as
+    for :func:`levelled`.
+
+    Where a point of the divisor passes a node, x − e is lost to rounding as the square of σ. From there errors of U and
+    V would grow like the square of those that inputs have, while an addition keeps the digits of small pairs: U and V
+    follow the pairs. And long translations make large what is off the level.
     """
-    shadow = room.shadow
-    step = moving_point(shadow, SHADOW_HALF if first else SHADOW_PANEL)
+    wide, r = room.wide, contact_of(room.wide)
+    step = moving_point(room.steps, 10 * place)
     if sign < 0:
         step = opposite(step)
-    before = moving_point(shadow, SHADOW_START if first else SHADOW_AT)
-    put(carried(curve_of(shadow), axes_of(shadow), before, step), shadow, SHADOW_AT)
-    put_on_pairs(shadow, shadow, SHADOW_AT)
-    square, apart, lean = 0.0, 0.0, 0.0
+    there = carried(curve_of(wide), axes_of(wide), moving_point(room.ahead, 10 * origin), step)
+    x, y, by = framed(wide, r, there)
+    put(on_pairs(wide, r, x, levelled(wide, r, x, y, off)), room.ahead, 10 * target)
+    room.seen[POINT * target + MOVED] = float(by)
+
+
+def framed(wide: Row, r: Any, point: Row) -> Any:
+    """The pairs (σ, ν) of a point with Σrσ² = 1, Σrσν = 0 and the Σrν² that follows, where r_iΠ(α_i − α_j) is κ_i; and
+    by what part the first and the last of these were off.
+    """
+    x, y = (point[4], point[5], point[6]), (point[7], point[8], point[9])
+    total = wide[6] + wide[7] + wide[8]
+    square = inner(r, x, x)
+    x = times(1 / root(square), x)
+    y = less(y, inner(r, x, y), x)
+    # the coefficient of x⁴ in f − V² − UW
+    size = wide[5] * (-inner(times_each(r, sums(wide)), x, x) - total) - wide[4]
+    scale = size / inner(r, y, y)
+    return x, times(root(scale), y), abs(square - 1) + abs(scale - 1)
+
+
+def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
+    """ν = ``y`` of a framed pair turned about σ = ``x`` so that f = V² mod U, where a turn brings that about: beside a
+    node it does not. The level is that of a ratio H1/H2 ``off`` by such a part.
+
+    What is left of f − V² − UW is a multiple of Π(x − α_i). It is looked at at c, between the first two axes.
+    """
+    c = (wide[6] + wide[7] + wide[8] - max(wide[6], wide[7], wide[8])) / 2
+    e = wide[6] - c, wide[7] - c, wide[8] - c
+    top = e[0] * e[1] * e[2]
+    p = r[0] * e[1] * e[2], r[1] * e[2] * e[0], r[2] * e[0] * e[1]
+    z = (x[1] * y[2] - x[2] * y[1]) / r[0], (x[2] * y[0] - x[0] * y[2]) / r[1], (x[0] * y[1] - x[1] * y[0]) / r[2]
+    u, v = inner(p, x, x), inner(p, x, y)
+    value = (c + (wide[0] + off * wide[0]) / (wide[6] * wide[7] * wide[8])) * top * (1 - wide[5] * c)
+    left = value - v * v + u * (inner(p, y, y) + wide[5] * top)
+    slope = 2 * (u * inner(p, y, z) - v * inner(p, x, z))
+    most = abs(e[1] * e[2]) + abs(e[2] * e[0]) + abs(e[0] * e[1])
+    bound = LEAST_SLOPE * most * most * most * most * abs(inner(r, z, z) * inner(r, y, y))
+    return less(y, left * slope / (slope * slope + bound), z)
+
+
+def on_pairs(wide: Row, r: Any, x: Any, y: Any) -> Row:
+    """The point of framed pairs: κσ² = U, κσν = V."""
+    p = wide[7] * wide[8], wide[8] * wide[6], wide[6] * wide[7]
+    p, q = times_each(r, p), times_each(r, sums(wide))
+    return inner(p, x, x), -inner(q, x, x), inner(p, x, y), -inner(q, x, y), x[0], x[1], x[2], y[0], y[1], y[2]
+
+
+def sums(wide: Row) -> Any:
+    """α_j + α_k."""
+    return wide[7] + wide[8], wide[8] + wide[6], wide[6] + wide[7]
+
+
+def inner(r: Any, x: Any, y: Any) -> Any:
+    """Σr_i·x_i·y_i."""
+    return r[0] * x[0] * y[0] + r[1] * x[1] * y[1] + r[2] * x[2] * y[2]
+
+
+def times_each(x: Any, y: Any) -> Any:
+    """x_i·y_i."""
+    return x[0] * y[0], x[1] * y[1], x[2] * y[2]
+
+
+def times(k: Any, x: Any) -> Any:
+    """k·x."""
+    return k * x[0], k * x[1], k * x[2]
+
+
+def less(x: Any, k: Any, y: Any) -> Any:
+    """x − k·y."""
+    return x[0] - k * y[0], x[1] - k * y[1], x[2] - k * y[2]
+
+
+def seen(room: Room, j: int) -> None:
+    """What there is to see at the j-th centre that is ahead, and how far its shadow is off it: in σ/|σ| and ν, where
+    |w| = 1.
+    """
+    looked_at(room.wide, room.ahead, j, room.seen, POINT * j)
+    here, there, square, apart, lean = 10 * j, 10 * (j + AHEAD), 0.0, 0.0, 0.0
     for i in range(3):
-        sigma = float(shadow[SHADOW_AT + 4 + i])
+        sigma = float(room.ahead[there + 4 + i])
         square += sigma * sigma
-        apart += abs(float(shadow[SHADOW_AT + 4 + i] - room.points[4 + i]))
-        lean += abs(float(shadow[SHADOW_AT + 7 + i] - room.points[7 + i]))
-    return apart / sqrt(square) + lean
+        apart += abs(float(room.ahead[there + 4 + i] - room.ahead[here + 4 + i]))
+        lean += abs(float(room.ahead[there + 7 + i] - room.ahead[here + 7 + i]))
+    room.seen[POINT * j + SHADOW] = apart / sqrt(square) + lean
+    room.seen[POINT * j + OFF] += room.seen[POINT * j + MOVED]
 
 
-def looked_at(wide: Row, points: Row, target: int, point: Row) -> None:
-    """Row ``target`` of ``points`` in floats, with 1/g and how far off H2 is there, into ``point``."""
+def contact_of(wide: Row) -> Any:
+    """r_i = I_i/(I_i + d)."""
+    return wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
+
+
+def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> None:
+    """Row ``target`` of ``points`` in floats, with 1/g and how far off H2 is there, into ``point``, at ``place``."""
     there = moving_point(points, 10 * target)
     for i in range(10):
-        point[i] = float(points[10 * target + i])
-    point[RATE] = float(rate_at(axes_of(wide), there))
+        point[place + i] = float(points[10 * target + i])
+    point[place + RATE] = float(rate_at(axes_of(wide), there))
     x, y, z, n0, n1, n2 = there[4], there[5], there[6], there[7], there[8], there[9]
     square = x * x + y * y + z * z
     lean = (x * n0 + y * n1 + z * n2) / square
     x, y, z = n0 - lean * x, n1 - lean * y, n2 - lean * z
     # |w| = 1
-    point[OFF] = abs(float(x * x + y * y + z * z - 1))
+    point[place + OFF] = abs(float(x * x + y * y + z * z - 1))
 
 
 def wide_values(
