@@ -25,8 +25,8 @@ from integrable.moving_point.short_rows import (
     BEGIN,
     CLOSE,
     DOUBLINGS,
+    FASTEST,
     FIRST,
-    FIRST_RATE,
     HALF,
     LEVELS,
     LIFT,
@@ -142,9 +142,7 @@ def too_far(room: Room, request: Request, h: float, most: int) -> bool:
     count = len(request.order)
     if count == 0:
         return False
-    rate = abs(room.numbers[FIRST_RATE]) if request.physical else 1.0
-    # twice as slow on the way, at the most, or it will be seen there
-    reach = 4 * h * rate * most
+    reach = 2 * h * (room.numbers[FASTEST] if request.physical else 1.0) * most
     first, last = abs(request.high[request.order[0]]), abs(request.high[request.order[count - 1]])
     return not (first <= reach and last <= reach)
 

@@ -21,7 +21,7 @@ ORDERS, WIDE_ORDERS, ORDER_BITS = 14, 8, 7.7
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FIRST_RATE, RADIAN = 21, 22, 23, 24, 26, 33, 34, 35
+MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 24, 26, 33, 34, 35
 NUMBERS = 36
 # in ``wide``: f, the axes, the start, then the units of τ and of physical time, and r_i = I_i/(I_i + d)
 TAU_UNIT, TIME_UNIT, CONTACT = 24, 25, 26

@@ -14,7 +14,7 @@ from integrable.moving_point.short_rows import (
     CLOCK,
     CLOSE,
     CONTACT,
-    FIRST_RATE,
+    FASTEST,
     INVARIANTS,
     LIFT,
     MATRIX,
@@ -58,7 +58,7 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     for i in range(10):
         points[10 * START + i] = wide[14 + i]
     gamma_and_w(moving_point(wide, 14), point, BEGIN, 1)
-    numbers[FIRST_RATE] = float(rate_at(axes_of(wide), moving_point(wide, 14)))
+    rate = float(rate_at(axes_of(wide), moving_point(wide, 14)))
     for i in range(14):
         numbers[i] = float(wide[i])
     numbers[CLOCK], numbers[PHYSICAL] = float(wide[TAU_UNIT]), float(wide[TIME_UNIT])
@@ -71,6 +71,7 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     lift = max(across + abs(s * k) * spin, (abs(across * rise) + s * spin) / length)
     numbers[LIFT] = max(1.0, float(lift) / 4)
     growth(float(ratio), float(e * top), numbers)
+    fastest(float(ratio), float(e * top), abs(rate), wide, numbers)
 
 
 def cast_shadow(wide: Row, ahead: Row) -> None:
@@ -228,3 +229,14 @@ def growth(ratio: float, dX: float, numbers: Row) -> None:
         gap, centre = 1 / dX - high, (1 / dX + high) / 2
         most += log(1 + 16 * min(centre - middle, abs(centre - ratio)) / max(gap, 1e-300))
     numbers[MOST_GROWN] = most
+
+
+def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:
+    """Into ``numbers`` what 1/g, at the start ``rate``, may be at most: it is like √((1 − du₁)(1 − du₂)),
+    largest where both ovals begin. Of a tilted body, or where that is more, twice as much: it will be seen on the way.
+    """
+    low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
+    middle = numbers[6] + numbers[7] + numbers[8] - low - high
+    most, here = (1 - dX * low) * (1 - dX * max(middle, ratio)), 1 + dX * (float(wide[15]) + dX * float(wide[14]))
+    upright = wide[13] == 0 and most < 4 * here
+    numbers[FASTEST] = rate * (sqrt(most / here) if upright else 2.0)
