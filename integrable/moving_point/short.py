@@ -1,13 +1,13 @@
 """States near the start of a motion, by Chebyshev panels: written to be compiled as it stands.
 
-A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers, a
-centre being a few additions of tabled translations from the start, or, beside a separatrix, one from the centre before,
-where a shadow of the motion goes along and says how errors have grown; those at the nodes of a panel are one addition
-in floats from its centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for physical time
+A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers: the
+next few are made at once, by one addition each from the last of those before, and put back on their level. A shadow of
+the motion goes along and says how errors have grown. Those at the nodes of a panel are one addition in floats from its
+centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for physical time
 the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a step between its ends
 and those of its neighbours, say that it should; where rounding says so, its nodes are made in wide numbers. The
-neighbours share no addition but those of their ancestors, and γ and w cannot change sign without a step: what passes
-has the signs of the motion.
+neighbours share no addition but those of centres before, and γ and w cannot change sign without a step: what passes has
+the signs of the motion.
 
 Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
 reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.
@@ -24,22 +24,17 @@ from integrable.moving_point.short_rows import (
     AHEAD,
     BEGIN,
     CLOSE,
-    DOUBLINGS,
     FASTEST,
-    FIRST,
     HALF,
     LEVELS,
     LIFT,
     LOT,
-    MOST_GROWN,
     OFF,
-    PANEL,
     POINT,
     RADIAN,
     RATE,
     REACH,
     SHADOW,
-    START,
     TAU_UNIT,
     TIME_UNIT,
     Request,
@@ -51,7 +46,6 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from integrable.moving_point.short_start import at_start, cast_shadow, scaled, set_up
 from integrable.moving_point.short_steps import (
-    doubled,
     go_ahead,
     looked_at,
     moved,
@@ -81,9 +75,6 @@ INTEGRALS, CENTRE = 1e-9, 1e-19
 CLOSEST, STEEPEST = 4e4, 25.0
 # how far the shadow may be off the motion: it begins 2^7 roundings and more off it
 APART = 2.0**-45
-# where errors may grow by more, as a natural logarithm, translations by many panels lose too many digits: then panels
-# are gone through one by one
-STEADY = 8.25
 # after so many panels their pace is known to such a factor: a run that they do not lead to the end of is given up there
 PACED, UNSTEADY = 32, 1.05
 # why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits
@@ -93,7 +84,7 @@ ROUNDING, UNRESOLVED, FAR, LOST = 1, 2, 3, 4
 def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
     """The states that are asked for, from the moments, d, γ and M: 0, or why they were not found."""
     numbers, wide = room.numbers, room.wide
-    set_up(given, tilted, wide, room.points, numbers, room.point)
+    set_up(given, tilted, wide, numbers, room.point)
     scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
     if not (numbers[CLOSE] <= CLOSEST and numbers[LIFT] <= STEEPEST):
         return LOST
@@ -101,8 +92,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     careful = room.made[4] > 0
     if too_far(room, request, h, request.most // CAREFUL if careful else request.most):
         return FAR
-    if one_by_one(room, request):
-        cast_shadow(wide, room.ahead)
+    cast_shadow(wide, room.ahead)
     if not panel_steps(room, h):
         return LOST
     status = both_ways(room, rule, request, h, careful)
@@ -113,11 +103,6 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
         status = LOST
     at_start(given, tilted, request.times, request.out)
     return status
-
-
-def one_by_one(room: Room, request: Request) -> bool:
-    """Whether errors grow so much beside a separatrix that translations by many panels lose digits too."""
-    return len(request.centres) == 0 and not room.numbers[MOST_GROWN] <= STEADY
 
 
 def first_half(room: Room) -> float:
@@ -170,16 +155,10 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
         # a panel that is halved costs more than one
         if n >= most or room.made[3] > 2 * request.most:
             return FAR
-        if len(request.centres) > 0:
-            status, place = centre_given(room, request, n, sign)
-        elif one_by_one(room, request):
-            status, place = centre_after(room, n, sign)
-        else:
-            status, place = 0, centre_of(room, n, sign)
+        given = len(request.centres) > 0
+        status = centre_given(room, request, n, sign) if given else centre_after(room, n, sign)
         if status != 0:
             return status
-        for c in range(10):
-            room.points[10 * (FIRST + place) + c] = room.points[c]
         status, level, i = panel(room, rule, request, h, careful, n, level, i, sign)
         if status != 0:
             return status
@@ -192,19 +171,17 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
 
-def centre_given(room: Room, request: Request, n: int, sign: int) -> tuple[int, int]:
-    """The centre of the n-th panel, of those that are given, into the first row of points: 0 or why there is none, and
-    which of those rows it is to be kept in.
-    """
+def centre_given(room: Room, request: Request, n: int, sign: int) -> int:
+    """The centre of the n-th panel, of those that are given, into the first row of points: 0 or why there is none."""
     first, last = (n, request.ahead) if sign > 0 else (request.ahead + n, len(request.centres) // 10)
     if first >= last:
-        return FAR, DOUBLINGS
+        return FAR
     put(moving_point(request.centres, 10 * first), room.points, 0)
     looked_at(room.wide, room.points, 0, room.point, 0)
-    return 0, DOUBLINGS
+    return 0
 
 
-def centre_after(room: Room, n: int, sign: int) -> tuple[int, int]:
+def centre_after(room: Room, n: int, sign: int) -> int:
     """The same by one addition to a centre before: LOST where wide numbers have too few digits for that."""
     place = (n + AHEAD - 1) % AHEAD
     if n == 0 or place == 0:
@@ -213,31 +190,7 @@ def centre_after(room: Room, n: int, sign: int) -> tuple[int, int]:
     for i in range(POINT):
         if not BEGIN <= i < OFF:
             room.point[i] = room.seen[POINT * place + i]
-    return 0 if room.seen[POINT * place + SHADOW] <= APART else LOST, DOUBLINGS
-
-
-def centre_of(room: Room, n: int, sign: int) -> int:
-    """The same by one addition to an ancestor; where it is to be kept."""
-    if n == 0:
-        moved(room.wide, room.points, START, room.steps, HALF, sign, 0, room.point)
-        return DOUBLINGS
-    k, above, j = 0, n & (n - 1), DOUBLINGS
-    while (n >> k) & 1 == 0:
-        k += 1
-    table_panels(room, k)
-    if above > 0:
-        j = 0
-        while (above >> j) & 1 == 0:
-            j += 1
-    moved(room.wide, room.points, FIRST + j, room.steps, PANEL + k, sign, 0, room.point)
-    return k
-
-
-def table_panels(room: Room, k: int) -> None:
-    """The translations by 2^k panels and fewer."""
-    while room.made[0] <= k:
-        doubled(room.wide, room.steps, PANEL + room.made[0])
-        room.made[0] += 1
+    return 0 if room.seen[POINT * place + SHADOW] <= APART else LOST
 
 
 def panel(

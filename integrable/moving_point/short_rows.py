@@ -14,15 +14,13 @@ GIVEN = 10
 NODES = 28
 # panels may be halved so often; their nodes take translations by half of each over 2^l so far down
 LEVELS, FINEST = 6, 7
-# translations by 2^k panels that are tabled
-DOUBLINGS = 20
 # orders of the expansion of translations, and how many of them are wide: each brings so many bits at least
 ORDERS, WIDE_ORDERS, ORDER_BITS = 14, 8, 7.7
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
-MOST_GROWN, LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 24, 26, 33, 34, 35
-NUMBERS = 36
+LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
+NUMBERS = 35
 # in ``wide``: f, the axes, the start, then the units of τ and of physical time, and r_i = I_i/(I_i + d)
 TAU_UNIT, TIME_UNIT, CONTACT = 24, 25, 26
 WIDE = 29
@@ -31,14 +29,13 @@ RATE, BEGIN, OFF = 10, 11, 17
 # and of centres that are ahead how far their shadows are off them, and by what part an addition was
 SHADOW, MOVED = 11, 12
 POINT = OFF + 1
-# rows of wide points: those on the way down to a panel, then centres that are ancestors of others, then the start
-FIRST, START = LEVELS + 1, LEVELS + DOUBLINGS + 2
-POINTS = START + 1
-# beside a separatrix so many centres are made at once, each with its shadow: those of all lanes of a processor. Rows of
-# ``ahead``: the centres, the shadows, and the two starts
+# rows of wide points: a centre, and those on the way down to panels about it
+POINTS = LEVELS + 1
+# so many centres are made at once, each with its shadow: as many as a processor has lanes. Rows of ``ahead``: these,
+# then the shadows, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
-# rows of wide translations, each twice the one before: by h, from there down by h/2^l and up by 2^k panels
+# rows of wide translations: by h, from there down by h/2^l, and by 1 … AHEAD panels
 HALF, PANEL = FINEST + LEVELS, FINEST + LEVELS + 1
 # the positive nodes of a panel, by one addition each, first those of (a, b), 2^−a and 2^−|b| more, or less where b < 0,
 # then those from the a-th of them on, so much more or less. None uses another of its lot, and each fits in the lanes of
@@ -77,11 +74,11 @@ class Room(NamedTuple):
     series: Expansion
     """Coefficients of translations (:func:`integrable.moving_point.translations.expand`)."""
     ahead: Row
-    """The next centres beside a separatrix and those of a motion that begins beside this one, in wide numbers
+    """The next centres and those of a motion that begins beside this one, in wide numbers
     (:func:`integrable.moving_point.short_steps.go_ahead`).
     """
     made: Row
-    """How many translations by 2^k panels there are, for how many levels there are nodes, at which level the finest
+    """How many translations by panels there are, for how many levels there are nodes, at which level the finest
     translation is, what all panels have cost, in those of floats that are not halved, and how often half a panel has
     been doubled (:func:`integrable.moving_point.short.first_half`).
     """
@@ -133,14 +130,14 @@ class Request(NamedTuple):
 # numbers in a room: integers, wide ones and floats
 MADE = 5
 NODE_STEPS = 10 * NODES * (LEVELS + 1)
-WIDES = WIDE + 10 * (POINTS + PANEL + DOUBLINGS) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS
+WIDES = WIDE + 10 * (POINTS + PANEL + AHEAD) + NODE_STEPS + 7 * ORDERS + 10 * AHEAD_POINTS
 FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
     """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is :data:`MADE` of them."""
     points, steps = WIDE, WIDE + 10 * POINTS
-    nodes = steps + 10 * (PANEL + DOUBLINGS)
+    nodes = steps + 10 * (PANEL + AHEAD)
     series = nodes + NODE_STEPS
     ahead = series + 7 * ORDERS
     point = NUMBERS + NODE_STEPS

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from math import log, sqrt
+from math import sqrt
 from typing import Any
 
 from integrable.moving_point.addition import moving_point, put, rate_at
@@ -19,12 +19,10 @@ from integrable.moving_point.short_rows import (
     LIFT,
     MATRIX,
     MOMENTUM,
-    MOST_GROWN,
     PHYSICAL,
     RADIAN,
     REACH,
     SHAPE,
-    START,
     TAU_UNIT,
     TIME_UNIT,
     axes_of,
@@ -36,7 +34,7 @@ Real = Any
 Row = Any
 
 
-def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point: Row) -> None:
+def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> None:
     """From the moments, d, γ and M in ``given`` all that is known of the motion: in wide numbers f, the axes, the start
     and the unit of time, and the same in floats with what follows from them.
     """
@@ -55,8 +53,6 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     moving_start(a, (contact, e), gamma, M, spin, wide)
     wide[TAU_UNIT] = 2 * top * spin
     wide[TIME_UNIT] = wide[TAU_UNIT] / s
-    for i in range(10):
-        points[10 * START + i] = wide[14 + i]
     gamma_and_w(moving_point(wide, 14), point, BEGIN, 1)
     rate = float(rate_at(axes_of(wide), moving_point(wide, 14)))
     for i in range(14):
@@ -70,7 +66,7 @@ def set_up(given: Row, tilted: bool, wide: Row, points: Row, numbers: Row, point
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])
     lift = max(across + abs(s * k) * spin, (abs(across * rise) + s * spin) / length)
     numbers[LIFT] = max(1.0, float(lift) / 4)
-    growth(float(ratio), float(e * top), numbers)
+    pace(float(ratio), float(e * top), numbers)
     fastest(float(ratio), float(e * top), abs(rate), wide, numbers)
 
 
@@ -209,26 +205,12 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
             out[6 * i + 3], out[6 * i + 4], out[6 * i + 5] = float(m0), float(m1), float(m2)
 
 
-def growth(ratio: float, dX: float, numbers: Row) -> None:
-    """Into ``numbers``: half of a basic step, the least τ that a body takes for a radian, and by how much errors grow
-    beside a separatrix at most, its logarithm (:func:`integrable.moving_point.losses.lost_digits`).
-    """
-    low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
-    middle = numbers[6] + numbers[7] + numbers[8] - low - high
+def pace(ratio: float, dX: float, numbers: Row) -> None:
+    """Into ``numbers``: half of a basic step, and the least τ that a body takes for a radian."""
+    low = min(numbers[6], numbers[7], numbers[8])
     # |ω|² ≤ H1/min I, and g ≥ 1
     numbers[RADIAN] = 2 * sqrt(max(0.0, 1 - dX) / ratio)
     numbers[REACH] = 0.6 * min(low, ratio) / sqrt(-numbers[0])
-    # the gap between the ovals lies between the middle axis and the ratio, the other between the last axis and 1/d
-    first, second = min(middle, ratio), max(middle, ratio)
-    gap, centre = second - first, (first + second) / 2
-    near = min(centre - low, high - centre)
-    if dX > 0:
-        near = min(near, 1 / dX - centre)
-    most = log(1 + 16 * near / max(gap, 1e-300)) if near > 0 else 1e300
-    if dX > 0:
-        gap, centre = 1 / dX - high, (1 / dX + high) / 2
-        most += log(1 + 16 * min(centre - middle, abs(centre - ratio)) / max(gap, 1e-300))
-    numbers[MOST_GROWN] = most
 
 
 def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:

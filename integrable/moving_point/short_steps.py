@@ -181,24 +181,22 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
 
 
 def steps_ahead(room: Room) -> None:
-    """The translations by 1 … :data:`AHEAD` panels, one after the other."""
-    wide = room.wide
+    """The translations by 1 … :data:`AHEAD` panels, which are two more than two."""
+    longer(room, HALF, HALF, PANEL)
+    longer(room, PANEL, PANEL, PANEL + 1)
+    for k in abreast(2, AHEAD):
+        longer(room, PANEL + 1, PANEL + k - 2, PANEL + k)
+    room.made[0] = AHEAD
+
+
+def longer(room: Room, origin: int, by: int, target: int) -> None:
+    """The sum of two rows of translations, put back on its level, into a third."""
+    wide, steps = room.wide, room.steps
+    there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     # what r_i is where κ = 1
     r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
-    for k in range(1, AHEAD + 1):
-        # twice by half as many, or half a panel; or by one more than the last
-        if k == 1:
-            origin, by = HALF, HALF
-        elif k & 1 == 0:
-            origin, by = PANEL + k // 2 - 1, PANEL + k // 2 - 1
-        else:
-            origin, by = PANEL + k - 2, PANEL
-        there = carried(
-            curve_of(wide), unit_axes(wide), moving_point(room.steps, 10 * origin), moving_point(room.steps, 10 * by)
-        )
-        x, y, _ = framed(wide, r, there)
-        put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), room.steps, 10 * (PANEL + k - 1))
-    room.made[0] = AHEAD
+    x, y, _ = framed(wide, r, there)
+    put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
 
 
 def go_ahead(room: Room, first: bool, sign: int) -> None:

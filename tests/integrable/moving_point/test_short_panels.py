@@ -90,7 +90,7 @@ def first_steps(given, tilted, wide, floats, made, found):
     for i in range(GIVEN):
         wide[i] = given[0, i]
     room = new_room(wide[GIVEN:], floats, made)
-    set_up(wide[:GIVEN], tilted, room.wide, room.points, room.numbers, room.point)
+    set_up(wide[:GIVEN], tilted, room.wide, room.numbers, room.point)
     h = first_half(room)
     panel_steps(room, h)
     for i in range(10):
