@@ -177,6 +177,8 @@ class BodySystem(MumfordSystem):
 class BodyFlow(MumfordFlow):
     """The motion of a state, whose τ is found first, by a series on the torus."""
 
+    _setting_up = 10000
+
     def __init__(self, system: BodySystem, state: Point) -> None:
         super().__init__(system, state)
         self._body = system

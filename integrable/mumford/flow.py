@@ -28,8 +28,9 @@ if TYPE_CHECKING:
 
 # from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
 MANY, RIGHT = 24, 1e-12
-# steps of series that take as long as setting up additions, as a point by them, and on a torus once it is there
-STEPS, STEPS_BY_ADDITIONS, STEPS_ON_TORUS = 3000, 200, 0.5
+# standard steps of series (Equations.weight) that take as long as a point by additions, as setting up a torus and as a
+# point there, and the most that are worth trying
+STEPS_BY_ADDITIONS, STEPS_TO_TORUS, STEPS_ON_TORUS, MOST_STEPS = 500, 5000, 1, 50000
 # the words of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 # where tables in double-double numbers keep what floats need
@@ -60,6 +61,9 @@ class Path(Record):
 
 class MumfordFlow:
     """The motion of one state: ``at(times)``. Get it from ``system.flow(state)``."""
+
+    _setting_up = 2000
+    """Standard steps of series that take as long as setting up additions."""
 
     def __init__(self, system: Any, state: Point) -> None:
         self.digits = long_digits(system.field)
@@ -108,15 +112,15 @@ class MumfordFlow:
         """The places of times that series reach in no more time than additions, and the states there."""
         from integrable.series.equations import BITS
 
-        if "_motion" in vars(self):
-            on_torus = len(times) >= MANY and vars(self).get("_torus") is not None
-            most = min(STEPS, len(times) * (STEPS_ON_TORUS if on_torus else STEPS_BY_ADDITIONS))
+        most = 0 if "_motion" in vars(self) else self._setting_up
+        if len(times) >= MANY and self._may_have_torus:
+            most += len(times) * STEPS_ON_TORUS + (0 if "_torus" in vars(self) else STEPS_TO_TORUS)
         else:
-            most = STEPS
+            most += len(times) * STEPS_BY_ADDITIONS
         with LongField(BITS) as N:
             state = self._inner(N)
             start = [*state.q, *state.p, *self.system._auxiliary(N, state)]
-        return equations.around(start, times, most)
+        return equations.around(start, times, min(most, MOST_STEPS) / equations.weight)
 
     def _far(self, given: list[Any]) -> Path:
         """The states at times, by additions, however they are made."""
@@ -185,10 +189,15 @@ class MumfordFlow:
         """What the motion is asked for to be there at these times: themselves, or τ."""
         return times
 
+    @property
+    def _may_have_torus(self) -> bool:
+        """Whether there may be one, and none was looked for in vain."""
+        return self._genus == 2 and self._compiles and vars(self).get("_torus", self) is not None
+
     @cached_property
     def _torus(self) -> RealTorus | BodyTorus | None:
         """The compiled torus of a motion of genus 2 in floats, where there is one."""
-        if self._genus != 2 or not self._compiles:
+        if not self._may_have_torus:
             return None
         try:
             torus = self._made_torus()

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from integrable.series.short import FINE, FINEST, Room, Way
-from integrable.series.tape import Recorded, recorded
+from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Recorded, recorded
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.double_double import split
@@ -17,6 +17,10 @@ BITS = 128
 """Of the constants of equations and of starts."""
 MOVED = 2.0**-104
 """By how much of themselves numbers differ in the second of two walks, some units of what double-doubles round to."""
+
+
+# what a step takes beside its products, in these, and both for Neumann's point
+FIXED, STANDARD = 3, 13
 
 
 class Recording(InexactField):
@@ -53,6 +57,9 @@ class Equations:
             self._middles = np.array([split(x) for x in constants])
         self._half = half
         self._tape = tuple(np.array(x, dtype=np.int64) for x in (kinds, left, right, results))
+        sums = np.isin(self._tape[0], (PRODUCT, QUOTIENT, ROOT)).sum()
+        self.weight = float(FIXED + sums) / STANDARD
+        """About how long a step takes, beside one of Neumann's point on S²."""
 
     def around(self, start: Sequence[Any], times: np.ndarray, most: float) -> tuple[np.ndarray, np.ndarray]:
         """The places of ``times`` that are reached, and q and p there, shape (N, 2, half), right to the last bits of

@@ -22,23 +22,25 @@ __all__ = ["FINE", "FINEST", "Room", "Steps", "Way", "walked_twice"]
 AGREED = 2.0**-53
 # coefficients that the unit of time is read off
 FIRST = 4
-# how many times as long as the first one steps may become
-UNEVEN = 4
+# how many times as long as the present one steps may become, and after so many of them as their mean
+UNEVEN, KNOWN, EVEN = 4, 64, 1.25
 FARTHEST = 1e300
 
 
 class Steps(NamedTuple):
     """A kind of steps: coefficients up to ``wide`` are wide, those up to ``order``, an even number of them, floats;
-    what is left out is the part ``left_out`` of each q and p, and in the second walk ``coarser`` times that.
+    what is left out is the part ``left_out`` of each q and p, and in the second walk ``coarser`` times that; the first
+    terms in floats are at most ``rounded`` times q and p.
     """
 
     wide: int
     order: int
     left_out: float
     coarser: float
+    rounded: float
 
 
-FINE, FINEST = Steps(12, 36, 1e-25, 1e3), Steps(18, 44, 1e-29, 1e3)
+FINE, FINEST = Steps(12, 36, 1e-25, 1e3, 1e-7), Steps(18, 44, 1e-29, 1e3, 1e-11)
 
 
 class Room(NamedTuple):
@@ -146,8 +148,11 @@ def put_rows(way: Way, kind: Steps, room: Room, lane: int, times: Any, unit: flo
 
 def goes_on(way: Way, room: Room, lane: int, last: float, steps: int) -> bool:
     """Whether the last time is near enough to go there."""
+    left, gone = abs(float(last - room.now[lane])), abs(float(room.now[lane]))
+    if steps < KNOWN:
+        return left < UNEVEN * way.most * room.steps[lane]
     # of coefficients that are no numbers a step is 0
-    return abs(float(last - room.now[lane])) < UNEVEN * (way.most - steps) * room.steps[lane]
+    return room.steps[lane] > 0 and steps * (gone + left) < EVEN * way.most * gone
 
 
 def step_ahead(way: Way, kind: Steps, room: Room, first: bool, second: bool, last: float) -> None:
@@ -209,13 +214,14 @@ def expanded(way: Way, kind: Steps, room: Room, unit: float) -> None:
         for k in range(wide + 1 if n < len(rates) else wide):
             room.floats[n * (order + 1) + k] = float(room.wide[n * (wide + 1) + k])
     coefficients(kinds, left, right, rates, wide, order, unit, room.floats)
-    room.steps[0] = reach(way, order, kind.left_out, room.rows_of_floats, 0)
-    room.steps[1] = reach(way, order, kind.left_out * kind.coarser, room.rows_of_floats, 1)
+    for lane in range(2):
+        room.steps[lane] = reach(way, kind, room.rows_of_floats, lane)
 
 
-def reach(way: Way, order: int, left_out: float, floats: Any, lane: int) -> float:
+def reach(way: Way, kind: Steps, floats: Any, lane: int) -> float:
     """How far the series of a walk reach, 0 where they are no numbers."""
-    before, last, bent = 0.0, 0.0, False
+    order, wide = kind.order, kind.wide
+    bent, before, last, odd, even = False, 0.0, 0.0, 0.0, 0.0
     for i in range(2 * way.half):
         # each beside itself: what is small now may grow; what is 0 now, beside how it moves
         first = 2 * i * (order + 1) + lane
@@ -228,13 +234,18 @@ def reach(way: Way, order: int, left_out: float, floats: Any, lane: int) -> floa
             if not (x < FARTHEST and y < FARTHEST):
                 return 0.0
             before, last = max(before, x), max(last, y)
-    found = FARTHEST
-    if before > 0:
-        found = exp((log(left_out) - log(before)) / (order - 1))
-    if last > 0:
-        found = min(found, exp((log(left_out) - log(last)) / order))
+            odd = max(odd, abs(floats[first + 2 * wide + 2]) / size)
+            even = max(even, abs(floats[first + 2 * wide + 4]) / size)
+    left_out = kind.left_out * (kind.coarser if lane > 0 else 1.0)
+    found = min(distance(left_out, before, order - 1), distance(left_out, last, order))
+    found = min(found, distance(kind.rounded, odd, wide + 1), distance(kind.rounded, even, wide + 2))
     # where all is straight there is no end; else the last coefficients are below the range of floats
     return 0.0 if bent and found == FARTHEST else found
+
+
+def distance(part: float, coefficient: float, k: int) -> float:
+    """Where a term of order k is so large."""
+    return exp((log(part) - log(coefficient)) / k) if coefficient > 0 else FARTHEST
 
 
 def unit_of_time(way: Way, kind: Steps, room: Room) -> float:

@@ -8,7 +8,7 @@ from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
 WAY = record(Way, TupleKind((INTS, INTS, INTS, INTS)), INT, FLOAT, TWIN_WIDES)
-STEPS = record(Steps, INT, INT, FLOAT, FLOAT)
+STEPS = record(Steps, INT, INT, FLOAT, FLOAT, FLOAT)
 ROOM = record(Room, TWIN_WIDES, TWIN_WIDES, TWIN_FLOATS, TWIN_WIDES, TWIN_WIDES, FLOATS, FLOATS, WIDES, FLOATS)
 LIBRARY = Library(
     "short_series",

@@ -143,6 +143,16 @@ def test_far_times_cost_no_walk(count) -> None:
     assert len(places) == 0
 
 
+def test_steps_are_short_enough_for_terms_in_floats() -> None:
+    """The series of this pendulum fall late and then fast: one walk is enough, whose terms in floats are small."""
+    system = SphericalPendulum()
+    state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
+    flow, times = system.flow(state), np.array([100.0, 400.0])
+    assert len(flow._near(system._equations, times)[0]) == 2
+    assert_rounded(flow.at(times), by_additions(system, state, times))
+    assert runs_short(flow)
+
+
 def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:
     """The pendulum leaves the vertical by 1e-25 e^t: what floats of 20 or 30 digits know of it is gone at t = 80."""
     system = SphericalPendulum()
