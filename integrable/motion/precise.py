@@ -8,7 +8,6 @@ done again with as many more as were missing.
 
 from __future__ import annotations
 
-from contextlib import suppress
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
@@ -36,6 +35,8 @@ SPARE = 2
 MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 20
+# multiplications of its tables that take as long as a step and a digit do, and as many as there is room for
+WORK_A_STEP, MOST_WORK = 20, 1 << 28
 # from this many digits on a first time is found alone, and by how many digits of it
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
@@ -265,6 +266,7 @@ class BodyCarrier(Carrier):
         self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
         self._torus: Any = None
+        self._least_work = 0.0
         self._alone = False
 
     def scaled(self, t: Any) -> Any:
@@ -370,18 +372,30 @@ class BodyCarrier(Carrier):
     def _far(self, tau: list[Any]) -> Any:
         """The clock on the torus, where it costs less; None where the torus degenerates."""
         setup = self.setup
-        if self._limits.most < inf or max(map(abs, tau), default=0) < TORUS_FROM * setup.digits * setup.step_length:
+        steps = float(max(map(abs, tau), default=0) / setup.step_length)
+        if self._limits.most < inf or steps < TORUS_FROM * setup.digits:
             return None
-        if self._torus is None:
-            from integrable.torus.long_clock import MultiprecisionTorusClock
+        work = min(WORK_A_STEP * setup.digits * steps, MOST_WORK)
+        if self._torus is None and work >= self._least_work:
+            self._torus = self._made_torus(work)
+        return self._torus
 
-            self._torus = False
-            # branch points that are close together cost digits, which look like modes of 1/g
-            for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * (setup.digits - GUARD_DIGITS))):
-                with suppress(PrecisionLoss):
-                    self._torus = MultiprecisionTorusClock(make(), setup.digits)
-                    break
-        return self._torus or None
+    def _made_torus(self, work: float) -> Any:
+        """The clock on the torus, if its tables take no more multiplications; else None, and what it takes is known."""
+        from integrable.torus.long_clock import MultiprecisionTorusClock
+        from integrable.torus.oval_modes import TooManyModes
+
+        setup, self._least_work = self.setup, inf
+        # branch points that are close together cost digits, which look like modes of 1/g
+        for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * (setup.digits - GUARD_DIGITS))):
+            try:
+                return MultiprecisionTorusClock(make(), setup.digits, most_work=work)
+            except TooManyModes as error:
+                self._least_work = error.work
+                return None
+            except PrecisionLoss:
+                continue
+        return None
 
 
 class PreciseFlow(ManyDigits):

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.moving_point.newton import step_inside
-from integrable.torus.oval_modes import modes_of_rate
+from integrable.torus.oval_modes import MOST_WORK, modes_of_rate
 from integrable.torus.series import LongSeries
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
@@ -30,14 +30,21 @@ class MultiprecisionTorusClock:
     """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``: by
     default those of the set-up.
 
-    Raises PrecisionLoss where the torus is degenerate or nearly so: that is for the clock that counts steps.
+    Raises what :func:`~integrable.torus.oval_modes.modes_of_rate` does where the torus is degenerate or nearly so: that
+    is for the clock that counts steps.
     """
 
-    def __init__(self, setup: Setup, digits: int | None = None, direction: tuple[Any, Any] = (1, 0)) -> None:
+    def __init__(
+        self,
+        setup: Setup,
+        digits: int | None = None,
+        direction: tuple[Any, Any] = (1, 0),
+        most_work: float = MOST_WORK,
+    ) -> None:
         digits = digits or setup.digits
         self.wide = setup.wide
         self._digits, self._eps = digits, self.wide.coerce(10) ** -digits
-        modes = modes_of_rate(setup, digits, direction)
+        modes = modes_of_rate(setup, digits, direction, most_work)
         self.frequencies, self.mean = modes.frequencies, modes.mean
         self._series = LongSeries(modes.rows, self.frequencies, self.wide, 10.0**-digits)
 

@@ -31,8 +31,9 @@ if TYPE_CHECKING:
 
 # multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
-# the first tables have so many modes a digit in either direction
-MODES_A_DIGIT = 0.6
+# the first tables are to so many digits, with so many modes a digit in either direction; the next have so many times
+# what the fall of those asks for
+SCOUT_DIGITS, MODES_A_DIGIT, BEYOND = 8, 0.6, 1.05
 # steps from the start among which one is taken where no σ is small
 STEPS = 4
 
@@ -50,23 +51,83 @@ class Modes(NamedTuple):
     mean: Any
 
 
-def modes_of_rate(setup: Setup, digits: int, direction: tuple[Any, Any] = (1, 0)) -> Modes:
+class TooManyModes(PrecisionLoss):
+    """Tables of so many modes take ``work`` multiplications or more, beyond what they may."""
+
+    def __init__(self, size: tuple[int, int], work: int) -> None:
+        super().__init__(
+            f"1/g needs {size[0]} × {size[1]} modes on the torus of this motion, which is nearly not compact"
+        )
+        self.work = work
+
+
+def modes_of_rate(
+    setup: Setup, digits: int, direction: tuple[Any, Any] = (1, 0), most_work: float = MOST_WORK
+) -> Modes:
     """The modes of 1/g down to 10^(−digits) of its mean, τ being the time of ``direction``, (Σdx/y, Σx dx/y).
 
-    PrecisionLoss where the torus is not compact, or so nearly that the tables grow beyond bounds or digits are lost.
+    TooManyModes where tables take more than ``most_work`` multiplications; PrecisionLoss where the torus is not
+    compact, or so nearly that digits are lost.
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
+        scout = OvalTorus(setup, balls, min(SCOUT_DIGITS, digits), direction)
+        begin = ceil(MODES_A_DIGIT * scout.digits)
+        size = _resolved(scout, (begin, begin), most_work).wanted(digits)
         torus = OvalTorus(setup, balls, digits, direction)
-        size = (ceil(MODES_A_DIGIT * digits), ceil(MODES_A_DIGIT * digits))
-        while True:
-            torus.use(size)
-            upright, leaning = torus.upright(), torus.leaning()
-            wanted = _wanted(upright, leaning, size, digits)
-            if wanted == size:
-                break
-            size = wanted
-        return torus.modes(upright, leaning, size)
+        # looked at first, so that more than these are more than those of few digits show
+        torus.use(size, most_work)
+        try:
+            found = _resolved(torus, size, most_work)
+        except TooManyModes:
+            raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits") from None
+        return torus.modes(found.upright, found.leaning, found.size)
+
+
+class Found(NamedTuple):
+    """Tables of so many modes."""
+
+    size: tuple[int, int]
+    upright: list[list[Any]]
+    leaning: list[list[Any]] | None
+
+    def wanted(self, digits: int) -> tuple[int, int]:
+        """The modes in either direction by which the tables fall below 10^(−digits) of their first: ``size`` where they
+        have.
+        """
+        rows, columns = self.size
+        tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
+        lead = exponent(self.upright[0][columns])
+
+        def row(k: int) -> float:
+            return max(exponent(c) for table in tables for c in table[k]) - lead
+
+        def column(m: int) -> float:
+            ends = columns - m, m - columns - 1
+            return max(exponent(row[j]) for table in tables for row in table for j in ends) - lead
+
+        found = []
+        for most, level in ((rows, row), (columns, column)):
+            last, middle = level(most), level(most // 2)
+            if last < -digits:
+                found.append(most)
+            elif last >= middle - 0.5:
+                found.append(2 * most)
+            else:
+                rate = (middle - last) / (most - most // 2)
+                found.append(most + ceil(BEYOND * (last + digits) / rate) + 2)
+        return found[0], found[1]
+
+
+def _resolved(torus: OvalTorus, size: tuple[int, int], most_work: float) -> Found:
+    """The tables of a torus to its digits, from a first size on."""
+    while True:
+        torus.use(size, most_work)
+        found = Found(size, torus.upright(), torus.leaning())
+        wanted = found.wanted(torus.digits)
+        if wanted == size:
+            return found
+        size = wanted
 
 
 class OvalTorus:
@@ -76,6 +137,7 @@ class OvalTorus:
         import flint
 
         self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
+        self._size = (0, 0)
         self.pi = flint.arb.pi()
         problem, ends = setup.problem, oval_ends(setup.problem, setup.wide.eps**0.75)
         self.d, self.axes = self.ball(problem.d), [self.ball(x) for x in problem.axes]
@@ -129,21 +191,22 @@ class OvalTorus:
 
     # --- tables
 
-    def use(self, size: tuple[int, int]) -> None:
+    def use(self, size: tuple[int, int], most_work: float) -> None:
         """Make tables for so many modes, at as many nodes as bear the highest of them."""
+        if size == self._size:
+            return
         for oval in self.ovals:
             half = oval.harmonics // 2 + sum(size)
             while True:
-                if half * size[0] * (2 * size[1] + 1) > MOST_WORK:
-                    raise PrecisionLoss(
-                        f"1/g needs {size[0]} × {size[1]} modes on the torus of this motion, which is nearly not "
-                        "compact"
-                    )
+                work = half * size[0] * (2 * size[1] + 1)
+                if work > most_work:
+                    raise TooManyModes(size, work)
                 oval.sample(half)
                 if oval.alias(self, size) < -self.digits:
                     break
                 half = half * 5 // 4 + 2
             oval.turn(self, size)
+        self._size = size
 
     def upright(self) -> list[list[Any]]:
         """c but for the factor of the start, of α/g̃."""
@@ -193,27 +256,3 @@ def _combined(factor: Any, first: Any, second: Any, sign: int) -> list[list[Any]
         [one * (w * x) + other * (y * z) for w, x, y, z in zip(*row, strict=True)]
         for row in zip(a[0], b[0], c[0], d[0], strict=True)
     ]
-
-
-def _wanted(upright: Any, leaning: Any, size: tuple[int, int], digits: int) -> tuple[int, int]:
-    """The modes in either direction by which a table falls below 10^(−digits) of its first: ``size`` where it has."""
-    tables = [upright] if leaning is None else [upright, leaning]
-    lead = exponent(upright[0][size[1]])
-
-    def row(k: int) -> float:
-        return max(exponent(c) for table in tables for c in table[k]) - lead
-
-    def column(m: int) -> float:
-        return max(exponent(row[j]) for table in tables for row in table for j in (m, -1 - m)) - lead
-
-    found = []
-    for most, level in ((size[0], row), (size[1], lambda m: column(size[1] - m))):
-        last, middle = level(most), level(most // 2)
-        if last < -digits:
-            found.append(most)
-        elif last >= middle - 0.5:
-            found.append(2 * most)
-        else:
-            rate = (middle - last) / (most - most // 2)
-            found.append(min(4 * most, most + ceil(1.1 * (last + digits) / rate) + 2))
-    return found[0], found[1]

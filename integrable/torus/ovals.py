@@ -92,16 +92,26 @@ class Oval:
 
     def sample(self, half: int) -> None:
         """Take ``half`` + 1 nodes on half a round."""
-        self.nodes = [self.node(self.flint.arb(i) / half) for i in range(half + 1)]
+        self.nodes = self._round(range(half + 1), half)
         self._weights = [self.pi * (1 if i in (0, half) else 2) / half for i in range(half + 1)]
+
+    def _round(self, numbers: range, half: int) -> list[Node]:
+        """The nodes at φ = πi/half, for the numbers i."""
+        arb, mat = self.flint.arb, self.flint.arb_mat
+        sines = [(arb(i) / half).sin_pi() for i in range(2 * half)]
+        table = [[sines[i * n % (2 * half)] for n in range(1, self.harmonics + 1)] for i in numbers]
+        rests = (mat(table) * self._waves).table()
+        return [self._node(arb(i) / half, rest) for i, rest in zip(numbers, rests, strict=True)]
 
     def node(self, x: Any) -> Node:
         """That at φ = πx."""
         wave = self.flint.acb(x.cos_pi(), x.sin_pi())
         waves = powers(wave, wave, self.harmonics)
-        rest = self.flint.arb_mat([[z.imag for z in waves]]) * self._waves
+        return self._node(x, (self.flint.arb_mat([[z.imag for z in waves]]) * self._waves).table()[0])
+
+    def _node(self, x: Any, rest: list[Any]) -> Node:
         angle = self.pi * x
-        return Node(*self._placed(x), (self._mean[0] * angle + rest[0, 0], self._mean[1] * angle + rest[0, 1]))
+        return Node(*self._placed(x), (self._mean[0] * angle + rest[0], self._mean[1] * angle + rest[1]))
 
     def _placed(self, x: Any) -> tuple[Any, Any, Any, Any, Any]:
         """All of a node but its integrals."""
@@ -170,7 +180,7 @@ class Oval:
         between them make otherwise.
         """
         half, acb = len(self.nodes) - 1, self.flint.acb
-        between = [self.node(self.flint.arb(2 * i + 1) / (2 * half)) for i in range(half)]
+        between = self._round(range(1, 2 * half, 2), 2 * half)
         totals = [acb(0)] * 4
         size0, (rows, columns) = acb(0), size
         signed = [(w, node) for w, node in zip(self._weights, self.nodes, strict=True)]

@@ -207,6 +207,21 @@ def test_the_torus_takes_over_far_away_and_agrees() -> None:
     assert abs(motion.tau(far)[0] - stepping.tau(far)[0]) < 1e-26
 
 
+def test_beside_a_separatrix_the_torus_waits_until_it_costs_less_than_counting_steps() -> None:
+    """Its tables grow with the closeness: they take half a second here, as long as some ten thousand steps."""
+    system, state = ball(16, start=((0, 0, 1), ("0.01", "1", 0)))
+    carrier = PreciseFlow(system.body, state, 16).carrier
+    setup = carrier.setup
+    assert carrier._far([1000 * setup.step_length]) is None
+    assert 1000 * precise.WORK_A_STEP * setup.digits < carrier._least_work < 1 << 26
+    torus = carrier._far([1e7 * setup.step_length])
+    counting = carrier._clock(1)
+    (tau,) = torus.tau([100 * setup.time_scale])
+    with setup.reals:
+        shown = counting.time(*carrier._place(setup.reals.number(tau)))
+    assert abs(setup.reals.element(setup.wide, shown) / setup.time_scale - 100) < 1e-20
+
+
 def test_lost_digits_are_found_and_made_up_for() -> None:
     """Near the separatrix errors grow like e^(λt): the precision is raised until 30 digits are left."""
     unstable = (("1e-20", "0", "1"), ("0", "1", "0"))
