@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,7 +24,7 @@ from integrable.torus.loops import BEYOND, NotClosed
 from integrable.torus.panels import NODES, Panels, States, panel_length
 from integrable.torus.series import in_resonance
 from integrable.torus.tables import Room
-from integrable.torus.witness import TERMS, Line, confirmed
+from integrable.torus.witness import ALIKE, TERMS, Line, confirmed, witnesses
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
@@ -67,10 +68,13 @@ class TorusFlow(Corners):
             self.clock = TorusClock(self, *spectrum, self.rates[4:], self._scale)
 
     def _check_walk(self) -> None:
-        if not np.isfinite(self._of_rates(4 if self._rolls else 6, 8)).all():
+        if not all(map(isfinite, self._of_rates(4 if self._rolls else 6, 8))):
             raise NotClosed(BEYOND)
         # before the borders of cells: these say of a wrong sign that digits are lost
-        if not confirmed(self.setup, self._turns, self._rows_at_tau, self.reached):
+        tau = witnesses(self._turns)
+        out = np.empty(12 * len(tau))
+        near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
+        if not near and not confirmed(self.setup, tau, out[: 6 * len(tau)]):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         super()._check_walk()
 
@@ -151,13 +155,17 @@ class TorusFlow(Corners):
 
     def reached(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ by additions to the start, without periods and corners: shape (N, 6)."""
-        loops, out = self.loops, np.empty(6 * len(tau))
+        out = np.empty(6 * len(tau))
+        self.loops.reached(*self._line(tau), out)
+        return out.reshape(-1, 6)
+
+    def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, Room, Any]:
+        """What the loops take to add to the start up to these times, with room for that."""
+        room = self.loops.room
         # where branch points had been close together, the flow's own centre is far from all of them
         far = self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
-        room, points = Room(*map(loops.room, (TERMS, TERMS, 9, 0))), loops.room(10 * len(tau))
-        loops.reached(loops.packed(line), tau, room, points, out)
-        return out.reshape(-1, 6)
+        return line, tau, Room(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
 
     def _check(self, times: np.ndarray, rates: list[float]) -> None:
         turns = np.abs(times).max(initial=0) * max(map(abs, rates))

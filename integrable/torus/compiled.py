@@ -49,9 +49,9 @@ KINDS: dict[Any, TupleKind] = {
 # --- entries: rows of numbers as the tuples that the loops take
 
 
-def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
+def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:
     """:func:`integrable.torus.walks.corners`."""
-    walks_corners(numbered(curve), start, walk, states, ends, known)
+    return walks_corners(numbered(curve), start, walk, states, ends, known)
 
 
 def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
@@ -80,9 +80,15 @@ def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
     torus_reached(numbers, times, room, points, out)
 
 
-def on_borders(torus: Torus, out: Row) -> None:
-    """:func:`integrable.torus.witness.on_borders`."""
-    torus_on_borders(torus_numbered(torus), out)
+def departure(torus: Torus, line: Line, times: Row, room: Room, points: Row, out: Row) -> float:
+    """:func:`integrable.torus.witness.departure`."""
+    numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
+    return torus_departure(torus_numbered(torus), numbers, times, room, points, out)
+
+
+def seam(torus: Torus, out: Row) -> float:
+    """:func:`integrable.torus.witness.seam`."""
+    return torus_seam(torus_numbered(torus), out)
 
 
 def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
@@ -143,7 +149,8 @@ def eight(row: Row) -> Any:
 
 walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
-points_at, torus_on_borders, torus_reached = states.points_at_phases, witness.on_borders, witness.reached
+points_at, torus_reached = states.points_at_phases, witness.reached
+torus_departure, torus_seam = witness.departure, witness.seam
 at_times, times_at = clock_loops.states_at_times, clock_loops.times_at_tau
 phases_at = clock_loops.phases_at_times
 
@@ -154,7 +161,8 @@ LIBRARY = Library(
     {
         "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
         "reached": (reached, (KINDS[Line], FLOATS, KINDS[Room], WIDES, FLOATS)),
-        "on_borders": (on_borders, (_TORUS, FLOATS)),
+        "departure": (departure, (_TORUS, KINDS[Line], FLOATS, KINDS[Room], WIDES, FLOATS)),
+        "seam": (seam, (_TORUS, FLOATS)),
         "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),

@@ -14,7 +14,7 @@ from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.states import Torus
 from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import Fine, Walk
-from integrable.torus.witness import seamless
+from integrable.torus.witness import BORDERS, SEAM
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS
 
@@ -24,8 +24,6 @@ if TYPE_CHECKING:
 # a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
 ROUND = 1e-17
 CLOSED = 1e-13
-# where a moving point's divisor, σ and ν begin
-PARTS = (0, 4, 7)
 # corners are walked over in steps of fewer cells than this
 MOST_AT_ONCE = 7
 # ovals so near each other, in parts of what they cover, are walked over from both sides at once
@@ -86,7 +84,7 @@ class Corners:
 
     def _check_walk(self) -> None:
         """NotClosed where the states at the corners are not to be trusted."""
-        if self.compiled and not seamless(self.torus, self.loops):
+        if self.compiled and not self.loops.seam(self.torus, np.empty(24 * BORDERS)) <= SEAM:
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
 
     @property
@@ -218,11 +216,7 @@ class Corners:
         ends, known = loops.room(10 * (cells[0] + 1)), loops.room(10 * (cells[0] + 1))
         self.states = loops.room(10 * cells[0] * cells[1])
         walk = Walk(cells, forward, most, self.signs, self._halves, loops.room(40))
-        loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
-        gaps = np.abs(loops.differences(ends, known)).reshape(-1, 10).max(axis=0)
-        sizes = np.maximum.reduceat(np.abs(loops.floats(self._start)), PARTS)
-        # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
-        self.closure = float((np.maximum.reduceat(gaps, PARTS) / sizes).max())
+        self.closure = loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
 
 
 def rest_of(motion: Any, loops: Any) -> Any:

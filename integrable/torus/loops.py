@@ -101,11 +101,6 @@ class ReadableLoops:
             low = [float(x - y) for x, y in zip(values, self.row(high.tolist()), strict=True)]
         return (high.astype(np.longdouble) + low).reshape(sizes)
 
-    def differences(self, first: Any, second: Any) -> np.ndarray:
-        """Differences of working numbers, as floats."""
-        with self.reals:
-            return np.array([float(x - y) for x, y in zip(first, second, strict=True)])
-
     def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
         """:func:`integrable.torus.survey.survey`."""
         with self.reals:
@@ -124,6 +119,11 @@ class ReadableLoops:
         with self.reals:
             witness.reached(line, times.tolist(), *args)
 
+    def departure(self, torus: Any, line: Any, times: Any, *args: Any) -> float:
+        """:func:`integrable.torus.witness.departure`."""
+        with self.reals:
+            return witness.departure(torus, line, times.tolist(), *args)
+
     def begun(self, setup: Any) -> None:
         """None: a set-up in as many digits is there."""
 
@@ -141,10 +141,10 @@ class ReadableLoops:
         """Rows of numbers one after the other."""
         return [x for row in rows for x in row]
 
-    def corners(self, *args: Any) -> None:
+    def corners(self, *args: Any) -> float:
         """:func:`integrable.torus.walks.corners`."""
         with self.reals:
-            walks.corners(*args)
+            return walks.corners(*args)
 
     def offsets(self, *args: Any) -> None:
         """:func:`integrable.torus.walks.offsets`."""
@@ -215,7 +215,8 @@ class CompiledLoops:
         self.clock_series: Any = entries.clock_series
         self.panel_values: Any = entries.panel_values
         self.reached: Any = entries.reached
-        self.on_borders: Any = entries.on_borders
+        self.departure: Any = entries.departure
+        self.seam: Any = entries.seam
         self.rates: Any = entries.rates
         self._begun: Any = entries.begun
         self._about_centre: Any = entries.about_centre
@@ -269,10 +270,6 @@ class CompiledLoops:
     def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
         found: np.ndarray = values.reshape(*sizes, 2)
         return found
-
-    def differences(self, first: Any, second: Any) -> np.ndarray:
-        # exact where they are close
-        return (first[:, 0] - second[:, 0]) + (first[:, 1] - second[:, 1])
 
     def survey(self, motion: Any, short: float, points: Any, out: Any) -> Any:
         return self.survey_rows(motion, short, np.array(points), out)

@@ -84,8 +84,8 @@ class Fine(NamedTuple):
     rest: Row
 
 
-def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> None:
-    """The moving points at the corners of the cells into ``states``, row by row of ten numbers.
+def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:
+    """The moving points at the corners of the cells into ``states``, row by row of ten numbers; :func:`closure`.
 
     The first direction is walked in steps of an odd number of cells, up to ``most``, round and round, the second in
     such steps that may lead down by one cell as well; columns backward take ``most`` = 1. Into ``ends`` where every
@@ -116,6 +116,25 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     put(moving_point(start), known, 0)
     turn(known, 0, walk.turns, 0)
     with_signs(walk, stride, states, ends, known)
+    return closure(start, ends, known)
+
+
+def closure(start: Row, ends: Row, known: Row) -> float:
+    """What ends of walks are off where they should be, in parts of the start: the most of its divisor, σ and ν. Not a
+    number where one is none.
+    """
+    worst, rest = 0.0, 0.0
+    # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
+    for first, last in ((0, 4), (4, 7), (7, 10)):
+        size, gap = 0.0, 0.0
+        for c in range(first, last):
+            size = max(size, abs(float(start[c])))
+            for i in range(len(ends) // 10):
+                off = abs(float(ends[10 * i + c] - known[10 * i + c]))
+                gap = max(gap, off)
+                rest += 0 * off
+        worst = max(worst, gap / size) if size > 0 else max(worst, 1.0)
+    return worst + rest
 
 
 def place_of(walk: Walk, stride: Stride, i: int, j: int) -> int:

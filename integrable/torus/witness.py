@@ -9,7 +9,6 @@ What translations lose beside a corner is seen where cells meet: a state on the 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +19,7 @@ from integrable.moving_point.bare_problem import BareProblem
 from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
-from integrable.torus.states import Torus, point_at, point_beside, put_state
+from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau
 from integrable.torus.tables import Room, expansion, near_centre, recentred
 from integrable.torus.walks import Curve
 from jacobian.numbers.abreast import abreast
@@ -28,8 +27,6 @@ from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
-States = Callable[[np.ndarray], np.ndarray]
-"""γ and M at values of τ, shape (N, 6)."""
 
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
@@ -39,7 +36,7 @@ TURNS = (1.23, -1.38)
 # no more turns than this of the faster phase
 FAR = 2.0**48
 # a difference that double-double numbers may make on the way; beyond it digits decide
-ROUGH = 1e-6
+ALIKE = 1e-6
 # and one that a right torus may: the states themselves are held to less, here it is about signs and places
 RIGHT = 1e-8
 # borders that are looked at, and what both corners may differ by
@@ -63,37 +60,47 @@ class Line(NamedTuple):
     far: bool
 
 
-def confirmed(setup: Setup, rates: list[float], states: States, reached: States) -> bool:
-    """Whether the torus has the ``states`` that translations lead to, at two times for each of its periods: by then
-    every sign that a period changes has been changed, in both directions. First those ``reached`` in the numbers of its
-    loops; where these do not suffice, digits decide. ``rates`` are turns of the phases in a unit of τ.
+def witnesses(rates: list[float]) -> np.ndarray:
+    """Two times of the flow for each period: by then every sign that it changes has been changed, in both directions.
+    ``rates`` are turns of the phases in a unit of τ.
     """
     # a period that is not reached before the fractions of the other phase are gone changes no sign
     farthest = FAR / max(map(abs, rates))
-    tau = np.clip([turns / nu for nu in rates for turns in TURNS], -farthest, farthest)
-    found = states(tau)
-    if _difference(found, reached(tau)) <= ROUGH:
-        return True
+    return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
+
+
+def confirmed(setup: Setup, tau: np.ndarray, found: np.ndarray) -> bool:
+    """Whether the states that a torus has at the times ``tau``, shape (N, 6), are those that translations in many
+    digits lead to: where those of :func:`departure` do not suffice.
+    """
     bare = setup.bare_problem
     # not the set-up's own, which are made from numbers of the wide field
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     with setup.reals:
         exact = [vectors(_in_digits(bare, translations, t), bare.momentum, bare.matrix) for t in tau.tolist()]
-    return _difference(found, np.array([(*gamma, *M) for gamma, M in exact], dtype=float)) <= RIGHT
+    rows = np.array([(*gamma, *M) for gamma, M in exact], dtype=float)
+    return difference(found.ravel().tolist(), rows.ravel().tolist()) <= RIGHT
 
 
-def seamless(torus: Any, loops: Any) -> bool:
-    """Whether states on some borders of the cells of a :class:`~integrable.torus.states.Torus` are the same from both
-    corners.
+def departure(torus: Torus, line: Line, times: Row, room: Room, points: Row, out: Row) -> float:
+    """What states of a torus at some times of the flow differ by from those that additions lead to: both into ``out``,
+    one after the other, six floats each.
     """
-    rows = np.empty((4 * BORDERS, 6))
-    loops.on_borders(torus, rows.ravel())
-    return _difference(rows[::2], rows[1::2]) <= SEAM
+    count = 6 * len(times)
+    states_at_tau(torus, (line.rates[6], line.rates[7]), times, out[:count])
+    reached(line, times, room, points, out[count:])
+    return difference(out[:count], out[count:])
+
+
+def seam(torus: Torus, out: Row) -> float:
+    """What states :func:`on_borders`, which go into ``out``, differ by."""
+    on_borders(torus, out)
+    return difference(out[: len(out) // 2], out[len(out) // 2 :])
 
 
 def on_borders(torus: Torus, out: Row) -> None:
-    """γ and M, six floats each, on borders of cells, from one corner and from the other: halfway from a corner to the
-    next in the first direction, a quarter in the second, then the other way round.
+    """γ and M, six floats each, on borders of cells, from one corner and then from the other: halfway from a corner to
+    the next in the first direction, a quarter in the second, then the other way round.
     """
     (rows, columns), zero, count = torus.cells, 0 * torus.curve.axes[0], len(out) // 24
     for n in abreast(0, 2 * count):
@@ -101,8 +108,8 @@ def on_borders(torus: Torus, out: Row) -> None:
         i, j = k * rows // count, k * columns // count
         first, second = zero + (i + 0.5 - 0.25 * down) / rows, zero + (j + 0.25 + 0.25 * down) / columns
         one, other = point_beside(torus, (i, j), first, second, 0, 0), point_at(torus, first, second, 0, 0)
-        put_state(one, torus.matrix, out, 12 * n)
-        put_state(other, torus.matrix, out, 12 * n + 6)
+        put_state(one, torus.matrix, out, 6 * n)
+        put_state(other, torus.matrix, out, 6 * (n + 2 * count))
 
 
 def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
@@ -148,7 +155,14 @@ def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row
     return shift(bare.f, bare.axes, bare.start, step)
 
 
-def _difference(rows: np.ndarray, states: np.ndarray) -> float:
-    """The largest difference in γ and in M/|M|."""
-    gaps = np.abs(rows - states)
-    return float(max(gaps[:, :3].max(), gaps[:, 3:].max() / np.abs(rows[:, 3:]).max()))
+def difference(rows: Row, states: Row) -> float:
+    """The largest difference in γ and in M/|M|, not a number where one is none; six floats to a state."""
+    gamma, M, size, rest = 0.0, 0.0, 0.0, 0.0
+    for n in range(len(rows)):
+        gap = abs(rows[n] - states[n])
+        rest += 0 * gap
+        if n % 6 < 3:
+            gamma = max(gamma, gap)
+        else:
+            M, size = max(M, gap), max(size, abs(states[n]))
+    return max(gamma, M / size) + rest

@@ -10,7 +10,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion.precise import PreciseFlow
 from integrable.oracles.reference import taylor
-from integrable.torus import witness
+from integrable.torus import walks, witness
 from integrable.torus.access import TorusFlow, series_of
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Limits
@@ -19,6 +19,7 @@ from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 from integrable.torus.series import TorusSeries, needed_sizes, spectrum
 from integrable.torus.tables import small_translation
+from integrable.torus.witness import difference
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 from tests.integrable.torus.translations import directed
@@ -354,14 +355,29 @@ def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
     assert np.abs(found - np.array(truth, dtype=float)).max() < 4e-15
 
 
-def test_a_wrong_torus_of_a_heavy_ball_is_noticed(monkeypatch) -> None:
-    """γ and M with the signs of another quadrant: the rough comparison and the one in digits refuse it."""
+class AnotherQuadrant(CompiledLoops):
+    """Loops whose torus has γ and M with the signs of another quadrant."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        right = self.departure
+
+        def departure(torus, line, tau, *rest) -> float:
+            right(torus, line, tau, *rest)
+            found, reached = rest[-1].reshape(2, -1, 6)
+            found *= [-1, -1, 1, -1, -1, 1]
+            return difference(found.ravel(), reached.ravel())
+
+        self.departure = departure
+
+
+def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
+    """The rough comparison and the one in digits refuse it."""
     ball = ChaplyginBall((1, 2, 3), 1e6)
     setup = ball.flow(ball.state(*START)).setup
-    right = TorusFlow._rows_at_tau
-    monkeypatch.setattr(TorusFlow, "_rows_at_tau", lambda self, tau: right(self, tau) * [-1, -1, 1, -1, -1, 1])
+    TorusFlow(setup, CompiledLoops())
     with pytest.raises(NotClosed, match="does not lead where its translations do"):
-        TorusFlow(setup, CompiledLoops())
+        TorusFlow(setup, AnotherQuadrant())
 
 
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
@@ -495,3 +511,16 @@ def test_what_loops_begin_with_is_what_more_digits_begin_with(system, tilted) ->
 def test_branch_points_that_are_close_take_more_digits_to_begin_with(moments, d, start) -> None:
     ball = ChaplyginBall(moments, d)
     assert CompiledLoops().begun(ball.flow(ball.state(*start)).setup) is None
+
+
+def test_what_is_not_a_number_is_not_near() -> None:
+    nan, state = float("nan"), [0.6, 0.0, 0.8, 1.0, 2.0, -0.75]
+    assert difference(state, state) == 0
+    assert difference([0.6, 0.0, 0.8, 1.0, 2.5, -0.75], state) == 0.25
+    for place in range(6):
+        assert not difference([nan if i == place else x for i, x in enumerate(state)], state) <= 1
+    start = [1.0, -2.0, 0.5, 0.0, 0.25, 0.0, 0.5, 0.0, 0.0, 4.0]
+    ends = [*start, *start[:9], 5.0]
+    assert walks.closure(start, ends, [*start, *start]) == 0.25
+    for place in range(10, 20):
+        assert not walks.closure(start, [nan if i == place else x for i, x in enumerate(ends)], [*start, *start]) <= 1
