@@ -106,34 +106,24 @@ class Equations:
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
         """How many of the digits asked for, but for LOST_DIGITS, H and K of each row lack."""
-        wanted = self._asked - LOST_DIGITS
-        found = evaluate(self._system.field, recorded(self._integrals, 6), rows, self._asked + STEP_DIGITS, 2)
-        pairs = [zip(row, self._before, self._sizes, strict=True) for row in found]
+        wanted, nearby = self._asked - LOST_DIGITS, self._nearby
+        tape = recorded(self._integrals, 6)
+        found = evaluate(self._system.field, tape, [*nearby, *rows], self._asked + STEP_DIGITS, 2)
+        (before, *moved), found = found[: len(nearby)], found[len(nearby) :]
+        # |F| + Σ|ΔF/part| of F = H and K
+        part = self._system.field.coerce(PART)
+        sizes = [abs(F) + sum(abs(row[k] - F) for row in moved) / part for k, F in enumerate(before)]
+        pairs = [zip(row, before, sizes, strict=True) for row in found]
         return [max(digits_of(abs(x - y) / size) for x, y, size in pair) + wanted for pair in pairs]
+
+    @cached_property
+    def _nearby(self) -> list[list[Any]]:
+        """The start, and six times with one coordinate moved by PART of |γ| or |M|."""
+        vectors, part = (self._state.gamma, self._state.M), self._system.field.coerce(PART)
+        units, values = [part * max(map(abs, v)) for v in vectors], [x for v in vectors for x in v]
+        return [values, *([*values[:i], values[i] + units[i // 3], *values[i + 1 :]] for i in range(6))]
 
     def _integrals(self, y: Sequence[Any]) -> list[Any]:
         """H and K, and H again for as many results as variables."""
         H, K = self._system._integrals_along(np.array(y[:3]), np.array(y[3:]))[2:]
         return [H, K, H, H, H, H]
-
-    @cached_property
-    def _before(self) -> tuple[Any, Any]:
-        """H and K of the start."""
-        H, K = self._system.integrals(self._state)[2:]
-        return H, K
-
-    @cached_property
-    def _sizes(self) -> tuple[Any, Any]:
-        return _sizes(self._system, self._state, self._before)
-
-
-def _sizes(system: Any, state: State, before: tuple[Any, Any]) -> tuple[Any, Any]:
-    """|F| + Σ|ΔF/part| of F = H and K, where one coordinate is moved by a part of |γ| or |M|."""
-    values, part = [*state.gamma, *state.M], system.field.coerce(PART)
-    units = [part * max(map(abs, v)) for v in (state.gamma, state.M)]
-    sizes = [abs(F) for F in before]
-    for i in range(6):
-        x = [*values[:i], values[i] + units[i // 3], *values[i + 1 :]]
-        after = system.integrals(State((x[0], x[1], x[2]), (x[3], x[4], x[5])))[2:]
-        sizes = [size + abs(new - old) / part for size, new, old in zip(sizes, after, before, strict=True)]
-    return sizes[0], sizes[1]
