@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from math import floor
+from math import ceil, floor
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from integrable.motion.precise import PreciseFlow
-from integrable.motion.symmetric_precise import PreciseClosedForm
 from integrable.motion.trajectory import Motion
 from integrable.moving_point.losses import digits_of
+from integrable.phase.body import Body
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian import MP, RR
@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 # digits by which the second run is wider, and its least number of digits
 WIDER = 15
 LEAST = 30
+# and beyond which moments differ that count as equal
+BESIDE = 3
 # digits that agree unless more are asked for: all but the last few bits
 SLACK = 1
 FLOAT_SLACK = 3
@@ -57,11 +59,48 @@ def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
 
 
 def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
-    """γ and M at physical times in the wide field K."""
+    """γ and M at physical times, wide numbers, to the digits of K: by additions, or a formula of their own."""
     body, state = flow.system.body, flow.state
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
+        if len(set(flow.system.inertia)) == 1:
+            return [_turned(flow, t, K) for t in times]
         # there the clock of many digits has no torus, and would count steps
-        rows, _ = PreciseClosedForm(flow.system, state, field=K).at(np.array(times, dtype=object))
-        return [(row[:3], row[3:]) for row in rows]
+        body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])
+
+
+def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
+    """γ and M of a ball with three equal moments: γ turns uniformly about L = M + dnγ, which is constant, as n is."""
+    context = MP(K.dps + _turns(flow, time, K)).context
+    body, state = flow.system.body, flow.state
+    inertia, d, *vectors = map(context.mpf, (body.inertia[0], body.d, *state.gamma, *state.M))
+    length = context.sqrt(context.fdot(vectors[:3], vectors[:3]))
+    gamma, M = [x / length for x in vectors[:3]], vectors[3:]
+    n = context.fdot(gamma, M) / inertia
+    L = [m + d * n * x for m, x in zip(M, gamma, strict=True)]
+    size = context.sqrt(context.fdot(L, L))
+    axis, angle = [x / size for x in L], -size * time / (inertia + d)
+    c, s, along = context.cos(angle), context.sin(angle), context.fdot(axis, gamma)
+    found = [
+        c * gamma[i] + s * (axis[i - 2] * gamma[i - 1] - axis[i - 1] * gamma[i - 2]) + (1 - c) * along * axis[i]
+        for i in range(3)
+    ]
+    return found, [x - d * n * y for x, y in zip(L, found, strict=True)]
+
+
+def _turns(flow: Motion, time: Any, K: Any) -> int:
+    """How many digits the turns until a time have, and some more."""
+    # |ω| ≤ |M|/min I
+    fastest = sum(abs(K.coerce(m)) for m in flow.state.M) / min(map(K.coerce, flow.system.inertia))
+    return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
+
+
+def _beside(flow: Motion, time: Any, K: Any) -> Body:
+    """The body with its equal moments so little apart that nothing is seen of it until a time, in numbers that see it:
+    additions are then what they always are, and share nothing with the closed form of equal moments.
+    """
+    apart = K.dps + _turns(flow, time, K)
+    wide = MP(K.dps + apart)
+    moved = [wide.coerce(x) * (1 + n * wide.coerce(10) ** -apart) for n, x in enumerate(flow.system.inertia)]
+    return Body.make(moved, wide.coerce(flow.system.d), wide)

@@ -387,7 +387,7 @@ class BodyCarrier(Carrier):
 
         setup, self._least_work = self.setup, inf
         # branch points that are close together cost digits, which look like modes of 1/g
-        for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * (setup.digits - GUARD_DIGITS))):
+        for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
             try:
                 return MultiprecisionTorusClock(make(), setup.digits, most_work=work)
             except TooManyModes as error:

@@ -175,10 +175,16 @@ class OvalTorus:
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
         # what is rounding of a double root is none
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
-        angles = [
-            oval.angle(u, point[2] + point[3] * u)
-            for oval, u in zip(self.ovals, (middle - spread, middle + spread), strict=True)
-        ]
+        angles, blurs = zip(
+            *(
+                oval.angle(u, point[2] + point[3] * u)
+                for oval, u in zip(self.ovals, (middle - spread, middle + spread), strict=True)
+            ),
+            strict=True,
+        )
+        # what goes round a small oval is small with it, but for what leans between two axes
+        if count > 1 and not blurs[self.low] < 10.0**-self.digits:
+            raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]
         found = self.phases(*(x + y for x, y in zip(*sums, strict=True)))
         back = 2 * n * self.ball(setup.problem.half_step)

@@ -140,12 +140,12 @@ class Oval:
         one, two, _, four = (t.real for t in acb.modular_theta(acb(place), self._nome))
         return (t3 * one / (t2 * four)) ** 2, (t4 * two / (t2 * four)) ** 2
 
-    def angle(self, u: Any, y: Any) -> Any:
-        """φ/π of a point, in (−1, 1]."""
+    def angle(self, u: Any, y: Any) -> tuple[Any, float]:
+        """φ/π of a point, in (−1, 1], and about how far it may be off: all of it where the oval is a point."""
         (a, b), others, arb = self._ends, self._others, self.flint.arb
         length = b - a
         if self._nome is None:
-            return arb(0)
+            return arb(0), 1.0
         light = (1 - self._d * u).sqrt()
         # sin and cos of twice the amplitude; near the ends y has the digits that u lacks
         if self._first:
@@ -158,7 +158,7 @@ class Oval:
             cosine = ((b - u) * low - (u - a) * high) / bottom
         amplitude = arb.atan2(sine.mid(), cosine.mid()) / 2
         found = self.flint.acb.elliptic_f(self.flint.acb(amplitude), self.flint.acb(self._part.mid())).real
-        return found / self._quarter
+        return found / self._quarter, float(max(sine.rad(), cosine.rad()))
 
     def turn(self, pair: Pair, size: tuple[int, int]) -> None:
         """Make tables of e^(2πikθ₁), k ≤ rows, and e^(2πimθ₂), m ≤ columns, at the nodes."""
@@ -246,8 +246,8 @@ class Oval:
 
 
 def exponent(c: Any) -> float:
-    """log10 |c|; PrecisionLoss where c is no number, like what leans with two equal moments."""
+    """log10 |c|; PrecisionLoss where c is no number."""
     size = abs(c).mid()
     if not size.is_finite():
-        raise PrecisionLoss("a mode of 1/g is 0/0: two moments of this body are equal, or all but equal")
+        raise PrecisionLoss("a mode of 1/g is no number; use more digits")
     return float(size.log()) / log(10) if size > 0 else -NOTHING

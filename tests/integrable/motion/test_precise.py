@@ -18,6 +18,7 @@ from integrable.moving_point.addition import rate_after
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
 from integrable.moving_point.losses import digits_of, lost_digits
 from integrable.moving_point.setup import Setup
+from integrable.phase.equal_moments import Swing
 from integrable.torus.panel_rates import PanelRates
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
@@ -305,6 +306,19 @@ def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) 
     run = system.flow(state).certify([3, 1e4, -1e9])
     assert run.way == "closed form"
     assert (run.digits >= (12 if digits == 15 else 29)).all()
+
+
+@pytest.mark.parametrize("digits", [15, 30])
+@pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 2)])
+def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, monkeypatch) -> None:
+    """What it is compared with was the same closed form in more digits, whose mistakes agree."""
+    system, state = ball(digits, inertia, tilt=0.7)
+    assert (system.flow(state).certify([1e3, -1e9]).digits >= digits - 3).all()
+    true = Swing.clock
+    late = lambda swing, upright: (true(swing, upright)[0] * (1 + 1e-9), true(swing, upright)[1])  # noqa: E731
+    monkeypatch.setattr(Swing, "clock", late)
+    with pytest.raises(PrecisionLoss, match=r"agree to [56] digits, not to"):
+        system.flow(state).certify([1e3])
 
 
 @pytest.mark.parametrize("field", [15, 30])
