@@ -17,6 +17,8 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 
 # phases that a long series is summed at together
 TOGETHER = 256
+# multiplications that a product of matrices does in one thread: where there are more of those, they wait in busy loops
+ONE_THREAD = 1 << 15
 # floats hold no modes below
 TINY = 1e-290
 # the error of a mode in floats, for each turn of it, and the bits that guard sums of many digits
@@ -101,9 +103,14 @@ class TorusSeries:
 
     def _sums(self, first: np.ndarray, second: np.ndarray, *tables: np.ndarray) -> list[np.ndarray]:
         rows, columns = self._swing.shape
-        left = np.exp(2j * pi * np.outer(first, np.arange(rows)))
-        right = np.exp(2j * pi * np.outer(second, np.arange(columns) + self._first))
-        return [np.einsum("ij,ij->i", left @ table, right).real for table in tables]
+        found, size = np.empty((len(tables), len(first))), max(1, ONE_THREAD // (rows * columns))
+        for begin in range(0, len(first), size):
+            some = slice(begin, begin + size)
+            left = np.exp(2j * pi * np.outer(first[some], np.arange(rows)))
+            right = np.exp(2j * pi * np.outer(second[some], np.arange(columns) + self._first))
+            for sums, table in zip(found, tables, strict=True):
+                sums[some] = np.einsum("ij,ij->i", left @ table, right).real
+        return list(found)
 
 
 def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -> np.ndarray:
