@@ -11,7 +11,7 @@ from integrable.moving_point.compiled import SPECIAL
 from integrable.moving_point.short import LENGTH, first_half, panel_half
 from integrable.moving_point.short_rows import FINEST, FLOATS, GIVEN, HALF, LOT, MADE, SUMS, WIDES, new_room
 from integrable.moving_point.short_start import set_up
-from integrable.moving_point.short_steps import panel_steps
+from integrable.moving_point.short_steps import contact_of, framed, levelled, on_pairs, panel_steps
 from integrable.moving_point.translations import Translations
 from jacobian.native.code import LANES
 from jacobian.native.kinds import BOOL, FLOAT, INTS, ArrayKind
@@ -103,6 +103,40 @@ def first_steps(given, tilted, wide, floats, made, found):
 STEPS = Library(
     "first_steps", {"steps": (first_steps, (ArrayKind(FLOAT, 2), BOOL, WIDE_ROW, FLOAT_ROW, INTS, WIDE_ROW))}, SPECIAL
 )
+
+
+@pytest.mark.parametrize("name", MOTIONS)
+def test_a_point_off_its_level_is_put_back_on_it(name) -> None:
+    """U, V and the pairs fit each other to all digits, and the curve a hundred times as well."""
+    system, gamma, M, tilted = MOTIONS[name]
+    state = system.state(gamma, M, tilted=tilted)
+    reals = BareReals(200)
+    with reals:
+        room = new_room([reals.number(0)] * WIDES, [0.0] * FLOATS, [0] * MADE)
+        set_up(
+            reals.row([*system.inertia, system.d, *state.gamma, *state.M]), tilted, room.wide, room.numbers, room.point
+        )
+        wide, r, off = room.wide, contact_of(room.wide), 1e-12
+        start = [*wide[14:18], *(x * (1 + k * k * off) for k, x in enumerate(wide[18:24]))]
+        x, y, by = framed(wide, r, start)
+        assert 0 < by < 1e3 * off
+        left = []
+        for rows in (y, levelled(wide, r, x, y, 0.0)):
+            u0, u1, v0, v1, *pairs = on_pairs(wide, r, x, rows)
+            left.append(0.0)
+            for a, kappa, sigma, nu in zip(wide[6:9], wide[9:12], pairs[:3], pairs[3:], strict=True):
+                assert abs(kappa * sigma * sigma - (a * a + u1 * a + u0)) < 1e-50
+                assert abs(kappa * sigma * nu - (v1 * a + v0)) < 1e-50
+                left[-1] += abs(float(remainder(wide[:6], (u0, u1, v0, v1), a) + kappa * nu * nu))
+        assert left[1] < 0.01 * left[0]
+
+
+def remainder(f, point, a):
+    """W(a) of the quotient W of f − V² by U."""
+    u0, u1, _, v1 = point
+    w2 = f[4] - u1 * f[5]
+    w1 = f[3] - u1 * w2 - u0 * f[5]
+    return ((f[5] * a + w2) * a + w1) * a + f[2] - v1 * v1 - u1 * w1 - u0 * w2
 
 
 @pytest.mark.parametrize(("inertia", "most"), [((1.0, 1e4, 1e8), 100), ((1e8, 1e4, 1.0), 200)])
