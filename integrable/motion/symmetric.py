@@ -34,6 +34,7 @@ from integrable.torus.survey import complete
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import exact_product, split
+from jacobian.numbers.long_reals import BareReals
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
@@ -90,7 +91,7 @@ class SymmetricFlow:
         # k = √(1 − m), and 1 − k
         modulus = K.sqrt(swing.mu / swing.r)
         missing = swing.spread / swing.r / (1 + modulus)
-        quarter = complete(modulus, K.one, K.one, K.one, pi, NEAR)
+        quarter = _complete(K, modulus, K.one)
         self._first_kind = FirstKind(long(modulus), long(missing), long(quarter))
         self._flow_rate = swing.rate * K.sqrt(swing.r) / (4 * quarter)
         # φ in turns of θ, and with τ, but for what the third kind adds to each half turn
@@ -99,19 +100,19 @@ class SymmetricFlow:
         self._turning = self._advance * self._rate, self._advance * self._flow_rate
         self._third_advance = K.zero
         if swing.kappa and not self._flat:
-            pole = complete(modulus, swing.kappa * swing.kappa, K.one, K.one, pi, NEAR)
+            pole = _complete(K, modulus, swing.kappa * swing.kappa)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
         # where they are at time 0
         count = int(K.context.nint(swing.theta / pi))
-        x = np.array([long(swing.theta - count * pi)])
-        self._start_count, self._start_x = count, x[0]
+        x = long(swing.theta - count * pi)
+        self._start_count, self._start_x = count, x
         self._start_angle = long(K.context.sin(swing.theta)), long(K.context.cos(swing.theta))
         self._start_lean = self._lean(np.cos(x) * (-1) ** count)
-        self._start = swing.theta / (2 * pi) - wide(K, (self._kepler * self._start_lean)[0])
+        self._start = swing.theta / (2 * pi) - wide(K, self._kepler * self._start_lean)
         self._start_swing = self._first_kind.swing(x)
-        self._flow_start = swing.theta / (2 * pi) + wide(K, (self._start_swing / (4 * self._first_kind.quarter))[0])
+        self._flow_start = swing.theta / (2 * pi) + wide(K, self._start_swing / (4 * self._first_kind.quarter))
         self._origin = swing.phi / (2 * pi) - count * self._third_advance
-        self._origin -= wide(K, (self._turned(x) / (2 * PI))[0])
+        self._origin -= wide(K, self._turned(x) / (2 * PI))
 
     # --- at times
 
@@ -222,7 +223,7 @@ class SymmetricFlow:
     @property
     def _farthest_lean(self) -> Any:
         """A bound of what θ/2π differs by from its mean."""
-        return abs(self._kepler) * self._lean(np.ones(1, Long))[0]
+        return abs(self._kepler) * self._lean(Long(1))
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """As :meth:`_at_times`."""
@@ -268,6 +269,15 @@ class SymmetricFlow:
         rows = [a * g + b * m for g, m in zip(gamma, M, strict=True)]
         rows += [e * g + d * m for g, m in zip(gamma, M, strict=True)]
         return np.stack(rows, axis=1).astype(float)
+
+
+def _complete(K: Any, modulus: Any, p: Any) -> Any:
+    """:func:`integrable.torus.survey.complete` with a = b = 1, of numbers of K: by bare reals, some times as fast."""
+    reals = BareReals(K.context.prec)
+    with reals as numbers:
+        one = numbers.number(1)
+        k, pole, pi = map(numbers.number, (modulus, p, +K.context.pi))
+        return numbers.element(K, complete(k, pole, one, one, pi, NEAR))
 
 
 def turns_of(values: np.ndarray, rate: Any, start: Any) -> tuple[np.ndarray, Any]:

@@ -7,6 +7,7 @@ last place.
 
 from __future__ import annotations
 
+from math import ceil, log
 from typing import Any
 
 import numpy as np
@@ -40,7 +41,7 @@ def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     """R_J(x, y, z, p) = (3/2)∫dt/((t+p)√((t+x)(t+y)(t+z))), p > 0; ``product`` = (p − x)(p − y)(p − z) ≥ 0."""
     mean = start = (x + y + z + 2 * p) / 5
     farthest = np.maximum(np.maximum(abs(start - x), abs(start - y)), np.maximum(abs(start - z), abs(start - p)))
-    bound, scale = (np.finfo(start.dtype).eps / 4) ** (-1 / 6) * farthest, 1.0
+    bound, scale = (np.finfo(start.dtype).eps / 4) ** (-1 / 8) * farthest, 1.0
     dx, dy, dz, total = start - x, start - y, start - z, 0 * start
     while (bound * scale > mean).any():
         root_x, root_y, root_z, root_p = np.sqrt(x), np.sqrt(y), np.sqrt(z), np.sqrt(p)
@@ -54,14 +55,21 @@ def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
     e2 = dx * dy + dx * dz + dy * dz - 3 * dp * dp
     e3, e4, e5 = e + (2 * e2 + 4 * dp * dp) * dp, (2 * e + (e2 + 3 * dp * dp) * dp) * dp, e * dp * dp
     series = 1 - 3 * e2 / 14 + e3 / 6 + 9 * e2 * e2 / 88 - 3 * e4 / 22 - 9 * e2 * e3 / 52 + 3 * e5 / 26
+    series += 3 * e3 * e3 / 40 - e2 * e2 * e2 / 16 + 3 * e2 * e4 / 20
+    series += 45 * e2 * e2 * e3 / 272 - 9 * (e3 * e4 + e2 * e5) / 68
     return scale * series / (mean * np.sqrt(mean)) + 6 * total
 
 
 def _arctan_over(e: Array) -> Array:
     """arctan(√e)/√e for e ≥ 0."""
-    series = 0 * e
-    for n in range(TERMS, -1, -1):
-        series = e.dtype.type(1) / (2 * n + 1) - e * series
+    most, series = float(np.max(e, initial=0)), 0 * e
+    if np.min(e, initial=SMALL) < SMALL:
+        # as many terms as the largest of these takes
+        least = max(min(most, SMALL), 1e-300)
+        for n in range(min(TERMS, ceil(log(np.finfo(e.dtype).eps / 4) / log(least))), -1, -1):
+            series = e.dtype.type(1) / (2 * n + 1) - e * series
+    if most < SMALL:
+        return series
     far = np.sqrt(np.maximum(e, SMALL))
     return np.where(e < SMALL, series, np.arctan(far) / far)
 

@@ -1,0 +1,41 @@
+"""The incomplete integral of the third kind against mpmath's."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+
+from integrable.moving_point.elliptic_integrals import carlson_j
+
+CONTEXT = mpmath.MPContext()
+CONTEXT.dps = 40
+
+
+def exact(x):
+    high = float(x)
+    return CONTEXT.mpf(high) + CONTEXT.mpf(float(x - high))
+
+
+@pytest.mark.parametrize("kind", [np.float64, np.longdouble])
+@pytest.mark.parametrize("modulus", ["small", "below 1", "above 1"])
+def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
+    """At cos²θ, cos²θ + k²sin²θ, 1, cos²θ + κ²sin²θ, as a body of two equal moments asks for it; one by one too."""
+    generator, count = np.random.default_rng(4), 40
+    angles = np.concatenate([generator.uniform(0, np.pi / 2, count), 10 ** generator.uniform(-6, -1, count)])
+    k2 = {"small": 10 ** generator.uniform(-6, -1, 2 * count), "below 1": generator.uniform(0.5, 1, 2 * count),
+          "above 1": 1 + 10 ** generator.uniform(-3, 1, 2 * count)}[modulus]  # fmt: skip
+    s, c = np.sin(angles.astype(kind)), np.cos(angles.astype(kind))
+    # (p − x)(p − y)(p − z) is not negative
+    kappa2 = np.maximum(k2, 1) + 10 ** generator.uniform(-8, 1, 2 * count)
+    x, y, z, p = c * c, c * c + k2 * s * s, 1 + 0 * s, c * c + kappa2 * s * s
+    product = (p - x) * (p - y) * (p - z)
+    # of a difference with few digits the product would not be that of the arguments
+    chosen = (p - z) * (p - y) > 1e-4 * p * p
+    x, y, z, p, product = (v[chosen] for v in (x, y, z, p, product))
+    found = carlson_j(x, y, z, p, product)
+    right = [CONTEXT.elliprj(*map(exact, row)) for row in zip(x, y, z, p, strict=True)]
+    for one, other in zip(found, right, strict=True):
+        assert abs(exact(one) / other - 1) < 8 * np.finfo(kind).eps
+    for row, value in zip(zip(x, y, z, p, product, strict=True), found, strict=True):
+        assert abs(carlson_j(*row) / value - 1) < 8 * np.finfo(kind).eps
