@@ -11,6 +11,7 @@ from functools import cached_property, wraps
 from typing import Any, ClassVar, TypeVar
 
 Kind = TypeVar("Kind")
+Made = TypeVar("Made", bound=Callable[..., None])
 
 
 class Immutable:
@@ -28,7 +29,7 @@ class Immutable:
 
     def __init_subclass__(cls, **options: Any) -> None:
         super().__init_subclass__(**options)
-        if "__init__" in vars(cls) and cls.__dictoffset__:
+        if "__init__" in vars(cls) and cls.__dictoffset__ and not hasattr(cls.__init__, "_at_once"):
             cls.__init__ = _opened(cls.__init__)  # type: ignore[method-assign]
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -80,6 +81,12 @@ def _opened(initialize: Callable[..., None]) -> Any:
             _close(self)
 
     return __init__
+
+
+def at_once(initialize: Made) -> Made:
+    """An ``__init__`` that sets no attribute but updates ``vars(self)``: opening and closing would take as long."""
+    initialize._at_once = True  # type: ignore[attr-defined]
+    return initialize
 
 
 _set_open = Immutable.__dict__["_open"].__set__

@@ -15,6 +15,7 @@ from integrable.phase.space import PhaseSpace
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from integrable.phase.body import Vector
     from integrable.phase.state import State
 
 LARGEST = 1e100
@@ -33,7 +34,8 @@ _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 def check_domain(system: PhaseSpace, state: State) -> None:
     """ArgumentError where a flow over RR does not take a body or a state: the argument, its value and what helps."""
-    inertia, d, M = system.inertia, system.d, state.M
+    body, M = system.body, state.M
+    inertia, d = body.inertia, body.d
     momentum = max(map(abs, M))
     if max(*inertia, d, momentum) > LARGEST:
         name, x = next(pair for pair in _named(system, state) if abs(pair[1]) > LARGEST)
@@ -45,8 +47,8 @@ def check_domain(system: PhaseSpace, state: State) -> None:
         parts = (*_named(system, state)[:4], ("max(|M|)", momentum))
         name, x = next(pair for pair in parts if 0 < pair[1] < 1 / LARGEST)
         raise ArgumentError(f"{name} = {x}: floats take {1 / LARGEST:.0e} or more here{_UNITS}")
-    if symmetry_axis(system.inertia) is None:
-        _check_shape(system)
+    if symmetry_axis(inertia) is None:
+        _check_shape(inertia, d)
 
 
 def _named(system: PhaseSpace, state: State) -> list[tuple[str, float]]:
@@ -55,9 +57,8 @@ def _named(system: PhaseSpace, state: State) -> list[tuple[str, float]]:
     return [*moments, ("d", system.d), *((f"M[{i}]", x) for i, x in enumerate(state.M))]
 
 
-def _check_shape(system: PhaseSpace) -> None:
+def _check_shape(inertia: Vector, d: float) -> None:
     """The ratios of the moments and d of a body whose moments all differ."""
-    inertia, d = system.inertia, system.d
     least, most = min(inertia), max(inertia)
     if most > WIDEST * least:
         raise ArgumentError(

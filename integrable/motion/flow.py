@@ -27,7 +27,7 @@ from integrable.phase.state import State, rotation_axis
 from integrable.phase.upright import leaning
 from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_of
-from jacobian.immutable import replaced
+from jacobian.immutable import at_once, replaced
 from jacobian.numbers.compiler import interpreted
 
 if TYPE_CHECKING:
@@ -71,23 +71,22 @@ class Flow(BodyMotion):
     """
 
     kernel: str
+    _caches = ("_short",)
 
+    @at_once
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
-        kernel = one_of(kernel, "kernel", KERNELS, CHOOSE)
-        if kernel == "compiled" and system.field != RR:
-            raise ArgumentError(
-                f"kernel = 'compiled' with field = {system.field.name}: compiled loops exist for RR only"
-            )
-        # at once: one by one they would take as long as a panel of a short run
+        kernel, field = one_of(kernel, "kernel", KERNELS, CHOOSE), system.field
+        if kernel == "compiled" and field != RR:
+            raise ArgumentError(f"kernel = 'compiled' with field = {field.name}: compiled loops exist for RR only")
         vars(self).update(system=system, state=state, kernel=kernel)
         # what a set-up would refuse is refused at once
-        if system.field == RR:
+        if field == RR:
             check_domain(system, state)
         else:
             _ = self.setup
         if state.tilted:
             # M ∥ γ is refused in the precision of the state
-            leaning(system.field, state.gamma, state.M)
+            leaning(field, state.gamma, state.M)
 
     @cached_property
     def setup(self) -> Setup:
@@ -216,8 +215,12 @@ class Flow(BodyMotion):
             return self._closed or self._precise
         if self.kernel == "compiled" or rotation_axis(self.state) is not None or (self._equal and not self._compiled):
             return self._far
-        there = vars(self).get("_torus") is not None or "_symmetric" in vars(self)
-        return ShortFirst(self._short, there, lambda: self._far)
+        there = vars(self)
+        runs = there.get("_short")
+        if runs is None:
+            # without the lock of a cached_property
+            runs = there["_short"] = ShortRuns(self.system, self.state, self.kernel)
+        return ShortFirst(runs, there.get("_torus") is not None or "_symmetric" in there, lambda: self._far)
 
     @property
     def _far(self) -> Way:
@@ -234,10 +237,6 @@ class Flow(BodyMotion):
     def _compiled(self) -> bool:
         """Whether its loops are compiled."""
         return self.kernel != "python" and not interpreted()
-
-    @cached_property
-    def _short(self) -> ShortRuns:
-        return ShortRuns(self.system, self.state, self.kernel)
 
     @cached_property
     def _guarded(self) -> GuardedRuns:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import ceil
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -18,7 +18,6 @@ from integrable.moving_point.addition import rate_at
 from integrable.moving_point.short_rows import (
     CLOCK,
     FLOATS,
-    GIVEN,
     LOT,
     MADE,
     PHYSICAL,
@@ -39,7 +38,7 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Way
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
-    from jacobian.native.library import Library, Packed
+    from jacobian.native.library import Packed
 
 # microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
 # between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short). A torus is
@@ -63,6 +62,8 @@ MOST_PANELS_OF_MANY = 2000
 MOST_CENTRES, MOST_CARE = 400, 10_000
 # digits that an addition loses, twice those that errors grow by, from which on panels in floats round less than inputs
 SENSITIVE = 16
+# times of a run whose room is kept for the next
+KEPT_TIMES = 512
 # bits of the wide numbers where nothing is compiled
 BITS = 160
 
@@ -111,12 +112,10 @@ class ShortRuns:
     def _compiled(
         self, times: np.ndarray, physical: bool, clock: bool, most: int
     ) -> tuple[int, np.ndarray, np.ndarray]:
-        rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
-        status, panels = compiled_runs(
-            Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE), times[None], rows, other
-        )
-        self.panels += int(panels[0])
-        return int(status[0]), rows[0], other[0]
+        asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
+        status, panels, rows, other = compiled_run(asked, times)
+        self.panels += panels
+        return status, rows, other
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
         reals, count = BareReals(BITS), len(times)
@@ -160,18 +159,17 @@ class GuardedRuns(ShortRuns):
         counts = [ceil(way) + 1 for way in ways]
         if self._many.carrier.lost(2 * max(counts) * half) < SENSITIVE:
             return None
-        rows, other = np.empty((1, len(times), 6)), np.empty((1, len(times)))
         while sum(counts) <= MOST_CENTRES:
             try:
                 made = [self._many.centres(half, count, sign) for count, sign in zip(counts, (1, -1), strict=True)]
             except PrecisionLoss:
                 break
             asked = Asked(self._given, self._tilted, physical, clock, MOST_CARE, DRIFT, PACE, half, counts[0])
-            status, _ = compiled_runs(asked, times[None], rows, other, np.concatenate(made))
-            if status[0] == 0:
-                found = rows[0], other[0] if physical or clock else times
+            status, _, rows, other = compiled_run(asked, times, np.concatenate(made))
+            if status == 0:
+                found = rows, other if physical or clock else times
                 return found if self._sensitive(found[1] if physical else times) else None
-            if status[0] != short.FAR:
+            if status != short.FAR:
                 break
             counts = [count + ceil(count / 4) for count in counts]
         return None
@@ -182,7 +180,7 @@ class GuardedRuns(ShortRuns):
 
 
 class Asked(NamedTuple):
-    """What :func:`compiled_runs` are of: moments, d, γ and M of each, shape (K, 10), and as
+    """What compiled runs are of: moments, d, γ and M of each, shape (K, 10), and as
     :class:`integrable.moving_point.short_rows.Request` has it.
     """
 
@@ -198,22 +196,44 @@ class Asked(NamedTuple):
 
 
 def compiled_runs(
-    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray, centres: np.ndarray | None = None
+    asked: Asked, times: np.ndarray, rows: np.ndarray, other: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray]:
     """Runs of many motions at ``times``, shape (K, N), or (1, N) where they are the same: γ and M into ``rows``, shape
     (K, N, 6), τ (for ``clock`` physical times) into ``other``, shape (K, N). (why a run was given up, or 0, and what
-    it has cost in panels), both of shape (K,). ``centres``, of one motion, as :class:`Request` has them, shape
-    (10·panels, 2). Python's lock is free meanwhile.
+    it has cost in panels), both of shape (K,). Python's lock is free meanwhile.
     """
-    count, length = rows.shape[:2]
-    compiled, packed, none = _prepared()
-    # a call takes as long for each of its arrays as for half an addition: what is worked in comes in few
-    numbers, order = np.empty(2 * count + MADE, dtype=np.intp), times.argsort(axis=1, kind="stable")
-    compiled.entry(
-        asked.given, asked.tilted, packed, asked[2:], none if centres is None else centres, times, order,
-        rows.reshape(count, 6 * length), other, np.empty((GIVEN + WIDES, 2)), np.empty(FLOATS + 2 * length), numbers,
+    prepared, (count, length) = _prepared(), other.shape
+    work = prepared.room(count, length)
+    order = times.argsort(axis=1, kind="stable")
+    prepared.call(
+        asked.given, asked.tilted, prepared.rule, asked[2:], prepared.none, times, order,
+        rows.reshape(count, 6 * length), other, work,
     )  # fmt: skip
-    return numbers[:count], numbers[count : 2 * count]
+    return work[2][:count], work[2][count : 2 * count]
+
+
+def compiled_run(
+    asked: Asked, times: np.ndarray, centres: np.ndarray | None = None
+) -> tuple[int, int, np.ndarray, np.ndarray]:
+    """(why it was given up or 0, what it has cost in panels, γ and M, the other times) of one motion at ``times``;
+    ``centres`` as :class:`Request` has them, shape (10·panels, 2).
+    """
+    prepared, length = _prepared(), len(times)
+    try:
+        # a call takes as long for each of its arrays as for half an addition
+        work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
+    except IndexError:
+        work = prepared.room(1, KEPT_TIMES)
+    given, rows, other = times[None], np.empty((1, 6 * length)), np.empty((1, length))
+    shape = (prepared.rule, asked[2:], prepared.none if centres is None else centres, given)
+    prepared.call(asked.given, asked.tilted, *shape, prepared.ascending, rows, other, work)
+    if work[2][0] == short.UNSORTED:
+        order = given.argsort(axis=1, kind="stable")
+        prepared.call(asked.given, asked.tilted, *shape, order, rows, other, work)
+    status, panels = work[2][:2].tolist()
+    if length <= KEPT_TIMES:
+        prepared.kept.append(work)
+    return status, panels, rows.reshape(length, 6), other[0]
 
 
 def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH) -> int:
@@ -287,10 +307,24 @@ def _listed() -> Rule:
     return Rule(*(part.tolist() for part in rule()))
 
 
+class Prepared(NamedTuple):
+    """What calls of the compiled loops have in common."""
+
+    call: Any
+    rule: Packed
+    none: Packed
+    """Centres where there are none."""
+    ascending: Packed
+    """The order of times that need none."""
+    room: Callable[[int, int], Packed]
+    kept: list[Packed]
+    """Room of runs that have ended, for one motion at KEPT_TIMES times each; no two threads take the same."""
+
+
 @cache
-def _prepared() -> tuple[Library, Packed, Packed]:
-    """The compiled loops, the same for them, and centres where there are none."""
-    from integrable.moving_point.short_compiled import CENTRES, LIBRARY, RULE
+def _prepared() -> Prepared:
+    from integrable.moving_point.short_compiled import CENTRES, LIBRARY, ORDER, RULE, work_room
     from jacobian.native.library import Packed
 
-    return LIBRARY, Packed(rule(), RULE), Packed(np.empty((0, 2)), CENTRES)
+    none, ascending = Packed(np.empty((0, 2)), CENTRES), Packed(np.empty((0, 0), dtype=np.intp), ORDER)
+    return Prepared(LIBRARY.entry, Packed(rule(), RULE), none, ascending, work_room, [])

@@ -25,7 +25,7 @@ from jacobian.errors import (
     shown,
     whole,
 )
-from jacobian.immutable import Immutable, read_only, replaced
+from jacobian.immutable import Immutable, at_once, read_only, replaced
 
 if TYPE_CHECKING:
     from integrable.files.frame import Frame
@@ -38,6 +38,7 @@ Matrices = np.ndarray[tuple[int, int, int], np.dtype[Any]]
 """Shape (N, 3, 3)."""
 
 
+FLOATS, NO_ROWS = np.dtype(np.float64), np.empty(0, dtype=np.intp)
 WAYS = {
     "closed form": "elliptic or elementary functions of a body with equal moments",
     "short run": "additions from the start on and what lies between, in floats",
@@ -118,7 +119,7 @@ class Motion(Immutable):
 
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
         """Numbers of rows that are not where the motion is, and what is wrong with the first."""
-        return np.empty(0, dtype=np.intp), ""
+        return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
         """What :attr:`Trajectory.contact` is."""
@@ -150,7 +151,7 @@ class Motion(Immutable):
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers of the field."""
         field = self.system.field
-        quick = type(values) is np.ndarray and values.dtype == np.float64 and values.ndim == 1 and field == RR
+        quick = type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1 and field == RR
         # all() takes twice as long, and squares would overflow with a warning
         if quick and np.count_nonzero(np.isfinite(values)) == len(values):
             # a copy: the times of a result do not change with the caller's array
@@ -208,6 +209,7 @@ class Trajectory(Exported):
     # None: all rows are there
     _status: np.ndarray | None
 
+    @at_once
     def __init__(
         self,
         flow: Any,
@@ -218,11 +220,16 @@ class Trajectory(Exported):
         status: np.ndarray | None = None,
         reasons: tuple[str, ...] = ("",),
     ) -> None:
-        # one by one they would take as long as panels of a short run; _rows are γ and M side by side, shape (N, 6)
+        if status is not None and not status.any():
+            status = None
+        # made for this
+        for array in (times, tau, rows, status):
+            if array is not None:
+                array.setflags(write=False)
+        # _rows are γ and M side by side, shape (N, 6)
         vars(self).update(
-            flow=flow, _times=None if times is None else read_only(times), _tau=read_only(tau), _rows=read_only(rows),
-            way=way, _status=None if status is None or not status.any() else read_only(status), reasons=reasons,
-            report=None, error=None, digits=None,
+            flow=flow, _times=times, _tau=tau, _rows=rows, way=way, _status=status, reasons=reasons, report=None,
+            error=None, digits=None,
         )  # fmt: skip
 
     def __len__(self) -> int:

@@ -77,8 +77,9 @@ CLOSEST, STEEPEST = 4e4, 25.0
 APART = 2.0**-45
 # after so many panels their pace is known to such a factor: a run that they do not lead to the end of is given up there
 PACED, UNSTEADY = 32, 1.05
-# why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits
-ROUNDING, UNRESOLVED, FAR, LOST = 1, 2, 3, 4
+# why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits;
+# or was not begun: times in no order
+ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 
 def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool) -> int:

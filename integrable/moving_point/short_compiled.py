@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from integrable.moving_point.compiled import SPECIAL
+from integrable.moving_point.short import UNSORTED
 from integrable.moving_point.short import short_run as run
 from integrable.moving_point.short_rows import (
     CLOCK,
     GIVEN,
+    MADE,
     PHYSICAL,
     Request,
     Row,
@@ -14,23 +18,32 @@ from integrable.moving_point.short_rows import (
     new_room,
 )  # fmt: skip
 from integrable.moving_point.short_rows import FLOATS as FLOAT_ROOM
+from integrable.moving_point.short_rows import WIDES as WIDE_ROOM
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
-from jacobian.native.library import Library
+from jacobian.native.library import Library, Packed
 
 RULE = record(Rule, FLOATS, FLOATS, FLOATS, INTS)
 
 
 def entry(
     given: Row, tilted: bool, rule: Rule, asked: tuple[bool, bool, int, float, float, float, int], centres: Row,
-    times: Row, order: Row, rows: Row, other: Row, wide: Row, floats: Row, numbers: Row,
+    times: Row, order: Row, rows: Row, other: Row, work: tuple[Row, Row, Row],
 ) -> None:  # fmt: skip
-    """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); the last three are
-    room. ``asked`` and ``centres`` are those of a :class:`Request`. Found are γ and M in ``rows``, shape (K, 6N), the
-    ``other`` times, (K, N), and first in ``numbers`` why each was given up, or 0, then what each has cost in panels.
-    ``times`` and ``order`` have a row for each, or one for all.
+    """:func:`integrable.moving_point.short.short_run` for every row of ``given``, of shape (K, 10); ``work`` is room of
+    :func:`work_room`. ``asked`` and ``centres`` are those of a :class:`Request`. Found are γ and M in ``rows``, shape
+    (K, 6N), the ``other`` times, (K, N), and first in the integers of ``work`` why each was given up, or 0, then what
+    each has cost in panels. ``times`` and ``order`` have a row for each, or one for all; without ``order`` the
+    ``times`` of one motion have to ascend, or it is UNSORTED.
     """
+    wide, floats, numbers = work
     count, members = times.shape[1], len(given)
     made, scaled = numbers[2 * members :], floats[FLOAT_ROOM:]
+    ascending = made[MADE : MADE + count]
+    for i in range(count if len(order) == 0 else 0):
+        ascending[i] = i
+        if i > 0 and times[0, i] < times[0, i - 1]:
+            numbers[0], numbers[1] = UNSORTED, 0
+            return
     for member in range(members):
         at = member % len(times)
         for i in range(GIVEN):
@@ -38,8 +51,8 @@ def entry(
         made[0], made[1], made[2], made[3], made[4] = 0, 0, 0, 0, 0
         room = new_room(wide[GIVEN:], floats, made)
         request = Request(
-            asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at], scaled[:count], scaled[count:],
-            rows[member], other[member], asked[5], asked[6], centres,
+            asked[0], asked[1], asked[2], asked[3], asked[4], times[at], order[at] if len(order) > 0 else ascending,
+            scaled[:count], scaled[count:], rows[member], other[member], asked[5], asked[6], centres,
         )  # fmt: skip
         numbers[member] = run(room, rule, request, wide[:GIVEN], tilted)
         numbers[members + member] = made[3]
@@ -50,7 +63,14 @@ def entry(
                 other[member, i] = other[member, i] / unit
 
 
-CENTRES, _ROWS, _INT_ROWS = WIDES, ArrayKind(FLOAT, 2), ArrayKind(INT, 2)
+def work_room(members: int, times: int) -> Packed:
+    """Room for so many motions at so many times, or fewer; made once for many calls."""
+    wide, floats = np.empty((GIVEN + WIDE_ROOM, 2)), np.empty(FLOAT_ROOM + 2 * times)
+    return Packed((wide, floats, np.empty(2 * members + MADE + times, dtype=np.intp)), WORK)
+
+
+WORK = TupleKind((WIDES, FLOATS, INTS))
+CENTRES, ORDER, _ROWS = WIDES, ArrayKind(INT, 2), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "short_runs",
     {
@@ -58,7 +78,7 @@ LIBRARY = Library(
             entry,
             (
                 _ROWS, BOOL, RULE, TupleKind((BOOL, BOOL, INT, FLOAT, FLOAT, FLOAT, INT)), CENTRES, _ROWS,
-                _INT_ROWS, _ROWS, _ROWS, WIDES, FLOATS, INTS,
+                ORDER, _ROWS, _ROWS, WORK,
             ),
         )
     },

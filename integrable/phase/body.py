@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import isfinite
 from typing import Any, NamedTuple
 
 from jacobian import RR
@@ -42,14 +43,16 @@ class Body:
     @staticmethod
     def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
         """A Body of checked parameters; ArgumentError names the one that is wrong."""
-        if is_complex(check_field(field, "field").zero):
+        if field is not RR and is_complex(check_field(field, "field").zero):
             raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
         moments = triple(field, inertia, "inertia")
         offset = field.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
-        for i, moment in enumerate(moments):
-            _check_moment(field, moment, offset, i)
+        # over the reals a sum of what is positive does not vanish
+        if field.characteristic != 0 or not min(moments) > 0:
+            for i, moment in enumerate(moments):
+                _check_moment(field, moment, offset, i)
         return Body(moments, offset, field)
 
     @cached_property
@@ -136,6 +139,11 @@ def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]
 
 def triple(field: Any, values: Any, argument: str) -> Vector:
     """Three field elements, or an ArgumentError that names ``argument``."""
+    if field is RR and type(values) in (list, tuple) and len(values) == 3:
+        x, y, z = values
+        # a short run takes few times as long as names for what may be wrong
+        if type(x) is type(y) is type(z) is float and isfinite(x + y + z):
+            return x, y, z
     items = entries(values, argument, "a sequence of three numbers")
     if len(items) != 3:
         raise ArgumentError(f"{argument} = {shown(values)}: give three numbers")

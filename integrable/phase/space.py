@@ -71,13 +71,14 @@ class PhaseSpace(Immutable):
             raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
         if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
             raise NotASquare(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
-        tilt = K.dot(gamma, M)
-        # |M|, whose square may be below the floats
-        size = 1 if K.exact else max(K.dot(M, M) ** 0.5, *map(abs, M))
-        if not tilted and _distance(K, tilt, K.zero) > tolerance * size:
-            raise ArgumentError(
-                f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
-            )
+        if not tilted:
+            tilt = K.dot(gamma, M)
+            # |M|, whose square may be below the floats
+            size = 1 if K.exact else max(K.dot(M, M) ** 0.5, *map(abs, M))
+            if _distance(K, tilt, K.zero) > tolerance * size:
+                raise ArgumentError(
+                    f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
+                )
         return State(gamma, M, self._root(gamma, g), tilted=tilted)
 
     def _root(self, gamma: Vector, g: Any) -> Any:

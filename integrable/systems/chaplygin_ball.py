@@ -9,6 +9,7 @@ from integrable.phase.body import Body
 from integrable.systems.system import System
 from jacobian import RR
 from jacobian.errors import ArgumentError, shown
+from jacobian.immutable import at_once
 
 
 class ChaplyginBall(System):
@@ -18,6 +19,7 @@ class ChaplyginBall(System):
     with ω = A M + d·g²(γ, A M) A γ, A = diag 1/(I_i + d), g⁻² = 1 − d(γ, Aγ).
     """
 
+    @at_once
     def __init__(
         self, inertia: Sequence[Any], d: Any = None, *, mass: Any = None, radius: Any = None, field: Any = RR
     ) -> None:
@@ -25,10 +27,10 @@ class ChaplyginBall(System):
             raise ArgumentError(
                 f"d = {shown(d)}, mass = {shown(mass)}, radius = {shown(radius)}: give either d or both mass and radius"
             )
-        self.radius = None if radius is None else field.coerce(radius, "radius")
+        length = None if radius is None else field.coerce(radius, "radius")
         if d is None:
             d = _rolling_offset(field, mass, radius)
-        self.body = Body.make(inertia, d, field)
+        vars(self).update(radius=length, body=Body.make(inertia, d, field))
 
 
 def _rolling_offset(field: Any, mass: Any, radius: Any) -> Any:
