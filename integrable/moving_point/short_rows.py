@@ -14,8 +14,8 @@ GIVEN = 10
 NODES = 28
 # panels may be halved so often; their nodes take translations by half of each over 2^l so far down
 LEVELS, FINEST = 6, 7
-# orders of the expansion of translations, and how many of them are wide: each brings so many bits at least
-ORDERS, WIDE_ORDERS, ORDER_BITS = 14, 8, 7.7
+# orders of the expansion of translations, how many of them are wide, and by what each falls at least: 15 by 107 bits
+ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
 # places in ``numbers``, what is known of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20

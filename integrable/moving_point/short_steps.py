@@ -26,7 +26,7 @@ from integrable.moving_point.short_rows import (
     LOT,
     MOVED,
     OFF,
-    ORDER_BITS,
+    ORDER_GAIN,
     ORDERS,
     PANEL,
     POINT,
@@ -74,15 +74,18 @@ def exact_at(rows: Expansion, eps: float) -> bool:
     in floats below floats.
     """
     square, exact = eps * eps, True
-    fall = square * 2.0**ORDER_BITS
-    for row in (rows.u0, rows.u1, rows.v0, rows.v1):
-        most = max(abs(float(row[0])), abs(float(row[1])) * square, abs(float(row[2])) * square * square)
-        power = fall
-        for _ in range(1, WIDE_ORDERS):
-            power *= fall
-        for k in range(WIDE_ORDERS, ORDERS):
-            exact = exact and abs(float(row[k])) * power <= most
-            power *= fall
+    fourth, fall = square * square, square * ORDER_GAIN
+    # u0 and u1 begin with an order more, v1 with 2
+    a = max(abs(float(rows.u0[1])), abs(float(rows.u0[2])) * square)
+    b = max(abs(float(rows.u1[1])), abs(float(rows.u1[2])) * square)
+    c = max(abs(float(rows.v0[0])), abs(float(rows.v0[1])) * square, abs(float(rows.v0[2])) * fourth)
+    power = 1.0
+    for _ in range(1, WIDE_ORDERS):
+        power *= fall
+    for k in range(WIDE_ORDERS, ORDERS):
+        exact = exact and abs(float(rows.u0[k])) * power <= a and abs(float(rows.u1[k])) * power <= b
+        power *= fall
+        exact = exact and abs(float(rows.v0[k])) * power <= c and abs(float(rows.v1[k])) * power <= 2
     return exact
 
 
