@@ -75,10 +75,13 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
     ``trust`` is the squared ratio of the noise of U, V, W to that of the lift law, which wins where κ is small (equal
     moments).
     """
-    e1, e2, e3 = u - kappa * sigma * sigma, v - kappa * sigma * nu, -w - kappa * nu * nu
-    k2, s2, n2 = 2 * kappa * kappa, sigma * sigma, nu * nu
-    m11, m12, m22 = k2 * (2 * s2 + n2) + trust, k2 * sigma * nu, k2 * (s2 + 2 * n2) + trust
-    r1, r2 = 2 * kappa * (sigma * e1 + nu * e2), 2 * kappa * (sigma * e2 + nu * e3)
+    x, y = kappa * sigma, kappa * nu
+    e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
+    # the step is as small as they are: a float's digits of it are enough
+    kappa, s, n = leading(kappa), leading(sigma), leading(nu)
+    k2, s2, n2 = 2 * kappa * kappa, s * s, n * n
+    m11, m12, m22 = k2 * (2 * s2 + n2) + leading(trust), k2 * s * n, k2 * (s2 + 2 * n2) + leading(trust)
+    r1, r2 = 2 * kappa * (s * e1 + n * e2), 2 * kappa * (s * e2 + n * e3)
     scale = 1 / (m11 * m22 - m12 * m12)
     return sigma + (m22 * r1 - m12 * r2) * scale, nu + (m11 * r2 - m12 * r1) * scale
 
@@ -91,7 +94,7 @@ def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, t
     """
     q, l1, l0, k0, m0, n1, n0, j0 = transfer
     # the rounding noise of the second row grows with ν', which is large near the identity
-    weight = 1 / max(1, nu2 * nu2)
+    weight = 1 / max(1, leading(nu2) * leading(nu2))
     x, y = sigma2, kappa * sigma
     scale = 1 / (l1 * (x * x + weight * y * y))
     y *= weight

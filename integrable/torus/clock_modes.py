@@ -56,9 +56,12 @@ def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float],
         room[k] = 0.0
     for k in range(height):
         for j in range(columns):
-            size = size_of(float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1]))
+            x, y = float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1])
             m = height + min(j, columns - j)
-            room[k], room[m] = max(room[k], size), max(room[m], size)
+            # most are below both: no root for these
+            if abs(x) + abs(y) > min(room[k], room[m]):
+                size = size_of(x, y)
+                room[k], room[m] = max(room[k], size), max(room[m], size)
     largest = 0.0
     for k in range(height):
         largest = max(largest, room[k])
@@ -108,13 +111,13 @@ def clock_series(
     ``rates`` are the frequencies of both phases of 1/g, its mean, and 2π; ``loud`` is what
     :func:`integrable.torus.clock_loops.loud_swing` takes.
     """
-    height, columns = grid[0] // 2, grid[1]
-    resonant, bound, swing = swings(values, grid, rates, limits, tables.modes)
+    columns = grid[1]
+    resonant, bound, swing = swings(values, grid, rates, limits, tables)
     tables.counts[8] = -1 - resonant
     if resonant >= 0:
         return bound, swing, swing, bound
-    rough = packed(tables.modes, height, columns, limits.rough, tables.rough_lines, tables.rough_parts)
-    series = packed(tables.modes, height, columns, 0.0, tables.lines, tables.parts)
+    rough = packed(tables, grid, limits.rough, tables.rough_lines, tables.rough_parts)
+    series = packed(tables, grid, 0.0, tables.lines, tables.parts)
     for n in range(4 * series[3]):
         tables.quiet_parts[n] = tables.parts[n]
     count, rest = 0, swing
@@ -147,47 +150,56 @@ def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Rea
     return values[n + 1] * factor, -values[n] * factor
 
 
-def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, modes: Row) -> tuple[int, float, float]:
-    """The coefficients of S and of its slope into ``modes``, four numbers for k = 0, 1, … and m = −columns/2, …, zeros
-    for what is not kept; (−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
+def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, tables: Tables) -> tuple[int, float, float]:
+    """The coefficients of S and of its slope into the room for ``modes``, four numbers for k = 0, 1, … and m =
+    −columns/2, …, zeros for what is not kept, and into ``lines`` where what is kept begins and ends, three numbers for
+    each k; (−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
     """
-    rows, columns = grid
+    (rows, columns), modes, lines = grid, tables.modes, tables.lines
     half, bound, total, largest = columns // 2, 0.0, 0.0, 0.0
-    for n in range(rows // 2 * columns):
-        largest = max(largest, size_of(float(values[2 * n]), float(values[2 * n + 1])))
-    mean = float(rates[2])
+    for n in range(rows * columns):
+        largest = max(largest, abs(float(values[n])))
+    mean, pace, small = float(rates[2]), float(rates[3] * rates[2]), limits.rounding * largest
     for k in range(rows // 2):
-        for i in range(columns):
-            m, place = i - half, 4 * (k * columns + i)
+        begin, end = columns, 0
+        # those beside k = 0 are counted with their conjugates, as is the other half of that row
+        for i in range(half + 1 if k == 0 else 0, columns):
+            m = i - half
             n = 2 * (k * columns + (m if m >= 0 else m + columns))
-            for c in range(4):
-                modes[place + c] = 0.0
-            # those beside k = 0 are counted with their conjugates, as is the other half of that row
             x, y = 2 * float(values[n]), 2 * float(values[n + 1])
-            size = size_of(x, y)
-            if (k == 0 and m <= 0) or size <= limits.rounding * largest:
+            # most are far below: no root for these
+            if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
-            if k * rates[0] + m * rates[1] == 0:
+            turns = k * rates[0] + m * rates[1]
+            if turns == 0:
                 return k * columns + i, 0.0, 0.0
-            s, t = swing_of(values, columns, k, m, rates)
-            p, q = float(s), float(t)
-            swing = size_of(p, q)
-            if size > limits.noise * largest or swing > limits.least:
-                modes[place], modes[place + 1] = p, q
-                modes[place + 2], modes[place + 3] = x / mean, y / mean
-                bound += swing
-                total += p
+            factor, size = 1 / (float(turns) * pace), size_of(x, y)
+            p, q, swing = y * factor, -x * factor, size * abs(factor)
+            if size <= limits.noise * largest and swing <= limits.least:
+                continue
+            if swing >= limits.loud / 2:
+                s, t = swing_of(values, columns, k, m, rates)
+                p, q = float(s), float(t)
+            begin = min(begin, i)
+            for place in range(4 * (k * columns + max(begin, end)), 4 * (k * columns + i)):
+                modes[place] = 0.0
+            place, end = 4 * (k * columns + i), i + 1
+            modes[place], modes[place + 1], modes[place + 2], modes[place + 3] = p, q, x / mean, y / mean
+            bound += swing
+            total += p
+        lines[3 * k], lines[3 * k + 1] = min(begin, end), end
     return -1, bound, total
 
 
-def packed(modes: Row, height: int, columns: int, least: float, lines: Row, parts: Row) -> tuple[int, int, int, int]:
-    """The modes whose slope is above ``least`` as a :class:`~integrable.torus.clock_loops.Series` has them: (least
-    second mode, their number, rows, modes in all).
+def packed(tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row) -> tuple[int, int, int, int]:
+    """The modes that :func:`swings` left whose slope is above ``least`` as a
+    :class:`~integrable.torus.clock_loops.Series` has them: (least second mode, their number, rows, modes in all).
     """
+    (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
     low, high, used, total = columns, 0, 1, 0
     for k in range(height):
         begin, end = columns, 0
-        for i in range(columns):
+        for i in range(tables.lines[3 * k], tables.lines[3 * k + 1]):
             n = 4 * (k * columns + i)
             if size_of(modes[n + 2], modes[n + 3]) > least:
                 begin, end = min(begin, i), i + 1

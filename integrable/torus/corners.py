@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache, cached_property
-from math import asinh, copysign, cos, inf, pi, sqrt
+from math import asinh, ceil, copysign, cos, inf, log2, pi, sqrt
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy as np
 from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.states import Torus
+from integrable.torus.survey import REACH
 from integrable.torus.tables import SmallSteps
 from integrable.torus.walks import Fine, Walk
 from integrable.torus.witness import BORDERS, SEAM
@@ -32,8 +33,11 @@ NEAR = 2.0**-23
 QUADRATURE = 32
 # parts of a factor of f, at the least, that its values may be: U there has the square of the loss, the sum its cube
 LEAST_REST = 2.0**-14
-# the first grid of 1/g
+# the first grid of 1/g; of ovals so near each other, in the same parts, it has so many columns to s₁ + s₂ of their
+# period, in units in which the next branch point is at 1
 FIRST_SIZE = 16
+PASSING = 2.0**-7
+PASSAGES = 3.1
 
 Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
 """Values on a grid of the given sizes, of which those of a coarser grid are known."""
@@ -131,9 +135,7 @@ class Corners:
         ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
         samples = samples or self.samples
-        # a sample a cell does not show how a motion beside the separatrix passes, in columns
-        finer, (rows, columns), known = 1 + self._near, self.sizes, None
-        sizes = max(finer * FIRST_SIZE, rows), max(finer * FIRST_SIZE, finer * columns)
+        sizes, known = self._first_grid(), None
         while sizes[0] * sizes[1] <= self._most:
             known = samples(sizes, known)
             found, wanted = transformed(known)
@@ -142,6 +144,15 @@ class Corners:
                 return found
             sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
         raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+    def _first_grid(self) -> tuple[int, int]:
+        """A grid to begin with: where ovals nearly meet it is known what shows how a motion passes, in columns."""
+        (rows, columns), loops = self.sizes, self.loops
+        first, low, high, last = loops.floats(self._motion[:4]).tolist()
+        if high - low > PASSING * (last - first):
+            return max(FIRST_SIZE, rows), max(FIRST_SIZE, columns)
+        extent = REACH * float(np.abs(loops.floats(self.lattice.parts)[1::2]).sum())
+        return max(2 * FIRST_SIZE, rows), max(columns, 2 ** ceil(log2(PASSAGES * extent)))
 
     def samples(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
         """1/g on a grid of its periods that has ``sizes`` points to those of the divisor: an array of double-doubles

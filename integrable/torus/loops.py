@@ -29,10 +29,10 @@ if TYPE_CHECKING:
 # steps from a float to a double-double number
 NEWTON_PASSES = 1
 # terms of a power series that bring 32 digits within reach
-SERIES = 72
+SERIES = 95
 # terms of the polynomials of a direction for 25 digits, those that a digit beyond them takes, and the bits that a term
 # costs where values become coefficients
-TERMS = 18
+TERMS = 19
 TERMS_A_DIGIT = 1.6
 BITS_A_TERM = 1.3
 

@@ -18,7 +18,7 @@ Real = Any
 Row = Any
 
 # conjugate points of a translation at this part of the distance from its centre to the next branch point
-REACH = 0.3
+REACH = 0.4
 # a torus of more cells counts as not compact
 MOST_CELLS = 1 << 16
 # so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a,
@@ -29,7 +29,7 @@ REMOTE = 1e4
 # where these leave more cells than this, branch points are close together and far from all of them (a heavy ball with
 # one large moment): then centres between branch points are tried as well, so many from either end of a gap, the first
 # at half the least distance of two branch points
-FEW_CELLS = 1 << 12
+FEW_CELLS = 1 << 11
 INNER = 8
 # or at this part of all distances, and in no gap so narrow: translations about a centre lose twice the digits of its
 # distance to a branch point, which double-doubles have to spare
