@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.moving_point.bare_problem import HEAVINESS, RATIO, problem_row
+from integrable.moving_point.bare_problem import HEAVINESS, RATIO, TIME_SCALE, problem_row
 from integrable.torus import survey as torus_survey
 from integrable.torus.walks import Curve
 from jacobian.errors import PrecisionLoss
@@ -170,7 +170,8 @@ def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[An
 
 class Beginning(NamedTuple):
     """What a torus is made from, in rows of numbers of its loops: a :func:`motion_row` and its ``units``, the curve and
-    the start in these, and the whole :func:`~integrable.moving_point.bare_problem.problem_row`, in units of its own.
+    the start in these, and the :func:`~integrable.moving_point.bare_problem.problem_row`, in units of its own and only
+    from TIME_SCALE on.
     """
 
     units: Units
@@ -194,7 +195,7 @@ def beginning(setup: Setup, loops: Any) -> Beginning:
         start, others = row(units.of_point(problem.start)), row((*kappas, alpha, beta * units.time, 1, 1, 1, 1, 0))
     axes, joined = curve[6:], loops.joined
     whole = Curve(curve[:6], joined(axes, others[:5]), joined(axes, others[5:]))
-    return Beginning(units, motion, whole, start, row(problem.row))
+    return Beginning(units, motion, whole, start, row((0,) * TIME_SCALE + problem.row[TIME_SCALE:]))
 
 
 def begun(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
