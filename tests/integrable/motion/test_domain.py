@@ -202,10 +202,10 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
 
 
 def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
-    """1/d and the a_i of two moments within 2e-6 of each other, two within 1e-10: double-doubles do not close."""
+    """1/d and the a_i of two moments within 2e-7 of each other, two within 1e-10: double-doubles do not close."""
 
     def flow_from(d, gamma, M):
-        system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), d), np.array(gamma) / np.linalg.norm(gamma)
+        system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.021), d), np.array(gamma) / np.linalg.norm(gamma)
         return system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
 
     flow = flow_from(160_000, (0.469, 0.717, 0.551), np.array([-0.457, -1.695, -0.799]))
@@ -220,6 +220,20 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
         PreciseFlow(flow.system.body, flow.state, 17, limits=Limits(100)).at([1000.0])
     tau, _ = PreciseFlow(flow.system.body, flow.state, 17).at([10.0])
     assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
+
+
+def test_the_corners_of_a_very_heavy_ball_close_in_double_doubles() -> None:
+    """1/d and the a_i of two moments within 2e-6 of each other: far times were refused, near ones came from digits."""
+    system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), 160_000), np.array((0.469, 0.717, 0.551))
+    gamma, M = gamma / np.linalg.norm(gamma), np.array([-0.457, -1.695, -0.799])
+    flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))
+    assert len(flow.at([1e9, -1e5]).gamma) == 2
+    assert flow._torus is not None
+    assert flow._torus.compiled
+    tau = np.array([1.0, 1e6, -1e9, 3e12])
+    assert np.abs(flow._torus.at_tau(tau) - flow._precise.at_tau(tau)).max() < 1e-15
+    times = np.array([10.0, 1000.0])
+    assert np.abs(flow._torus.at(times)[0] - flow._precise.at(times)[0]).max() < 1e-15
 
 
 def test_the_command_says_it_in_one_line(tmp_path, capsys) -> None:
