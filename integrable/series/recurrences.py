@@ -6,9 +6,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from integrable.series.tape import DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
+from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM
 from jacobian.numbers.roots import root
-from jacobian.numbers.sums import plus_product
+from jacobian.numbers.sums import joined, plus_product
 
 
 def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
@@ -20,13 +20,16 @@ def convolved(series: Any, p: int, q: int, begin: int, end: int, k: int) -> Any:
         b = plus_product(b, series[p + j + 1], series[q + k - j - 1])
     if (end - begin) % 2 == 1:
         a = plus_product(a, series[p + end - 1], series[q + k - end + 1])
-    return a + b
+    return joined(a, b)
 
 
 def squared(series: Any, p: int, begin: int, k: int) -> Any:
     """The same with p = q from j = ``begin`` to k − ``begin``, which are equal from both ends."""
     half = convolved(series, p, p, begin, (k + 1) // 2, k)
-    return half + half if k % 2 == 1 else plus_product(half + half, series[p + k // 2], series[p + k // 2]) + 0
+    if k % 2 == 1:
+        return half + half
+    middle = series[p + k // 2]
+    return joined(half, plus_product(half, middle, middle))
 
 
 def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, order: int, unit: Any, series: Any) -> None:
@@ -34,9 +37,11 @@ def coefficients(kinds: Any, left: Any, right: Any, rates: Any, first: int, orde
     to ``order`` − 1, of the variables to ``order``; those before are there already, of the variables that of ``first``
     too, and those of the order 0 of constants. Time is counted in ``unit``.
     """
-    width = order + 1
+    width, begin = order + 1, len(rates)
+    while begin < len(kinds) and kinds[begin] == CONSTANT:
+        begin += 1
     for k in range(first, order):
-        for n in range(len(rates), len(kinds)):
+        for n in range(begin, len(kinds)):
             kind, own, p, q = kinds[n], n * width + k, left[n] * width, right[n] * width
             if kind == SUM:
                 series[own] = series[p + k] + series[q + k]

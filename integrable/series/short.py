@@ -3,8 +3,8 @@
 
 Of the terms of a step the first count most: the first few coefficients are double-double numbers, those beyond are
 floats, and so a step costs little more than one in floats and is good to twenty digits. What rounding and what is left
-out have grown to is found out by walking twice: the second walk has other steps, good to a digit less, and a start that
-is moved by what it was rounded by. Both go together, as the numbers of an item of two
+out have grown to is found out by walking twice: the second walk has other steps, good to two digits less, and a start
+that is moved by what it was rounded by. Both go together, as the numbers of an item of two
 (:data:`jacobian.native.kinds.TWIN_WIDES`), on which one instruction does the same.
 """
 
@@ -40,7 +40,7 @@ class Steps(NamedTuple):
     rounded: float
 
 
-FINE, FINEST = Steps(12, 36, 1e-25, 1e3, 1e-7), Steps(18, 44, 1e-29, 1e3, 1e-11)
+FINE, FINEST = Steps(12, 36, 1e-24, 1e2, 1e-7), Steps(18, 44, 1e-29, 1e3, 1e-11)
 
 
 class Room(NamedTuple):

@@ -15,9 +15,10 @@ VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT = range(8
 
 
 class Tape(NamedTuple):
-    """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``; the variables are the first nodes. A MULTIPLE
-    has a constant on the left, a ROOT what it is the root of on both sides. ``constants`` are the values of the
-    constant nodes, elsewhere 0; ``results`` the nodes of what the formula returned.
+    """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``. First come the variables, then the constants,
+    then operations, those together by kind that may be done in any order. A MULTIPLE has a constant on the left, a ROOT
+    what it is the root of on both sides. ``constants`` are the values of the constant nodes, elsewhere 0; ``results``
+    the nodes of what the formula returned.
     """
 
     kinds: list[int]
@@ -32,8 +33,14 @@ def recorded(formula: Callable[[Sequence[Any]], Sequence[Any]], variables: int) 
     recorder = _Recorder()
     given = [recorder.node(VARIABLE, -1 - i, -1) for i in range(variables)]
     results = [recorder.lifted(x).index for x in formula(given)]
-    kinds, left, right = (list(x) for x in zip(*recorder.nodes, strict=True))
-    return Tape(kinds, left, right, recorder.constants, results)
+    nodes, levels = recorder.nodes, list[int]()
+    for kind, p, q in nodes:
+        levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))
+    order = sorted(range(len(nodes)), key=lambda n: (levels[n], nodes[n][0]))
+    place = {n: k for k, n in enumerate(order)}
+    kinds = [nodes[n][0] for n in order]
+    left, right = ([place.get(nodes[n][side], nodes[n][side]) for n in order] for side in (1, 2))
+    return Tape(kinds, left, right, [recorder.constants[n] for n in order], [place[n] for n in results])
 
 
 class _Recorder:

@@ -8,9 +8,10 @@ from typing import Any
 from jacobian.native.kinds import WIDE, Value, single
 from jacobian.native.operators import Operators, in_lanes, real
 from jacobian.numbers.double_double import EPS
+from jacobian.numbers.double_double_steps import joined as joined_steps
 from jacobian.numbers.double_double_steps import plus_product as step_of_sum
 from jacobian.numbers.roots import negligible, root
-from jacobian.numbers.sums import plus_product
+from jacobian.numbers.sums import joined, plus_product
 
 
 def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
@@ -29,8 +30,17 @@ def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
     return Value(WIDE, step_of_sum(b, *total.parts, *x.parts, *y.parts))
 
 
+@in_lanes
+def both(b: Operators, x: Value, y: Value) -> Value:
+    """:func:`jacobian.numbers.sums.joined`, likewise."""
+    if any(v.kind is not WIDE for v in (x, y)):
+        return b.binary("Add", x, y)
+    return Value(WIDE, joined_steps(b, *x.parts, *y.parts))
+
+
 SPECIAL: dict[Any, Callable[..., Value]] = {
     root: Operators.root,
     negligible: adds_nothing,
     plus_product: one_more,
+    joined: both,
 }

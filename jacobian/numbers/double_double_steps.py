@@ -85,6 +85,12 @@ def plus_product(b: Instructions, th: Float, tl: Float, xh: Float, xl: Float, yh
     return sh, b.fadd(tl, b.fadd(sl, b.fma(xl, yh, b.fma(xh, yl, pl))))
 
 
+def joined(b: Instructions, xh: Float, xl: Float, yh: Float, yl: Float) -> Pair:
+    """x + y of two such sums."""
+    sh, sl = two_sum(b, xh, yh)
+    return fast_two_sum(b, sh, b.fadd(sl, b.fadd(xl, yl)))
+
+
 def reciprocal(b: Instructions, yh: Float, yl: Float) -> Pair:
     """1/y."""
     th = b.fdiv(b.one, yh)

@@ -1,6 +1,6 @@
 """Sums of many products of bare numbers of any kind.
 
-Compiled code has its own version of this function: :mod:`jacobian.native.special`.
+Compiled code has its own versions of these functions: :mod:`jacobian.native.special`.
 """
 
 from __future__ import annotations
@@ -17,3 +17,8 @@ def plus_product(total: Real, x: Real, y: Real) -> Real:
     most about n² units of 2⁻¹⁰⁶ of Σ|x·y| (Ogita, Rump & Oishi 2005, algorithm 5.3, of which this is a step).
     """
     return total + x * y
+
+
+def joined(first: Real, second: Real) -> Real:
+    """The sum of two such sums, a number whose parts do not overlap: with an error of 2⁻¹⁰⁴ of the larger one."""
+    return first + second
