@@ -206,9 +206,8 @@ def resolved_spectrum(
     first, second = (min(loops.noise, max(EXTENDED, SLOW * abs(nu) / scale)) for nu in turns)
 
     def transformed(samples: np.ndarray) -> tuple[Any, tuple[int, int]]:
-        values, (rows, columns) = loops.half_spectrum(samples), samples.shape[:2]
-        room = np.empty(rows // 2 + columns // 2 + 2)
-        return (values, (rows, columns)), loops.sizes_needed(values, (rows, columns), (first, second), room)
+        values, wanted = loops.spectrum(samples, (first, second))
+        return (values, samples.shape[:2]), wanted
 
     found: tuple[Any, tuple[int, int]] = torus.resolved(transformed, samples)
     return found

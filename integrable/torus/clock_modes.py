@@ -9,6 +9,8 @@ from __future__ import annotations
 from math import ceil, log2, sqrt
 from typing import Any, NamedTuple
 
+from jacobian.numbers.fourier import half_spectrum
+
 Real = Any
 Row = Any
 
@@ -46,6 +48,16 @@ class Tables(NamedTuple):
     quiet_parts: Row
     pairs: Row
     counts: Row
+
+
+def spectrum(
+    samples: Row, grid: tuple[int, int], noise: tuple[float, float], circle: Row, rooms: tuple[Row, Row, Row], room: Row
+) -> tuple[int, int]:
+    """:func:`sizes_needed` of the spectrum of samples on a grid, which goes into the last of ``rooms``; these and
+    ``circle`` are as for :func:`jacobian.numbers.fourier.half_spectrum`.
+    """
+    half_spectrum(samples, grid, circle, rooms[0], rooms[1], rooms[2])
+    return sizes_needed(rooms[2], grid, noise, room)
 
 
 def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float], room: Row) -> tuple[int, int]:

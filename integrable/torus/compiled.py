@@ -19,7 +19,6 @@ from integrable.torus.walks import Curve, Fine, Walk
 from integrable.torus.witness import Line
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
 from jacobian.native.library import Library
-from jacobian.numbers import fourier
 
 Row = Any
 
@@ -54,14 +53,9 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     return walks_corners(numbered(curve), start, walk, states, ends, known)
 
 
-def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
-    """:func:`integrable.torus.walks.offsets`."""
-    walks_offsets(numbered(curve), small_numbered(small), fine)
-
-
-def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+def sampled(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """:func:`integrable.torus.walks.sampled`."""
-    walks_sampled(numbered(curve), states, fine, rates, others)
+    walks_sampled(numbered(curve), small_numbered(small), states, fine, rates, others)
 
 
 def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
@@ -147,7 +141,7 @@ def eight(row: Row) -> Any:
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 
-walks_corners, walks_offsets, walks_sampled = walks.corners, walks.offsets, walks.sampled
+walks_corners, walks_sampled = walks.corners, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
 points_at, torus_reached = states.points_at_phases, witness.reached
 torus_departure, torus_seam = witness.departure, witness.seam
@@ -171,8 +165,7 @@ LIBRARY = Library(
             (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[Room], WIDES, WIDES),
         ),
         "corners": (corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
-        "offsets": (offsets, (_CURVE, _SMALL, _FINE)),
-        "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
+        "sampled": (sampled, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
         "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
         "points_at_phases": (points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
@@ -182,8 +175,7 @@ LIBRARY = Library(
         ),
         "phases_at_times": (phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
         "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
-        "half_spectrum": (fourier.half_spectrum, (WIDES, _INTS, WIDES, WIDES, WIDES, WIDES)),
-        "sizes_needed": (clock_modes.sizes_needed, (WIDES, _INTS, _FLOATS, FLOATS)),
+        "spectrum": (clock_modes.spectrum, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
         "clock_series": (
             clock_modes.clock_series,
             (WIDES, _INTS, WIDES, record(Limits, *(FLOAT,) * 5), KINDS[Tables], WIDES),

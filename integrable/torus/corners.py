@@ -161,7 +161,7 @@ class Corners:
         """
         loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
-        loops.sampled(self._packed_curve, self.states, fine, first, other)
+        loops.sampled(self._packed_curve, self._packed_small, self.states, fine, first, other)
         table = loops.samples(first, sizes)
         if self.doubled == (1, 1):
             return self.completed(table, known)
@@ -178,18 +178,16 @@ class Corners:
         return samples
 
     def fine(self, sizes: tuple[int, int], known: np.ndarray | None = None) -> Any:
-        """The :class:`~integrable.torus.walks.Fine` of a grid, packed for the loops; without the points of a coarser
-        one, of which ``known`` are the samples.
+        """The :class:`~integrable.torus.walks.Fine` of a grid, with room for its translations; without the points of a
+        coarser one, of which ``known`` are the samples.
         """
-        loops, cells = self.loops, self.sizes
+        cells = self.sizes
         finer = sizes[0] // cells[0], sizes[1] // cells[1]
-        steps, counts = loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
+        steps, counts = self.loops.room(20 * finer[0] * finer[1]), np.zeros(finer[0] * finer[1], dtype=np.int64)
         coarser = (0, 0)
         if known is not None:
             coarser = sizes[0] * self.doubled[0] // known.shape[0], sizes[1] * self.doubled[1] // known.shape[1]
-        fine = loops.packed(Fine(cells, finer, self.odd, steps, counts, coarser, self._rest))
-        loops.offsets(self._packed_curve, self._packed_small, fine)
-        return fine
+        return Fine(cells, finer, self.odd, steps, counts, coarser, self._rest)
 
     # --- set-up
 

@@ -108,6 +108,7 @@ class _Values(Corners):
     ) -> Iterator[tuple[tuple[int, int], tuple[Any, ...]]]:
         """(row, column) and the moving point of every place of the grid that is not known."""
         (rows, columns), fine = self.sizes, self.fine(sizes, known)
+        self.loops.offsets(self._packed_curve, self._packed_small, fine)
         above, left = (fine.finer[0] - 1) // 2, (fine.finer[1] - 1) // 2
         # ν in the units of the set-up
         lift, f, axes = self.units.lift, self.curve.f, self.curve.axes

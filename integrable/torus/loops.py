@@ -73,12 +73,16 @@ class ReadableLoops:
         """Numbers of any kind as working ones."""
         return list(self.reals.row(values))
 
-    def half_spectrum(self, samples: Any) -> Any:
-        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers."""
-        half = half_spectrum(samples)
+    def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
+        """:func:`integrable.torus.series.half_spectrum` of long doubles as a row of working numbers, and what
+        :func:`integrable.torus.clock_modes.sizes_needed` says of it.
+        """
+        half, (rows, columns) = half_spectrum(samples), samples.shape
         values = half.ravel().view(half.real.dtype).tolist()
         with self.reals:
-            return [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
+            found = [self.reals.number(float(x)) + self.reals.number(float(x - float(x))) for x in values]
+            room = [0.0] * (rows // 2 + columns // 2 + 2)
+            return found, clock_modes.sizes_needed(found, (rows, columns), noise, room)
 
     def room(self, count: int) -> Any:
         """Room for so many."""
@@ -176,11 +180,6 @@ class ReadableLoops:
         with self.reals:
             times_at_tau(clock, tau.tolist(), times, room.tolist())
 
-    def sizes_needed(self, *args: Any) -> tuple[int, int]:
-        """:func:`integrable.torus.clock_modes.sizes_needed`."""
-        with self.reals:
-            return clock_modes.sizes_needed(*args)
-
     def clock_series(self, *args: Any) -> Any:
         """:func:`integrable.torus.clock_modes.clock_series`."""
         with self.reals:
@@ -202,7 +201,6 @@ class CompiledLoops:
         self.survey_rows: Any = entries.survey
         self.direction_rows: Any = entries.directions
         self.corners: Any = entries.corners
-        self.offsets: Any = entries.offsets
         self.sampled: Any = entries.sampled
         self.states_at_phases: Any = entries.states_at_phases
         self.states_at_tau: Any = entries.states_at_tau
@@ -210,8 +208,7 @@ class CompiledLoops:
         self.phases_at_times: Any = entries.phases_at_times
         self.states_at_times: Any = entries.states_at_times
         self.times_at_tau: Any = entries.times_at_tau
-        self.half_spectra: Any = entries.half_spectrum
-        self.sizes_needed: Any = entries.sizes_needed
+        self.spectrum_rows: Any = entries.spectrum
         self.clock_series: Any = entries.clock_series
         self.panel_values: Any = entries.panel_values
         self.reached: Any = entries.reached
@@ -245,16 +242,15 @@ class CompiledLoops:
     def joined(self, *rows: Any) -> Any:
         return np.concatenate(rows)
 
-    def half_spectrum(self, samples: Any) -> Any:
+    def spectrum(self, samples: Any, noise: tuple[float, float]) -> tuple[Any, tuple[int, int]]:
         if samples.dtype == np.longdouble:
             high = samples.astype(np.float64)
             samples = np.stack([high, (samples - high).astype(np.float64)], axis=-1)
         rows, columns, _ = samples.shape
-        room, size = np.empty((3, (rows + 2) * columns, 2)), rows * columns
-        self.half_spectra(
-            samples.reshape(size, 2), (rows, columns), circle_of(max(rows, columns)), room[0], room[1], room[2]
-        )
-        return room[2]
+        rooms, room = np.empty((3, (rows + 2) * columns, 2)), np.empty(rows // 2 + columns // 2 + 2)
+        size, circle = rows * columns, circle_of(max(rows, columns))
+        wanted = self.spectrum_rows(samples.reshape(size, 2), (rows, columns), noise, circle, (*rooms,), room)
+        return rooms[2], wanted
 
     def room(self, count: int) -> Any:
         return np.zeros((count, 2))

@@ -249,7 +249,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
     assert series.at(0.3 * tau, -0.71 * tau) == pytest.approx(swing, abs=1e-14)
     for setup in (None, BALL.flow(BALL.state(*START)).setup):
         loops = ReadableLoops(setup) if setup else CompiledLoops()
-        values = loops.half_spectrum(rate(first, second).astype(np.longdouble))
+        values, _ = loops.spectrum(rate(first, second).astype(np.longdouble), (1e-15, 1e-15))
         rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
         rough, packed, quiet, modes, _ = series_of(
             loops, values, first.shape, rates, Limits(1e-15, 1e-15, inf, 0.3, inf)
