@@ -75,7 +75,9 @@ class Flow(BodyMotion):
 
     @at_once
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
-        kernel, field = one_of(kernel, "kernel", KERNELS, CHOOSE), system.field
+        field = system.field
+        if type(kernel) is not str or kernel not in KERNELS:
+            kernel = one_of(kernel, "kernel", KERNELS, CHOOSE)
         if kernel == "compiled" and field != RR:
             raise ArgumentError(f"kernel = 'compiled' with field = {field.name}: compiled loops exist for RR only")
         vars(self).update(system=system, state=state, kernel=kernel)

@@ -225,12 +225,13 @@ def compiled_run(
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)
     given, rows, other = times[None], np.empty((1, 6 * length)), np.empty((1, length))
-    shape = (prepared.rule, asked[2:], prepared.none if centres is None else centres, given)
-    prepared.call(asked.given, asked.tilted, *shape, prepared.ascending, rows, other, work)
-    if work[2][0] == short.UNSORTED:
-        order = given.argsort(axis=1, kind="stable")
-        prepared.call(asked.given, asked.tilted, *shape, order, rows, other, work)
+    between = prepared.none if centres is None else centres
+    what = (asked.given, asked.tilted, prepared.rule, asked[2:], between, given)
+    prepared.call(*what, prepared.ascending, rows, other, work)
     status, panels = work[2][:2].tolist()
+    if status == short.UNSORTED:
+        prepared.call(*what, given.argsort(axis=1, kind="stable"), rows, other, work)
+        status, panels = work[2][:2].tolist()
     if length <= KEPT_TIMES:
         prepared.kept.append(work)
     return status, panels, rows.reshape(length, 6), other[0]

@@ -153,6 +153,9 @@ def triple(field: Any, values: Any, argument: str) -> Vector:
 
 def cross(field: Any, x: Vector, y: Vector) -> Vector:
     """x × y."""
+    if field is RR:
+        (x1, x2, x3), (y1, y2, y3) = x, y
+        return x2 * y3 - x3 * y2, x3 * y1 - x1 * y3, x1 * y2 - x2 * y1
     sub, mul = field.sub, field.mul
     return (
         sub(mul(x[1], y[2]), mul(x[2], y[1])),
