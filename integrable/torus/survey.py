@@ -34,6 +34,9 @@ INNER = 8
 # or at this part of all distances, and in no gap so narrow: translations about a centre lose twice the digits of its
 # distance to a branch point, which double-doubles have to spare
 NEAREST = 2.0**-30
+# but only at this one where cells are no more than so many, which costs next to no digits
+FAIR = 2.0**-12
+MANY_CELLS = 1 << 12
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
 
@@ -177,13 +180,13 @@ def best_chart(
     flat = len(points) == 4 or lead < FLAT
     fewest = 1 << 60
     best = (0.0, 0.0, 0.0, 0.0, 1, 0, 0, 1, 0, 0)
-    tried = 0
+    tried, nearest = 0, FAIR
     for count in (CENTRES, CENTRES + 4 * INNER):
         for i in range(tried, count):
-            c1 = centre_of(i, points, ends, origin)
+            c1 = centre_of(i, points, ends, origin, nearest)
             reach1 = reach_of(points, lead, c1)
             for j in range(i):
-                c2 = centre_of(j, points, ends, origin)
+                c2 = centre_of(j, points, ends, origin, nearest)
                 reach2 = reach_of(points, lead, c2)
                 if reach1 == 0 or reach2 == 0 or c1 == c2:
                     continue
@@ -200,12 +203,15 @@ def best_chart(
         tried = count
         if fewest <= FEW_CELLS:
             break
+        if fewest > MANY_CELLS:
+            nearest = NEAREST
     return best
 
 
-def centre_of(i: int, points: Row, ends: Row, origin: float) -> float:
+def centre_of(i: int, points: Row, ends: Row, origin: float, nearest: float) -> float:
     """The i-th centre that is tried: below all branch points; from the lower end of the gap between the ovals to its
-    middle, from its upper end not quite; and the same in the gap behind the second.
+    middle, from its upper end not quite; and the same in the gap behind the second, ``nearest`` in parts of all
+    distances.
     """
     least, low, high = points[0], float(ends[0]), float(ends[3])
     near = spread = high - low
@@ -222,7 +228,7 @@ def centre_of(i: int, points: Row, ends: Row, origin: float) -> float:
     if end > 1:
         first, last = high, points[4] if len(points) > 4 else high + 2 * farthest
     middle = (last - first) / 2
-    near = max(min(near, middle) / 2, NEAREST * spread)
+    near = max(min(near, middle) / 2, nearest * spread)
     if near > middle:
         return first
     if end % 2 == 0:
