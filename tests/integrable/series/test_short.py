@@ -19,7 +19,8 @@ from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Point
 from integrable.mumford.system import MumfordSystem
 from integrable.series.equations import Equations
-from integrable.series.recurrences import convolved, squared
+from integrable.series.recurrences import coefficients, convolved, squared
+from integrable.series.tape import CONSTANT, VARIABLE, recorded
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
 
@@ -182,6 +183,20 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
     foreign = Foreign(system.constants, *system.parameters)
     assert foreign._equations is None
     assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
+
+
+def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
+    """Every node after those that it is made of, whatever the order in which the formula came to them."""
+    tape = recorded(lambda y: [y[0] * 3 + y[1] * y[1] / (y[0] - 7), (y[0] + y[1]) * y[0], y[1] * y[1] - 3], 2)
+    count = tape.kinds.count(CONSTANT)
+    assert tape.kinds[: 2 + count] == [VARIABLE] * 2 + [CONSTANT] * count
+    assert all(max(tape.left[n], tape.right[n]) < n for n in range(2 + count, len(tape.kinds)))
+    assert sorted(map(float, tape.constants[2 : 2 + count])) == [3, 7]
+    series = [Fraction(x) for x in ([5, 11] + tape.constants[2:]) for _ in range(2)]
+    coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, 1, 1, series)
+    assert series[1] == 15 + Fraction(121, -2)
+    assert series[2 * tape.results[1]] == 80
+    assert series[2 * tape.results[2]] == 118
 
 
 def test_roots_and_constants_of_long_numbers() -> None:
