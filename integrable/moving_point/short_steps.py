@@ -16,6 +16,7 @@ from integrable.moving_point.addition import (
     pair,
     put,
     rate_at,
+    settled,
     settled_pair,
 )
 from integrable.moving_point.short_rows import (
@@ -48,7 +49,7 @@ from jacobian.numbers.roots import root
 # what a shadow begins off the motion by, of its size: more than some additions in double-doubles
 OFF_BY = 2.0**-99
 # squares of slopes, beside their size, where a turn is half as long as it would have to be
-LEAST_SLOPE = 2.0**-16
+LEAST_SLOPE = 2.0**-20
 
 
 def panel_steps(room: Room, h: float) -> bool:
@@ -196,10 +197,14 @@ def longer(room: Room, origin: int, by: int, target: int) -> None:
     """The sum of two rows of translations, put back on its level, into a third."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
-    # what r_i is where κ = 1
-    r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
-    x, y, _ = framed(wide, r, there)
-    put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
+    if wide[9] == 0 or wide[10] == 0 or wide[11] == 0:
+        # two equal moments
+        put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
+    else:
+        # what r_i is where κ = 1
+        r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
+        x, y, _ = framed(wide, r, there)
+        put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
 
 
 def go_ahead(room: Room, first: bool, sign: int) -> None:
@@ -257,9 +262,10 @@ def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
     """ν = ``y`` of a framed pair turned about σ = ``x`` so that f = V² mod U, where a turn brings that about: beside a
     node it does not. The level is that of a ratio H1/H2 ``off`` by such a part.
 
-    What is left of f − V² − UW is a multiple of Π(x − α_i). It is looked at at c, between the first two axes.
+    What is left of f − V² − UW is a multiple of Π(x − α_i). It is looked at at c, before the first axis.
     """
-    c = (wide[6] + wide[7] + wide[8] - max(wide[6], wide[7], wide[8])) / 2
+    low, high = min(wide[6], wide[7], wide[8]), max(wide[6], wide[7], wide[8])
+    c = low - (high - low) / 2
     e = wide[6] - c, wide[7] - c, wide[8] - c
     top = e[0] * e[1] * e[2]
     p = r[0] * e[1] * e[2], r[1] * e[2] * e[0], r[2] * e[0] * e[1]

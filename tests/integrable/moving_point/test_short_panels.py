@@ -47,6 +47,11 @@ MOTIONS = {
     "very different moments": (ChaplyginBall((1, 1e4, 1e8), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
     "top": (EulerTop((1, 2, 3)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), True),
 }
+# what is different at an axis with κ = 0: its translations are put back on their divisors
+EQUAL = {
+    "the least equal": (ChaplyginBall((1, 1, 3), 0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), False),
+    "the largest equal": (ChaplyginBall((3, 1, 3), 0.7), (0.48, 0.6, 0.64), (1.0, 0.3, -0.8), True),
+}
 
 
 @pytest.mark.parametrize("name", MOTIONS)
@@ -65,6 +70,17 @@ def test_compiled_runs_are_interpreted_ones(name) -> None:
         (rows, back), (expected, _) = (x.at(times) for x in runs)
         assert abs(rows - expected).max(initial=0) < 4e-14
         assert abs(back - tau).max(initial=0) < 4e-14
+
+
+@pytest.mark.parametrize("name", EQUAL)
+def test_two_equal_moments_are_gone_through_too(name) -> None:
+    system, gamma, M, tilted = EQUAL[name]
+    state = system.state(gamma, M, tilted=tilted)
+    times = np.array([-60.0, 20.0, 100.0])
+    found, wanted = ShortRuns(system, state).at(times), system.flow(state, "compiled").at(times)
+    assert found is not None
+    assert wanted.way == "closed form"
+    assert abs(found[0] - np.hstack([wanted.gamma, wanted.M])).max() < 3e-14
 
 
 @pytest.mark.parametrize("name", MOTIONS)
