@@ -101,7 +101,7 @@ class Call:
         letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
         self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
-        self._longs = LETTERS["i128"] in back
+        self._longs, self._nothing = LETTERS["i128"] in back, result == ""
 
     def __call__(self, *arguments: Any) -> Any:
         words: list[Any] = []
@@ -109,6 +109,8 @@ class Call:
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
         self._entry.call(addressof(from_buffer(memory)))
+        if self._nothing:
+            return None
         found = self._read(memory)
         return found if self._tuple else found[0] if found else None
 
@@ -153,10 +155,10 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
                 words.append(addressof(from_buffer(value)))
             except (TypeError, ValueError):
                 words.append(_unwritten(value, kind))
-            if kind.ndim == 1:
+            if axes == 1:
                 words.append(len(value))
             else:
-                words += value.shape[: kind.ndim]
+                words += value.shape if axes == kind.ndim else value.shape[: kind.ndim]
         elif items is not None:
             flatten(value, items, words)
         elif type(kind) is TupleKind or kind is WIDE:
