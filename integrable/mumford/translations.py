@@ -52,6 +52,8 @@ class Translations:
         self._doubles: dict[int, Extended] = {}
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
+        # the first T(2^k h) that has not been looked at for growth
+        self._unseen = self._fraction
 
     def _reference(self) -> tuple[list[Any], list[Any]]:
         """The points of E and P₀, which points of a motion on real ovals do not come near to."""
@@ -101,10 +103,11 @@ class Translations:
         1/U(e) of T does, up to 4/3 powers of it for all T together.
         """
         K = self.field
-        for j in range(self._fraction, k + 1):
+        for j in range(self._unseen, k + 1):
             u = (self._singles[j] or self._doubles[j]).u
             if any(part_at(K, u, e) <= K.eps**0.25 for e in self._ends):
                 raise PrecisionLoss("rounding grows beside a double point of the curve: use more digits")
+            self._unseen = j + 1
 
     @property
     def reference(self) -> Extended:
