@@ -29,8 +29,8 @@ FARTHEST = 1e300
 
 class Steps(NamedTuple):
     """A kind of steps: coefficients up to ``wide`` are wide, those up to ``order``, an even number of them, floats;
-    what is left out is the part ``left_out`` of each q and p, and in the second walk ``coarser`` times that; the first
-    terms in floats are at most ``rounded`` times q and p.
+    what is left out is the part ``left_out`` of each q and p, the first terms in floats are at most ``rounded`` times
+    these; in the second walk ``coarser`` times that.
     """
 
     wide: int
@@ -236,9 +236,11 @@ def reach(way: Way, kind: Steps, floats: Any, lane: int) -> float:
             before, last = max(before, x), max(last, y)
             odd = max(odd, abs(floats[first + 2 * wide + 2]) / size)
             even = max(even, abs(floats[first + 2 * wide + 4]) / size)
-    left_out = kind.left_out * (kind.coarser if lane > 0 else 1.0)
+    # both: where one limit is that of either walk, they have the same steps, and agree in what is wrong
+    coarser = kind.coarser if lane > 0 else 1.0
+    left_out, rounded = kind.left_out * coarser, kind.rounded * coarser
     found = min(distance(left_out, before, order - 1), distance(left_out, last, order))
-    found = min(found, distance(kind.rounded, odd, wide + 1), distance(kind.rounded, even, wide + 2))
+    found = min(found, distance(rounded, odd, wide + 1), distance(rounded, even, wide + 2))
     # where all is straight there is no end; else the last coefficients are below the range of floats
     return 0.0 if bent and found == FARTHEST else found
 

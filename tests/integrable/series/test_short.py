@@ -8,6 +8,7 @@ from random import Random
 
 import numpy as np
 import pytest
+from mpmath import cos, fdot, mpf, sin, sqrt, workdps
 
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
@@ -217,3 +218,19 @@ def test_a_convolution_is_its_sum(k) -> None:
         assert convolved(series, 3, 20, begin, k + 1, k) == expected
         if k >= 2 * begin:
             assert squared(series, 3, begin, k) == convolved(series, 3, 3, begin, k + 1 - begin, k)
+
+
+@pytest.mark.parametrize("speed", [1e28, 1e55])
+def test_walks_with_the_same_steps_do_not_agree_in_what_is_wrong(speed) -> None:
+    """A great circle, as all forces are nothing beside q·|p|²: both walks were off by 4e-12 after 3000 radians."""
+    system = Neumann((1, 2.5, 3))
+    state = system.state((0.6, 0, 0.8), (0.4 * speed, 0.7 * speed, -0.3 * speed))
+    found = system.flow(state).at([1000 / speed, 3000 / speed])
+    with workdps(100):
+        q, p = ([mpf(x) for x in v] for v in (state.q, state.p))
+        q = [x / sqrt(fdot(q, q)) for x in q]
+        p = [y - fdot(q, p) * x for x, y in zip(q, p, strict=True)]
+        rate = sqrt(fdot(p, p))
+        for time, row in zip(found.times, found.q, strict=True):
+            turned = [x * cos(rate * time) + y / rate * sin(rate * time) for x, y in zip(q, p, strict=True)]
+            assert max(abs(x - y) for x, y in zip(turned, row, strict=True)) < 2e-16
