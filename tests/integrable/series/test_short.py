@@ -193,7 +193,7 @@ def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
     assert tape.kinds[: 2 + count] == [VARIABLE] * 2 + [CONSTANT] * count
     assert all(max(tape.left[n], tape.right[n]) < n for n in range(2 + count, len(tape.kinds)))
     assert sorted(map(float, tape.constants[2 : 2 + count])) == [3, 7]
-    series = [Fraction(x) for x in ([5, 11] + tape.constants[2:]) for _ in range(2)]
+    series = [Fraction(x) for x in (5, 11, *tape.constants[2:]) for _ in range(2)]
     coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, 1, 1, series)
     assert series[1] == 15 + Fraction(121, -2)
     assert series[2 * tape.results[1]] == 80
