@@ -53,9 +53,14 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     return walks_corners(numbered(curve), start, walk, states, ends, known)
 
 
-def sampled(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+    """:func:`integrable.torus.walks.gridded`."""
+    walks_gridded(numbered(curve), small_numbered(small), states, fine, rates, others)
+
+
+def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """:func:`integrable.torus.walks.sampled`."""
-    walks_sampled(numbered(curve), small_numbered(small), states, fine, rates, others)
+    walks_sampled(numbered(curve), states, fine, rates, others)
 
 
 def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
@@ -141,7 +146,7 @@ def eight(row: Row) -> Any:
     return row[0], row[1], row[2], row[3], row[4], row[5], row[6], row[7]
 
 
-walks_corners, walks_sampled = walks.corners, walks.sampled
+walks_corners, walks_gridded, walks_sampled = walks.corners, walks.gridded, walks.sampled
 at_phases, at_tau = states.states_at_phases, states.states_at_tau
 points_at, torus_reached = states.points_at_phases, witness.reached
 torus_departure, torus_seam = witness.departure, witness.seam
@@ -165,7 +170,8 @@ LIBRARY = Library(
             (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[Room], WIDES, WIDES),
         ),
         "corners": (corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
-        "sampled": (sampled, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
+        "gridded": (gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
+        "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
         "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
         "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
         "points_at_phases": (points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),

@@ -161,7 +161,7 @@ class Corners:
         """
         loops, fine = self.loops, self.fine(sizes, known)
         first, other = loops.room(sizes[0] * sizes[1]), loops.room(sizes[0] * sizes[1])
-        loops.sampled(self._packed_curve, self._packed_small, self.states, fine, first, other)
+        loops.gridded(self._packed_curve, self._packed_small, self.states, fine, first, other)
         table = loops.samples(first, sizes)
         if self.doubled == (1, 1):
             return self.completed(table, known)

@@ -155,10 +155,10 @@ class ReadableLoops:
         with self.reals:
             walks.offsets(*args)
 
-    def sampled(self, *args: Any) -> None:
-        """:func:`integrable.torus.walks.sampled`."""
+    def gridded(self, *args: Any) -> None:
+        """:func:`integrable.torus.walks.gridded`."""
         with self.reals:
-            walks.sampled(*args)
+            walks.gridded(*args)
 
     def states_at_phases(self, torus: Torus, phases: Any, out: Any) -> None:
         """:func:`integrable.torus.states.states_at_phases`."""
@@ -201,7 +201,7 @@ class CompiledLoops:
         self.survey_rows: Any = entries.survey
         self.direction_rows: Any = entries.directions
         self.corners: Any = entries.corners
-        self.sampled: Any = entries.sampled
+        self.gridded: Any = entries.gridded
         self.states_at_phases: Any = entries.states_at_phases
         self.states_at_tau: Any = entries.states_at_tau
         self.points_at_phases: Any = entries.points_at_phases

@@ -256,11 +256,16 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
             n += 1
 
 
-def sampled(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+    """:func:`offsets`, then :func:`sampled`."""
+    offsets(curve, small, fine)
+    sampled(curve, states, fine, rates, others)
+
+
+def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """1/g on the grid, from the corners in ``states`` by the translations of :func:`offsets`, into ``rates``; with an
     odd number of γ_i turned, which a tilted body notices, into ``others``. Where the count is KNOWN nothing is done.
     """
-    offsets(curve, small, fine)
     (rows, columns), finer = fine.cells, fine.finer
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     height, width, d, r = rows * finer[0], columns * finer[1], fine.rest[0], fine.rest[1]
