@@ -570,3 +570,15 @@ def test_far_along_an_unstable_plane(first) -> None:
     expected = plane.flow(plane.state((q,), (p,))).at(times)
     assert np.allclose(path.q[:, 1:], expected.q, rtol=0, atol=1e-16)
     assert np.abs(path.q[:, 0]).max() < 1e-16
+
+
+@pytest.mark.parametrize(("size", "times"), [(2, 3), (3, 2)])
+def test_a_lattice_that_repeats_a_smaller_one_moves_as_that(size, times) -> None:
+    """Most of its gaps are closed, and the pair lies in as many double points of the curve: far away too."""
+    q, p = (0.3, -0.8, 0.5)[:size], (0.7, 0.2, -0.4)[:size]
+    small, large = TodaLattice(size), TodaLattice(size * times)
+    far = [1e5, 1e9, 1e14]
+    one = small.flow(small.state(q, p)).at(far)
+    many = large.flow(large.state(q * times, p * times)).at(far)
+    assert np.abs(np.tile(one.p, times) - many.p).max() < 1e-14
+    assert (np.abs(np.tile(one.q, times) - many.q) <= 1e-15 * np.abs(many.q)).all()
