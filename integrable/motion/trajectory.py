@@ -133,20 +133,21 @@ class Motion(Immutable):
 
     def _run(self, given: np.ndarray, strict: bool, physical: bool) -> Trajectory:
         way = self._way_to(given, physical)
+        times = given if physical or not self.system.body.rolls else None
         if strict:
-            found = Rows(*_computed(way, given, physical))
-            off, why = self._off(found.rows, way)
+            rows, tau = _computed(way, given, physical)
+            off, why = self._off(rows, way)
             if len(off):
                 raise PrecisionLoss(f"row {off[0]}: {why}")
-        else:
-            nan = np.nan if self.system.field == RR else self.system.field.context.nan
-            found = self._kept(way, given, physical, nan)
-            had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
-            off, why = self._off(found.rows[had], way)
-            found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)
-        times = given if physical or not self.system.body.rolls else None
-        tau = found.tau if physical else given
-        return Trajectory(self, times, tau, found.rows, way.way, found.status, found.reasons)
+            return Trajectory(self, times, tau, rows, way.way)
+        nan = np.nan if self.system.field == RR else self.system.field.context.nan
+        found = self._kept(way, given, physical, nan)
+        had = np.arange(len(given)) if found.status is None else np.flatnonzero(found.status == 0)
+        off, why = self._off(found.rows[had], way)
+        found = refused_rows(found, dict.fromkeys(had[off].tolist(), why), nan)
+        return Trajectory(
+            self, times, found.tau if physical else given, found.rows, way.way, found.status, found.reasons
+        )
 
     def _checked(self, values: Any, argument: str) -> np.ndarray:
         """A one-dimensional array of finite numbers of the field."""
