@@ -18,8 +18,9 @@ from jacobian.numbers.sums import plus_product
 
 __all__ = ["FINE", "FINEST", "Room", "Steps", "Way", "walked_twice"]
 
-# what the two walks may differ by, beside the largest number of q, or of p; the errors of the finer one are far smaller
-AGREED = 2.0**-53
+# what the two walks may differ by, beside the largest number of q, or of p: an eighth of what rounding to floats is, as
+# terms in floats may be off by nearly as much in the finer one
+AGREED = 2.0**-56
 # coefficients that the unit of time is read off
 FIRST = 4
 # how many times as long as the present one steps may become, and after so many of them as their mean
