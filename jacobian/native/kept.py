@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import ast
 import json
 import os
 import sys
 from collections.abc import Iterable
+from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
@@ -32,12 +34,13 @@ def place() -> Path | None:
 
 
 class Object(NamedTuple):
-    """Machine code, the letters of ``struct`` for the results of its entries, in brackets if they are tuples, and the
-    modules that it was made from.
+    """Machine code, the letters of ``struct`` for the results of its entries, in brackets if they are tuples, the
+    modules that it was made from and the numbers of modules that are in it, by their whole names, as text.
     """
 
     results: dict[str, str]
     modules: list[str]
+    numbers: dict[str, str]
     code: bytes
 
 
@@ -48,15 +51,22 @@ def find(folder: Path, name: str, made_for: str) -> Object | None:
         known = json.loads(head)
     except (OSError, ValueError):
         return None
-    good = known["made for"] == made_for and known["size"] == len(code) and known["sources"] == stamps(known["sources"])
-    return Object(known["results"], list(known["sources"]), code) if good else None
+    good = (
+        known["made for"] == made_for
+        and known["size"] == len(code)
+        and known["sources"] == stamps(known["sources"])
+        and known["numbers"] == {name: number_of(*name.rsplit(".", 1)) for name in known["numbers"]}
+    )
+    return Object(known["results"], list(known["sources"]), known["numbers"], code) if good else None
 
 
 def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
     """An object for a machine, by this compiler."""
-    compiler = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
-    sources = stamps(sorted({*made.modules, *compiler}))
-    known = {"made for": made_for, "size": len(made.code), "sources": sources, "results": made.results}
+    sources = stamps(sorted({*made.modules, *compiler()}))
+    known = {
+        "made for": made_for, "size": len(made.code), "sources": sources, "numbers": made.numbers,
+        "results": made.results,
+    }  # fmt: skip
     path = _file(folder, name)
     beside = path.with_suffix(f".{os.getpid()}")
     try:
@@ -70,6 +80,39 @@ def _file(folder: Path, name: str) -> Path:
     # several installations may share a folder
     mark = sha256(f"{HERE} {sys.implementation.cache_tag}".encode()).hexdigest()[:8]
     return folder / f"{name}-{mark}.native"
+
+
+@cache
+def compiler() -> frozenset[str]:
+    """The modules of the compiler, and of what it imports: algorithms of numbers that it writes are elsewhere."""
+    found: set[str] = set()
+    left = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
+    while left:
+        module = left.pop()
+        found.add(module)
+        left |= _imported(module) - found
+    return frozenset(found)
+
+
+def _imported(module: str) -> set[str]:
+    """The modules of this package that names are imported from, or that are imported by name."""
+    package, found = __package__.partition(".")[0], set()
+    for node in ast.walk(ast.parse(_source(module))):
+        if isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] == package:
+            names = {f"{node.module}.{x.name}" for x in node.names}
+            found |= {name for name in names if _source(name)} or {node.module}
+    return found
+
+
+def _source(module: str) -> bytes:
+    """Of a module that is there, or of none."""
+    path = HERE.parent.parent.joinpath(*module.split(".")).with_suffix(".py")
+    return path.read_bytes() if path.is_file() else b""
+
+
+def number_of(module: str, name: str) -> str:
+    """A number of a module that is loaded, as text; none where there is no such number."""
+    return repr(getattr(sys.modules.get(module), name, None))
 
 
 def stamps(modules: Iterable[str]) -> dict[str, str]:

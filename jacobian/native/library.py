@@ -7,6 +7,7 @@ import struct
 import threading
 from collections.abc import Callable
 from ctypes import addressof, c_char
+from hashlib import sha256
 from typing import Any
 
 import numpy as np
@@ -53,10 +54,16 @@ class Library:
     def is_kept(self) -> bool:
         """Whether it is on disk, so that nothing has to be compiled."""
         folder = kept.place()
-        return folder is not None and kept.find(folder, self.name, machine.name()) is not None
+        return folder is not None and kept.find(folder, self.name, self._made_for()) is not None
+
+    def _made_for(self) -> str:
+        """What an object of it is made for: this machine, and entries that are called like this."""
+        entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
+        called = f"{entries} {[f.__name__ for f in self._fast]}"
+        return f"{machine.name()} {sha256(called.encode()).hexdigest()}"
 
     def _load(self) -> None:
-        folder, made_for = kept.place(), machine.name()
+        folder, made_for = kept.place(), self._made_for()
         found = None if folder is None else kept.find(folder, self.name, made_for)
         if found is None:
             LOG.info("compiling %s: once, a few seconds", self.name.replace("_", " "))
@@ -76,7 +83,15 @@ class Library:
             result = program.entry(name, function, kinds)
             letters = "".join(LETTERS[leaf] for leaf in result.leaves)
             results[name] = f"({letters})" if isinstance(result, TupleKind) else letters
-        return kept.Object(results, sorted(program.modules), machine.object_of(program.text()))
+        modules = program.modules | {str(way.__module__) for way in self._special.values()}
+        return kept.Object(results, sorted(modules), program.numbers, machine.object_of(program.text()))
+
+
+def said(kind: Any) -> str:
+    """All of a kind in words, fields of a NamedTuple too."""
+    if not isinstance(kind, TupleKind):
+        return str(kind)
+    return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"
 
 
 class Packed:

@@ -42,6 +42,8 @@ class Program:
         self._texts: list[str] = []
         self.modules: set[str] = set()
         """The names of the modules that have been read."""
+        self.numbers: dict[str, str] = {}
+        """The numbers of modules that are in it, by their whole names, as text."""
 
     def instance(self, function: Any, kinds: tuple[Any, ...]) -> Instance:
         """The function for arguments of some kinds, compiled now if it is not yet."""
@@ -102,8 +104,10 @@ class Program:
         if found is self:
             raise CompileError(f"{name} is not known, or not on every way")
         if isinstance(found, int | float):
-            # the module it comes from
-            self.modules.add(_origins(module.__name__).get(name, module.__name__))
+            # wherever it comes from, and whatever it is made of
+            self.numbers[f"{module.__name__}.{name}"] = repr(found)
+        elif hasattr(found, "_fields"):
+            self.modules.add(found.__module__)
         return found
 
     def _tree(self, function: Any) -> ast.FunctionDef:
@@ -119,15 +123,6 @@ def _parsed(module: str) -> ast.Module:
 @cache
 def _functions(module: str) -> dict[str, ast.FunctionDef]:
     return {node.name: node for node in _parsed(module).body if isinstance(node, ast.FunctionDef)}
-
-
-@cache
-def _origins(module: str) -> dict[str, str]:
-    """The modules that the names of a module are imported from."""
-    if not str(getattr(sys.modules[module], "__file__", "")).endswith(".py"):
-        return {}
-    imports = (node for node in _parsed(module).body if isinstance(node, ast.ImportFrom) and node.module)
-    return {x.asname or x.name: str(node.module) for node in imports for x in node.names}
 
 
 def _has_wide(kind: Any) -> bool:

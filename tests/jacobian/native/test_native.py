@@ -443,14 +443,56 @@ def test_objects_are_kept_until_a_source_changes(tmp_path):
     assert run(tmp_path) == [22, [SAID]]
 
 
-def test_numbers_from_other_files_are_sources():
-    """Of constants too: REACH lies in a file that has no function of the loops."""
+def test_a_number_is_looked_at_wherever_it_is_made(tmp_path):
+    """Of a file that has no function of the loops, made of one in another that these do not name."""
+    (tmp_path / "loops_there.py").write_text(SOURCE)
+    (tmp_path / "numbers_there.py").write_text("from others_there import HALF\nFACTOR = 2 * HALF\n")
+    (tmp_path / "others_there.py").write_text("HALF = 3\n")
+    assert run(tmp_path) == [42, [SAID]]
+    (tmp_path / "others_there.py").write_text("HALF = 5\n# read again\n")
+    assert run(tmp_path) == [70, [SAID]]
+
+
+def test_entries_that_are_called_otherwise_are_made_again(tmp_path):
+    """What is compiled lies in one file, and how it is called in another."""
+    lines = SOURCE.splitlines(keepends=True)
+    (tmp_path / "numbers_there.py").write_text("def times(n):\n    return n + n\n")
+    called = "from numbers_there import times\n" + "".join(x for x in lines if "FACTOR" not in x and "def " not in x)
+    (tmp_path / "loops_there.py").write_text(called)
+    assert run(tmp_path) == [14, [SAID]]
+    (tmp_path / "loops_there.py").write_text(called.replace("(INT,)", "(FLOAT,)").replace("INT\n", "INT, FLOAT\n"))
+    assert run(tmp_path) == [14.0, [SAID]]
+
+
+def test_every_source_of_the_compiler_is_looked_at():
+    """What a fresh process imports from this package to compile, but for what any import of it does."""
+    needed = "import jacobian.native.library, jacobian.native.special, jacobian.native.modular, jacobian.native.binary"
+    names = "import sys; print(*[m for m in sys.modules if m.startswith('jacobian.') and sys.modules[m].__file__])"
+    said = [
+        subprocess.run([sys.executable, "-c", f"{first}; {names}"], capture_output=True, text=True, check=True).stdout
+        for first in ("import jacobian", f"import jacobian; {needed}")
+    ]
+    plain, there = (set(line.split()) for line in said)
+    sources = kept.compiler()
+    assert there - plain <= sources | {"jacobian.native"}
+    assert {"jacobian.numbers.double_double_steps", "jacobian.numbers.double_double"} <= sources
+    assert all(kept.stamps(sources).values())
+
+
+def test_sources_that_are_compiled_are_looked_at(monkeypatch):
+    """Those of the compiler too: an object is not good when what double-doubles are multiplied by has changed."""
     from integrable.torus.compiled import LIBRARY
 
     assert LIBRARY.survey
-    made_for = __import__("jacobian.native.machine", fromlist=["name"]).name()
-    found = kept.find(kept.place(), "torus", made_for)
-    assert {"integrable.torus.survey", "jacobian.inexact.genus2_real", "jacobian.native.code"} <= set(found.modules)
+    found = kept.find(kept.place(), "torus", LIBRARY._made_for())
+    own = {"integrable.torus.survey", "integrable.torus.compiled", "jacobian.inexact.genus2_real"}
+    assert own | kept.compiler() <= set(found.modules)
+    before = kept.stamps
+    for changed in ("jacobian.numbers.double_double_steps", "integrable.torus.survey"):
+        monkeypatch.setattr(kept, "stamps", lambda modules, changed=changed: before(modules) | {changed: "other"})
+        assert not LIBRARY.is_kept()
+    monkeypatch.setattr(kept, "stamps", before)
+    assert LIBRARY.is_kept()
 
 
 def test_where_nothing_can_be_written(monkeypatch, tmp_path):
