@@ -40,24 +40,35 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from jacobian.native.library import Packed
 
-# microseconds, compiled: a panel, and what a run takes before its first; a time off a torus that is there, off panels
-# between ascending ones, and before that the torus itself: their ratios count (python -m benchmarks short). A torus is
-# 600 to 1800 on ordinary bodies, 6600 on thin ones: in between, so that "auto" loses least where it is wrong
-PANEL_COST, START_COST = 1.8, 80.0
-TORUS_COST, DENSE_COST, TORUS_SET_UP = 5.0, 0.3, 2000.0
+# microseconds, compiled, whose ratios count (python -m benchmarks short): a panel, and a run before its first
+PANEL_COST, START_COST = 1.6, 40.0
+
+
+class TorusCost(NamedTuple):
+    """The set-up of a torus, a time off it, and one off panels between ascending times."""
+
+    set_up: float
+    each: float
+    dense: float
+
+
+# without a clock; with one; and where 1/g has far more modes: I/(I + d) of moments so many times apart
+FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(4500.0, 6.0, 5.5)
+THINNER = 20.0
 DENSE_FROM = 5000
 # the states of a torus are the nearest floats, those of panels some roundings off: one run has to be so many times
 # cheaper, many as cheap
-WORTH, WORTH_OF_MANY = 3.0, 1.0
-# panels at most, whose errors grow like their number; times at most
-MOST_PANELS, MOST_TIMES = 1000, 20_000
+WORTH, WORTH_OF_MANY = 2.0, 1.0
+# panels at most, whose errors grow like their number
+MOST_PANELS, MOST_PANELS_OF_MANY = 1000, 2000
+# times at most
+MOST_TIMES = 20_000
 # interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # what the clock of a run may be off by, in the units of the motion, and by what part of the way besides. Many go
-# farther than one does, with more panels: a rounding of what they are given would move their clocks as much
+# farther than one does: a rounding of what they are given would move their clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
-MOST_PANELS_OF_MANY = 2000
 # centres in many digits at most, and what the panels about them may cost, in those in floats
 MOST_CENTRES, MOST_CARE = 400, 10_000
 # digits that an addition loses, twice those that errors grow by, from which on panels in floats round less than inputs
@@ -80,6 +91,7 @@ class ShortRuns:
         body = system.body
         self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
+        self._cost = torus_cost(min(body.inertia), max(body.inertia), body.d)
         # panels of this flow: a torus would have been paid for by as many
         self.panels = 0
 
@@ -105,7 +117,7 @@ class ShortRuns:
         if self._kernel == "python" or interpreted():
             if len(times) < INTERPRETED_TIMES:
                 status, rows, other = self._interpreted(times, physical, clock)
-        elif (most := panels_within(len(times), torus, self.panels)) > 0:
+        elif (most := panels_within(self._cost, len(times), torus, self.panels)) > 0:
             status, rows, other = self._compiled(times, physical, clock, most)
         return None if status else (rows, other if physical or clock else times)
 
@@ -237,11 +249,22 @@ def compiled_run(
     return status, panels, rows.reshape(length, 6), other[0]
 
 
-def panels_within(count: int, torus: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH) -> int:
-    """So many panels, after those ``spent`` on a motion before, are worth more than another way to so many states."""
-    cost = count * (TORUS_COST if count < DENSE_FROM else DENSE_COST)
-    if not torus:
-        cost += max(0.0, TORUS_SET_UP - PANEL_COST * spent)
+def torus_cost(least: float, most: float, d: float) -> TorusCost:
+    """What the torus of a body costs, by its least and its largest moment."""
+    if d == 0:
+        return FREE
+    return THIN if most * (least + d) > THINNER * least * (most + d) else ROLLING
+
+
+def panels_within(
+    torus: TorusCost, count: int, there: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH
+) -> int:
+    """So many panels, after those ``spent`` on a motion before, are worth more than so many states off a torus, and the
+    torus itself if it is not ``there``.
+    """
+    cost = count * (torus.each if count < DENSE_FROM else torus.dense)
+    if not there:
+        cost += max(0.0, torus.set_up - PANEL_COST * spent)
     return min(limit, int((cost / worth - START_COST) / PANEL_COST))
 
 
