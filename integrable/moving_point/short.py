@@ -102,7 +102,7 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
         status = FAR if far else both_ways(room, rule, request, h, True)
     if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
-    at_start(given, tilted, request.times, request.out)
+    at_start(given, tilted, request.times, request.out, request.other)
     return status
 
 

@@ -192,8 +192,10 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
         low[i] = float(t - high[i])
 
 
-def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
-    """γ and M of the start, on their constraints, wherever a time is 0: no interpolant's error is there."""
+def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None:
+    """γ and M of the start, on their constraints, wherever a time is 0, and there the ``other`` time is 0 too: no
+    interpolant's error is there.
+    """
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
     x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]
     if not tilted:
@@ -203,6 +205,7 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row) -> None:
         if times[i] == 0:
             out[6 * i], out[6 * i + 1], out[6 * i + 2] = float(x), float(y), float(u)
             out[6 * i + 3], out[6 * i + 4], out[6 * i + 5] = float(m0), float(m1), float(m2)
+            other[i] = 0.0
 
 
 def pace(ratio: float, dX: float, numbers: Row) -> None:

@@ -97,6 +97,17 @@ def test_an_ordinary_ball_does_not_wait_for_a_torus(kernel) -> None:
     assert not {"_torus", "_precise", "setup"} & set(vars(flow))
 
 
+@pytest.mark.parametrize("kernel", ["auto", "python"])
+def test_no_time_has_gone_by_at_the_start(kernel) -> None:
+    ball = ChaplyginBall((1, 2, 3), 0.7)
+    flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), kernel=kernel)
+    times = np.array([1.0, 0.0, -1.0, -0.0])
+    assert flow.at(times).way == "short run"
+    for found in (flow.at(times).tau, flow.at_tau(times).times, flow.physical_time(times)):
+        assert found[1] == found[3] == 0
+        assert found[0] > 0 > found[2]
+
+
 # H1/H2 = a₂, to a rounding or all digits
 SEPARATRIX = {
     "ball": (ChaplyginBall((1, 2, 5), 1.0), (2 / 3, -1 / 3, 2 / 3), (1, -0.5, -1.25), 100.0),
