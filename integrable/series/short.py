@@ -3,9 +3,9 @@
 
 Of the terms of a step the first count most: the first few coefficients are double-double numbers, those beyond are
 floats, and so a step costs little more than one in floats and is good to twenty digits. What rounding and what is left
-out have grown to is found out by walking twice: the second walk has other steps, good to two digits less, and a start
-that is moved by what it was rounded by. Both go together, as the numbers of an item of two
-(:data:`jacobian.native.kinds.TWIN_WIDES`), on which one instruction does the same.
+out have grown to is found out by walking twice: the second walk has other steps, good to two digits less, the first of
+them a short one back, and a start that is moved by what it was rounded by. Both go together, as the numbers of an item
+of two (:data:`jacobian.native.kinds.TWIN_WIDES`), on which one instruction does the same.
 """
 
 from __future__ import annotations
@@ -25,6 +25,9 @@ AGREED = 2.0**-56
 FIRST = 4
 # how many times as long as the present one steps may become, and after so many of them as their mean
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
+# what part of its first step the second walk goes back: about the start both have the same terms in floats, which count
+# for nothing nearer than that
+BACK = 0.25
 FARTHEST = 1e300
 
 
@@ -81,7 +84,8 @@ def walked_twice(way: Way, kind: Steps, room: Room, times: Any, out: Any, again:
     reached. Where ``again`` begins a row with a number that is not 0, the row is not right to the last bits of floats.
     """
     unit, steps = begun(way, kind, room), 0
-    done, behind, limit = 0, 0, len(times)
+    done, limit = 0, len(times)
+    behind = gone_back(way, kind, room, times, unit, again)
     while True:
         done = put_rows(way, kind, room, 0, times[:limit], unit, done, out)
         if done < limit and not goes_on(way, room, 0, times[limit - 1] / unit, steps):
@@ -92,8 +96,8 @@ def walked_twice(way: Way, kind: Steps, room: Room, times: Any, out: Any, again:
         if behind >= limit and done >= limit:
             break
         steps += 1
-        step_ahead(way, kind, room, done < limit, behind < limit, times[limit - 1])
-        expanded(way, kind, room, unit)
+        ahead = 1.0 if times[limit - 1] > 0 else -1.0
+        step_by(way, kind, room, unit, ahead if done < limit else 0.0, ahead if behind < limit else 0.0)
     for row in range(limit):
         compare(way, row, out, again)
     return limit
@@ -130,6 +134,17 @@ def begun(way: Way, kind: Steps, room: Room) -> float:
     return unit
 
 
+def gone_back(way: Way, kind: Steps, room: Room, times: Any, unit: float, again: Any) -> int:
+    """The first row of the second walk that is not near the start; if there is one, this walk is put back."""
+    if room.steps[1] == FARTHEST:
+        return 0
+    room.steps[1] = BACK * room.steps[1]
+    row = put_rows(way, kind, room, 1, times, unit, 0, again)
+    if row < len(times):
+        step_by(way, kind, room, unit, 0.0, -1.0 if times[row] > 0 else 1.0)
+    return row
+
+
 def put_rows(way: Way, kind: Steps, room: Room, lane: int, times: Any, unit: float, row: int, out: Any) -> int:
     """The rows of one walk from ``row`` on that its series reach: the first that they do not reach."""
     count, step = 2 * way.half, room.steps[lane]
@@ -156,17 +171,16 @@ def goes_on(way: Way, room: Room, lane: int, last: float, steps: int) -> bool:
     return room.steps[lane] > 0 and steps * (gone + left) < EVEN * way.most * gone
 
 
-def step_ahead(way: Way, kind: Steps, room: Room, first: bool, second: bool, last: float) -> None:
-    """One step towards the last time, of the walks that go on."""
+def step_by(way: Way, kind: Steps, room: Room, unit: float, first: float, second: float) -> None:
+    """The walks have gone their steps times these, and have their series there."""
     for lane in range(2):
-        goes = second if lane > 0 else first
-        step = room.steps[lane] if goes else 0.0
-        ahead = (step if last > 0 else -step) + 0 * room.now[lane]
+        ahead = (second if lane > 0 else first) * room.steps[lane] + 0 * room.now[lane]
         put_ahead(room, lane, ahead)
         room.now[lane] = room.now[lane] + ahead
     put_powers(kind, room.powers, room.values[0], False)
     for i in range(len(way.tape[3])):
         room.middles[i] = value(kind, room, i)
+    expanded(way, kind, room, unit)
 
 
 def put_ahead(room: Room, lane: int, ahead: Any) -> None:
