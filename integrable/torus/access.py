@@ -74,7 +74,7 @@ class TorusFlow(Corners):
         tau = witnesses(self._turns)
         out = np.empty(12 * len(tau))
         near = self.loops.departure(self.torus, *self._line(tau), out) <= ALIKE
-        if not near and not confirmed(self.setup, tau, out[: 6 * len(tau)]):
+        if not near and not confirmed(self.setup, tau, *out.reshape(2, -1, 6)):
             raise NotClosed("the torus of this motion does not lead where its translations do; use more digits")
         super()._check_walk()
 

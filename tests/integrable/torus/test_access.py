@@ -381,6 +381,27 @@ def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
         TorusFlow(setup, AnotherQuadrant())
 
 
+def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) -> None:
+    """At 1e-14 from a separatrix additions lose all but four digits at one time of four."""
+    asked, in_digits = [], witness._in_digits
+
+    def counted(bare, translations, tau):
+        asked.append(tau)
+        return in_digits(bare, translations, tau)
+
+    monkeypatch.setattr(witness, "_in_digits", counted)
+    system, gamma, M, _ = SCENES["1e-14 beside the separatrix"]
+    setup = system.flow(system.state(gamma, M)).setup
+    torus = TorusFlow(setup, CompiledLoops())
+    assert len(asked) == 1
+    # a state that is off by what digits see and the rough comparison does, too
+    tau = witness.witnesses(torus._turns)
+    found, reached = torus._rows_at_tau(tau), torus.reached(tau)
+    assert witness.confirmed(setup, tau, found, reached)
+    found[-1, 0] += 1e-5
+    assert not witness.confirmed(setup, tau, found, reached)
+
+
 def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
     # found by fuzz: grids were doubled up to the last, of samples good to 1e-15 that were to show 1e-17
     def needed(size: int, rounding: float, noise: float) -> int:
