@@ -12,7 +12,6 @@ from integrable.ensembles.members import motion_of, plain, times_of, times_of_so
 from integrable.motion.short import (
     DRIFT_OF_MANY,
     FREE,
-    MOST_PANELS_OF_MANY,
     MOST_TIMES,
     PACE_OF_MANY,
     ROLLING,
@@ -130,7 +129,7 @@ def short_runs(
     times = times_of_some(times, which)
     count, length = len(which), times.shape[1]
     rows, tau = np.empty((count, length, 6)), np.empty((count, length))
-    most = panels_within(ROLLING if rolls else FREE, length, False, 0, MOST_PANELS_OF_MANY, WORTH_OF_MANY)
+    most = panels_within(ROLLING if rolls else FREE, length, False, 0, WORTH_OF_MANY)
     asked = Asked(members[which], tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
     status, _ = compiled_runs(asked, times, rows, tau)
     had = status == 0

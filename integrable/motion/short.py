@@ -59,8 +59,8 @@ DENSE_FROM = 5000
 # the states of a torus are the nearest floats, those of panels some roundings off: one run has to be so many times
 # cheaper, many as cheap
 WORTH, WORTH_OF_MANY = 2.0, 1.0
-# panels at most, whose errors grow like their number
-MOST_PANELS, MOST_PANELS_OF_MANY = 1000, 2000
+# panels at most: their errors grow like their number, as those of inputs do, which are larger
+MOST_PANELS = 3000
 # times at most
 MOST_TIMES = 20_000
 # interpreted: panels of one run, and times
@@ -256,16 +256,14 @@ def torus_cost(least: float, most: float, d: float) -> TorusCost:
     return THIN if most * (least + d) > THINNER * least * (most + d) else ROLLING
 
 
-def panels_within(
-    torus: TorusCost, count: int, there: bool, spent: int, limit: int = MOST_PANELS, worth: float = WORTH
-) -> int:
+def panels_within(torus: TorusCost, count: int, there: bool, spent: int, worth: float = WORTH) -> int:
     """So many panels, after those ``spent`` on a motion before, are worth more than so many states off a torus, and the
     torus itself if it is not ``there``.
     """
     cost = count * (torus.each if count < DENSE_FROM else torus.dense)
     if not there:
         cost += max(0.0, torus.set_up - PANEL_COST * spent)
-    return min(limit, int((cost / worth - START_COST) / PANEL_COST))
+    return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
 
 
 class ShortFirst:

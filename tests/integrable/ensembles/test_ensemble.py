@@ -68,7 +68,7 @@ def single(many, k, times):
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
         patch.setattr(short, "PACE", short.PACE_OF_MANY)
-        patch.setattr(short, "panels_within", lambda *_: short.MOST_PANELS_OF_MANY)
+        patch.setattr(short, "panels_within", lambda *_: short.MOST_PANELS)
         return many.flow(k).at(times)
 
 
