@@ -21,6 +21,8 @@ MOVED = 2.0**-104
 
 # what a step takes beside its products, in these, and both for Neumann's point
 FIXED, STANDARD = 3, 13
+# steps up to which fine ones are tried, as of more the last bits are often lost, and how many fine ones a finest takes
+FEW, DEARER = 1500, 1.35
 
 
 class Recording(InexactField):
@@ -85,14 +87,14 @@ class Equations:
         moved = middles.copy()
         # by different parts, as else it would be a change of units
         moved[:, 1] += MOVED * (np.arange(count) % 5 - 2.5) * middles[:, 0]
-        way = Way(self._tape, half, float(most), np.stack([middles, moved], axis=-1).reshape(count, 4))
-        room = _room(count)
+        begin, room = np.stack([middles, moved], axis=-1).reshape(count, 4), _room(count)
         out, again = np.empty((2, len(times) * 4 * half))
-        for kind in (FINE, FINEST):
-            reached = LIBRARY.walked_twice(way, kind, room, times, out, again)
+        few = float(min(most, FEW))
+        for kind, steps in ((FINE, few), (FINEST, max(few, most / DEARER))):
+            reached = LIBRARY.walked_twice(Way(self._tape, half, steps, begin), kind, room, times, out, again)
             rows, wrong = (x[::2].reshape(len(times), 2, half)[:reached] for x in (out, again))
             right = wrong[:, 0, 0] == 0
-            if right.all():
+            if right.all() and (reached == len(times) or steps == most):
                 break
         return rows, right
 
