@@ -93,22 +93,25 @@ class Found(NamedTuple):
 
     def wanted(self, digits: int) -> tuple[int, int]:
         """The modes in either direction by which the tables fall below 10^(−digits) of their first: ``size`` where they
-        have.
+        have. PrecisionLoss where they end in what rounding has left: more modes are no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
         lead = exponent(self.upright[0][columns])
 
-        def row(k: int) -> float:
-            return max(exponent(c) for table in tables for c in table[k]) - lead
+        def row(k: int) -> Any:
+            return max((c for table in tables for c in table[k]), key=exponent)
 
-        def column(m: int) -> float:
+        def column(m: int) -> Any:
             ends = columns - m, m - columns - 1
-            return max(exponent(row[j]) for table in tables for row in table for j in ends) - lead
+            return max((row[j] for table in tables for row in table for j in ends), key=exponent)
 
         found = []
-        for most, level in ((rows, row), (columns, column)):
-            last, middle = level(most), level(most // 2)
+        for most, largest in ((rows, row), (columns, column)):
+            end = largest(most)
+            last, middle = exponent(end) - lead, exponent(largest(most // 2)) - lead
+            if last >= -digits and end.contains(0):
+                raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits")
             if last < -digits:
                 found.append(most)
             elif last >= middle - 0.5:

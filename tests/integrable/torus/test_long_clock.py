@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall
+from integrable.classical.veselova import Veselova
 from integrable.motion.precise import BodyCarrier, PreciseFlow
 from integrable.moving_point.setup import Setup
 from integrable.oracles.reference import taylor
@@ -14,6 +15,7 @@ from integrable.torus.corners import Corners
 from integrable.torus.lattice import TorusLattice, Units, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
+from integrable.torus.oval_modes import OvalTorus
 from integrable.torus.series import LongSeries
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
@@ -322,3 +324,21 @@ def test_far_times_against_the_same_motion_in_multiprecision() -> None:
     tilt = K.dot(gamma, M)
     truth = ball.flow(ball.state(gamma, [m - tilt * x for m, x in zip(M, gamma, strict=True)])).at(times).gamma
     assert np.abs(found - truth.astype(float)).max() < 1e-14
+
+
+def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypatch) -> None:
+    """Twice and four times as many modes were made, half a minute, before the same was said."""
+    body = Veselova((12.488247637324774, 1.46209256319696e-10, 12.253046214624495))
+    gamma = (-0.6266829347572684, 0.6372198491462872, 0.44857481331211685)
+    M = (0.00010323665044658085, 0.00017293937154728905, -0.00010144072253290405)
+    flow, rows = body.flow(body.state(gamma, M)), [0]
+    use = OvalTorus.use
+
+    def noted(self, size, most_work) -> None:
+        rows.append(size[0])
+        use(self, size, most_work)
+
+    monkeypatch.setattr(OvalTorus, "use", noted)
+    with pytest.raises(PrecisionLoss, match="more than 64 steps"):
+        flow.at(-756309.6)
+    assert 100 < max(rows) < 300
