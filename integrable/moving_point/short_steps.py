@@ -50,6 +50,8 @@ from jacobian.numbers.roots import root
 OFF_BY = 2.0**-99
 # squares of slopes, beside their size, where a turn is half as long as it would have to be
 LEAST_SLOPE = 2.0**-20
+# |Π(α_i − α_j)| up to which sums of what is divided by it have too few digits
+LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: Room, h: float) -> bool:
@@ -197,14 +199,19 @@ def longer(room: Room, origin: int, by: int, target: int) -> None:
     """The sum of two rows of translations, put back on its level, into a third."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
-    if wide[9] == 0 or wide[10] == 0 or wide[11] == 0:
-        # two equal moments
+    if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):
+        # two equal moments, or all but equal ones
         put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
     else:
         # what r_i is where κ = 1
         r = wide[CONTACT] / wide[9], wide[CONTACT + 1] / wide[10], wide[CONTACT + 2] / wide[11]
         x, y, _ = framed(wide, r, there)
         put(on_pairs(wide, r, x, levelled(wide, r, x, y, 0.0)), steps, 10 * target)
+
+
+def no_level(wide: Row, i: int) -> bool:
+    """Whether κ_i = r_i·Π(α_i − α_j) is 0 or so small that Σσ²/Π(α_i − α_j) tells too little of a translation."""
+    return abs(float(wide[9 + i])) <= LEAST_KAPPA * float(wide[CONTACT + i])
 
 
 def go_ahead(room: Room, first: bool, sign: int) -> None:
