@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 # multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
 # the first tables are to so many digits, with so many modes a digit in either direction; the next have so many times
-# what the fall of those asks for
-SCOUT_DIGITS, MODES_A_DIGIT, BEYOND = 8, 0.6, 1.05
+# what the fall of those asks for; their nodes hold some more, so that it is no fall to what nodes make of modes
+SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
 # steps from the start among which one is taken where no σ is small
 STEPS = 4
 
@@ -71,14 +71,15 @@ def modes_of_rate(
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
-        scout = OvalTorus(setup, balls, min(SCOUT_DIGITS, digits), direction)
-        begin = ceil(MODES_A_DIGIT * scout.digits)
-        size = _resolved(scout, (begin, begin), most_work).wanted(digits)
-        torus = OvalTorus(setup, balls, digits, direction)
+        # made first: says at once where digits are lost
+        torus, few = OvalTorus(setup, balls, digits, direction), min(SCOUT_DIGITS, digits)
+        scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
+        begin = ceil(MODES_A_DIGIT * few)
+        size = _resolved(scout, (begin, begin), few, most_work).wanted(digits, few)
         # looked at first, so that more than these are more than those of few digits show
         torus.use(size, most_work)
         try:
-            found = _resolved(torus, size, most_work)
+            found = _resolved(torus, size, digits, most_work)
         except TooManyModes:
             raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits") from None
         return torus.modes(found.upright, found.leaning, found.size)
@@ -91,9 +92,10 @@ class Found(NamedTuple):
     upright: list[list[Any]]
     leaning: list[list[Any]] | None
 
-    def wanted(self, digits: int) -> tuple[int, int]:
+    def wanted(self, digits: int, held: int) -> tuple[int, int]:
         """The modes in either direction by which the tables fall below 10^(−digits) of their first: ``size`` where they
-        have. PrecisionLoss where they end in what rounding has left: more modes are no smaller.
+        have. How fast they fall is read where they are not below 10^(−``held``) yet. PrecisionLoss where they end in
+        what rounding has left: more modes are no smaller.
         """
         rows, columns = self.size
         tables = [self.upright] if self.leaning is None else [self.upright, self.leaning]
@@ -108,26 +110,30 @@ class Found(NamedTuple):
 
         found = []
         for most, largest in ((rows, row), (columns, column)):
-            end = largest(most)
-            last, middle = exponent(end) - lead, exponent(largest(most // 2)) - lead
+            end, middle = largest(most), most // 2
+            last, before = (exponent(c) - lead for c in (end, largest(middle)))
             if last >= -digits and end.contains(0):
                 raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits")
+            # the modes of a light ball's 1/g are all but one as small as d
+            while before < -held:
+                middle -= 1
+                before = exponent(largest(middle)) - lead
             if last < -digits:
                 found.append(most)
-            elif last >= middle - 0.5:
+            elif last >= before - 0.5:
                 found.append(2 * most)
             else:
-                rate = (middle - last) / (most - most // 2)
+                rate = (before - last) / (most - middle)
                 found.append(most + ceil(BEYOND * (last + digits) / rate) + 2)
         return found[0], found[1]
 
 
-def _resolved(torus: OvalTorus, size: tuple[int, int], most_work: float) -> Found:
-    """The tables of a torus to its digits, from a first size on."""
+def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> Found:
+    """The tables of a torus to so many digits, from a first size on."""
     while True:
         torus.use(size, most_work)
         found = Found(size, torus.upright(), torus.leaning())
-        wanted = found.wanted(torus.digits)
+        wanted = found.wanted(digits, digits)
         if wanted == size:
             return found
         size = wanted

@@ -15,7 +15,7 @@ from integrable.torus.corners import Corners
 from integrable.torus.lattice import TorusLattice, Units, motion_row
 from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
-from integrable.torus.oval_modes import OvalTorus
+from integrable.torus.oval_modes import OvalTorus, modes_of_rate
 from integrable.torus.series import LongSeries
 from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
@@ -142,6 +142,21 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
         other = ChaplyginBall(inertia, 1, field=K)
         there = other.flow(other.state(state.gamma, state.M, tilted=True)).at([10**9])
         assert max(abs(there.gamma[0] - run.gamma[1])) < 1e-18
+
+
+@pytest.mark.parametrize("d", ["1e-10", "1e-15", "1e-20", "1e-150"])
+def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
+    """Its modes are all but one below the digits of the first tables, whose noise was read as a slow fall: thousands of
+    columns at a hundred digits, which were refused, and far times were counted to for ever.
+    """
+    K = MP(20)
+    setups = [
+        setup_of(ChaplyginBall((1, 2, 3), x, field=K), ("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
+        for x in ("0.1", d)
+    ]
+    heavy, light = (modes_of_rate(setup, setup.digits) for setup in setups)
+    assert len(light.rows) <= len(heavy.rows) < 30
+    assert len(light.rows[0]) <= len(heavy.rows[0]) < 50
 
 
 def test_a_clock_that_is_not_inverted_says_so(monkeypatch) -> None:
