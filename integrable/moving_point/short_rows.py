@@ -135,7 +135,7 @@ FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> Room:
-    """Rows in ``wide`` and ``floats``, that many zeros; ``made`` is :data:`MADE` of them."""
+    """Rows in ``wide`` and ``floats``, so many numbers of any value; ``made`` is :data:`MADE` zeros."""
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + AHEAD)
     series = nodes + NODE_STEPS

@@ -14,6 +14,9 @@ from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_float
 
+# what keeps sums of products of floats in their range
+DOWN = 2.0**-64
+
 
 class RealField(InexactField):
     """The real numbers in double precision; elements are float. The instance is :data:`jacobian.RR`."""
@@ -53,8 +56,12 @@ class RealField(InexactField):
             raise FieldError(f"{argument} = {shown(value)} is not an element of RR: give a real number") from None
 
     def dot(self, xs: Sequence[float], ys: Sequence[float]) -> float:
-        """Σ x_i y_i: rounded products, summed exactly and rounded once."""
-        return math.fsum(map(mul, xs, ys))
+        """Σ x_i y_i: rounded products, summed exactly and rounded once; beyond the range of floats an infinity."""
+        try:
+            return math.fsum(map(mul, xs, ys))
+        except OverflowError:
+            # of a sum on the way, or at the end
+            return math.fsum(x * y * DOWN for x, y in zip(xs, ys, strict=True)) / DOWN
 
     def sqrt(self, x: float) -> float:
         """The non-negative square root, or NotASquare for x < 0."""

@@ -61,6 +61,14 @@ def test_outside_is_refused_by_name(name) -> None:
         flow_of(inertia, d, factor)
 
 
+def test_squares_whose_sum_alone_is_beyond_floats_are_refused_by_name() -> None:
+    ball, large = ChaplyginBall((1, 2, 3), 0.7), (8e153, -6e153, 1e154)
+    with pytest.raises(ArgumentError, match=r"gamma = .* unit vector"):
+        ball.state(large, (1.0, 0.0, 0.0))
+    with pytest.raises(ArgumentError, match=r"M\[0\] = 8e\+153: floats take up to"):
+        ball.flow(ball.state((0.6, 0.8, 0.0), large))
+
+
 def test_many_digits_take_any_unit() -> None:
     K = MP(20)
     gamma, momentum = ("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")

@@ -315,3 +315,9 @@ def test_primality():
 def test_a_degree_without_a_modulus_to_be_found_is_refused_at_once(k):
     with pytest.raises(Infeasible, match=f"k = {k}: no irreducible polynomial is looked for beyond degree 1000"):
         GF(101, k)
+
+
+def test_sums_of_floats_overflow_only_where_they_are_beyond_floats() -> None:
+    large = (1e154, 1e154, -1e154)
+    assert RR.dot(large, (1e154,) * 3) == 1e154 * 1e154
+    assert RR.dot(large, large) == float("inf")
