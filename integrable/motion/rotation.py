@@ -13,11 +13,10 @@ import numpy as np
 
 from integrable.motion.symmetric import NEAR, PI, half_turns, long, turns_of, wide
 from integrable.motion.symmetric_precise import ClosedForm
-from integrable.moving_point.elliptic_integrals import FirstKind
+from integrable.moving_point.elliptic_integrals import FirstKind, complete
 from integrable.phase.body import Body
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.state import State, rotation_axis
-from integrable.torus.survey import complete
 from jacobian import MP
 
 if TYPE_CHECKING:

@@ -25,12 +25,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j
+from integrable.moving_point.elliptic_integrals import FirstKind, carlson_j, complete
 from integrable.moving_point.newton import step_inside
 from integrable.phase.equal_moments import Swing, Upright
 from integrable.phase.precisions import SET_UP_DIGITS
 from integrable.phase.space import PhaseSpace
-from integrable.torus.survey import complete
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import exact_product, split
@@ -272,7 +271,9 @@ class SymmetricFlow:
 
 
 def _complete(K: Any, modulus: Any, p: Any) -> Any:
-    """:func:`integrable.torus.survey.complete` with a = b = 1, of numbers of K: by bare reals, some times as fast."""
+    """:func:`~integrable.moving_point.elliptic_integrals.complete` with a = b = 1, of numbers of K: by bare reals,
+    some times as fast.
+    """
     reals = BareReals(K.context.prec)
     with reals as numbers:
         one = numbers.number(1)

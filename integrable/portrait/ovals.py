@@ -5,7 +5,8 @@ a₁ < a₂ < a₃ the sorted a_i and ζ = h1/h̃2, u1 runs through the oval [a�
 
     A_k = ∫x^k dx/y over the first, B_k over the second,  K_k and L_k the same of x^k dx/((1 − d̃x)^½·y).
 
-By the arithmetic-geometric mean (:mod:`integrable.torus.survey`); an oval that has shrunk to a point gives residues.
+By the arithmetic-geometric mean (:mod:`integrable.moving_point.elliptic_integrals`); an oval that has shrunk to a point
+gives residues.
 """
 
 from __future__ import annotations
@@ -15,7 +16,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.torus.survey import oval_periods, slowed
+from integrable.moving_point.elliptic_integrals import oval_periods, slowed
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.roots import root
 

@@ -16,9 +16,9 @@ from __future__ import annotations
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
+from integrable.moving_point.elliptic_integrals import complete
 from integrable.portrait.angles import divisor_of, start_angles
 from integrable.portrait.ovals import Level, Ovals
-from integrable.torus.survey import complete
 from jacobian.errors import NotRepresentable
 from jacobian.immutable import Immutable
 from jacobian.numbers.roots import root

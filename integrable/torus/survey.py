@@ -1,9 +1,9 @@
 """What is known of a real torus before it is walked over, on bare reals: written to be compiled as it
 stands.
 
-Periods by the arithmetic-geometric mean, the mean of 1/g, the chart of two centres with the fewest cells, the power
-series about a centre. Numbers are floats, mpf or bare reals, or double-doubles when compiled
-(:mod:`integrable.torus.compiled`); what chooses a chart is in floats.
+The chart of two centres with the fewest cells, what its periods are, the power series about a centre. Numbers are
+floats, mpf or bare reals, or double-doubles when compiled (:mod:`integrable.torus.compiled`); what chooses a chart is
+in floats.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from math import floor, sqrt
 from typing import Any
 
 from integrable.moving_point.bare_problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
-from jacobian.numbers.roots import root
+from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
 
 Real = Any
 Row = Any
@@ -39,132 +39,6 @@ FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
-
-
-def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) -> None:
-    """2∫dx/√|PQR| and 2∫x dx/√|PQR| from root to root of P, then the same for Q, into ``out``: P and Q monic with the
-    roots ends[0] ≤ ends[1] and ends[2] ≤ ends[3], R = r − dx, whose root is beyond those.
-
-    The arithmetic-geometric mean of genus 2 (Richelot 1837; Bost & Mestre 1988): with U = Q'R − QR' and so on,
-    ∫dx/√|PQR| = 2√Δ∫dx/√|UVW| between roots of V and W, of W and U, which are closer. It converges quadratically,
-    however near branch points are, and ends with ovals that are shorter than ``near`` of the distance to
-    other branch points, of the order of √eps.
-    """
-    one = 1 + 0 * ends[0]
-    points, scale = (ends[0], ends[1], ends[2], ends[3]), 2 * one
-    # R, ascending, and its values at the ends
-    rest = r * one, -d * one, 0 * one
-    values = r - d * ends[0], r - d * ends[1], r - d * ends[2], r - d * ends[3]
-    while apart(points, values, near):
-        points, rest, values, factor = richelot(points, rest, values)
-        scale *= factor
-    p1, p2, q1, q2 = points
-    r0, r1, r2 = rest
-    x = (p1 + p2) / 2
-    out[0] = scale * pi / root(abs((x - q1) * (x - q2) * (r0 + x * (r1 + x * r2))))
-    out[1] = out[0] * x
-    x = (q1 + q2) / 2
-    out[2] = scale * pi / root(abs((x - p1) * (x - p2) * (r0 + x * (r1 + x * r2))))
-    out[3] = out[2] * x
-
-
-def apart(points: Row, values: Row, near: Real) -> bool:
-    """Whether an oval is not short yet: R varies over it, and beside the distance of every other root it has a length.
-
-    ``points`` are the ends of the ovals, ``values`` those of R there.
-    """
-    long: bool = max(points[1] - points[0], points[3] - points[2]) > near * (points[2] - points[1])
-    first: bool = abs(values[0] - values[1]) > near * abs(values[0])
-    second: bool = abs(values[2] - values[3]) > near * abs(values[2])
-    return long or first or second
-
-
-def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
-    """A step of :func:`oval_periods`: the ends of the new ovals, the new R, its values there, and 2√|Δ/leads|."""
-    (p1, p2, q1, q2), (r0, r1, r2) = points, rest
-    one = 1 + 0 * p1
-    a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
-    u0, u1, u2 = bracket(b0, b1, one, r0, r1, r2)
-    v0, v1, v2 = bracket(r0, r1, r2, a0, a1, one)
-    w0, w1, w2 = bracket(a0, a1, one, b0, b1, one)
-    # Δ is the determinant of the coefficients; W and those of R complete it
-    determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
-    # the discriminants are resultants: no difference of near numbers but those of the ends
-    x1, x2 = between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
-    if u2 == 0:
-        # R is constant, and ∞ a root of U and V
-        y1, z1 = -u0 / u1, -v0 / v1
-        factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
-        return (z1, x1, x2, y1), (one, 0 * one, 0 * one), (one, one, one, one), factor
-    y1, y2 = between(u0, u1, u2, root(abs(values[2] * values[3])))
-    z1, z2 = between(v0, v1, v2, root(abs(values[0] * values[1])))
-    ends = (z1, x1, x2, y1)
-    at_ends = (
-        (y2 - z1) * (z2 - z1),
-        (y2 - x1) * (z2 - x1),
-        (y2 - x2) * (z2 - x2),
-        (y2 - y1) * (z2 - y1),
-    )
-    return ends, (y2 * z2, -y2 - z2, one), at_ends, 2 * root(abs(determinant / (w2 * u2 * v2)))
-
-
-def complete(k: Real, p: Real, a: Real, b: Real, pi: Real, near: float) -> Real:
-    """∫ (a cos²φ + b sin²φ)/((cos²φ + p sin²φ)√(cos²φ + k² sin²φ)) dφ from 0 to π/2, for positive k and p: the general
-    complete elliptic integral (Bulirsch 1969, algorithm cel), to a relative ``near``².
-    """
-    k, p = 1 * k, root(p)
-    b, e, m = b / p, k, 1 + 0 * k
-    for _ in range(100):
-        f, g = a, e / p
-        a, b, p, last, m = a + b / p, 2 * (b + f * g), g + p, m, k + m
-        if abs(last - k) <= near * last:
-            break
-        k = 2 * root(e)
-        e = k * m
-    return pi * (b + a * m) / (2 * m * (m + p))
-
-
-def mean_slowness(ends: Row, d: Real, r: Real, pi: Real, near: float, area: Real) -> Real:
-    """The mean over the torus of 1/√((r − du₁)(r − du₂)), u₁ and u₂ on the two ovals, ``area`` the determinant of
-    their periods.
-
-    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂): the mean is a determinant of complete elliptic integrals
-    ∫x^k dx/((r − dx)√((x − e₁)(x − e₂)(x − e₃)(x − e₄))), e_i the ends, taken with x − e for x, where e lies between
-    the ovals and nothing cancels.
-    """
-    middle = (ends[1] + ends[2]) / 2
-    low0, low1 = slowed((ends[0], ends[1], ends[2], ends[3]), middle, d, r, pi, near)
-    high0, high1 = slowed((ends[2], ends[3], ends[1], ends[0]), middle, d, r, pi, near)
-    return 4 * (high1 * low0 - low1 * high0) / abs(area)
-
-
-def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> tuple[Real, Real]:
-    """∫_a^b (x − middle)^k dx/((r − dx)√|(x − a)(x − b)(x − c)(x − e)|), k = 0 and 1, of the ``ends`` a, b, c, e; c and
-    e are on one side.
-    """
-    a, b, c, e = ends
-    # x = (a cos²φ + b·ratio·sin²φ)/(cos²φ + ratio·sin²φ)
-    ratio = (c - a) / (c - b)
-    k = root(ratio * (e - b) / (e - a))
-    p = ratio * (r - d * b) / (r - d * a)
-    scale = 2 / (root((c - b) * (e - a)) * (r - d * a))
-    return (
-        scale * complete(k, p, 1 + 0 * p, ratio, pi, near),
-        scale * complete(k, p, a - middle, ratio * (b - middle), pi, near),
-    )
-
-
-def bracket(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: Real) -> tuple[Real, Real, Real]:
-    """p'q − pq' of two quadratics, ascending."""
-    return p1 * q0 - p0 * q1, 2 * (p2 * q0 - p0 * q2), p2 * q1 - p1 * q2
-
-
-def between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
-    """The roots of w0 + w1·x + w2·x², ascending, from the root of a quarter of its discriminant."""
-    far = -w1 / 2
-    far = far + spread if far >= 0 else far - spread
-    first, second = far / w2, w0 / far
-    return (first, second) if first <= second else (second, first)
 
 
 def best_chart(

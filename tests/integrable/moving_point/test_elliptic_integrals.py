@@ -6,7 +6,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from integrable.moving_point.elliptic_integrals import carlson_j
+from integrable.moving_point.elliptic_integrals import arctan_over, carlson_j
 
 CONTEXT = mpmath.MPContext()
 CONTEXT.dps = 40
@@ -39,3 +39,10 @@ def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
         assert abs(exact(one) / other - 1) < 8 * np.finfo(kind).eps
     for row, value in zip(zip(x, y, z, p, product, strict=True), found, strict=True):
         assert abs(carlson_j(*row) / value - 1) < 8 * np.finfo(kind).eps
+
+
+def test_what_is_no_number_leaves_its_neighbours_alone() -> None:
+    """The terms of a series are counted for all of an array: beside a NaN there were none."""
+    found = arctan_over(np.array([0.0, 1e-6, np.nan, 1.0]))
+    assert np.isnan(found[2])
+    assert np.abs(found[[0, 1, 3]] - [1.0, np.arctan(1e-3) / 1e-3, np.pi / 4]).max() < 1e-15

@@ -8,6 +8,7 @@ import pytest
 from integrable import ChaplyginBall
 from integrable.classical.veselova import Veselova
 from integrable.motion.precise import BodyCarrier, PreciseFlow
+from integrable.moving_point.elliptic_integrals import complete, oval_periods
 from integrable.moving_point.setup import Setup
 from integrable.oracles.reference import taylor
 from integrable.torus.access import TorusFlow
@@ -17,7 +18,6 @@ from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import ReadableLoops
 from integrable.torus.oval_modes import OvalTorus, modes_of_rate
 from integrable.torus.series import LongSeries
-from integrable.torus.survey import complete, oval_periods
 from jacobian import MP, HyperellipticCurve
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals

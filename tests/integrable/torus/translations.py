@@ -7,9 +7,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.addition import FLOAT_TERMS, near_identity, shift
+from integrable.moving_point.elliptic_integrals import oval_periods
 from integrable.moving_point.translations import series_of
 from integrable.torus.lattice import oval_ends
-from integrable.torus.survey import REACH, oval_periods
+from integrable.torus.survey import REACH
 from jacobian import poly
 from jacobian.periods.matrix import Oval
 
