@@ -17,8 +17,9 @@ from jacobian.numbers.long_reals import BallReals, BareReals
 
 # phases that a long series is summed at together
 TOGETHER = 256
-# multiplications that a product of matrices does in one thread: where there are more of those, they wait in busy loops
-ONE_THREAD = 1 << 15
+# multiplications that a product of matrices does in one thread: where there are more of those, they wait in busy loops;
+# of fewer phases than these at once, large tables are read too often for that
+ONE_THREAD, FEWEST = 1 << 15, 4
 # floats hold no modes below
 TINY = 1e-290
 # the error of a mode in floats, for each turn of it, and the bits that guard sums of many digits
@@ -103,7 +104,9 @@ class TorusSeries:
 
     def _sums(self, first: np.ndarray, second: np.ndarray, *tables: np.ndarray) -> list[np.ndarray]:
         rows, columns = self._swing.shape
-        found, size = np.empty((len(tables), len(first))), max(1, ONE_THREAD // (rows * columns))
+        found, size = np.empty((len(tables), len(first))), ONE_THREAD // (rows * columns)
+        if size < FEWEST:
+            size = max(1, len(first))
         for begin in range(0, len(first), size):
             some = slice(begin, begin + size)
             left = np.exp(2j * pi * np.outer(first[some], np.arange(rows)))
