@@ -46,6 +46,7 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from integrable.moving_point.short_start import at_start, cast_shadow, scaled, set_up
 from integrable.moving_point.short_steps import (
+    contact_in_floats,
     go_ahead,
     looked_at,
     moved,
@@ -237,7 +238,8 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     room.made[3] += 1
     if not careful:
         point = moving_point(room.point)
-        node_values(curve_of(numbers), axes_of(numbers), point, room.nodes, begin, sign < 0, room.values, room.rates)
+        f, axes, r = curve_of(numbers), axes_of(numbers), contact_in_floats(room.wide)
+        node_values(f, axes, r, point, room.nodes, begin, sign < 0, room.values, room.rates)
         tail, before = tails(room, rule, request)
         if tail <= TAIL and stepless(room, rule) <= STEP:
             return 0

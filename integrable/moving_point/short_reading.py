@@ -20,12 +20,14 @@ from jacobian.numbers.abreast import abreast
 
 # steps of Newton below this are the last
 LAST = 1e-9
+# what leaves half the digits of a float
+SPLIT = 2.0**27 + 1
 
 
 def read_off(room: Room, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
     """The states at all times on the panel from ``left`` to left + 2·half, from the ``i``-th on; the next one."""
     clock = request.physical or request.clock
-    full = antiderivative(room, rule, half) if clock else 0.0
+    full, rest = antiderivative(room, rule, half) if clock else (0.0, 0.0)
     end, length = i, full if request.physical else 2.0
     while 0 <= end < len(request.order) and gone_by(room, request, left, half, request.order[end], sign) <= length:
         end += sign
@@ -42,14 +44,24 @@ def read_off(room: Room, rule: Rule, request: Request, left: float, half: float,
                 request.other[at] = sign * (room.sums[0] + (room.sums[1] + half * clenshaw(room.elapsed, x)))
         interpolated(room, rule, x, request.out, 6 * at)
     if clock:
-        more = half * full + room.sums[1]
-        total = room.sums[0] + more
-        room.sums[1] = more - (total - room.sums[0])
-        room.sums[0] = total
+        passed(room.sums, half, full, rest)
     count = len(rule.nodes)
     for e in range(6):
         room.last[e] = room.values[(e + 1) * count - 1 - LOT]
     return end
+
+
+def passed(sums: Row, half: float, full: float, rest: float) -> None:
+    """The time at the left end of the next panel, high and low, into the ``sums``: half·(full + rest) more."""
+    # half a panel has few digits: its product with half of those of a float is exact
+    split = full * SPLIT
+    top = split - (split - full)
+    first, more = half * top, half * ((full - top) + rest) + sums[1]
+    total = sums[0] + first
+    back = total - sums[0]
+    more += (sums[0] - (total - back)) + (first - back)
+    sums[0] = total + more
+    sums[1] = more - (sums[0] - total)
 
 
 def gone_by(room: Room, request: Request, left: float, half: float, at: int, sign: int) -> float:
@@ -60,8 +72,8 @@ def gone_by(room: Room, request: Request, left: float, half: float, at: int, sig
     return ((high - left) + low) / half
 
 
-def antiderivative(room: Room, rule: Rule, half: float) -> float:
-    """The coefficients of 1/g and of its integral from −1 on; that integral over the panel."""
+def antiderivative(room: Room, rule: Rule, half: float) -> tuple[float, float]:
+    """The coefficients of 1/g and of its integral from −1 on; that integral over the panel in two floats."""
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
     # what 1/g differs by from one of its values: of all of it, rounding of the matrix would take the same part always
     base = room.rates[0]
@@ -72,6 +84,8 @@ def antiderivative(room: Room, rule: Rule, half: float) -> float:
         value = room.rates[j] - base
         for k in range(count):
             series[k] += rule.coefficients[j * count + k] * value
+    # of the integral over the panel all but that of this value is small
+    part = series[0]
     series[0] += base
     integral[count], integral[count - 1] = series[count - 1] / (2 * count), series[count - 2] / (2 * (count - 1))
     for k in range(count - 2, 1, -1):
@@ -83,13 +97,14 @@ def antiderivative(room: Room, rule: Rule, half: float) -> float:
             even += integral[k]
         else:
             odd += integral[k]
-    odd += integral[1]
-    integral[0] = odd - even
+    odd += part - series[2] / 2
+    integral[0] = odd + base - even
     # at the centre 1/g is known from wide numbers
     for k in range(2, count, 2):
         middle += -series[k] if k % 4 == 2 else series[k]
     room.sums[2] += (room.point[RATE] - middle) * 2 * half
-    return 2 * odd
+    whole = 2 * base + 2 * odd
+    return whole, 2 * odd - (whole - 2 * base)
 
 
 def place_of(room: Room, target: float, full: float) -> float:

@@ -338,6 +338,13 @@ def contact_of(wide: Row) -> Any:
     return wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
 
 
+def contact_in_floats(wide: Row) -> Any:
+    """The same in floats, and what they are rounded by, which would be the same at all nodes."""
+    r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
+    x, y, z = float(r0), float(r1), float(r2)
+    return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)
+
+
 def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> None:
     """Row ``target`` of ``points`` in floats, with 1/g and how far off H2 is there, into ``point``, at ``place``."""
     there = moving_point(points, 10 * target)
@@ -356,10 +363,15 @@ def wide_values(
     wide: Row, points: Row, origin: int, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
 ) -> None:
     """:func:`node_values` in wide numbers, rounded."""
-    node_values(curve_of(wide), axes_of(wide), moving_point(points, 10 * origin), steps, place, mirrored, values, rates)
+    point = moving_point(points, 10 * origin)
+    (r0, r1, r2), zero = contact_of(wide), 0 * wide[0]
+    r = r0, r1, r2, zero, zero, zero
+    node_values(curve_of(wide), axes_of(wide), r, point, steps, place, mirrored, values, rates)
 
 
-def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
+def node_values(
+    f: Any, axes: Any, r: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
+) -> None:
     """γ, w and 1/g at the nodes about a point, one addition each. ``place`` is where the
     translations begin; ``mirrored``: in the order of descending τ.
     """
@@ -367,8 +379,15 @@ def node_values(f: Any, axes: Any, point: Any, steps: Row, place: int, mirrored:
     for j in abreast(0, count):
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, moving_point(steps, k))
-        rates[j] = float(rate_at(axes, there))
+        rates[j] = float(rate_at(axes, there) * evened(r, there))
         gamma_and_w(there, values, j, count)
+
+
+def evened(r: Any, point: Any) -> Any:
+    """√Σrσ², which is 1 but for what rounding has made all σ larger by; ``r`` and, behind, what it is rounded by."""
+    x, y, z = point[4] * point[4], point[5] * point[5], point[6] * point[6]
+    off = (r[0] * x + r[1] * y + r[2] * z - 1) + (r[3] * x + r[4] * y + r[5] * z)
+    return 1 + off / 2
 
 
 def gamma_and_w(point: Any, values: Row, place: int, stride: int) -> None:

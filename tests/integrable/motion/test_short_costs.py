@@ -1,8 +1,12 @@
-"""What "auto" takes the costs of a torus for."""
+"""What "auto" takes the costs of a torus for, and how far the clock of short runs is right."""
 
 from __future__ import annotations
 
-from integrable.motion.short import FREE, ROLLING, THIN, panels_within, torus_cost
+import numpy as np
+import pytest
+
+from integrable import ChaplyginBall
+from integrable.motion.short import FREE, ROLLING, THIN, ShortRuns, panels_within, torus_cost
 
 
 def test_the_costs_of_a_torus_follow_from_its_clock() -> None:
@@ -16,3 +20,14 @@ def test_a_torus_that_is_cheap_paid_for_or_there_leaves_fewer_panels() -> None:
     assert 0 < fresh[0] < fresh[1] < fresh[2]
     assert panels_within(ROLLING, 1, False, 100) < fresh[1] < panels_within(ROLLING, 100, False, 0)
     assert panels_within(ROLLING, 1, True, 0) < 0
+
+
+@pytest.mark.parametrize(("inertia", "d", "T"), [((1e-4, 1.0, 1.5), 1.0, 100.0), ((1.0, 2.0, 3.0), 0.7, 300.0)])
+def test_the_clock_of_many_panels_has_no_rate_that_rounding_gives_it(inertia, d, T) -> None:
+    """Rounding makes all σ at a node larger by the same part, on thin balls hundreds of roundings: 10⁻¹³ in γ here."""
+    ball = ChaplyginBall(inertia, d)
+    state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+    times = np.linspace(0.9, 1, 20) * T
+    found = ShortRuns(ball, state).at(times)
+    assert found is not None
+    assert abs(found[0][:, :3] - ball.flow(state, kernel="compiled").at(times).gamma).max() < 5e-15
