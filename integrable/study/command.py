@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections import Counter
 from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -98,10 +99,18 @@ def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick
         "mode": "quick" if quick else "full",
         "scenes": list(chosen),
         "versions": contents[0]["versions"],
-        "machine": contents[0]["machine"],
+        "machine": _machine(contents),
         "seconds": sum(content["seconds"] for content in contents),
         "rows": rows,
     }
+
+
+def _machine(contents: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The machine of the rows; where kept rows are another's, the names of all, the first of the most rows."""
+    rows = Counter(tuple(content["machine"].items()) for content in contents)
+    machines = [dict(machine) for machine, _ in rows.most_common()]
+    names = {key: "; ".join(dict.fromkeys(m[key] for m in machines)) for key in ("system", "processor")}
+    return {**machines[0], **names}
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:

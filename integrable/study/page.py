@@ -53,7 +53,7 @@ def page(study: Study) -> str:
 
 
 def introduction(study: Study) -> str:
-    """How it was measured, and on which machine."""
+    """How it was measured, and on which machine, or machines where kept rows are another's."""
     return (
         f"Written by `{study.command}`. Every row is one scene × method × setting, measured in a process of its own; "
         "run times are medians and include set-up, not the compilation that the first use of a machine does once. "

@@ -689,9 +689,13 @@ def test_the_sites_pages_are_made_of_the_report_alone(done, tmp_path):
     spec.loader.exec_module(pages)
     rows, contents, _ = done
     scene = rows[0].scene
-    more = {"status": "done", "error": "", "stopped": False, "seconds": 1.0}
+    theirs = {"system": "Linux", "processor": "a kept row's", "cores": 4}
+    more = {"status": "done", "error": "", "stopped": False, "seconds": 1.0, "machine": theirs}
     every = [contents[row.key] for row in rows] + [horizon(scene, 1, 0.25) | more, horizon(scene, 10, None) | more]
     data = json.loads(json.dumps(report_data(every, [rows[0].source], True)))
+    mine = every[0]["machine"]
+    names = (f"{mine[name]}; {theirs[name]}" for name in ("system", "processor"))
+    assert data["machine"] == mine | dict(zip(("system", "processor"), names, strict=True))
     assert not any("gamma" in row["result"] for row in data["rows"]), "states of truths are left out"
     assert pages.write(tmp_path, data)["top"].floor is not None
     chart = (tmp_path / "measured" / "index.md").read_text(encoding="utf-8")
