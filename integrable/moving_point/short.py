@@ -238,8 +238,8 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     room.made[3] += 1
     if not careful:
         point = moving_point(room.point)
-        f, axes, r = curve_of(numbers), axes_of(numbers), contact_in_floats(room.wide)
-        node_values(f, axes, r, point, room.nodes, begin, sign < 0, room.values, room.rates)
+        motion = curve_of(numbers), axes_of(numbers), contact_in_floats(room.wide)
+        node_values(motion, point, room.nodes, begin, sign < 0, room.values, room.rates)
         tail, before = tails(room, rule, request)
         if tail <= TAIL and stepless(room, rule) <= STEP:
             return 0

@@ -366,16 +366,14 @@ def wide_values(
     point = moving_point(points, 10 * origin)
     (r0, r1, r2), zero = contact_of(wide), 0 * wide[0]
     r = r0, r1, r2, zero, zero, zero
-    node_values(curve_of(wide), axes_of(wide), r, point, steps, place, mirrored, values, rates)
+    node_values((curve_of(wide), axes_of(wide), r), point, steps, place, mirrored, values, rates)
 
 
-def node_values(
-    f: Any, axes: Any, r: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row
-) -> None:
+def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool, values: Row, rates: Row) -> None:
     """γ, w and 1/g at the nodes about a point, one addition each. ``place`` is where the
     translations begin; ``mirrored``: in the order of descending τ.
     """
-    count = len(rates)
+    (f, axes, r), count = motion, len(rates)
     for j in abreast(0, count):
         k = place + 10 * (count - 1 - j if mirrored else j)
         there = carried(f, axes, point, moving_point(steps, k))
