@@ -36,7 +36,7 @@ MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 20
 # multiplications of its tables that take as long as a step and a digit do, and as many as there is room for
-WORK_A_STEP, MOST_WORK = 20, 1 << 28
+WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
 # from this many digits on a first time is found alone, and by how many digits of it
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
@@ -375,7 +375,7 @@ class BodyCarrier(Carrier):
         steps = float(max(map(abs, tau), default=0) / setup.step_length)
         if self._limits.most < inf or steps < TORUS_FROM * setup.digits:
             return None
-        work = min(WORK_A_STEP * setup.digits * steps, MOST_WORK)
+        work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
             self._torus = self._made_torus(work)
         return self._torus
