@@ -8,25 +8,58 @@
 (1, 0)
 """
 
-from jacobian.curve.curve import HyperellipticCurve
-from jacobian.curve.points import AffinePoint, PointAtInfinity
-from jacobian.errors import (
-    ArgumentError,
-    CurveMismatch,
-    FieldError,
-    Infeasible,
-    JacobianError,
-    NotAMultiple,
-    NotASquare,
-    NotOnCurve,
-    NotRepresentable,
-    PrecisionLoss,
-    SingularCurve,
-)
-from jacobian.fields import CC, GF, MP, QQ, RR
-from jacobian.fields.protocol import Field
-from jacobian.group import Jacobian
-from jacobian.law.divisor import Divisor
+from __future__ import annotations
+
+from jacobian.owner import say
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any
+
+    from jacobian.curve.curve import HyperellipticCurve
+    from jacobian.curve.points import AffinePoint, PointAtInfinity
+    from jacobian.errors import (
+        ArgumentError,
+        CurveMismatch,
+        FieldError,
+        Infeasible,
+        JacobianError,
+        NotAMultiple,
+        NotASquare,
+        NotOnCurve,
+        NotRepresentable,
+        PrecisionLoss,
+        SingularCurve,
+    )
+    from jacobian.fields import CC, GF, MP, QQ, RR
+    from jacobian.fields.protocol import Field
+    from jacobian.group import Jacobian
+    from jacobian.law.divisor import Divisor
+
+_HOME = {
+    "AffinePoint": "jacobian.curve.points",
+    "ArgumentError": "jacobian.errors",
+    "CC": "jacobian.fields",
+    "CurveMismatch": "jacobian.errors",
+    "Divisor": "jacobian.law.divisor",
+    "Field": "jacobian.fields.protocol",
+    "FieldError": "jacobian.errors",
+    "GF": "jacobian.fields",
+    "HyperellipticCurve": "jacobian.curve.curve",
+    "Infeasible": "jacobian.errors",
+    "Jacobian": "jacobian.group",
+    "JacobianError": "jacobian.errors",
+    "MP": "jacobian.fields",
+    "NotAMultiple": "jacobian.errors",
+    "NotASquare": "jacobian.errors",
+    "NotOnCurve": "jacobian.errors",
+    "NotRepresentable": "jacobian.errors",
+    "PointAtInfinity": "jacobian.curve.points",
+    "PrecisionLoss": "jacobian.errors",
+    "QQ": "jacobian.fields",
+    "RR": "jacobian.fields",
+    "SingularCurve": "jacobian.errors",
+}
 
 __all__ = [
     "CC",
@@ -52,3 +85,27 @@ __all__ = [
     "PrecisionLoss",
     "SingularCurve",
 ]
+
+
+__distribution__ = "jacobian-integrable"
+say()
+
+if not TYPE_CHECKING:
+    # type checkers do not see this, or they would accept any misspelt name
+
+    def __getattr__(name: str) -> Any:
+        # names are imported on first use, so that a command answers Ctrl-C before anything else is imported
+        from importlib import import_module
+        from importlib.util import find_spec
+
+        if name in _HOME:
+            found = getattr(import_module(_HOME[name]), name)
+            globals()[name] = found
+            return found
+        if name.startswith("_") or find_spec(f"jacobian.{name}") is None:
+            raise AttributeError(f"module 'jacobian' has no attribute {name!r}")
+        return import_module(f"jacobian.{name}")
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *_HOME])

@@ -1,7 +1,8 @@
 """Compiles every kernel beforehand, into numba's cache on disk: ``python -m jacobian compile``.
 
-numba keeps what it compiles in ``__pycache__`` beside the source, or in the directory that NUMBA_CACHE_DIR names, for
-this version of the code, of numba and of Python and for this processor. What is not there is compiled at its first use.
+numba keeps compiled code in ``__pycache__`` beside the source, or in the directory named by NUMBA_CACHE_DIR, for this
+version of the code, of numba and of Python and for this processor. A kernel that is not there is compiled at its first
+use.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ from time import perf_counter
 
 from jacobian.batch import DivisorArray
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.fields import CC, GF, RR
+from jacobian.fields import CC, GF, QQ, RR
 
 QUINTIC, SEXTIC, SEPTIC = [1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 1], [1, 1, 0, 0, 0, 0, 0, 1]
 # h in characteristic 2, by the degree of f
@@ -85,6 +86,11 @@ def order_curves() -> dict[str, HyperellipticCurve]:
     return {"GF(p), p > 2^20": HyperellipticCurve(GF(1_048_583), QUINTIC)}
 
 
+def rational_curves() -> dict[str, HyperellipticCurve]:
+    """A curve over QQ, all primes of which take the same kernels."""
+    return {"QQ": HyperellipticCurve(QQ, QUINTIC)}
+
+
 def single(C: HyperellipticCurve) -> None:
     """Compiles the kernels of single classes on C, or finds them in the cache."""
     J = C.jacobian()
@@ -107,6 +113,11 @@ def order(C: HyperellipticCurve) -> None:
     C.cartier_manin()
 
 
+def all_primes(C: HyperellipticCurve) -> None:
+    """The same for L-polynomials at all primes."""
+    C.l_polynomials(100)
+
+
 def compile_all() -> Iterator[tuple[str, float]]:
     """Compiles the kernels one after the other: (name, seconds) each, tenths of a second for what the cache has."""
     families = (
@@ -116,6 +127,7 @@ def compile_all() -> Iterator[tuple[str, float]]:
         ("arrays", batch, two_word_curves),
         ("arrays", batch, float_curves),
         ("orders", order, order_curves),
+        ("all primes", all_primes, rational_curves),
     )
     for family, action, curves in families:
         for name, C in curves().items():

@@ -1,11 +1,12 @@
-"""Named errors of the divisor engine.
+"""Named errors of both packages.
 
-Misuse (a wrong argument) is a :class:`ValueError`; what the mathematics itself refuses has a name of
-its own below, so that a caller can tell a typing mistake from a divisor that does not exist.
+Misuse (a wrong argument) is a :class:`ValueError`. What does not exist mathematically has its own error below, so that
+a caller can tell a mistyped argument from a divisor that does not exist.
 """
 
 from __future__ import annotations
 
+from fractions import Fraction
 from itertools import islice
 from numbers import Real
 from operator import index
@@ -16,6 +17,8 @@ NO_SEQUENCES = (str, bytes, bytearray, memoryview, dict, set, frozenset)
 """What iterates over something else than the entries of a sequence."""
 SHOWN = 200
 """Characters of a value that a message shows."""
+ENDS = 8
+"""Digits of both ends that are shown of an int of more than SHOWN digits."""
 MOST_ENTRIES = 10_000_000
 """More of them come from a generator without an end; numpy arrays may be longer."""
 
@@ -25,7 +28,7 @@ class JacobianError(ValueError):
 
 
 class ArgumentError(JacobianError):
-    """An argument is wrong; the message names it, gives its value and says what would be right."""
+    """An argument is wrong; the message names it, gives its value and says what is accepted."""
 
 
 class FieldError(ArgumentError):
@@ -33,7 +36,7 @@ class FieldError(ArgumentError):
 
 
 class NotASquare(JacobianError):
-    """A square root was asked for that the field does not contain."""
+    """The field does not contain the requested square root."""
 
 
 class SingularCurve(ArgumentError):
@@ -49,7 +52,7 @@ class NotOnCurve(ArgumentError):
 
 
 class NotRepresentable(JacobianError):
-    """The class exists, but not in the representation that was asked for."""
+    """The class exists, but not in the requested representation."""
 
 
 class PrecisionLoss(JacobianError, ArithmeticError):
@@ -61,12 +64,12 @@ class Infeasible(JacobianError):
 
 
 class NotAMultiple(JacobianError):
-    """A discrete logarithm was asked for that does not exist: the target is not in the group of the base."""
+    """The requested discrete logarithm does not exist: the target is not in the group of the base."""
 
 
 def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -> list[Any]:
     """The entries of a sequence, or an ArgumentError that names ``argument`` and says what is ``wanted``. Sets and
-    dictionaries are none; a table of pandas, which iterates over its labels, has the entries of its array.
+    dictionaries are refused; a pandas table, which iterates over its labels, gives the entries of its array.
     """
     if isinstance(values, NO_SEQUENCES):
         raise ArgumentError(f"{argument} = {shown(values)}: {wanted} is needed")
@@ -80,7 +83,7 @@ def entries(values: Any, argument: str, wanted: str = "a sequence of numbers") -
 
 
 def _unmasked(values: Any) -> Any:
-    """``values``, as an array what has dimensions and is none; ValueError where entries are masked."""
+    """``values``, as an array if it has dimensions; ValueError where entries are masked."""
     import numpy as np
 
     if np.ma.is_masked(values):
@@ -111,7 +114,7 @@ def whole(
 
 
 def flag(value: Any, argument: str) -> bool:
-    """``value``, which is True or False (numpy's too), or an ArgumentError that names ``argument``."""
+    """``value``, if it is True or False (numpy's too), or an ArgumentError that names ``argument``."""
     if value is True or value is False:
         return bool(value)
     if type(value).__module__ == "numpy" and type(value).__name__ in ("bool", "bool_"):
@@ -130,18 +133,18 @@ def floats(values: Any, argument: str, wanted: str) -> Any:
 
 
 def several(which: Any) -> bool:
-    """Whether ``which`` chooses some of many things (:func:`chosen`), and not one."""
+    """Whether ``which`` selects several items (:func:`chosen`), and not one."""
     import numpy as np
 
     try:
         return isinstance(which, slice) or np.ndim(which) > 0
     except ValueError:
-        # lists of several lengths
+        # lists of different lengths
         return True
 
 
 def chosen(which: Any, count: int) -> Any:
-    """What chooses some of ``count`` things: a slice, or an array of numbers or truth values."""
+    """A selection from ``count`` items: a slice, or an array of numbers or truth values."""
     if isinstance(which, slice):
         return which
     import numpy as np
@@ -157,13 +160,13 @@ def chosen(which: Any, count: int) -> Any:
         raise ArgumentError(f"[{shown(which)}]: {wanted}")
     fits = len(found) == count if found.dtype == bool else -count <= found.min() and found.max() < count
     if not fits:
-        raise ArgumentError(f"[{shown(which)}]: there are {count}")
+        raise ArgumentError(f"[{shown(which)}]: there are {shown(count)}")
     return found
 
 
 def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) -> Choice:
-    """The number or string among ``choices`` that ``value`` equals, or an ArgumentError that names ``argument`` and
-    says what is ``wanted``.
+    """The element of ``choices`` that equals ``value``, or an ArgumentError that names ``argument`` and says what is
+    ``wanted``.
     """
     if isinstance(value, (str, Real)):
         for choice in choices:
@@ -173,18 +176,64 @@ def one_of(value: Any, argument: str, choices: tuple[Choice, ...], wanted: str) 
 
 
 def shown(value: Any) -> str:
-    """``repr(value)`` for a message: on one line, cut where it is long, and without the errors that a repr may have."""
+    """``repr(value)`` for a message: on one line, shortened, and safe where the repr raises."""
     if isinstance(value, int) and value.bit_length() > 4 * SHOWN:
         return f"an int of {value.bit_length()} bits"
     try:
         text = repr(value)
+    except ValueError:
+        # Python refuses to write ints of more than 4300 digits, and the value contains one
+        text = _by_parts(value)
     except Exception:
         return f"<{type(value).__name__}>"
+    if isinstance(value, Fraction) and len(text) > SHOWN:
+        return written(value)
     if "\n" in text:
         text = " ".join(text.split())
     return shortened(text)
 
 
+def _by_parts(value: Any) -> str:
+    try:
+        if isinstance(value, Fraction):
+            return written(value)
+        if type(value).__name__ == "ndarray":
+            return f"array({shown(value.tolist())})"
+        if type(value) in (list, tuple):
+            ends = "[]" if type(value) is list else "()"
+            return ends[0] + ", ".join(map(shown, value[:SHOWN])) + ends[1]
+    except RecursionError:
+        pass
+    return f"<{type(value).__name__}>"
+
+
 def shortened(text: str) -> str:
-    """A text that a user wrote, cut where it is long."""
+    """A user's text, cut where it is long."""
     return text if len(text) <= SHOWN else f"{text[: SHOWN - 20]}… ({len(text)} characters)"
+
+
+def written(number: Any) -> str:
+    """``str(number)`` for an element of a field. A numerator or denominator of more than 200 digits shows both ends and
+    their number: 31415926…46095505[300 digits].
+    """
+    if type(number) is Fraction and number.denominator != 1:
+        return f"{_digits(number.numerator)}/{_digits(number.denominator)}"
+    return _digits(int(number)) if type(number) in (int, Fraction) else str(number)
+
+
+def _digits(n: int) -> str:
+    # log₂ 10 = 3.32…
+    if n.bit_length() < 3.3 * SHOWN:
+        return str(n)
+    from gmpy2 import mpz
+
+    size = mpz(abs(n))
+    # its number of digits, or one more
+    count = size.num_digits(10)
+    head = size // mpz(10) ** (count - ENDS)
+    if head < 10 ** (ENDS - 1):
+        count -= 1
+        head = size // mpz(10) ** (count - ENDS)
+    if count <= SHOWN:
+        return str(n)
+    return f"{'-' if n < 0 else ''}{head}…{size % 10**ENDS:0{ENDS}d}[{count} digits]"

@@ -3,29 +3,45 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from math import inf
 from typing import TYPE_CHECKING, Any, overload
 
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.addition.choice import Kernel, compiled_kernel, explained, kernel
-from jacobian.addition.ladder import multiple
+from jacobian.addition.ladder import by_parts, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.curve.points import Point
-from jacobian.errors import ArgumentError, NotOnCurve, NotRepresentable, PrecisionLoss, shown, whole
+from jacobian.errors import (
+    ArgumentError,
+    Infeasible,
+    NotOnCurve,
+    NotRepresentable,
+    PrecisionLoss,
+    shown,
+    whole,
+    written,
+)
 from jacobian.finite.group import FiniteGroup
 from jacobian.law.divisor import Divisor, is_zero_int
 
 if TYPE_CHECKING:
+    from jacobian.arithmetic.record import LPolynomials
     from jacobian.batch.array import DivisorArray
+
+LONG_OVER_Q, LONG_SCALAR = 20, 4096
+"""Bits of a scalar beyond which the order of the class, over QQ, or of the group is asked for."""
+COUNTED_AT_ONCE = 1 << 20
+"""Classes of a group whose order takes less than so long a multiple."""
 
 
 class Jacobian(FiniteGroup):
     """The group of divisor classes of degree 0 of a hyperelliptic curve; get it from ``HyperellipticCurve.jacobian()``.
 
-    Exact fields add by the choice of :mod:`jacobian.addition.choice`, inexact ones by
+    Exact fields add by the kernel of :mod:`jacobian.addition.choice`, inexact ones by
     :mod:`jacobian.inexact.composition`. A ramified model whose equation has formal degree 2g+2 is added on its
-    ``arithmetic_model``; divisors show the curve's own coordinates throughout. On an inert model of odd genus no
-    divisor can be made (NotRepresentable), but the order is known.
+    ``arithmetic_model``; divisors show the curve's own coordinates throughout. On an inert model of odd genus divisors
+    have no representation (NotRepresentable), but the order is known.
     """
 
     _sum_of: Callable[[cantor.Triple, cantor.Triple], cantor.Triple]
@@ -44,22 +60,22 @@ class Jacobian(FiniteGroup):
             self._adopt(kernel(model, self._adopt))
 
     def _adopt(self, chosen: Kernel) -> None:
-        """Makes a kernel the one that adds here; the first one may name a better one later."""
+        """Makes a kernel the one used here; the first one may name a better one later."""
         for name, function in zip(("_sum_of", "_double", "_multiple"), chosen, strict=True):
             object.__setattr__(self, name, function)
 
     def compile(self) -> None:
-        """Add with compiled code from now on, where there is such code for the field (:mod:`jacobian.addition.choice`).
+        """Add with compiled code from now on, where the field has it (:mod:`jacobian.addition.choice`).
 
-        That happens by itself after some work; this is for who would rather wait now. ``python -m jacobian compile``
-        makes the wait, once and for all, a matter of a second.
+        This happens automatically after some work; call it to wait now instead. After ``python -m jacobian compile``
+        the wait is about a second.
         """
         chosen = compiled_kernel(self._model) if self.field.exact else None
         if chosen is not None:
             self._adopt(chosen)
 
     def explain(self) -> str:
-        """Which kernel adds here now, why, and what may replace it, in words (:mod:`jacobian.addition.choice`)."""
+        """Which kernel adds here now, why, and what may replace it, in words."""
         if not self.field.exact:
             return f"the stacked orthogonal system of jacobian.inexact.composition: {self.field.name} rounds"
         return explained(self._model, self._sum_of)
@@ -90,9 +106,9 @@ class Jacobian(FiniteGroup):
         """The class of the Mumford pair (u, v): ascending coefficients or galois.Poly, u monic, u | v² + hv − f.
 
         deg u ≤ g is kept as it is (v is taken modulo u); a semi-reduced pair with deg u > g is reduced. ``n``, the
-        weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int beside deg u > g; the default ⌈(g −
-        deg u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError,
-        NotOnCurve with the remainder, PrecisionLoss where floats do not reach its terms.
+        weight at ∞₊ on a split model, lies in 0 … g − deg u, and may be any int where deg u > g; the default ⌈(g − deg
+        u)/2⌉ shares the weight evenly. On other models it must be None. Raises ArgumentError, FieldError, NotOnCurve
+        with the remainder, PrecisionLoss where its terms exceed the range of floats.
         """
         self._check_representable()
         u = self._check_monic(poly.coerce(self.field, u, "u"))
@@ -116,12 +132,12 @@ class Jacobian(FiniteGroup):
     def from_points(
         self, points: Iterable[Any], *, multiplicities: Iterable[int] | None = None, extension: Any = None
     ) -> Divisor:
-        """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated at
-        will or with ``multiplicities``. ``extension``: a larger finite field that x and y lie in; each point then comes
+        """The class of Σ P_i minus as many points at infinity, for pairs (x, y) and points at infinity, repeated, or
+        with ``multiplicities``. ``extension``: a larger finite field that contains x and y; each point must then come
         with all its conjugates.
 
-        For r points: minus r·∞ on a ramified model; on a split one minus ⌊r/2⌋(∞₊+∞₋), and one more ∞₋ or ∞₊, namely
-        the one that leaves the weight ⌈(g−r)/2⌉ at ∞₊, if r is odd; an inert model takes an even r (else
+        The class of r points is reduced by r·∞ on a ramified model, and by ⌊r/2⌋(∞₊+∞₋) on a split one. If r is odd
+        there, also by the ∞₋ or ∞₊ that leaves the weight ⌈(g−r)/2⌉ at ∞₊. An inert model needs an even r (else
         NotRepresentable).
         """
         self._check_representable()
@@ -151,21 +167,25 @@ class Jacobian(FiniteGroup):
         return self.from_points([P, self.curve.involution(Q)])
 
     @overload
-    def random(self, rng: Any) -> Divisor: ...
+    def random(self, rng: Any = None) -> Divisor: ...
+
+    @overload
+    def random(self, rng: Any = None, *, size: int) -> DivisorArray: ...
 
     @overload
     def random(self, rng: Any, size: int) -> DivisorArray: ...
 
-    def random(self, rng: Any, size: int | None = None) -> Divisor | DivisorArray:
+    def random(self, rng: Any = None, size: int | None = None) -> Divisor | DivisorArray:
         """A random class: uniform in the group over a finite field, Σ of g random points elsewhere.
 
-        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes. ``size``: as many, in a
-        :class:`jacobian.batch.DivisorArray`. A single class is uniform by rejection (:mod:`jacobian.law.sampling`).
-        Those of an array are sums of so many random points that Weil's bound on character sums puts each within 2^-50
-        of the uniform distribution, in total variation (:mod:`jacobian.batch.random_rows`); over fields without
-        compiled batches, and where the curve has too few points for that, single classes.
+        ``rng``: a numpy Generator or a random.Random; equal seeds give equal classes, and without one every call
+        differs. ``size``: return that many, as a :class:`jacobian.batch.DivisorArray`.
         """
         self._check_representable()
+        if rng is None:
+            from random import Random
+
+            rng = Random()  # seeded by the operating system
         if size is not None:
             from jacobian.batch.array import DivisorArray
 
@@ -181,6 +201,20 @@ class Jacobian(FiniteGroup):
 
         return all_divisors(self)
 
+    # --- over QQ, at all primes
+
+    def l_polynomials(self, bound: int, file: Any = None, progress: bool = False) -> LPolynomials:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.l_polynomials`."""
+        from jacobian.arithmetic.l_polynomials import with_progress
+
+        return with_progress(self.curve, bound, file, progress)
+
+    def hasse_witt_matrices(self, bound: int) -> tuple[Any, Any]:
+        """See :meth:`jacobian.curve.questions.CurveQuestions.hasse_witt_matrices`."""
+        from jacobian.arithmetic.l_polynomials import hasse_witt_matrices
+
+        return hasse_witt_matrices(self.curve, bound)
+
     # --- validation
 
     def _check_representable(self) -> None:
@@ -195,14 +229,16 @@ class Jacobian(FiniteGroup):
         if not u:
             raise ArgumentError("u = 0: a monic polynomial is needed")
         if u[-1] != K.one:
-            raise ArgumentError(f"u = {poly.text(K, u)} is not monic: divide it by its leading coefficient {u[-1]}")
+            raise ArgumentError(
+                f"u = {poly.text(K, u)} is not monic: divide it by its leading coefficient {written(u[-1])}"
+            )
         return u
 
     def _check_weight(self, n: Any, degree: int) -> int | None:
         genus, model = self.curve.genus, self.curve.model
         if model == "inert" and degree % 2:
             raise NotRepresentable(
-                f"u of degree {degree}: on an inert model deg u must be even, its infinity being one place"
+                f"u of degree {shown(degree)}: on an inert model deg u must be even, its infinity being one place"
             )
         if model != "split":
             if n is not None:
@@ -212,7 +248,9 @@ class Jacobian(FiniteGroup):
             return (genus - degree + 1) // 2
         n = whole(n, "n", "the weight at ∞₊ is an int")
         if degree <= genus and not 0 <= n <= genus - degree:
-            raise ArgumentError(f"n = {n}: beside deg u = {degree} the weight at ∞₊ lies in 0 … {genus - degree}")
+            raise ArgumentError(
+                f"n = {shown(n)}: beside deg u = {shown(degree)} the weight at ∞₊ lies in 0 … {shown(genus - degree)}"
+            )
         return n
 
     def _check_on_curve(self, u: poly.Poly, v: poly.Poly) -> None:
@@ -277,7 +315,7 @@ class Jacobian(FiniteGroup):
         if not D or not E:
             return D if D else E
         if self._opposite_to_the_bit(D, E):
-            # as in D − D: no matter of precision
+            # as in D − D, at any precision
             return self.zero()
         from jacobian.inexact import composition
 
@@ -298,10 +336,28 @@ class Jacobian(FiniteGroup):
         if not self.field.exact:
             self._check_multiple(m)
             return multiple(m, D, self.add, self.double, self.negate)
-        return self._out(self._multiple(m, self._in(D)))
+        m = self._remainder(m, D)
+        return self._out(by_parts(m, self._in(D), self._multiple, self._sum_of)) if m else self.zero()
+
+    def _remainder(self, m: int, D: Divisor) -> int:
+        """m > 0 modulo the order of D or of the group, where m is long and an order is cheap."""
+        q, bits = self.field.order, m.bit_length()
+        if q is None and bits > LONG_OVER_Q:
+            order = D.order()
+            if order == inf:
+                raise Infeasible(
+                    f"scalar = {shown(m)}: D is of infinite order, and m·D has numbers of about m² digits over "
+                    f"{self.field.name}; modulo primes (change_ring) they stay short"
+                )
+            return m % int(order)
+        if q is not None and bits > LONG_SCALAR and q**self.curve.genus <= COUNTED_AT_ONCE:
+            return m % self.order()
+        return m
 
     def _check_multiple(self, m: int) -> None:
-        """PrecisionLoss for an m > 0 that leaves less than two fifths of the digits: m·D has m times the error of D."""
+        """PrecisionLoss for an m > 0 that would leave less than two fifths of the digits, since m·D has m times the
+        error of D.
+        """
         K: Any = self.field
         if m > K.eps**-0.6:
             raise PrecisionLoss(

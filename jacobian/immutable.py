@@ -1,7 +1,7 @@
-"""Values that do not change: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
+"""Immutable values: the base of fields, curves, groups, divisors, bodies, systems, steps, motions and results.
 
-Two curves that compare equal today must do so tomorrow, or their divisors would be added by mistake; and what was
-computed once and kept (``functools.cached_property``) must go on belonging to the numbers it was computed from.
+Curves that compare equal must stay equal, or their divisors would be added by mistake. A cached value
+(``functools.cached_property``) must stay valid for the numbers it was computed from.
 """
 
 from __future__ import annotations
@@ -15,15 +15,15 @@ Made = TypeVar("Made", bound=Callable[..., None])
 
 
 class Immutable:
-    """Attributes are set while ``__init__`` runs, and not afterwards: AttributeError. ``_open`` is set meanwhile.
+    """Attributes are set while ``__init__`` runs (``_open`` is set meanwhile); afterwards AttributeError.
 
-    What is computed later and kept goes into ``vars(self)``, where ``cached_property`` puts it too; a class names it in
-    ``_caches``, and gives it a default, if it is no ``cached_property``. Comparison, hash and pickles leave that out:
-    values are equal when they have the same type and the same :meth:`_value`. A copy is the value itself. A class
-    without ``__dict__`` sets its slots by their descriptors.
+    Cached results go into ``vars(self)``, as those of ``cached_property`` do; a class lists others in ``_caches`` and
+    gives them a default. Comparison, hash and pickles leave them out: values are equal when they have the same type and
+    the same :meth:`_value`. A copy is the value itself. A class without ``__dict__`` sets its slots by their
+    descriptors.
     """
 
-    # not in __dict__, which would be slower to read from then on
+    # not in __dict__, which would make later reads slower
     __slots__ = ("_open",)
     _caches: ClassVar[tuple[str, ...]] = ()
 
@@ -41,7 +41,7 @@ class Immutable:
         raise AttributeError(_refusal(self, name, "deleted"))
 
     def _value(self) -> tuple[Any, ...]:
-        """What tells a value from others of its type: by default all its attributes."""
+        """The data that define the value among those of its type: by default all its attributes."""
         return tuple(_without_caches(self).items())
 
     def __eq__(self, other: object) -> bool:
@@ -84,7 +84,9 @@ def _opened(initialize: Callable[..., None]) -> Any:
 
 
 def at_once(initialize: Made) -> Made:
-    """An ``__init__`` that sets no attribute but updates ``vars(self)``: opening and closing would take as long."""
+    """An ``__init__`` that updates ``vars(self)`` instead of setting attributes: opening and closing would take as
+    long.
+    """
     initialize._at_once = True  # type: ignore[attr-defined]
     return initialize
 
@@ -104,7 +106,7 @@ def _without_caches(value: Any) -> dict[str, Any]:
 
 
 def replaced(value: Kind, **changes: Any) -> Kind:
-    """``value`` with other attributes, and without what was computed from the old ones."""
+    """``value`` with other attributes, and without the results cached from the old ones."""
     made: Kind = object.__new__(type(value))
     vars(made).update(_without_caches(value))
     vars(made).update((name, _sealed(x)) for name, x in changes.items())
@@ -119,7 +121,7 @@ def read_only(array: Any) -> Any:
 
 
 class Record(Immutable):
-    """A result that holds arrays: those set as attributes cannot be written to, and compare by what is in them."""
+    """A result that holds arrays: its arrays are read-only, and results compare by their contents."""
 
     def __setattr__(self, name: str, value: Any) -> None:
         super().__setattr__(name, _sealed(value))
@@ -132,7 +134,7 @@ class Record(Immutable):
 
 
 def _sealed(value: Any) -> Any:
-    # numpy is not imported here: a single divisor needs none
+    # numpy is not imported here: a single divisor does not need it
     return read_only(value) if hasattr(value, "flags") and hasattr(value, "view") else value
 
 

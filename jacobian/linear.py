@@ -1,4 +1,4 @@
-"""Small linear systems: over a field, and of numbers that are rounded."""
+"""Small linear systems: over a field, and of rounded numbers."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _without(K: Any, row: list[Any], pivot: list[Any], column: int) -> list[Any]
 
 
 def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> list[Any] | None:
-    """The only solution of a system of as many equations as unknowns, or more; None for none or many."""
+    """The unique solution of a system with at least as many equations as unknowns; None for none or many."""
     unknowns = len(rows[0])
     # a pivot on the right side is an equation 0 = 1
     pivots = sorted(echelon(K, [[*row, x] for row, x in zip(rows, right, strict=True)], unknowns + 1))
@@ -37,7 +37,7 @@ def solution(K: Any, rows: Sequence[Sequence[Any]], right: Sequence[Any]) -> lis
 
 def pivoted(rows: list[list[Any]]) -> list[Any] | None:
     """The x of a square system [matrix | right side] of numbers, by elimination with row exchanges; None where a pivot
-    is zero or not a number. ``rows`` are used up.
+    is zero or not a number. ``rows`` are overwritten.
     """
     size = len(rows)
     for i in range(size):

@@ -1,4 +1,4 @@
-"""How values show themselves in notebooks: a title and a table of two columns, or of more, in plain HTML."""
+"""HTML for notebooks: a title and a table of values."""
 
 from __future__ import annotations
 
@@ -6,26 +6,28 @@ from collections.abc import Iterable, Sequence
 from html import escape
 from typing import Any
 
+from jacobian.errors import written
+
 __all__ = ["named", "table"]
 
-# letters of a number or a polynomial that a cell shows
+# characters of a number or a polynomial in a cell
 MOST = 120
-# rows of a long table that are shown, of the beginning and of the end each
+# rows shown at the beginning and at the end of a long table
 ENDS = 5
 
 
 def named(title: str, facts: Iterable[tuple[str, Any]]) -> str:
-    """A title and below it what it has, name by name."""
+    """A title and a table of name and value."""
     return _page(title, "".join(_row([name, value]) for name, value in facts))
 
 
-def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
-    """A title and a table with a head; of a long one both ends."""
+def table(title: str, heads: Sequence[str], rows: Sequence[Sequence[Any]], ends: int = ENDS) -> str:
+    """A title and a table with a head; one of more than 2·``ends`` rows shows both ends."""
     head = "<tr>" + "".join(f"<th>{escape(x)}</th>" for x in heads) + "</tr>"
-    if len(rows) <= 2 * ENDS:
+    if len(rows) <= 2 * ends:
         return _page(title, head + "".join(map(_row, rows)))
-    gap = f'<tr><td colspan="{len(heads)}">… {len(rows) - 2 * ENDS} more …</td></tr>'
-    return _page(title, head + "".join(map(_row, rows[:ENDS])) + gap + "".join(map(_row, rows[-ENDS:])))
+    gap = f'<tr><td colspan="{len(heads)}">… {len(rows) - 2 * ends} more …</td></tr>'
+    return _page(title, head + "".join(map(_row, rows[:ends])) + gap + "".join(map(_row, rows[-ends:])))
 
 
 def _page(title: str, rows: str) -> str:
@@ -41,5 +43,5 @@ def _text(value: Any) -> str:
         return "(" + ", ".join(map(_text, value)) + ")"
     if isinstance(value, float):
         return f"{value:.10g}"
-    text = str(value)
+    text = written(value)
     return text if len(text) <= MOST else f"{text[:MOST]}…"

@@ -1,10 +1,9 @@
 """Dense univariate polynomials: tuples of raw field elements, ascending, the field first in every call.
 
 Over an exact field a polynomial is trimmed: its last coefficient is not zero, and the zero polynomial is ``()``. Over
-an inexact field nothing is ever trimmed, so that a length is a degree that was agreed on, not one that rounding
-suggested; gcds belong to exact fields only. A field may bring faster versions of the four ring operations as
-``poly_add``, ``poly_sub``, ``poly_mul`` and ``poly_divmod`` (GF(p) does); they return what the plain versions here
-return.
+an inexact field nothing is trimmed, so rounding never changes a degree; gcds exist over exact fields only. A field may
+supply faster versions of the four ring operations as ``poly_add``, ``poly_sub``, ``poly_mul`` and ``poly_divmod``
+(GF(p) does), with the same results.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from jacobian.errors import FieldError, entries, shown
+from jacobian.errors import FieldError, entries, shown, written
 
 Poly = tuple[Any, ...]
 
@@ -21,7 +20,7 @@ def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool 
     """The polynomial of ascending coefficients, or of a polynomial of galois, python-flint or PARI; FieldError names
     ``argument``.
 
-    ``constant`` takes a single number too. Exact zeros at the top are cut off over an exact field only.
+    With ``constant`` a single number is accepted too. Exact zeros at the top are cut off over an exact field only.
     """
     values = _ascending(values)
     if not isinstance(values, (list, tuple)):
@@ -35,13 +34,13 @@ def coerce(K: Any, values: Any, argument: str = "polynomial", *, constant: bool 
 
 
 def _ascending(values: Any) -> Any:
-    """The ascending coefficients of a polynomial of galois (which is descending), python-flint or PARI; what is none of
-    these as it is.
+    """The ascending coefficients of a polynomial of galois (which is descending), python-flint or PARI; anything else
+    unchanged.
     """
     system = type(values).__module__.split(".")[0]
     if system in ("galois", "flint") and hasattr(values, "coeffs"):
         return values.coeffs[::-1] if system == "galois" else values.coeffs()
-    # PARI writes a constant polynomial as a number, which says of itself that it can be iterated
+    # PARI writes a constant polynomial as a number, which claims to be iterable
     pari = system.startswith("cypari") and values.type() in ("t_POL", "t_INT", "t_FRAC", "t_INTMOD")
     return list(values.Vecrev()) if pari else values
 
@@ -138,7 +137,7 @@ def mod(K: Any, a: Poly, b: Poly) -> Poly:
 
 
 def quotient(K: Any, a: Poly, b: Poly) -> Poly:
-    """The quotient of a by b, the remainder dropped: for divisions that are known to be exact."""
+    """The quotient of a by b without the remainder: for exact divisions."""
     return divide(K, a, b)[0]
 
 
@@ -168,7 +167,7 @@ def half_xgcd(K: Any, a: Poly, b: Poly) -> tuple[Poly, Poly]:
         r0, r1 = r1, r
         s0, s1 = s1, sub(K, s0, mul(K, q, s1))
     if r1:
-        # coprime: the last division, by a constant, would only find the remainder 0
+        # coprime: the last division, by a constant, would give the remainder 0
         return (K.one,), scale(K, K.inv(r1[0]), s1)
     lead = r0[-1]
     if lead == K.one:
@@ -203,7 +202,7 @@ def resultant(K: Any, a: Poly, b: Poly) -> Any:
 
 
 def integer(K: Any, m: int) -> Any:
-    """The element m·1; ``K.coerce(m)`` is another thing over GF(p^k), where an int stands for an element."""
+    """The element m·1; ``K.coerce(m)`` differs over GF(p^k), where an int stands for an element."""
     return K.coerce(m % K.characteristic if K.characteristic else m)
 
 
@@ -271,14 +270,14 @@ def power_mod(K: Any, a: Poly, exponent: int, m: Poly) -> Poly:
 
 
 def text(K: Any, a: Sequence[Any], variable: str = "x") -> str:
-    """a as a formula, the highest power first."""
+    """a as a formula, the highest power first; long numbers show their ends (:func:`jacobian.errors.written`)."""
     terms = []
     for i in range(len(a) - 1, -1, -1):
         c = a[i]
         if c == K.zero:
             continue
         power = "" if i == 0 else variable if i == 1 else f"{variable}^{i}"
-        coefficient = str(c)
+        coefficient = written(c)
         if power and c == K.one:
             coefficient = ""
         elif power and coefficient[0] != "(" and any(sign in coefficient[1:] for sign in "+-/j"):

@@ -1,7 +1,7 @@
-"""What a command writes to its terminal: letters that the terminal has no code for are written with those it has.
+"""Output to a terminal: characters without a code there are replaced.
 
-Greek letters and mathematical signs are part of the output; a terminal, or a file that output is sent to, may know
-ASCII or cp1252 alone (Windows, LC_ALL=C). Files that the commands make themselves are UTF-8 wherever they are made.
+Greek letters and mathematical signs are part of the output, but a terminal or a redirected file may know ASCII or
+cp1252 only (Windows, LC_ALL=C). Files that the commands write themselves are always UTF-8.
 """
 
 from __future__ import annotations
@@ -40,10 +40,10 @@ _PLAIN = {
 
 
 def write_anything() -> None:
-    """Let this process print every text, whatever the encoding of its output: a command calls it first."""
+    """Let this process print every text, whatever the encoding of its output; a command calls it first."""
     codecs.register_error("jacobian.plain", _plain)
     for stream in (sys.stdout, sys.stderr):
-        # errors that somebody chose (PYTHONIOENCODING=ascii:replace) stay
+        # an error handler that the user chose (PYTHONIOENCODING=ascii:replace) stays
         if getattr(stream, "errors", None) in ("strict", "surrogateescape", "backslashreplace"):
             _reconfigure(stream)
 
@@ -60,7 +60,7 @@ def _plain(error: UnicodeError) -> tuple[str, int]:
 
 
 def _letter(letter: str) -> str:
-    """ASCII for a letter: its name in :data:`_PLAIN`, or what is left of it without accents, or a question mark."""
+    """ASCII for a letter: its name in :data:`_PLAIN`, the letter without accents, or a question mark."""
     if letter in _PLAIN:
         return _PLAIN[letter]
     return unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode() or "?"

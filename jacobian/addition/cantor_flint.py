@@ -1,10 +1,10 @@
 """Cantor's composition and reduction on python-flint's polynomials, where it pays.
 
-Triples come and go as raw elements (ints, Fractions); in between the polynomials are those of
+Triples consist of raw elements (ints, Fractions); the polynomials inside are those of
 :mod:`jacobian.fields.flint_polynomials`. With the conversions an addition takes a third of the time of the Python one
-or less, over finite fields and over QQ (``python -m benchmarks single heights``). Where there are explicit formulas, in
-genus 2 over GF(p) and small extensions and in genus 3 over GF(p), they are as fast or faster; and the elements of a
-large field of characteristic 2 cost as much to convert as to multiply: there it is not used.
+or less, over finite fields and over QQ (``python -m benchmarks single heights``). It is not used in two cases. Explicit
+formulas, in genus 2 over GF(p) and small extensions and in genus 3 over GF(p), are as fast or faster. The elements of a
+large field of characteristic 2 cost as much to convert as to multiply.
 
 The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests equate this copy.
 """

@@ -116,7 +116,13 @@ def of_primes(C: HyperellipticCurve) -> Any:
 
 def _with_ladder(C: HyperellipticCurve, sum_of: Addition, double: Doubling) -> Kernel:
     negate = partial(cantor.negate, C)
-    return Kernel(sum_of, double, partial(ladder.multiple, sum_of=sum_of, double=double, negate=negate))
+
+    def doubled(a: cantor.Triple) -> cantor.Triple:
+        ladder.check_growth(C.field, a[0], a[1])
+        return double(a)
+
+    step = double if C.field.characteristic else doubled
+    return Kernel(sum_of, step, partial(ladder.multiple, sum_of=sum_of, double=step, negate=negate))
 
 
 def is_word_sized(C: HyperellipticCurve) -> bool:
@@ -289,7 +295,7 @@ def _compiled(C: HyperellipticCurve) -> str:
 
 def _prospects(ready: int, cold: int) -> str:
     if math.isinf(PROCESS.additions):
-        return "compiled code could not be had in this process: the logger jacobian has said why"
+        return "compiled code failed in this process: the logger jacobian has the reason"
     return (
         f"compiled code after {ready} additions in this process if it is on disk already, else after {cold} "
         f"({round(PROCESS.additions)} so far); J.compile() changes over now"

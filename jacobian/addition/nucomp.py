@@ -1,9 +1,9 @@
 """Composition with built-in reduction for large genus: quadratic time in g, where step-by-step reduction takes cubic.
 
-A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction takes it down by two degrees a step.
-Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w =
-cv₂ + Br vanishes on the composition, and its norm over A·B, with M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁ + v₂ + h) −
-c(f − hv₂ − v₂²)/B)/A, is N = rM₁ + cM₂, of degree about g: the sum, up to one or two reduction steps, is
+A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction lowers it by two degrees a step.
+Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w = cv₂ +
+Br vanishes on the composition. Its norm over A·B, with M₁ = (Br − c(v₁ − v₂))/A and M₂ = (r(v₁ + v₂ + h) − c(f − hv₂ −
+v₂²)/B)/A, is N = rM₁ + cM₂, of degree about g. The sum, up to one or two reduction steps, is
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 

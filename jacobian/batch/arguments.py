@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.errors import ArgumentError, FieldError, shown, whole
+from jacobian.errors import ArgumentError, FieldError, shown, whole, written
 from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
@@ -84,5 +84,8 @@ def weights(J: Jacobian, n: Any, degree: Any) -> Any:
     wrong = np.flatnonzero((n < 0) | (n > g - degree))
     if len(wrong):
         i = wrong[0]
-        raise ArgumentError(f"n[{i}] = {n[i]}: beside deg u = {degree[i]} the weight at ∞₊ lies in 0 … {g - degree[i]}")
+        raise ArgumentError(
+            f"n[{i}] = {written(n[i])}: beside deg u = {written(degree[i])} the weight at ∞₊ lies in 0 … "
+            f"{written(g - degree[i])}"
+        )
     return n

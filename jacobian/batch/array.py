@@ -9,7 +9,7 @@ import numpy as np
 
 from jacobian.addition.choice import has_two_word_rows, is_word_sized
 from jacobian.batch.arguments import MOST_ROWS, check_count, check_group, degrees, elements, weights
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotOnCurve, entries, one_of, shown, whole, written
 from jacobian.fields import CC, RR
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable, read_only
@@ -58,16 +58,17 @@ class DivisorArray(Immutable):
     ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Values do not change; arrays of two curves
     cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
 
-    ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none:
-    ascending coefficients in the curve's own coordinates, ints over GF(p), p < 2^63, and over GF(p^k) of at most 2^16
-    elements, float64 and complex128 over RR and CC in genus 2 (objects elsewhere: Python's ints over a longer GF(p)).
-    ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over an exact field is each.
+    ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none, are
+    ascending coefficients in the curve's own coordinates. They are ints over GF(p), p < 2^63, and over GF(p^k) of at
+    most 2^16 elements, float64 and complex128 over RR and CC in genus 2, else objects (Python's ints over a longer
+    GF(p)). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over an exact field is
+    each.
 
-    Over the fields named the arithmetic is compiled, and large arrays are spread over the processors
-    (:func:`jacobian.batch.set_threads`): in genus 2 by explicit formulas with an inversion for 256 rows, for p of two
-    words (p < 2^128) and GF(2^n), n < 128, too; likewise in genus 3 for f of degree 7 over GF(p), p < 2^128; else by
-    Cantor's algorithm; over RR and CC in genus 2 by the composition of
-    :mod:`jacobian.inexact.composition`, unrolled. Over other fields it is that of the Jacobian, row by row.
+    Over these fields the arithmetic is compiled, and large arrays are spread over the processors
+    (:func:`jacobian.batch.set_threads`). Genus 2 has explicit formulas with an inversion for 256 rows, also for p of
+    two words (p < 2^128) and GF(2^n), n < 128. So has genus 3 for f of degree 7 over GF(p), p < 2^128; other curves use
+    Cantor's algorithm. RR and CC in genus 2 use the composition of :mod:`jacobian.inexact.composition`, unrolled. Over
+    other fields the Jacobian adds row by row.
     """
 
     __slots__ = ("_engine", "_rows", "jacobian")
@@ -205,7 +206,7 @@ class DivisorArray(Immutable):
         if not isinstance(key, slice | list | np.ndarray):
             i = whole(key, "index", f"an int, a slice, a mask of {len(self)} or an array of ints is needed")
             if not -len(self) <= i < len(self):
-                raise IndexError(f"index = {i}: the array has {len(self)} rows")
+                raise IndexError(f"index = {shown(i)}: the array has {len(self)} rows")
             i %= len(self)
             return self._engine.to_divisors(self._engine.take(self._rows, slice(i, i + 1)))[0]
         if not isinstance(key, slice):
@@ -216,7 +217,7 @@ class DivisorArray(Immutable):
                 )
             beyond = np.flatnonzero((key < -len(self)) | (key >= len(self)))
             if key.dtype.kind != "b" and len(beyond):
-                raise IndexError(f"index[{beyond[0]}] = {key[beyond[0]]}: the array has {len(self)} rows")
+                raise IndexError(f"index[{beyond[0]}] = {written(key[beyond[0]])}: the array has {len(self)} rows")
         return self._like(self._engine.take(self._rows, key))
 
     def __repr__(self) -> str:

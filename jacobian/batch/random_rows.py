@@ -1,13 +1,14 @@
 """Uniform random classes by the million: sums of random points.
 
-Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), N such points and m rational ones
-at infinity. For every character χ ≠ 1 of the Jacobian |Σ χ(P)| ≤ (2g − 2)√q + m, the sum taken over the affine points:
+Let P₁ … P_k be independent uniform affine points of a curve of genus g over GF(q), N such points and m rational ones at
+infinity. For every character χ ≠ 1 of the Jacobian |Σ χ(P)| ≤ (2g − 2)√q + m, the sum taken over the affine points:
 with those at infinity it is a coefficient of an L-function without poles, a polynomial of degree 2g − 2 whose roots are
-of size 1/√q (Weil 1948). So the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N, and by Cauchy and
-Parseval the sum is within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski,
-Tibouchi and Voloch 2013, theorem 7). As many points are taken as make this less than 2^-50: four at q = 2^61 in genus
-2, six in genus 3. Where ε is too large, as for q < 9 in genus 2, classes are drawn one by one
-(:mod:`jacobian.law.sampling`), as over other fields.
+of size 1/√q (Weil 1948).
+
+Consequently the mean of χ(P₁ + … + P_k) is at most ε^k, ε = ((2g − 2)√q + m)/N, and by Cauchy and Parseval the sum is
+within ½·√#J·ε^k of the uniform distribution, in total variation (Farashahi, Fouque, Shparlinski, Tibouchi and Voloch
+2013, theorem 7). The number of points makes this less than 2^-50: four at q = 2^61 in genus 2, six in genus 3. Where ε
+is too large, as for q < 9 in genus 2, classes are drawn singly (:mod:`jacobian.law.sampling`).
 """
 
 from __future__ import annotations

@@ -15,6 +15,7 @@ from jacobian import poly
 from jacobian.curve import latex
 from jacobian.curve.points import INFINITY, INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
 from jacobian.curve.questions import CurveQuestions
+from jacobian.curve.rational_points import abscissas
 from jacobian.errors import (
     ArgumentError,
     FieldError,
@@ -26,6 +27,7 @@ from jacobian.errors import (
     flag,
     shown,
     whole,
+    written,
 )
 from jacobian.fields.protocol import Field, check_field
 from jacobian.fields.quadratic import quadratic_roots
@@ -34,25 +36,26 @@ from jacobian.inexact.dense import absolute, value_at
 
 if TYPE_CHECKING:
     from jacobian.group import Jacobian
+    from jacobian.page.lines import Page
 
-MOST_BOUND = 1000
+MOST_BOUND = 10_000
+"""Of numerators and denominators: 10^8 x are sieved in half a second."""
 
 
 class HyperellipticCurve(CurveQuestions):
     """The smooth projective curve y² + h(x)y = f(x) of genus g ≥ 1 over the field K.
 
     ``f``, ``h``: ascending coefficients or a galois.Poly, h also a number; max(deg f, 2 deg h) is 2g+1 or 2g+2 and f
-    need not be monic.
-    ``infinity_plus`` (split models): the value of y/x^(g+1) at the point to be called ∞₊; by default the smaller int
-    over a finite field and the larger number elsewhere (by real, then imaginary part over CC).
+    need not be monic. ``infinity_plus`` (split models): the value of y/x^(g+1) at the point to be called ∞₊; by default
+    the smaller int over a finite field and the larger number elsewhere (by real, then imaginary part over CC).
 
     ``genus``, ``f``, ``h`` (coefficient tuples, trimmed), ``field``; ``model`` is "ramified", "split" or "inert";
     ``infinity_plus`` and ``infinity_minus`` are the values of y/x^(g+1) there (equal on a ramified model, None on an
     inert one).
 
     Raises SingularCurve for a singular equation, decided exactly over exact fields. Over RR, CC and MP(dps) affine
-    smoothness is not decided: a curve close to a singular one is a legitimate curve there, and a double root of a float
-    polynomial is not a fact; only the model at infinity is, against the scale of its coefficients.
+    smoothness is not decided: rounding cannot distinguish a curve from a singular one nearby. Only the model at
+    infinity is, relative to the size of its coefficients.
     """
 
     def __init__(self, K: Any, f: Any, h: Any = (), infinity_plus: Any = None) -> None:
@@ -110,8 +113,9 @@ class HyperellipticCurve(CurveQuestions):
         scale = None if K.exact else abs(linear) + abs(product)
         if K.is_zero(K.sub(linear, product), scale):
             raise SingularCurve(
-                f"{self!r} is singular at infinity: y/x^{g + 1} has the double value {z} there, and "
-                f"y → y + {z}·x^{g + 1} lowers the degree of the equation: write the curve with that substitution"
+                f"{self!r} is singular at infinity: y/x^{g + 1} has the double value {written(z)} there, and "
+                f"y → y + {written(z)}·x^{g + 1} lowers the degree of the equation: write the curve with that "
+                "substitution"
             )
 
     def _check_smooth(self) -> None:
@@ -157,7 +161,7 @@ class HyperellipticCurve(CurveQuestions):
     def principal_parts(self) -> tuple[poly.Poly, poly.Poly]:
         """(V₊, V₋) of a split model: the polynomial parts of y at ∞₊ and at ∞₋, of degree at most g+1.
 
-        They are −h/2 ± the polynomial part of √(h²/4 + f), had coefficient by coefficient so as to hold in
+        They are −h/2 ± the polynomial part of √(h²/4 + f), computed coefficient by coefficient, which also works in
         characteristic 2.
         """
         K, g = self.field, self.genus
@@ -185,6 +189,14 @@ class HyperellipticCurve(CurveQuestions):
 
         return Jacobian(self)
 
+    def summary(self, bound: int = 2**12, height: int = 1000, digits: int = 20) -> Page:
+        """What is known of this curve over QQ, line by line, each proven, computed or conjectural: L-polynomials up to
+        ``bound``, points with x of up to this height (:func:`jacobian.page.lines.summary`).
+        """
+        from jacobian.page.lines import summary
+
+        return summary(self, bound, height, digits)
+
     # --- points
 
     def residual(self, x: Any, y: Any) -> Any:
@@ -195,7 +207,8 @@ class HyperellipticCurve(CurveQuestions):
     def is_on(self, point: Any) -> bool:
         """Whether a pair (x, y) or a PointAtInfinity is on this curve (up to rounding over an inexact field).
 
-        PrecisionLoss where floats do not reach the terms of the equation, as in :meth:`point` and :meth:`lift_x`.
+        PrecisionLoss where the terms of the equation exceed the range of floats, as in :meth:`point` and
+        :meth:`lift_x`.
         """
         if isinstance(point, PointAtInfinity):
             return point in self.points_at_infinity()
@@ -220,7 +233,10 @@ class HyperellipticCurve(CurveQuestions):
         """The point (x, y), or NotOnCurve."""
         x, y = self._coerce_pair((x, y))
         if not self.is_on((x, y)):
-            raise NotOnCurve(f"point = ({x}, {y}) is not on {self!r}: y² + h(x)y − f(x) is {self.residual(x, y)}")
+            raise NotOnCurve(
+                f"point = ({written(x)}, {written(y)}) is not on {self!r}: y² + h(x)y − f(x) is "
+                f"{written(self.residual(x, y))}"
+            )
         return AffinePoint(x, y)
 
     def check_point(self, point: Any) -> Point:
@@ -228,7 +244,8 @@ class HyperellipticCurve(CurveQuestions):
         if isinstance(point, PointAtInfinity):
             if point not in self.points_at_infinity():
                 raise NotOnCurve(
-                    f"point = {point} is not on {self!r}: rational points at infinity {self.points_at_infinity()}"
+                    f"point = {shown(point)} is not on {self!r}: rational points at infinity "
+                    f"{self.points_at_infinity()}"
                 )
             return point
         return self.point(*self._coerce_pair(point))
@@ -260,11 +277,12 @@ class HyperellipticCurve(CurveQuestions):
         if all:
             return points
         if not points:
-            raise NotASquare(f"x = {x}: no point of {self!r} has this x")
+            raise NotASquare(f"x = {written(x)}: no point of {self!r} has this x")
         return points[0]
 
     def points(self, bound: int | None = None) -> Iterator[Point]:
-        """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``.
+        """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``,
+        at most 10,000, found by a sieve over small primes.
 
         Takes time proportional to the order of the field; ArgumentError over RR, CC and MP.
         """
@@ -288,8 +306,8 @@ class HyperellipticCurve(CurveQuestions):
                 "bound = None: over QQ points() needs the largest numerator and denominator of x to try"
             )
         if bound > MOST_BOUND:
-            raise Infeasible(f"bound = {shown(bound)}: up to {MOST_BOUND}, about a million x, they are tried in order")
-        return iter(sorted({K.coerce(f"{a}/{b}") for b in range(1, bound + 1) for a in range(-bound, bound + 1)}))
+            raise Infeasible(f"bound = {shown(bound)}: up to {MOST_BOUND}, some 10^8 x, they are sieved")
+        return iter(sorted(abscissas(self.discriminant, 2 * self.genus + 2, bound)))
 
     def random_point(self, rng: Any) -> AffinePoint:
         """A random affine point, uniform over a finite field. ``rng``: numpy Generator or random.Random.

@@ -1,6 +1,6 @@
 """Curves for other systems: python-flint's polynomials, and texts that PARI and Sage read.
 
-The way back needs nothing here: polynomials and fields, but for GF(p^k), read polynomials and numbers of python-flint
+The way back needs nothing here: polynomials and fields (except GF(p^k)) read polynomials and numbers of python-flint
 and PARI (:mod:`jacobian.poly`, :mod:`jacobian.fields.coercion`).
 """
 
@@ -35,16 +35,16 @@ def _pari_polynomial(K: Any, a: poly.Poly) -> str:
 
 def _pari_element(K: Any, c: Any) -> str:
     if K.order is None:
-        return f"({c})"
+        return f"({_exactly(c)})"
     if K.degree == 1:
         return f"Mod({c}, {K.p})"
     return f"({' + '.join(f'{part}*a^{i}' for i, part in enumerate(K.coefficients(c)))})"
 
 
 def to_sage(K: Any, f: poly.Poly, h: poly.Poly) -> str:
-    """Two lines of Sage that make R, the polynomials over the field, and C, the curve.
+    """Two lines of Sage that make R, the ring of polynomials over the field, and C, the curve.
 
-    They mean the same at Sage's prompt and in a Python program, where ^ is no power and 1/3 is a float.
+    They mean the same at Sage's prompt and in a Python program, where ^ is not a power and 1/3 is a float.
     """
     if _exact(K).order is None:
         field = "QQ"
@@ -58,8 +58,15 @@ def to_sage(K: Any, f: poly.Poly, h: poly.Poly) -> str:
 
 def _sage_element(K: Any, c: Any) -> str:
     if K.order is None and c.denominator > 1:
-        return f"QQ('{c}')"
-    return str(c) if K.order is None or K.degree == 1 else f"R.base_ring()({list(K.coefficients(c))})"
+        return f"QQ('{_exactly(c)}')"
+    return _exactly(c) if K.order is None or K.degree == 1 else f"R.base_ring()({list(K.coefficients(c))})"
+
+
+def _exactly(c: Any) -> str:
+    """All digits of an int or a fraction; Python's str stops at 4300."""
+    from gmpy2 import mpq
+
+    return str(mpq(c))
 
 
 def _exact(K: Any) -> Any:

@@ -1,4 +1,4 @@
-"""Fields, polynomials and curves as LaTeX: what ``latex(…)`` of Sage and notebooks ask values for."""
+"""Fields, polynomials and curves as LaTeX, for ``latex(…)`` of Sage and for notebooks."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from typing import Any
 
 from jacobian import poly
 
+# a long int shows both ends
+_INT = r"\d+(?:…\d+\[\d+ digits\])?"
+
 
 def field(K: Any) -> str:
-    """The sign of a field: 𝐅 with its order, 𝐐, 𝐑, 𝐂; MP(digits) is 𝐑 or 𝐂 too."""
+    """The symbol of a field: 𝐅 with its order, 𝐐, 𝐑, 𝐂; MP(digits) is 𝐑 or 𝐂 too."""
     if K.order is None:
         letter = "Q" if K.exact else "C" if getattr(K, "complex", isinstance(K.one, complex)) else "R"
         return rf"\mathbf{{{letter}}}"
@@ -20,7 +23,8 @@ def field(K: Any) -> str:
 def polynomial(K: Any, a: poly.Poly, variable: str = "x") -> str:
     """A polynomial, the highest power first."""
     written = re.sub(r"\^(\d+)", r"^{\1}", poly.text(K, a, variable)).replace("·", " ").replace("j", "i")
-    written = re.sub(r"(\d+)/(\d+)", r"\\tfrac{\1}{\2}", written)
+    written = re.sub(rf"({_INT})/({_INT})", r"\\tfrac{\1}{\2}", written)
+    written = re.sub(r"…(\d+)\[(\d+) digits\]", r"\\ldots \1_{[\2\\,\\mathrm{digits}]}", written)
     return re.sub(r"e\+?(-?)0*(\d+)", r" \\cdot 10^{\1\2}", written)
 
 

@@ -5,12 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
+from jacobian.errors import shown
+
 
 class AffinePoint(NamedTuple):
     """The point (x, y); equal to the plain pair."""
 
     x: Any
     y: Any
+
+    def __repr__(self) -> str:
+        return f"AffinePoint(x={shown(self.x)}, y={shown(self.y)})"
 
 
 @dataclass(frozen=True)

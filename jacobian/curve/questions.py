@@ -1,7 +1,7 @@
-"""What a curve is asked: its equation over other fields, its twist, its points over finite fields.
+"""Questions about a curve: its equation over other fields, its twist, its points over finite fields.
 
-The base of :class:`jacobian.curve.curve.HyperellipticCurve`. What needs the arithmetic of the Jacobian the Jacobian
-answers (:class:`jacobian.finite.group.FiniteGroup`).
+The base of :class:`jacobian.curve.curve.HyperellipticCurve`. Questions that need the arithmetic of the Jacobian go to
+:class:`jacobian.finite.group.FiniteGroup`.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class CurveQuestions(Immutable):
         """The curve with the same equation over the field K: a reduction of QQ modulo p, a larger finite field or one
         that holds all coefficients, RR, CC or MP(dps).
 
-        ∞₊ goes to ∞₊ where it can. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
+        ∞₊ goes to ∞₊ where possible. FieldError where the coefficients do not lie in K, SingularCurve at a prime of bad
         reduction of this equation (another equation may be good there: :meth:`bad_primes`).
         """
         K = check_field(K, "K")
@@ -69,8 +69,8 @@ class CurveQuestions(Immutable):
         """The quadratic twist by d, isomorphic over K(√d), and over K(root of y² + y + d) in characteristic 2.
 
         For F = h² + 4f and odd or no characteristic y² = d·F, in characteristic 2 y² + hy = f + d·h². By default the
-        first element d of a finite field for which K(√d) is larger; over QQ there is no such choice. ArgumentError for
-        a d that twists nothing.
+        first element d of a finite field for which K(√d) is larger; over QQ there is no default. ArgumentError for a d
+        whose twist is the curve itself.
         """
         K: Any = self.field
         even = K.characteristic == 2
@@ -91,6 +91,23 @@ class CurveQuestions(Immutable):
         K: Any = self.field
         b, c = (K.one, d) if K.characteristic == 2 else (K.zero, d)
         return bool(K.is_zero(d)) or len(quadratic_roots(K, b, c)) > 0
+
+    # --- over QQ, at all primes
+
+    def l_polynomials(self, bound: int, file: Any = None, progress: bool = False) -> Any:
+        """The L-polynomials at all primes p ≤ ``bound`` of good reduction of this equation, a curve over QQ of genus 1,
+        2 or 3, bound ≤ 2^24: :class:`jacobian.arithmetic.record.LPolynomials` (Harvey and Sutherland 2014, 2016).
+
+        ``file``: where the state of a long run is kept; the same call goes on from there. ``progress``: with a bar
+        (tqdm, of the extra app). FieldError over other fields, Infeasible beyond.
+        """
+        return self.jacobian().l_polynomials(bound, file, progress)
+
+    def hasse_witt_matrices(self, bound: int) -> tuple[Any, Any]:
+        """(p, W) for curves over QQ of any genus: primes of good reduction up to the bound, (K,), and W_p modulo p, (K,
+        g, g), with L_p(T) ≡ det(1 − T·W_p) (:func:`jacobian.arithmetic.l_polynomials.hasse_witt_matrices`).
+        """
+        return self.jacobian().hasse_witt_matrices(bound)
 
     # --- for other systems
 
@@ -118,7 +135,8 @@ class CurveQuestions(Immutable):
     def count_points(self, n: int = 1) -> list[int]:
         """The numbers of points over GF(q), GF(q²), … GF(qⁿ), those at infinity included.
 
-        From :meth:`jacobian.finite.group.FiniteGroup.frobenius_polynomial`, whose limits hold (Infeasible beyond).
+        Computed from :meth:`jacobian.finite.group.FiniteGroup.frobenius_polynomial`, with its limits (Infeasible
+        beyond).
         """
         return self.zeta_function().count_points(n)
 
@@ -144,7 +162,8 @@ class CurveQuestions(Immutable):
     def p_rank(self) -> int:
         """The rank over GF(p) of the p-torsion of the Jacobian over the algebraic closure, 0 … g (finite fields).
 
-        In characteristic 2 h tells it, over any field; else the limits of :meth:`cartier_manin` or of counting hold.
+        In characteristic 2 h determines it, over any field; otherwise the limits of :meth:`cartier_manin` or of
+        counting hold.
         """
         return self.jacobian().p_rank()
 

@@ -35,7 +35,7 @@ class ZetaFunction(NamedTuple):
 def power_sums(descending: Sequence[int], count: int) -> list[int]:
     """0 and the sums of the first, second, … count-th powers of the roots of a monic polynomial (Newton's identities).
 
-    ``descending``: its coefficients from 1 down.
+    ``descending``: its coefficients, 1 first.
     """
     size, sums = len(descending) - 1, [0]
     for k in range(1, count + 1):

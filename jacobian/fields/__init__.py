@@ -36,16 +36,17 @@ def GF(p: Any, k: int = 1, modulus: Any = None) -> FiniteField:
         p = check_prime(p)
     base = prime_field(p)
     if k == 1 and modulus is not None:
-        raise ArgumentError(f"modulus = {shown(modulus)}: GF({p}) has none, it belongs to GF(p, k) with k > 1")
+        raise ArgumentError(f"modulus = {shown(modulus)}: GF({shown(p)}) has none, it belongs to GF(p, k) with k > 1")
     return base if k == 1 else _extension(base, k, modulus)
 
 
 def _extension(base: PrimeField, k: int, modulus: Any) -> Any:
     from jacobian.fields import extension
+    from jacobian.fields.irreducible import default_modulus
 
     if modulus is None:
         if (base.p, k) not in _conway:
-            _conway[base.p, k] = extension.default_modulus(base, k)
+            _conway[base.p, k] = default_modulus(base, k)
         modulus = _conway[base.p, k]
     modulus = extension.coerce_modulus(base, k, modulus)
     return extension.extension_fields.get((base.p, modulus)) or _build(base, extension.check_irreducible(base, modulus))

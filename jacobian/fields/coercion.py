@@ -1,10 +1,11 @@
-"""The one rule by which every field takes numbers: what stands for a rational number, exactly.
+"""The rule by which every field reads rational numbers exactly.
 
 :func:`rational` reads ints (numpy's, gmpy2's and flint's too, and truth values as 0 and 1), fractions, Decimals and
-strings: "3", "-1/3", "0.25", "1e3". What it reads is taken by every field alike. Floats it leaves to the inexact
-fields: 0.1 is not 1/10, and an exact field is not told which of the two is meant.
+strings: "3", "-1/3", "0.25", "1e3". Every field accepts what it reads. Only inexact fields accept floats: 0.1 is not
+1/10, and an exact field cannot know which of the two is meant.
 
-:func:`residue` reads residues of python-flint and PARI (cypari), known by their types: neither is imported for that.
+:func:`residue` reads residues of python-flint and PARI (cypari), recognised by their types: neither is imported for
+that.
 """
 
 from __future__ import annotations
@@ -18,14 +19,14 @@ from typing import Any
 
 from jacobian.errors import FieldError, shown
 
-# powers of ten beyond are more likely a slip than a number, and take seconds to write out
+# larger powers of ten are more likely a slip than a number, and take seconds to write out
 LARGEST_EXPONENT = 100_000
 
 _NUMBER = re.compile(r"\s*([-+]?)(\d+)/(\d+)\s*|\s*[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE]([-+]?\d+))?\s*", re.ASCII)
 
 
 def rational(value: Any, argument: str = "value") -> int | Fraction | None:
-    """The rational number that ``value`` stands for, or None; FieldError for one of more digits than are computed."""
+    """The rational number that ``value`` stands for, or None; FieldError for one with too many digits."""
     if isinstance(value, (int, Fraction)):
         return value
     if isinstance(value, str):

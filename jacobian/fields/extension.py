@@ -7,21 +7,16 @@ Neither needs galois: it is imported for the default modulus (its Conway polynom
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Sequence
 from functools import cached_property
-from itertools import count
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import ArgumentError, FieldError, Infeasible, shown
+from jacobian.errors import ArgumentError, FieldError, shown, written
 from jacobian.fields.coercion import rational
 from jacobian.fields.finite import FiniteField
-from jacobian.fields.primality import prime_factors
+from jacobian.fields.irreducible import is_irreducible
 from jacobian.fields.prime import PrimeField
-
-# a search of minutes already
-MOST_DEGREE = 1000
 
 
 class ExtensionField(FiniteField):
@@ -39,7 +34,7 @@ class ExtensionField(FiniteField):
         self.name = f"GF({self.p}^{self.degree}, {poly.text(base, modulus, 'a')})"
 
     def __repr__(self) -> str:
-        return self.name
+        return f"GF({self.p}, {self.degree}, {self.modulus})"
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ExtensionField) and (other.p, other.modulus) == (self.p, self.modulus)
@@ -77,7 +72,7 @@ class ExtensionField(FiniteField):
         if value.ndim:
             return self.coerce(value.tolist(), argument)
         if kind.order != self.p and (kind.order != self.order or galois_modulus(kind) != self.modulus):
-            raise FieldError(f"{argument} = {value} lies in {kind.name}, not in {self.name}")
+            raise FieldError(f"{argument} = {written(value)} lies in {kind.name}, not in {self.name}")
         return int(value)
 
     def element(self, index: int) -> int:
@@ -114,7 +109,9 @@ def coerce_modulus(base: PrimeField, k: int, modulus: Any) -> tuple[int, ...]:
     """``modulus`` as a monic polynomial of degree k over GF(p), or an ArgumentError."""
     m = poly.coerce(base, modulus, "modulus")
     if len(m) != k + 1 or m[-1] != 1:
-        raise ArgumentError(f"modulus = {list(m)}: a monic polynomial of degree k = {k} is needed, ascending")
+        raise ArgumentError(
+            f"modulus = {shown(list(m))}: a monic polynomial of degree k = {shown(k)} is needed, ascending"
+        )
     return m
 
 
@@ -126,19 +123,6 @@ def check_irreducible(base: PrimeField, modulus: tuple[int, ...]) -> tuple[int, 
     return modulus
 
 
-def is_irreducible(K: Any, m: poly.Poly) -> bool:
-    """Whether m is irreducible over the finite field K (Rabin 1980)."""
-    degree = len(m) - 1
-    x = poly.mod(K, (K.zero, K.one), m)
-    needed = {degree // q for q in prime_factors(degree)}
-    power = x
-    for i in range(1, degree + 1):
-        power = poly.power_mod(K, power, K.order, m)
-        if i in needed and len(poly.gcd(K, poly.sub(K, power, x), m)) > 1:
-            return False
-    return power == x
-
-
 extension_fields: dict[tuple[int, tuple[int, ...]], ExtensionField] = {}
 """The fields made so far, by p and modulus."""
 
@@ -147,35 +131,6 @@ def extension_field(kind: type[ExtensionField], base: PrimeField, modulus: tuple
     """The field of that modulus, irreducible over ``base``: the one that was made before, else one of this kind."""
     key = base.p, modulus
     return extension_fields.get(key) or extension_fields.setdefault(key, kind(base, modulus))
-
-
-def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
-    """galois's Conway polynomial, or, where its table has none, the irreducible one that comes first; Infeasible for
-    k > MOST_DEGREE.
-    """
-    if k > MOST_DEGREE:
-        raise Infeasible(
-            f"k = {k}: no irreducible polynomial is looked for beyond degree {MOST_DEGREE}; give a modulus"
-        )
-    # the table ends far below 64 bits, and cannot be asked for more
-    if base.p.bit_length() < 64:
-        import galois
-
-        with suppress(LookupError):
-            return tuple(int(c) for c in galois.conway_poly(base.p, k).coeffs[::-1])
-    return next(m for m in _monic_polynomials(base, k) if is_irreducible(base, m))
-
-
-def _monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
-    # x^k + c is irreducible for some c only where each prime factor of k divides p − 1, and 4 too if it divides k
-    # (Lidl and Niederreiter 1997, theorem 3.75): a long p is not searched for one in vain
-    hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
-    for number in count(1 if hopeful else base.p):
-        digits = []
-        for _ in range(k):
-            number, digit = divmod(number, base.p)
-            digits.append(digit)
-        yield (*digits, 1)
 
 
 def galois_modulus(field: Any) -> tuple[int, ...]:

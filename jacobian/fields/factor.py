@@ -25,7 +25,7 @@ def roots(K: Any, a: Poly) -> list[Any]:
 
 
 def without_root(K: Any, a: Poly, x: Any) -> tuple[int, Poly]:
-    """How often x is a root of a non-zero polynomial, and what is left of that without it."""
+    """The multiplicity of the root x of a non-zero polynomial, and its quotient by that power of x's linear factor."""
     line, multiplicity = (K.neg(x), K.one), 0
     while poly.evaluate(K, a, x) == K.zero:
         a, multiplicity = poly.quotient(K, a, line), multiplicity + 1

@@ -7,7 +7,7 @@ from functools import cached_property
 from random import Random
 from typing import Any, Generic
 
-from jacobian.errors import NotASquare
+from jacobian.errors import NotASquare, written
 from jacobian.fields.protocol import Element
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
@@ -115,7 +115,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
         rest = self.mul(root, start)  # x^odd, an element of the 2-Sylow group; root² = x·rest
         if twos == 1:
             if rest != self.one:
-                raise NotASquare(f"{x} is not a square in {self.name}")
+                raise NotASquare(f"{written(x)} is not a square in {self.name}")
             return root
         return self._finish_tonelli(x, root, rest, twos)
 
@@ -127,7 +127,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
                 square = self.mul(square, square)
                 height += 1
                 if height == twos:
-                    raise NotASquare(f"{x} is not a square in {self.name}")
+                    raise NotASquare(f"{written(x)} is not a square in {self.name}")
             for _ in range(twos - height - 1):
                 generator = self.mul(generator, generator)
             root = self.mul(root, generator)
@@ -162,7 +162,7 @@ class FiniteFieldOf(Immutable, Generic[Element]):
             z = self.add(z, self.mul(partial, theta))
             power = self.mul(power, power)
         if self.add(self.mul(z, z), z) != c:
-            raise NotASquare(f"z² + z = {c} has no solution in {self.name}")
+            raise NotASquare(f"z² + z = {written(c)} has no solution in {self.name}")
         return z
 
     @cached_property

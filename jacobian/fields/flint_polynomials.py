@@ -4,12 +4,12 @@ over GF(p^k), ``fmpq_poly`` over QQ.
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from fractions import Fraction
 from functools import cache, lru_cache
 from typing import Any
 
+from jacobian.fields.irreducible import kept, prime_ring
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.rational import RationalField
 from jacobian.fields.table import TableField
@@ -31,7 +31,7 @@ def conversions(K: Any) -> Conversions:
     if isinstance(K, PrimeField):
         p = K.p
         word = p < 1 << 63
-        into: Any = None if word else _prime_ring(p)
+        into: Any = None if word else prime_ring(p)
         return (
             (lambda a: flint.nmod_poly(list(a), p)) if word else (lambda a: into(list(a) or [0])),
             lambda a: tuple(map(int, a.coeffs())),
@@ -59,24 +59,9 @@ def _extension_conversions(K: Any) -> Conversions:
 
 
 @cache
-def _prime_ring(p: int) -> Any:
-    import flint
-
-    return kept(flint.fmpz_mod_poly_ctx(p))
-
-
-@cache
 def _extension_ring(p: int, modulus: tuple[int, ...]) -> tuple[Any, Any]:
     """The field GF(p)[a]/modulus and its polynomials."""
     import flint
 
-    field = flint.fq_default_ctx(modulus=_prime_ring(p)(list(modulus)), var="a")
+    field = flint.fq_default_ctx(modulus=prime_ring(p)(list(modulus)), var="a")
     return field, kept(flint.fq_default_poly_ctx(field))
-
-
-def kept(ring: Any) -> Any:
-    """A ring that is never freed, nor what it refers to: python-flint (0.9) crashes where a polynomial and its ring are
-    collected together, in a cycle or when Python ends, and the ring first.
-    """
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(ring))
-    return ring

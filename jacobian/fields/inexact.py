@@ -1,4 +1,4 @@
-"""What the inexact fields share: deciding what is zero, and what is rounding, against a scale."""
+"""What the inexact fields share: zero and rounding decided relative to a scale."""
 
 from __future__ import annotations
 
@@ -7,12 +7,14 @@ from collections.abc import Hashable
 from math import inf
 from typing import Any
 
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import PrecisionLoss, written
 from jacobian.immutable import Immutable
 
 
 class InexactField(Immutable):
-    """Base of RR, CC and MP: bare arithmetic operators, and a zero test that admits when it cannot tell."""
+    """Base of RR, CC and MP: bare arithmetic operators, and a zero test that raises PrecisionLoss when it cannot
+    decide.
+    """
 
     name: str
     exact = False
@@ -23,7 +25,7 @@ class InexactField(Immutable):
     def __repr__(self) -> str:
         return self.name
 
-    # the operators themselves: a method around one would cost as much again
+    # the operators themselves: a wrapping method would double the cost
     add: Any = staticmethod(operator.add)
     sub: Any = staticmethod(operator.sub)
     mul: Any = staticmethod(operator.mul)
@@ -36,30 +38,32 @@ class InexactField(Immutable):
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
-        Up to 16·eps·scale it is; from 4096·eps·scale on it is not; between the two PrecisionLoss is raised, and
+        Up to 16·eps·scale it is; from 4096·eps·scale on it is not; between the two PrecisionLoss is raised, as it is
         where the scale is beyond the range of floats. Without a scale only an exact 0 is zero.
         """
         if scale is None:
             return bool(x == 0)
         size, unit = abs(x), self.eps * scale
-        # beside an infinite scale everything is small, an infinite x too
+        # relative to an infinite scale everything is small, even an infinite x
         if unit < inf:
             if size <= 16 * unit:
                 return True
             if size >= 4096 * unit:
                 return False
         raise PrecisionLoss(
-            f"x = {x} beside terms of size scale = {scale}: {self.name} cannot tell it from zero; use more digits"
+            f"x = {written(x)} beside terms of size scale = {written(scale)}: {self.name} cannot tell it from zero; "
+            "use more digits"
         )
 
     def is_rounding(self, x: Any, scale: Any) -> bool:
-        """Whether x is what rounding of given terms of size ``scale`` may leave, up to 10^6·eps·scale; PrecisionLoss
-        where floats do not reach the scale.
+        """Whether x is a possible rounding error of terms of size ``scale``, up to 10^6·eps·scale; PrecisionLoss where
+        the scale is beyond the range of floats.
         """
         if scale < inf:
             return bool(abs(x) <= 1e6 * self.eps * scale)
         raise PrecisionLoss(
-            f"x = {x} beside terms of size scale = {scale}: beyond the range of {self.name}; use MP(digits)"
+            f"x = {written(x)} beside terms of size scale = {written(scale)}: beyond the range of {self.name}; use "
+            "MP(digits)"
         )
 
     def key(self, x: Any) -> Hashable:

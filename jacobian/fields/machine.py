@@ -9,12 +9,12 @@ from collections.abc import Sequence
 from operator import mul
 from typing import Any
 
-from jacobian.errors import FieldError, NotASquare, shown
+from jacobian.errors import FieldError, NotASquare, shown, written
 from jacobian.fields.coercion import is_complex, number
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_float
 
-# what keeps sums of products of floats in their range
+# these scale sums of products of floats into their range
 DOWN = 2.0**-64
 
 
@@ -56,17 +56,17 @@ class RealField(InexactField):
             raise FieldError(f"{argument} = {shown(value)} is not an element of RR: give a real number") from None
 
     def dot(self, xs: Sequence[float], ys: Sequence[float]) -> float:
-        """Σ x_i y_i: rounded products, summed exactly and rounded once; beyond the range of floats an infinity."""
+        """Σ x_i y_i: rounded products, summed exactly and rounded once; an infinity beyond the range of floats."""
         try:
             return math.fsum(map(mul, xs, ys))
         except OverflowError:
-            # of a sum on the way, or at the end
+            # of a partial sum, or of the result
             return math.fsum(x * y * DOWN for x, y in zip(xs, ys, strict=True)) / DOWN
 
     def sqrt(self, x: float) -> float:
         """The non-negative square root, or NotASquare for x < 0."""
         if x < 0:
-            raise NotASquare(f"{x} is negative: no square root in RR")
+            raise NotASquare(f"{written(x)} is negative: no square root in RR")
         return math.sqrt(x)
 
     def exponent(self, x: float) -> int:

@@ -6,12 +6,12 @@ import copyreg
 from collections.abc import Hashable, Sequence
 from typing import Any
 
-from jacobian.errors import FieldError, NotASquare, shown, whole
+from jacobian.errors import FieldError, NotASquare, shown, whole, written
 from jacobian.fields.coercion import is_complex, number, rational
 from jacobian.fields.inexact import InexactField
 from jacobian.fields.randomness import random_below
 
-# a number of so many digits takes half a megabyte
+# a number of this many digits takes half a megabyte
 MOST_DIGITS = 1_000_000
 
 
@@ -39,7 +39,7 @@ class MultiprecisionField(InexactField):
         self._made: Any = from_man_exp
         self._rounded: Any = mpf_pos
         self.zero: Any = self._type(0)
-        # each context has classes of its own, which pickle does not know
+        # each context has its own classes, which pickle cannot import
         copyreg.pickle(self.context.mpf, self._packed)
         copyreg.pickle(self.context.mpc, self._packed)
         self.one: Any = self._type(1)
@@ -61,7 +61,7 @@ class MultiprecisionField(InexactField):
         """The element of a number, as in :meth:`Field.coerce`, rounded once; an mpf or mpc of any context is one."""
         if isinstance(value, self._reals) and not self.complex:
             parts = value._mpf_
-            # what has no mantissa is 0 or not finite
+            # a number without a mantissa is 0 or not finite
             if parts[1]:
                 return self.context.make_mpf(self._rounded(parts, self.context.prec, "n"))
         try:
@@ -91,10 +91,10 @@ class MultiprecisionField(InexactField):
             elif is_complex(value):
                 value = complex(value)
             elif not isinstance(value, float):
-                # numpy's long doubles, which have more digits than a float
+                # numpy's long doubles have more digits than a float
                 top, bottom = value.as_integer_ratio()
                 value = context.mpf(top) / bottom
-        # unary plus rounds what came with more digits to this precision
+        # unary plus rounds to this precision
         return +self._type(value)
 
     def binary(self, mantissa: Any, exponent: int) -> Any:
@@ -109,7 +109,7 @@ class MultiprecisionField(InexactField):
     def sqrt(self, x: Any) -> Any:
         """The non-negative (or principal) square root; NotASquare for a negative real."""
         if not self.complex and x < 0:
-            raise NotASquare(f"{x} is negative: no square root in {self.name}")
+            raise NotASquare(f"{written(x)} is negative: no square root in {self.name}")
         return self.context.sqrt(x)
 
     def exponent(self, x: Any) -> int:
@@ -132,7 +132,7 @@ class MultiprecisionField(InexactField):
         return self.context.ldexp(random_below(rng, 1 << bits), 2 - bits) - 2
 
     def key(self, x: Any) -> Hashable:
-        """The sign, mantissa and exponent: the class of a context of its own can be neither compared nor pickled."""
+        """The sign, mantissa and exponent: the classes of a context cannot be compared or pickled."""
         result: Hashable = x._mpc_ if self.complex else x._mpf_
         return result
 
@@ -142,7 +142,9 @@ class MultiprecisionField(InexactField):
 
 
 def _parts(x: Any) -> Any:
-    """What mpmath has for gmpy2's mpfr, whose own ``_mpf_`` is another zero, also of what is not finite."""
+    """The parts of a gmpy2 mpfr as mpmath has them; mpfr's own ``_mpf_`` writes zero and non-finite numbers
+    differently.
+    """
     from mpmath.libmp import fnan, from_man_exp
 
     if not x.is_finite():
@@ -164,7 +166,7 @@ multiprecision_fields: dict[tuple[int, bool], MultiprecisionField] = {}
 
 
 def multiprecision_field(dps: int, complex: bool) -> MultiprecisionField:
-    """The field of so many digits, the same object each time."""
+    """The field of that many digits, the same object each time."""
     key = dps, complex
     return multiprecision_fields.get(key) or multiprecision_fields.setdefault(key, MultiprecisionField(*key))
 

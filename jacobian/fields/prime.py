@@ -7,7 +7,7 @@ from functools import cached_property
 from operator import mul
 from typing import Any
 
-from jacobian.errors import ArgumentError, FieldError, NotASquare, shown, whole
+from jacobian.errors import ArgumentError, FieldError, NotASquare, shown, whole, written
 from jacobian.fields.coercion import rational, residue
 from jacobian.fields.finite import FiniteField
 from jacobian.fields.primality import is_prime, prime_power
@@ -44,10 +44,10 @@ class PrimeField(FiniteField):
             return value % self.p
         order = getattr(type(value), "order", None)
         if order is not None and hasattr(type(value), "irreducible_poly") and order != self.p:
-            raise FieldError(f"{argument} = {value} lies in {type(value).name}, not in {self.name}")
+            raise FieldError(f"{argument} = {written(value)} lies in {type(value).name}, not in {self.name}")
         found = residue(value)
         if found is not None and found[1] != self.p:
-            raise FieldError(f"{argument} = {value} lies in GF({found[1]}), not in {self.name}")
+            raise FieldError(f"{argument} = {written(value)} lies in GF({found[1]}), not in {self.name}")
         x = rational(value, argument) if found is None else found[0]
         if x is None:
             hint = "give an int, a Fraction or a string like '3/4'"
@@ -86,7 +86,7 @@ class PrimeField(FiniteField):
             return int(super().sqrt(x))
         root = pow(x, (self.p + 1) // 4, self.p)
         if root * root % self.p != x:
-            raise NotASquare(f"{x} is not a square in {self.name}")
+            raise NotASquare(f"{written(x)} is not a square in {self.name}")
         return root
 
     def element(self, index: int) -> int:
@@ -181,12 +181,12 @@ def check_prime(p: Any) -> int:
     if is_prime(p):
         return p
     if p.bit_length() > LONG:
-        # to find its root, or the next prime, takes minutes
+        # finding its root, or the next prime, takes minutes
         raise ArgumentError(f"p = {shown(p)} is not prime: GF(p) needs a prime p")
     power = prime_power(p) if p > 3 else None
     if power:
-        raise ArgumentError(f"p = {p} is not prime but a prime power: write GF({power[0]}, {power[1]})")
+        raise ArgumentError(f"p = {shown(p)} is not prime but a prime power: write GF({power[0]}, {power[1]})")
     following = max(p, 1) + 1
     while not is_prime(following):
         following += 1
-    raise ArgumentError(f"p = {p} is not prime: GF(p) needs a prime p (the next one is {following})")
+    raise ArgumentError(f"p = {shown(p)} is not prime: GF(p) needs a prime p (the next one is {following})")

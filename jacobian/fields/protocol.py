@@ -39,12 +39,12 @@ class Field(Protocol[Element]):
     def coerce(self, value: Any, argument: str = "value") -> Element:
         """The element that ``value`` stands for, or a FieldError that names ``argument``.
 
-        Every field takes what stands for a rational number (:func:`jacobian.fields.coercion.rational`): ints of any
-        kind, fractions, Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes those whose
-        denominator p does not divide. GF(p^k) writes its elements as ints, so it takes whole numbers only, and lists of
-        coefficients. RR, CC and MP round them once, and take floats too, CC and MP(dps, complex=True) complex numbers;
-        exact fields refuse floats, because 0.1 is not 1/10. Arrays without dimensions count as their number. NaN,
-        infinities, bytes, and arrays and sequences are refused.
+        Every field reads rational numbers (:func:`jacobian.fields.coercion.rational`): ints of any kind, fractions,
+        Decimals, and strings such as "3", "-1/3", "0.25" and "1e3". GF(p) takes those whose denominator p does not
+        divide. GF(p^k) writes its elements as ints, so it takes whole numbers only, and lists of coefficients. RR, CC
+        and MP round them once, and read floats too; CC and MP(dps, complex=True) also read complex numbers; exact
+        fields refuse floats, because 0.1 is not 1/10. Arrays without dimensions count as their number. NaN, infinities,
+        bytes, and arrays and sequences are refused.
         """
         ...
 
@@ -67,7 +67,7 @@ class Field(Protocol[Element]):
         ...
 
     def is_zero(self, x: Element, scale: Any = None) -> bool:
-        """Whether x is zero: exactly, or against ``scale`` (the size of the terms that x is a difference of)."""
+        """Whether x is zero: exactly, or relative to ``scale``, the size of the terms of the difference x."""
         ...
 
     def sqrt(self, x: Element) -> Element:

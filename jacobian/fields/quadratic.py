@@ -11,8 +11,9 @@ from jacobian.poly import integer
 def quadratic_roots(K: Any, b: Any, c: Any) -> list[Any]:
     """The solutions y of y² + b·y = c in the field K: none, one (a double root) or two.
 
-    Over an inexact field the discriminant is compared with the size of its terms, and the smaller root is had from the
-    product of the two, so that neither suffers cancellation; PrecisionLoss when the discriminant cannot be told from 0.
+    Over an inexact field the discriminant is compared with the size of its terms, and the smaller root follows from the
+    product of the two, so neither suffers cancellation. PrecisionLoss when rounding decides whether the discriminant is
+    0.
     """
     if K.characteristic == 2:
         return _roots_in_characteristic_two(K, b, c)

@@ -8,7 +8,7 @@ from math import isqrt
 from operator import mul
 from typing import Any
 
-from jacobian.errors import FieldError, NotASquare, shown
+from jacobian.errors import FieldError, NotASquare, shown, written
 from jacobian.fields.coercion import rational
 from jacobian.fields.randomness import random_below
 from jacobian.immutable import Immutable
@@ -39,7 +39,7 @@ class RationalField(Immutable):
     def coerce(self, value: Any, argument: str = "value") -> Fraction:
         """The Fraction of a rational number, as in :meth:`Field.coerce`; FieldError otherwise.
 
-        A float is refused: 0.1 is not 1/10, so the caller has to say which of the two is meant.
+        A float is refused: 0.1 is not 1/10, so the caller must choose.
         """
         if isinstance(value, Fraction):
             return value
@@ -81,7 +81,7 @@ class RationalField(Immutable):
             root = Fraction(isqrt(x.numerator), isqrt(x.denominator))
             if root * root == x:
                 return root
-        raise NotASquare(f"{x} is not the square of a rational number")
+        raise NotASquare(f"{written(x)} is not the square of a rational number")
 
     def random(self, rng: Any) -> Fraction:
         """A fraction of small height: numerator in −20 … 20, denominator in 1 … 6."""

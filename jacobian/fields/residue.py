@@ -39,6 +39,34 @@ class ResidueField(FiniteFieldOf[poly.Poly]):
             raise ZeroDivisionError(f"1/0 in {self.name}")
         return poly.half_xgcd(self.base, self.modulus, x)[1]
 
+    def sqrt(self, x: poly.Poly) -> poly.Poly:
+        """One square root of x, or NotASquare; of degree 1, and of degree 2 in odd characteristic, by roots in K."""
+        K = self.base
+        if len(self.modulus) == 2 and x:
+            return (K.sqrt(x[0]),)
+        if len(self.modulus) == 3 and x and self.characteristic > 2:
+            return self._quadratic_sqrt(*x, *[K.zero] * (2 - len(x)))
+        return super().sqrt(x)
+
+    def _quadratic_sqrt(self, t: Any, s: Any) -> poly.Poly:
+        """√(t + sX) by its norm n and its trace r: y² = ry − n. With X² = −bX − c."""
+        K, (c, b, _) = self.base, self.modulus
+        half = K.inv(poly.integer(K, 2))
+        if s == K.zero:
+            if K.is_square(t):
+                return (K.sqrt(t),)
+            # t and b²/4 − c are no squares, so their quotient is one
+            shift = K.mul(b, half)
+            m = K.sqrt(K.div(t, K.sub(K.mul(shift, shift), c)))
+            return poly.trim(K, (K.mul(m, shift), m))
+        n = K.sqrt(K.add(K.mul(t, K.sub(t, K.mul(b, s))), K.mul(c, K.mul(s, s))))
+        trace = K.sub(K.add(t, t), K.mul(b, s))
+        # trace² − 4n² = s²(b² − 4c) is no square: of trace + 2n and trace − 2n one is
+        if not K.is_square(K.add(trace, K.add(n, n))):
+            n = K.neg(n)
+        inverse = K.inv(K.sqrt(K.add(trace, K.add(n, n))))
+        return poly.trim(K, (K.mul(K.add(t, n), inverse), K.mul(s, inverse)))
+
     def element(self, index: int) -> poly.Poly:
         return polynomial_number(self.base, index)
 

@@ -34,6 +34,15 @@ class TableField(ExtensionField):
         factors = prime_factors(size)
         g = next(g for g in range(2, self.order) if all(slow.power(g, size // q) != 1 for q in factors))
         powers = [1]
+        if self.p == 2:
+            # g·x is linear in x: that of the lower bits and that of the upper ones
+            half = self.degree // 2
+            lower = [slow.mul(g, x) for x in range(1 << half)]
+            upper = [slow.mul(g, x << half) for x in range(1 << self.degree - half)]
+            for _ in range(size - 1):
+                x = powers[-1]
+                powers.append(lower[x & (1 << half) - 1] ^ upper[x >> half])
+            return powers
         for _ in range(size - 1):
             powers.append(slow.mul(powers[-1], g))
         return powers
@@ -46,7 +55,7 @@ class TableField(ExtensionField):
         if not y:
             return x
         exponent = self._log[x]
-        # a negative difference of logarithms indexes the table from its end: the period is its length
+        # a negative difference of logarithms counts from the end of the table, whose length is the period
         zech = self._zech[self._log[y] - exponent]
         return self._exp[exponent + zech] if zech >= 0 else 0
 

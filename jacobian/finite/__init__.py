@@ -1,1 +1,1 @@
-"""What is known of a finite Jacobian: its order, structure, logarithms, pairings, and quick multiples."""
+"""Questions about a finite Jacobian: its order, structure, logarithms, pairings, and fast multiples."""

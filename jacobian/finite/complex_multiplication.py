@@ -1,12 +1,12 @@
 """Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose groups are of known order. Not
-for p of order 3 modulo 7, p ≡ 2 or 4.
+for p ≡ 2 or 4 modulo 7, of order 3.
 
 The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
 element π of it with ππ̄ = p (Weil 1952), and its ideal is that of α₁·…·α_g, the conjugates ζ → ζ^(1/t), t = 1 … g, of a
 generator α of a prime ideal over p (Stickelberger; Shimura and Taniyama 1961). As Z[ζ] is principal and its units of
-absolute value 1 are ±ζ^i, π is one of 2ℓ known elements; α is had by lattice reduction (Buhler and Koblitz 1998).
-Random classes D decide which: the value at 1 of the right characteristic polynomial annihilates each, and a candidate
-whose value does not is none. So what is left alone is proven.
+absolute value 1 are ±ζ^i, π is one of 2ℓ known elements; lattice reduction finds α (Buhler and Koblitz 1998). Random
+classes D decide which: the right characteristic polynomial's value at 1 annihilates each. So a candidate that remains
+alone is proven.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from random import Random
 from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import shown
 from jacobian.fields.prime import PrimeField
 from jacobian.finite.elimination import alone
 
@@ -27,7 +28,9 @@ DEGREES = (5, 7)
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int] | None:
-    """The characteristic polynomial of Frobenius, ascending; None for other curves or p, or where none is decided."""
+    """The characteristic polynomial of Frobenius, ascending; None for other curves or p, or where several candidates
+    remain.
+    """
     K: Any = C.field
     degree = 2 * C.genus + 1
     if type(K) is not PrimeField or degree not in DEGREES or C.h or len(C.f) != degree + 1 or any(C.f[1:-1]):
@@ -69,7 +72,7 @@ def _generator(p: int, degree: int) -> Element:
         found = (*(sum(m * row[j] for m, row in zip(multiples, basis, strict=True)) for j in range(size)), 0)
         if _norm(found) == p:
             return found
-    raise AssertionError(f"no generator of an ideal over {p} beside its reduced basis")
+    raise AssertionError(f"no generator of an ideal over {shown(p)} beside its reduced basis")
 
 
 def _times(a: Element, b: Element) -> Element:

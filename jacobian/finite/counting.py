@@ -1,7 +1,7 @@
 """The number of points of a curve over small fields, and the zeta function from it.
 
-Over GF(q^i) up to 2^20 elements a table of logarithms answers whether h² + 4f (or the trace of f/h²) is a square; over
-a prime field of odd characteristic up to 10^7 elements numpy does, through the norm down to GF(p).
+Up to 2^20 elements of GF(q^i) a table of logarithms tells whether h² + 4f (or the trace of f/h²) is a square. Over
+prime fields of odd characteristic up to 10^7 elements numpy does so, by the norm down to GF(p).
 """
 
 from __future__ import annotations
@@ -11,8 +11,8 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import FieldError, Infeasible
-from jacobian.fields.extension import is_irreducible
+from jacobian.errors import FieldError, Infeasible, shown
+from jacobian.fields.irreducible import is_irreducible
 from jacobian.fields.prime import prime_field
 from jacobian.fields.residue import polynomial_number
 from jacobian.fields.table import TableField
@@ -40,7 +40,7 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
 
 
 def count_points(C: HyperellipticCurve, degree: int = 1) -> int:
-    """#C(GF(q^degree)), points at infinity included; Infeasible beyond the sizes that the module names."""
+    """#C(GF(q^degree)), points at infinity included; Infeasible beyond the sizes named above."""
     K = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: points are counted over finite fields")
@@ -56,7 +56,8 @@ def _check_feasible(C: HyperellipticCurve, degree: int) -> None:
     limit = ARRAY_SIZE if q == C.field.characteristic != 2 else TABLE_SIZE
     if q**degree > limit:
         raise Infeasible(
-            f"{q}^{degree} elements of the field that has to be searched: counting points one by one ends at {limit}"
+            f"{q}^{shown(degree)} elements of the field that has to be searched: counting points one by one ends at "
+            f"{limit}"
         )
 
 
@@ -70,6 +71,8 @@ def irreducible(base: Any, degree: int) -> poly.Poly:
 
 
 def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
+    import numpy as np
+
     K: Any = C.field
     size = degree * (getattr(K, "degree", 1))
     if size == 1:
@@ -80,34 +83,46 @@ def _count_by_tables(C: HyperellipticCurve, degree: int) -> int:
     if L.p == 2:
         return _count_by_trace(L, h, f)
     four = poly.integer(L, 4)
-    discriminant = poly.add(L, poly.mul(L, h, h), poly.scale(L, four, f))
-    total = 0
-    for x in range(L.order):
-        value = poly.evaluate(L, discriminant, x)
-        total += 1 if value == 0 else 0 if L._log[value] % 2 else 2
-    return total
+    value = _values(L, poly.add(L, poly.mul(L, h, h), poly.scale(L, four, f)))
+    odd = np.array(L._log)[value[value != 0]] % 2
+    return L.order + len(odd) - 2 * int(odd.sum())
 
 
 def _count_by_trace(L: TableField, h: poly.Poly, f: poly.Poly) -> int:
+    import numpy as np
+
     mask = sum(1 << i for i in range(L.degree) if L.trace(1 << i))
-    total = 0
-    for x in range(L.order):
-        slope = poly.evaluate(L, h, x)
-        if slope == 0:
-            total += 1
-        else:
-            value = L.div(poly.evaluate(L, f, x), L.mul(slope, slope))
-            total += 0 if (value & mask).bit_count() % 2 else 2
-    return total
+    exp, log = np.array(L._exp), np.array(L._log)
+    slope, value = _values(L, h), _values(L, f)
+    ratio = np.where(value != 0, exp[(log[value] - 2 * log[slope]) % (L.order - 1)], 0)[slope != 0] & mask
+    for shift in (16, 8, 4, 2, 1):
+        ratio ^= ratio >> shift
+    return L.order + len(ratio) - 2 * int((ratio & 1).sum())
+
+
+def _values(L: TableField, a: poly.Poly) -> Any:
+    """a at all elements 0, 1, … of L, an array."""
+    import numpy as np
+
+    exp, log, zech = np.array(L._exp), np.array(L._log), np.array(L._zech)
+    x = np.arange(L.order)
+    value = np.zeros_like(x)
+    for c in reversed(a):
+        value = np.where((value != 0) & (x != 0), exp[log[value] + log], 0)
+        if L.p == 2:
+            value ^= c
+        elif c:
+            # a negative difference of logarithms indexes the table from its end
+            more = zech[log[c] - log[value]]
+            value = np.where(value == 0, c, np.where(more >= 0, exp[log[value] + more], 0))
+    return value
 
 
 def _embed(K: Any, L: TableField, a: poly.Poly) -> poly.Poly:
     """a over the larger field L: the generator of K goes to a root of its modulus."""
     if K is L or getattr(K, "degree", 1) == 1:
         return a
-    step = (L.order - 1) // (K.order - 1)
-    candidates = (L._exp[j * step] for j in range(K.order - 1))
-    root = next(x for x in candidates if poly.evaluate(L, K.modulus, x) == 0)
+    root = int((_values(L, K.modulus) == 0).argmax())
     return tuple(poly.evaluate(L, tuple(K.coefficients(c)), root) for c in a)
 
 

@@ -33,10 +33,10 @@ def discrete_log(
 ) -> int:
     """An m with m·base = target, or NotAMultiple.
 
-    With ``interval`` = (low, high) the m in low … high is searched (by baby steps and giant steps up to a width of
-    2^32, by kangaroos up to 2^48) and no order is needed. Without it m is the least non-negative one, had from a
-    multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default: by Pollard's
-    rho), one prime at a time. Infeasible for a prime factor or an interval above 2^48. ``rng`` moves the kangaroos.
+    With ``interval`` = (low, high) the m in low … high is searched by baby steps and giant steps up to a width of 2^32,
+    by kangaroos up to 2^48; no order is needed. Without it m is the least non-negative one, found one prime at a time
+    from a multiple ``order`` of the order of ``base`` (default #J) and its prime factors ``primes`` (default:
+    computed). Infeasible for a prime factor or an interval above 2^48. ``rng`` seeds the kangaroos.
     """
     if target.jacobian != base.jacobian:
         raise CurveMismatch(f"base and target lie on two curves: {base.jacobian.curve!r} and {target.jacobian.curve!r}")
@@ -44,7 +44,7 @@ def discrete_log(
         return _in_interval(base, target, *_check_interval(interval), rng)
     multiple = base.jacobian.order() if order is None else abs(check_scalar(order, "order"))
     if multiple == 0 or multiple * base:
-        raise ArgumentError(f"order = {order}: a non-zero multiple of the order of base = {base} is needed")
+        raise ArgumentError(f"order = {shown(order)}: a non-zero multiple of the order of base = {base} is needed")
     return pohlig_hellman(base, target, factorization(multiple, primes), rng)
 
 
@@ -54,7 +54,7 @@ def _check_interval(interval: Any) -> tuple[int, int]:
     except Exception:
         raise ArgumentError(f"interval = {shown(interval)}: a pair of ints (low, high) is needed") from None
     if low > high:
-        raise ArgumentError(f"interval = ({low}, {high}) is empty: low ≤ high is needed")
+        raise ArgumentError(f"interval = ({shown(low)}, {shown(high)}) is empty: low ≤ high is needed")
     return low, high
 
 
@@ -92,10 +92,12 @@ def _in_interval(base: Divisor, target: Divisor, low: int, high: int, rng: Any) 
         found = kangaroo(base, target, low, high, rng)
     else:
         raise Infeasible(
-            f"a discrete logarithm in an interval of {high - low + 1}: kangaroos are sent over 2^48 at most"
+            f"a discrete logarithm in an interval of {shown(high - low + 1)}: kangaroos are sent over 2^48 at most"
         )
     if found is None:
-        raise NotAMultiple(f"target = {target} is no multiple m·base with {low} ≤ m ≤ {high}, base = {base}")
+        raise NotAMultiple(
+            f"target = {target} is no multiple m·base with {shown(low)} ≤ m ≤ {shown(high)}, base = {base}"
+        )
     return found
 
 
@@ -106,7 +108,7 @@ def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) ->
     baby = base.jacobian.zero()
     for i in range(step):
         if baby in table:
-            break  # the order of base is i: one round is enough
+            break  # then i is the order of base, and one round is enough
         table[baby] = i
         baby = baby + base
     rest, giant = target - low * base, -step * base
@@ -121,8 +123,8 @@ def baby_step_giant_step(base: Divisor, target: Divisor, low: int, high: int) ->
 def kangaroo(base: Divisor, target: Divisor, low: int, high: int, rng: Any = None) -> int | None:
     """An m in low … high with m·base = target, about 2√(high − low) additions and hardly any memory.
 
-    None when eight pairs of kangaroos have not met, each after twenty times the expected number of jumps: a target
-    outside the interval, but for a chance below 1e-6. Seeded by default.
+    None when eight pairs of kangaroos have not met, each after twenty times the expected number of jumps: the target is
+    then outside the interval, except with a chance below 1e-6. Seeded by default.
     """
     rng = Random(0) if rng is None else rng
     width = high - low + 1

@@ -1,4 +1,4 @@
-"""The characteristic polynomial of Frobenius by the method that is fit."""
+"""The characteristic polynomial of Frobenius by the fastest applicable method."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius on the Jacobian, ascending, of degree 2g.
 
-    Had from GF(p) when all coefficients lie there; by counting points where that is quick
+    Computed over GF(p) when all coefficients lie there; by counting points where that is fast
     (:mod:`jacobian.finite.counting`); for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7, over GF(p) of any size by
     complex multiplication (:mod:`jacobian.finite.complex_multiplication`); else by
     :func:`jacobian.finite.search.search`, whose limits raise Infeasible.

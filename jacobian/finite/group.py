@@ -1,5 +1,5 @@
-"""What a Jacobian is asked as an abelian group: multiples of several divisors and, over a finite field, orders,
-structure, logarithms and pairings. Each method leads to the module that does the work, imported when it is asked for.
+"""A Jacobian as an abelian group: multiples of several divisors and, over a finite field, orders, structure, logarithms
+and pairings. Each method calls the module that does the work, imported on first use.
 """
 
 from __future__ import annotations
@@ -7,24 +7,24 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import CurveMismatch, FieldError
+from jacobian.errors import CurveMismatch, FieldError, shown
 from jacobian.law.divisor import GroupLaw, check_divisor
 
 if TYPE_CHECKING:
-    from jacobian.finite.rational_torsion import RationalTorsion
     from jacobian.finite.scalar import FixedBase
     from jacobian.finite.structure import Structure
     from jacobian.law.divisor import Divisor
+    from jacobian.relatives.rational_torsion import RationalTorsion
 
 
 class FiniteGroup(GroupLaw):
     """Base of :class:`jacobian.group.Jacobian`."""
 
     def _own(self, D: Any, argument: str) -> Divisor:
-        """``D``; ArgumentError for what is no Divisor, CurveMismatch for one of another group."""
+        """``D``; ArgumentError for anything but a Divisor, CurveMismatch for one of another group."""
         own = check_divisor(D, argument)
         if own.jacobian != self:
-            raise CurveMismatch(f"{argument} = {D!r} does not lie in the {self!r}")
+            raise CurveMismatch(f"{argument} = {shown(D)} does not lie in the {self!r}")
         return own
 
     # --- scalars
@@ -52,11 +52,11 @@ class FiniteGroup(GroupLaw):
     def frobenius_polynomial(self) -> list[int]:
         """The characteristic polynomial of Frobenius, ascending: degree 2g, constant term q^g, value #J at 1.
 
-        By counting, or by a search that reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p), and any field
-        of up to 10^22 elements in genus 1, in time O(q^(1/4)); over GF(p) of any size for y² = bx⁵ + a, and bx⁷ + a
-        where p ≢ 2, 4 modulo 7; Infeasible beyond (:mod:`jacobian.finite.frobenius`). Each way proves what it returns.
-        From p = 10^13 on this takes minutes: the logger jacobian.finite.matrix_products says at level INFO how far it
-        is and what is left.
+        By counting, or by a search. The search reaches prime fields up to 2^49 in genus 2 and 3, in time Õ(√p), and any
+        field of up to 10^22 elements in genus 1, in time O(q^(1/4)). Curves y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4
+        modulo 7, are covered over GF(p) of any size. Infeasible beyond (:mod:`jacobian.finite.frobenius`). The result
+        is proven. From p = 10^13 on this takes minutes: the logger jacobian.finite.matrix_products reports progress at
+        level INFO.
         """
         from jacobian.finite.frobenius import frobenius_polynomial
 
@@ -91,7 +91,7 @@ class FiniteGroup(GroupLaw):
         return sum(self.frobenius_polynomial())
 
     def order_bounds(self) -> tuple[int, int]:
-        """The least and the largest #J that Weil's theorem leaves over this field, which may be of any size."""
+        """The least and the largest #J that Weil's theorem allows over this field, of any size."""
         from jacobian.finite.weil import order_bounds
 
         if self.field.order is None:
@@ -108,7 +108,7 @@ class FiniteGroup(GroupLaw):
     def structure(self, primes: Iterable[int] | None = None) -> Structure:
         """The invariant factors d_1 | d_2 | … of the group and independent generators of these orders.
 
-        ``primes``: the prime factors of #J, where they are known (:func:`jacobian.finite.structure.structure`).
+        ``primes``: the prime factors of #J, if known (:func:`jacobian.finite.structure.structure`).
         """
         from jacobian.finite.structure import structure
 
@@ -125,10 +125,11 @@ class FiniteGroup(GroupLaw):
         return torsion(self, m)
 
     def rational_torsion(self, height: int = 100) -> RationalTorsion:
-        """The classes of finite order over QQ: what points of up to this height generate, with a bound from reductions
-        and whether that is all (:func:`jacobian.finite.rational_torsion.rational_torsion`).
+        """The classes of finite order over QQ: in genus 2 all, proven; else what points of up to this height generate,
+        with a bound from reductions and whether that is all
+        (:func:`jacobian.relatives.rational_torsion.rational_torsion`).
         """
-        from jacobian.finite.rational_torsion import rational_torsion
+        from jacobian.relatives.rational_torsion import rational_torsion
 
         return rational_torsion(self, height)
 
@@ -140,15 +141,25 @@ class FiniteGroup(GroupLaw):
 
     # --- logarithms and pairings
 
-    def log(self, base: Divisor, target: Divisor, **options: Any) -> int:
+    def log(
+        self,
+        base: Divisor,
+        target: Divisor,
+        *,
+        order: int | None = None,
+        primes: Iterable[int] | None = None,
+        interval: tuple[int, int] | None = None,
+        rng: Any = None,
+    ) -> int:
         """An m with m·base = target, or NotAMultiple.
 
-        ``interval=(low, high)``: where to search; without it the least m ≥ 0, by Pohlig and Hellman's method, for which
-        ``order`` and ``primes`` may be given (:func:`jacobian.finite.discrete_log.discrete_log`).
+        ``interval=(low, high)``: the range to search; without it the least m ≥ 0, by Pohlig and Hellman's method, which
+        accepts ``order`` and ``primes`` (:func:`jacobian.finite.discrete_log.discrete_log`).
         """
         from jacobian.finite.discrete_log import discrete_log
 
-        return discrete_log(self._own(base, "base"), self._own(target, "target"), **options)
+        own = self._own(base, "base"), self._own(target, "target")
+        return discrete_log(*own, order=order, primes=primes, interval=interval, rng=rng)
 
     def weil_pairing(self, D: Divisor, E: Divisor, m: int) -> Any:
         """e_m(D, E), an m-th root of unity in the field, for m·D = m·E = 0

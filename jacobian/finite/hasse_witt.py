@@ -1,10 +1,10 @@
 """The characteristic polynomial of Frobenius modulo p, from the Cartier–Manin matrix (odd characteristic).
 
-For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). They
-obey a linear recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p.
-The coefficients below p, i = 1, are had from it in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by
-:mod:`jacobian.finite.matrix_products`; those of g translates F(x + a) determine the matrix (Harvey and Sutherland
-2016).
+For y² = F(x) the matrix has the coefficients of x^(ip−j) in F^((p−1)/2), 1 ≤ i, j ≤ g (Manin 1961; Yui 1978). Over
+extension fields and for small p python-flint raises F to that power. For larger p the coefficients obey a linear
+recurrence in the index (Bostan, Gaudry and Schost 2007), which divides by the index and so stops at p. It gives those
+below p, i = 1, in O(g·p) operations, or, over GF(p) from 2^20 on, in Õ(√p) by :mod:`jacobian.finite.matrix_products`;
+those of g translates F(x + a) determine the matrix (Harvey and Sutherland 2016).
 """
 
 from __future__ import annotations
@@ -16,17 +16,19 @@ from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import Infeasible
 from jacobian.fields.factor import roots
+from jacobian.fields.flint_polynomials import conversions
 from jacobian.linear import echelon
 from jacobian.numbers.compiler import interpreted
 
 COMPILED_FROM = 20_000
+"""From which p the recurrence is compiled: there it and the power of F both take a few milliseconds in genus 2."""
 WORD_SAFE = 1 << 29
 """Below, the recurrence runs on machine integers."""
 PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
 """From and to which p products of matrices are taken, up to which degree of F: from about 3·10^5 on they are cheaper,
 but the first compiles for seconds."""
-PLAIN_TO = 10**8
-"""Where the recurrence would take an hour in Python."""
+PLAIN_TO = 10**7
+"""Where the power of F has hundreds of megabytes, and takes ten seconds."""
 
 
 def frobenius_modulo_p(C: HyperellipticCurve) -> list[int] | None:
@@ -58,15 +60,40 @@ def _of_odd_degree(C: HyperellipticCurve) -> HyperellipticCurve:
 
 
 def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
-    """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f; None without g elements F(a) ≠ 0.
-
-    A translation x → x + a takes A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
-    A·(a^p(j−1))_j = B·(first column of the translate's matrix).
+    """The matrix A_ji = coefficient of x^(ip−j) in F^((p−1)/2), F = h² + 4f; None over GF(p) beyond COMPILED_FROM
+    without g elements F(a) ≠ 0.
     """
     K: Any = C.field
     g, p = C.genus, C.field.characteristic
     # y² = h² + 4f is the curve again; the factor of y does not matter to χ
     F = C.discriminant
+    words, products = p < WORD_SAFE, p < PRODUCTS_TO and len(F) <= PRODUCTS_DEGREE + 1
+    if K.order == p > COMPILED_FROM and (words or products) and not interpreted():
+        return _by_translations(K, F, g)
+    if p > PLAIN_TO:
+        raise Infeasible(
+            f"field = {K.name}: the Cartier–Manin matrix is computed up to p = 2^{PRODUCTS_TO.bit_length() - 1} "
+            f"over GF(p), deg F ≤ {PRODUCTS_DEGREE}, where functions are compiled, and up to p = {PLAIN_TO} elsewhere"
+        )
+    into, back = conversions(K)
+    power = into(F) ** ((p - 1) // 2)
+    # over GF(p) a few of many coefficients are converted
+    extended = None if K.order == p else back(power)
+    return [
+        [
+            int(power[k]) if extended is None else extended[k] if k < len(extended) else K.zero
+            for k in range(p - j, g * p, p)
+        ]
+        for j in range(1, g + 1)
+    ]
+
+
+def _by_translations(K: Any, F: poly.Poly, g: int) -> list[list[Any]] | None:
+    """The Cartier–Manin matrix over GF(p) from the first columns of those of g translates.
+
+    A translation x → x + a takes A to B⁻¹·A·B^(p) with the binomial matrix B_jk = C(j−1, k−1)a^(j−k), so that
+    A·(a^p(j−1))_j = B·(first column of the translate's matrix).
+    """
     shifts = _translations(K, F, g)
     if shifts is None:
         return None
@@ -74,8 +101,8 @@ def cartier_manin(C: HyperellipticCurve) -> list[list[Any]] | None:
     for i, a in enumerate(shifts):
         column = _first_column(K, poly.shift(K, F, a), g, i)
         binomial = _binomial_matrix(K, a, g)
-        rows.append([K.power(a, p * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
-    # [V | B] with V·Aᵀ = B, V the matrix of powers, invertible for g different a
+        rows.append([K.power(a, K.order * j) for j in range(g)] + [K.dot(row, column) for row in binomial])
+    # [V | B] with V·Aᵀ = B, V the matrix of powers, invertible for g distinct a
     transposed = (row[g:] for _, row in sorted(echelon(K, rows, g)))
     return [list(row) for row in zip(*transposed, strict=True)]
 
@@ -104,48 +131,25 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
     p = K.characteristic
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]
-    compiled = K.order == p and not interpreted()
-    if compiled and PRODUCTS_FROM < p < PRODUCTS_TO and len(ratios) <= PRODUCTS_DEGREE:
+    if PRODUCTS_FROM < p < PRODUCTS_TO and len(ratios) <= PRODUCTS_DEGREE:
         from jacobian.finite.matrix_products import Products
 
         return Products(p, ratios, (index, g)).last(start, g)
-    if compiled and COMPILED_FROM < p < WORD_SAFE:
-        import numpy as np
+    import numpy as np
 
-        window = np.zeros(max(len(ratios), g), np.int64)
-        window[0] = start
-        weights = [i * (p + 1) // 2 * c % p for i, c in enumerate(ratios, 1)]
-        _library().recurrence_on_words(
-            np.array(ratios, np.int64), p, np.array(weights, np.int64), np.empty(256, np.int64), window
-        )
-        return [int(c) for c in window[:g]]
-    if p > PLAIN_TO:
-        raise Infeasible(
-            f"field = {K.name}: the Cartier–Manin matrix is had up to p = 2^{PRODUCTS_TO.bit_length() - 1} over GF(p), "
-            f"deg F ≤ {PRODUCTS_DEGREE}, where numba compiles, and up to p = {PLAIN_TO} elsewhere"
-        )
-    return _recurrence(K, ratios, start, g)
-
-
-def _recurrence(K: Any, ratios: list[Any], start: Any, g: int) -> list[Any]:
-    """The last g coefficients below x^p of G = F^n, n = (p−1)/2, the last first, ratios f_i/f_0, i ≥ 1.
-
-    F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i).
-    """
-    p = K.characteristic
-    half = (p + 1) // 2
-    window = [K.zero] * len(ratios)
+    window = np.zeros(max(len(ratios), g), np.int64)
     window[0] = start
-    for k in range(1, p):
-        terms = [K.mul(poly.integer(K, half * i - k), c) for i, c in enumerate(ratios, 1)]
-        value = K.mul(K.dot(terms, window), poly.integer(K, pow(k, -1, p)))
-        window = [value, *window[:-1]]
-    return (window + [K.zero] * g)[:g]
+    weights = [i * (p + 1) // 2 * c % p for i, c in enumerate(ratios, 1)]
+    _library().recurrence_on_words(
+        np.array(ratios, np.int64), p, np.array(weights, np.int64), np.empty(256, np.int64), window
+    )
+    return [int(c) for c in window[:g]]
 
 
 def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window: Any) -> None:
-    """:func:`_recurrence` over GF(p) on machine integers: nine products of two residues, p < 2^29, stay below 2^63.
+    """The last coefficients below x^p of G = F^n, n = (p−1)/2, the last first, from the ratios f_i/f_0, i ≥ 1.
 
+    F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below 2^63.
     ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
     f_i/f_0 with each k, and begin with k = 0; ``inverses`` is room for 1/k, so many together (Montgomery 1987).
     """

@@ -1,27 +1,30 @@
-"""Factoring integers: trial division, then Pollard's rho (Pollard 1975; Brent 1980 for the cycle).
-
-Written out here rather than taken from python-flint, so that orders come out alike with and without it. A prime factor
-of up to 12 digits takes about a second; what is not found within the limit is an Infeasible with the cofactor, and
-every function that needs a factorisation lets the caller hand it in.
+"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve where that takes a
+second). Infeasible names the cofactor that resists, and every function that needs a factorisation accepts one from the
+caller.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import gcd, prod
+from math import prod
+from typing import Any
 
-from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole
+from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole, written
 from jacobian.fields.primality import is_prime
 
 TRIAL_LIMIT = 2000
-RHO_STEPS = 1 << 22
-_BATCH = 128
+MOST_COMPOSITE = 176
+"""Bits that the quadratic sieve takes, in a second."""
+SMOOTH, SMOOTH_IF_SHORT, SHORT = (16, 24, 32), (40,), 600
+"""Bits of the factors that are looked for: calls of a second at most each, as they cannot be interrupted."""
+LONGEST = 4096
+"""Bits of a number that is looked at."""
 
 
 def factorization(n: int, primes: Iterable[int] | None = None) -> dict[int, int]:
-    """{prime: exponent} of n > 0, ascending. ``primes``: the prime factors, where they are known."""
+    """{prime: exponent} of n > 0, ascending. ``primes``: the prime factors, if known."""
     if n < 1:
-        raise ArgumentError(f"n = {n}: a positive integer is factored")
+        raise ArgumentError(f"n = {shown(n)}: a positive integer is factored")
     found: dict[int, int] = {}
     if primes is not None:
         wanted = f"the prime factors of {shown(n)}, all of them,"
@@ -49,48 +52,26 @@ def _prime_factors(n: int) -> list[int]:
     """The prime factors of n with repetitions."""
     if n == 1:
         return []
+    from flint import fmpz
+
+    if n.bit_length() <= MOST_COMPOSITE:
+        return _of_flint(fmpz(n).factor())
+    if n.bit_length() > LONGEST:
+        raise Infeasible(f"{shown(n)}: numbers of more than {LONGEST} bits are not factored; give its prime factors")
     if is_prime(n):
         return [n]
-    for seed in range(1, 20):
-        divisor = _rho(n, seed)
-        if 1 < divisor < n:
-            return _prime_factors(divisor) + _prime_factors(n // divisor)
-    raise AssertionError(f"no factor of the composite {n} in 20 walks")
+    for bits in SMOOTH if n.bit_length() > SHORT else (*SMOOTH, *SMOOTH_IF_SHORT):
+        found = _of_flint(fmpz(n).factor_smooth(bits))
+        if len(found) > 1:
+            return [q for p in found for q in ([p] if is_prime(p) else _prime_factors(p))]
+    raise Infeasible(
+        f"{written(n)} is composite, of {n.bit_length()} bits, and has no factor that elliptic curves find soon (about "
+        "12 digits): give its prime factors, if they are known"
+    )
 
 
-def _rho(n: int, c: int) -> int:
-    """A divisor of n met by x → x² + c, possibly n itself; Infeasible after RHO_STEPS steps."""
-    x = y = saved = 2
-    length, divisor, steps = 1, 1, 0
-    while divisor == 1:
-        x = y
-        for _ in range(length):
-            y = (y * y + c) % n
-        done = 0
-        while done < length and divisor == 1:
-            saved, product = y, 1
-            for _ in range(min(_BATCH, length - done)):
-                y = (y * y + c) % n
-                product = product * (x - y) % n
-            divisor = gcd(product, n)
-            done += _BATCH
-        steps += length
-        length *= 2
-        if steps > RHO_STEPS and divisor == 1:
-            raise Infeasible(
-                f"{n} is composite and has no factor that {RHO_STEPS} steps of Pollard's rho find (about 12 digits): "
-                "give its prime factors, if they are known"
-            )
-    return divisor if divisor < n else _slowly(n, c, x, saved)
-
-
-def _slowly(n: int, c: int, x: int, y: int) -> int:
-    """The last batch again, one step at a time: it ran over the end of the cycle."""
-    divisor = 1
-    while divisor == 1:
-        y = (y * y + c) % n
-        divisor = gcd(x - y, n)
-    return divisor
+def _of_flint(factors: list[tuple[Any, int]]) -> list[int]:
+    return [int(p) for p, e in factors for _ in range(e)]
 
 
 def value(factors: dict[int, int]) -> int:

@@ -1,19 +1,16 @@
 """The last coefficients below x^p of F^((p−1)/2) in Õ(√p) operations (Bostan, Gaudry and Schost 2007).
 
-The window of d = deg F neighbouring coefficients goes on by a matrix M(k)/k, linear in k
-(:mod:`jacobian.finite.hasse_witt`), and Π k = (p − 1)! = −1 is left for the end (Wilson). For β = 2^m near √p the
-entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of degree β − 1. Their values at x = 0, β, 2β, … are had by
-doubling: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors, and the values at x + n come from those at
-x by shifts, each a convolution with 1/(a + t) (Bostan, Gaudry and Schost, theorem 5); those of later points likewise.
-No a + t vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
+A matrix M(k)/k, linear in k, advances the window of d = deg F neighbouring coefficients
+(:mod:`jacobian.finite.hasse_witt`), and Π k = (p − 1)! = −1 is applied at the end (Wilson). For β = 2^m near √p the
+entries of P(x) = M(x + β − 1)·…·M(x + 1) are polynomials of degree β − 1. Doubling gives their values at x = 0, β, 2β,
+…: P_2n(x) = P_n(x + n)·M(x + n)·P_n(x), P_n with n − 1 factors, and the values at x + n come from those at x by shifts,
+each a convolution with 1/(a + t) (Bostan, Gaudry and Schost, theorem 5); those of later points likewise. No a + t
+vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, n | β/2.
 """
 
 from __future__ import annotations
 
-import logging
 from math import log2
-from threading import Lock
-from time import perf_counter
 from typing import Any
 
 import numpy as np
@@ -21,9 +18,8 @@ import numpy as np
 from jacobian.finite import product_kernels as kernels
 from jacobian.numbers.convolution import LEAST, LONGEST, Convolutions, balanced
 from jacobian.numbers.threads import in_ranges
+from jacobian.progress import Progress
 
-LOG = logging.getLogger(__name__)
-SAID_AGAIN = 5.0
 """Seconds from one message to the next."""
 FIRST = LEAST // 2
 """The values of so many points are had factor by factor."""
@@ -34,7 +30,7 @@ MEMORY = 3 << 30
 class Products:
     """The products for one polynomial F, F(0) ≠ 0, over GF(p), p < 2^49: ``ratios`` are f_i/f_0, i = 1 … d.
 
-    ``part`` = (i, g) for the i-th of g such polynomials: what is logged is the progress of all.
+    ``part`` = (i, g) for the i-th of g such polynomials: the log shows the progress of all.
     """
 
     def __init__(self, p: int, ratios: list[int], part: tuple[int, int] = (0, 1), beta: int | None = None) -> None:
@@ -106,30 +102,8 @@ class Products:
         in_ranges(self.d**2, 1, entries)
 
 
-class Progress:
-    """Logs at level INFO, every few seconds, what part of the work is done and how long the rest takes."""
-
-    def __init__(self, name: str, work: float, part: tuple[int, int]) -> None:
-        self.name, self.work, self.part = name, work, part
-        self._done, self._begun, self._lock = 0.0, perf_counter(), Lock()
-        self._said = self._begun
-
-    def add(self, work: float) -> None:
-        """So much more is done."""
-        with self._lock:
-            self._done += work
-            now, (before, parts) = perf_counter(), self.part
-            if now - self._said < SAID_AGAIN:
-                return
-            self._said = now
-            done = self._done / self.work
-            left = (now - self._begun) / done * (parts - before - done)
-            # still under the lock: messages of two threads come in the order of what they say
-            LOG.info("%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
-
-
 def step(p: int, d: int) -> int:
-    """The β that takes the least work within the memory."""
+    """The β with the least work that fits into memory."""
     largest = min(LONGEST // 2, MEMORY // (16 * d * d))
     sizes = (1 << m for m in range(FIRST.bit_length() - 1, largest.bit_length()))
     return min((beta for beta in sizes if 4 * beta < p), key=lambda beta: transforms(p, beta))

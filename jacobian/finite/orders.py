@@ -8,7 +8,7 @@ from itertools import count
 from math import inf
 from typing import TYPE_CHECKING
 
-from jacobian.errors import ArgumentError, FieldError, JacobianError
+from jacobian.errors import ArgumentError, FieldError, JacobianError, shown
 from jacobian.fields import GF
 from jacobian.fields.primality import is_prime
 from jacobian.finite.integers import factorization
@@ -22,9 +22,10 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
     """The order of D: the least m > 0 with m·D = 0; over QQ ``math.inf`` when there is none.
 
     ``multiple``: a multiple of the order, by default #J over a finite field; ``primes``: its prime factors, by default
-    found by Pollard's rho. Over QQ without a multiple the order is read off reductions: reduction at an odd prime of
-    good reduction is injective on torsion, so two different orders mean that D is of infinite order, and one agreed on
-    is tried. Raises ArgumentError for a multiple that does not annihilate D, FieldError over RR, CC and MP.
+    found (:mod:`jacobian.finite.integers`). Over QQ without a multiple the order comes from reductions. Reduction at an
+    odd prime of good reduction is injective on torsion. So two different orders prove that D is of infinite order, and
+    a common one is tried. Raises ArgumentError for a multiple that does not annihilate D, FieldError over RR, CC and
+    MP.
     """
     J = D.jacobian
     if not J.field.exact:
@@ -35,7 +36,7 @@ def order_of(D: Divisor, multiple: int | None = None, primes: Iterable[int] | No
         multiple = J.order()
     multiple = abs(check_scalar(multiple, "multiple"))
     if multiple == 0 or multiple * D:
-        raise ArgumentError(f"multiple = {multiple}: a non-zero multiple of the order of D = {D} is needed")
+        raise ArgumentError(f"multiple = {shown(multiple)}: a non-zero multiple of the order of D = {D} is needed")
     return reduce_order(D, factorization(multiple, primes))
 
 

@@ -1,11 +1,11 @@
 """The Weil and Tate pairings on m-torsion, by Miller's algorithm (Miller 2004; Frey and Rück 1994 for Jacobians;
 Galbraith, Hess and Vercauteren 2007).
 
-m·D = [mD] + div(f_m), the function gathered from Cantor's steps: composing takes out div(d), and one reduction from
-(u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the affine points of a pair (u, v) by a norm, that is
-a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with disjoint
-supports; then no function is normalised at infinity, and every model will do: ramified, split, inert of even genus.
-Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
+m·D = [mD] + div(f_m), with the function collected from Cantor's steps: composition removes div(d), and one reduction
+from (u, v) to (u', v') is div((y − v)/u'). A function is evaluated at the affine points of a pair (u, v) by a norm,
+that is a resultant. Divisors are shifted, D ~ (D + R) − R with random R of degree g, so that they are affine with
+disjoint supports; then no function needs normalising at infinity, and every model works: ramified, split, inert of even
+genus. Small fields are enlarged for the random R, since Miller's functions would vanish at most of their points.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, shown
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
 from jacobian.finite.counting import irreducible
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
 
 ATTEMPTS = 200
-# fields of 3·g²·log₂ m elements let one random shift in ten through; smaller ones are extended
+# over fields of 3·g²·log₂ m elements one random shift in ten succeeds; smaller ones are extended
 ROOM = 3
 Step = tuple[poly.Poly, cantor.Triple]
 
@@ -56,14 +56,14 @@ def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
 def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     """The reduced Tate–Lichtenbaum pairing f_D(E)^((q−1)/m), an m-th root of unity, for m·D = 0 and any E over GF(q).
 
-    Bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; else ArgumentError:
-    extend the field until it does. The rest as for :func:`weil_pairing`.
+    Bilinear, and non-degenerate on J[m] × J/mJ (Frey and Rück 1994). ``m`` divides q − 1; otherwise ArgumentError:
+    extend the field until it does. Everything else is as for :func:`weil_pairing`.
     """
     m = _check(D, E, m)
     q: Any = D.jacobian.field.order
     if (q - 1) % m:
         raise ArgumentError(
-            f"m = {m} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
+            f"m = {shown(m)} does not divide q − 1 = {q - 1}: the field lacks the m-th roots of unity, extend it"
         )
     _check_annihilated(D, m, "D")
     if not D or not E:
@@ -83,18 +83,22 @@ def _check(D: Divisor, E: Divisor, m: Any) -> int:
     K = D.jacobian.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: pairings are computed over finite fields")
+    if m.bit_length() > D.jacobian.curve.genus * (K.order.bit_length() + 2):
+        raise ArgumentError(f"m = {shown(m)}: it is longer than the order of the group; give the order of D, or that")
     if m < 1 or m % K.characteristic == 0:
-        raise ArgumentError(f"m = {m}: a positive integer prime to the characteristic {K.characteristic} is needed")
+        raise ArgumentError(
+            f"m = {shown(m)}: a positive integer prime to the characteristic {K.characteristic} is needed"
+        )
     return m
 
 
 def _check_annihilated(D: Divisor, m: int, name: str) -> None:
     if m * D:
-        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {m}")
+        raise ArgumentError(f"{name} = {D}: m·{name} must be 0, which it is not for m = {shown(m)}")
 
 
 def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Any) -> Any:
-    """The value for the first random shifts of degree g that collide nowhere."""
+    """The value for the first random shifts of degree g without a collision."""
     rng = Random(0) if rng is None else rng
     J = move.curve.jacobian()
     for _ in range(ATTEMPTS):
@@ -203,7 +207,9 @@ def norm(K: Any, u: poly.Poly, c: poly.Poly) -> Any:
 
 
 class _Extension:
-    """The curve over an extension with room for random shifts: of odd degree prime to ``coprime``, 1 for large q."""
+    """The curve over an extension large enough for random shifts, of odd degree prime to ``coprime``; degree 1 for
+    large q.
+    """
 
     def __init__(self, C: HyperellipticCurve, m: int, coprime: int) -> None:
         K: Any = C.field
@@ -224,5 +230,5 @@ class _Extension:
         return D.change_ring(self.curve.field)
 
     def back(self, value: Any) -> Any:
-        """The element of the field below that ``value`` is."""
+        """The element of the smaller field that equals ``value``."""
         return value if self.degree == 1 else self._back(value)

@@ -18,15 +18,21 @@ def bad_primes(C: HyperellipticCurve) -> list[int]:
     """See :meth:`jacobian.curve.questions.CurveQuestions.bad_primes`; Infeasible for what cannot be factored."""
     if C.field != QQ:
         raise FieldError(f"field = {C.field.name}: a curve over QQ has reductions modulo primes")
+    return [p for p in factorization(suspects(C)) if not is_good(C, p)]
+
+
+def suspects(C: HyperellipticCurve) -> int:
+    """A number > 0 that all bad primes of the equation divide."""
     denominator = lcm(*(c.denominator for c in (*C.f, *C.h)))
     F = C.discriminant
-    # the resultant of F as a form of degree 2g + 2, whose root at infinity counts like the others, and of its slope
+    # the resultant of F, as a form of degree 2g + 2 whose root at infinity counts like the others, and of its
+    # derivative
     size = poly.resultant(QQ, F, poly.derivative(QQ, F)) * F[-1] * denominator
-    suspects = factorization(abs(size.numerator * size.denominator) * 2)
-    return [p for p in suspects if not _good(C, p)]
+    return abs(size.numerator * size.denominator) * 2
 
 
-def _good(C: HyperellipticCurve, p: int) -> bool:
+def is_good(C: HyperellipticCurve, p: int) -> bool:
+    """Whether the equation defines a curve of the same genus modulo p."""
     try:
         C.change_ring(GF(p))
     except JacobianError:

@@ -148,7 +148,7 @@ def pippenger(J: GroupLaw, pairs: list[tuple[int, Divisor]], window: int) -> Div
 
 
 def _signed_windows(m: int, window: int) -> list[int]:
-    """The digits of m > 0 to the base 2^window, between −2^(window−1) and 2^(window−1), least significant first."""
+    """The digits of m > 0 in base 2^window, between −2^(window−1) and 2^(window−1), least significant first."""
     base, digits = 1 << window, []
     while m:
         digit = m & (base - 1)
@@ -182,7 +182,7 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
     if K.order is None:
         raise FieldError(f"field = {K.name}: Frobenius is an endomorphism over finite fields")
     if power < 0:
-        raise ArgumentError(f"power = {power}: a number ≥ 0 of p-th powers is needed")
+        raise ArgumentError(f"power = {shown(power)}: a number ≥ 0 of p-th powers is needed")
     # x^q = x: the exponent is taken modulo the degree of K
     exponent = K.characteristic ** (power % K.degree)
 
@@ -191,8 +191,8 @@ def frobenius(D: Divisor, power: int = 1) -> Divisor:
 
     if image(C.f) != C.f or image(C.h) != C.h:
         raise CurveMismatch(
-            f"power = {power}: {C!r} is not defined over the field fixed by x → x^({K.characteristic}^{power}); its "
-            "conjugate is another curve"
+            f"power = {shown(power)}: {C!r} is not defined over the field fixed by x → "
+            f"x^({K.characteristic}^{shown(power)}); its conjugate is another curve"
         )
     n = D.n
     if n is not None and K.power(C.infinity_plus, exponent) != C.infinity_plus:

@@ -1,11 +1,13 @@
 """The characteristic polynomial of Frobenius where counting all points one by one is out of reach.
 
-In the notation of :mod:`jacobian.finite.weil`, the r_i that counting over GF(q^i) can give are counted, and the others
-are known modulo p from the Cartier–Manin matrix (:mod:`jacobian.finite.hasse_witt`). What remains is searched by baby
-steps and giant steps for orders that annihilate a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii
-2002; Sutherland 2009), on the curve and on its quadratic twist, until one polynomial is left. Where many stay, as for
-groups of small exponent, the structures of the two groups decide. Nothing is guessed: a candidate falls only when its
-order does not annihilate a class, or is not divisible by a known divisor of the order.
+In the notation of :mod:`jacobian.finite.weil`, counting over GF(q^i) gives some r_i, and the Cartier–Manin matrix the
+others modulo p (:mod:`jacobian.finite.hasse_witt`). Baby steps and giant steps search the remaining candidates for
+orders that annihilate a random class (Gaudry and Harley 2000; Matsuo, Chao and Tsujii 2002; Sutherland 2009), on the
+curve and on its quadratic twist, until one polynomial is left. Where several remain, as for groups of small exponent,
+the structures of the two groups decide.
+
+The result is proven: a candidate is eliminated only when its order does not annihilate a class, or is not divisible by
+a known divisor of the order.
 """
 
 from __future__ import annotations
@@ -29,6 +31,7 @@ from jacobian.finite.orders import reduce_order
 from jacobian.finite.scalar import FixedBase
 from jacobian.finite.structure import PrimaryGroup
 from jacobian.numbers.compiler import interpreted
+from jacobian.progress import Progress
 
 if TYPE_CHECKING:
     from jacobian.law.divisor import Divisor
@@ -41,7 +44,7 @@ _FEW = 100
 
 @dataclass(frozen=True)
 class Candidates:
-    """The real polynomials R that are left: ``known`` = 1, r_1 …, the others ≡ ``residues`` modulo ``modulus``."""
+    """The real polynomials R that remain: ``known`` = 1, r_1 …, the others ≡ ``residues`` modulo ``modulus``."""
 
     q: int
     genus: int
@@ -81,17 +84,17 @@ class Candidates:
         return range(self.known[-1], self.known[-1] + 1) if len(self.known) > self.genus else self.values(prefix)
 
     def size(self) -> int:
-        """About how many there are at most."""
+        """An upper estimate of their number."""
         r, total = self.known, 1
         while len(r) <= self.genus:
             low, high = self.interval(r)
             total *= (high - low) // self.modulus + 1
-            # the widest interval of the next one comes with the least r_2
+            # the interval of the next one is widest for the least r_2
             r = (*r, low if len(r) == 2 else 0)
         return total
 
     def matching(self, sides: tuple[Side, Side]) -> Iterator[list[int]]:
-        """The R whose orders are divisible by what is known to divide them."""
+        """The R whose orders are divisible by the known divisors of the orders."""
         first, second = sorted(sides, key=lambda side: -side.divisor)
         for prefix in self.prefixes():
             constant, sign = first.constant(prefix, self.q)
@@ -114,7 +117,9 @@ def _congruent(values: range, residue: int, modulus: int) -> range:
 
 
 def _is_weil(r: list[int], q: int) -> bool:
-    """Whether all roots of R are real and at most 2√q in size, with a margin for rounding: true for the right one."""
+    """Whether all roots of R are real and at most 2√q in size, with a margin for rounding that never rejects the right
+    R.
+    """
     import numpy as np
 
     size = float(2 * q**0.5)
@@ -153,20 +158,23 @@ class Side:
         raise AssertionError(f"no order within the Weil bounds annihilates {D} on {self.J.curve!r}")
 
     def fitting(self, D: Divisor, candidates: Candidates) -> list[list[int]] | None:
-        """The R whose orders annihilate D, or None where they are more than _FEW."""
+        """The R whose orders annihilate D, or None for more than _FEW."""
         found = [[*prefix, value] for prefix, value in islice(self._annihilating(D, candidates), _FEW + 1)]
         return found if len(found) <= _FEW else None
 
     def _annihilating(self, D: Divisor, candidates: Candidates) -> Iterator[tuple[tuple[int, ...], int]]:
         """(1, r_1 … r_(g−1)) and r_g of the candidates whose orders annihilate D."""
         q, m = candidates.q, candidates.modulus
-        step = isqrt(sum(len(candidates.last(prefix)) for prefix in candidates.prefixes())) + 1
+        lengths = [len(candidates.last(prefix)) for prefix in candidates.prefixes()]
+        step = isqrt(sum(lengths)) + 1
+        progress = Progress(f"the order of a class of {self.J.curve!r}", step + sum(-(-n // step) for n in lengths))
         sign = self.sign**candidates.genus
         table: dict[Divisor, list[int]] = {}
         small, baby = -sign * m * D, self.J.zero()
         for i in range(step):
             table.setdefault(baby, []).append(i)
             baby = baby + small
+            progress.add(1)
         giant, multiples = -step * small, FixedBase(D)
         for prefix in candidates.prefixes():
             values = candidates.last(prefix)
@@ -177,6 +185,7 @@ class Side:
             for j in range(0, len(values), step):
                 yield from ((prefix, values[j + i]) for i in table.get(place, ()) if j + i < len(values))
                 place = place + giant
+                progress.add(1)
 
     def grow(self, D: Divisor) -> None:
         """Adds D, of an order that divides the exponent, to the subgroup whose order is ``divisor``."""
@@ -189,10 +198,11 @@ class Side:
 def search(C: HyperellipticCurve) -> list[int]:
     """The characteristic polynomial of Frobenius of C, ascending.
 
-    Counting takes O(q) operations, the matrix O(g·p), from p = 2^20 on Õ(√p), the search the root of the number of
-    candidates: seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in genus 4, half a minute at 10^12
-    in genus 2. In genus 1 there is only the search, O(q^(1/4)) over any field (Mestre: Schoof 1995). Infeasible
-    from genus 2 on for prime q above 2^49 and other q above 2^20, and where more than 10^12 candidates are left.
+    Counting takes O(q) operations, the matrix O(g·p), or Õ(√p) from p = 2^20 on, and the search the square root of the
+    number of candidates. That is seconds for prime fields up to 10^9 in genus 2 and 3 and up to 10^3 in genus 4, half a
+    minute at 10^12 in genus 2. In genus 1 there is only the search, O(q^(1/4)) over any field (Mestre: Schoof 1995).
+    Infeasible from genus 2 on for prime q above 2^49 and other q above 2^20, and where more than 10^12 candidates are
+    left.
     """
     candidates = _candidates(C)
     rng = Random(0)
@@ -204,8 +214,8 @@ def search(C: HyperellipticCurve) -> list[int]:
         for side in sides:
             D = side.J.random(rng)
             side.learn(D, candidates)
-            if effort >= 3:
-                # orders alone leave several: the order of the subgroup that has been seen divides the order
+            if effort:
+                # several orders remain: the order of the known subgroup divides the right one
                 side.grow(D)
         left = list(islice(candidates.matching(sides), _LONGEST_LIST))
         if len(left) == 1:
@@ -231,7 +241,7 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
     g = C.genus
     prime = q == C.field.characteristic != 2
     if g == 1:
-        # of 4√q orders the search finds the one in O(q^(1/4)) steps: no matrix, no count
+        # the search finds one of 4√q orders in O(q^(1/4)) steps: no matrix, no count
         found = Candidates(q, 1, (1,), (0,), 1)
         _check_size(C, found, f"{C.field.name} in genus 1")
         return found
@@ -240,15 +250,15 @@ def _candidates(C: HyperellipticCurve) -> Candidates:
         raise Infeasible(
             f"field = {C.field.name}: characteristic polynomials of Frobenius are found for prime q up to "
             f"{PRODUCTS_TO}, other q up to {counting.TABLE_SIZE}, and for curves defined over a small prime field; "
-            "give #J to the functions that need it, where it is known"
+            "if #J is known, give it to the functions that need it"
         )
     if q > limit:
-        # known without counting, whatever the residues are
+        # known without counting, for any residues
         _check_size(C, Candidates(q, g, (1, 0), (0,) * (g - 1), q), f"{C.field.name} in genus {g}")
     residues = frobenius_modulo_p(C)
     excess = [_excess(C, residues)]
     candidates = _with_counts(C, excess, residues)
-    # one more degree is counted where that is quick, or quicker than the search without it: a step of the search takes
+    # one more degree is counted where that is fast, or faster than the search without it: a step of the search takes
     # about as long as counting this many elements
     step = 1000 if q == C.field.characteristic != 2 else 8
     while (i := len(excess) + 1) <= g and q**i <= limit:
@@ -277,7 +287,7 @@ def _excess(C: HyperellipticCurve, residues: list[int] | None) -> int:
 
 
 def counting_is_quick(C: HyperellipticCurve) -> int:
-    """The field size up to which counting takes tenths of a second: numpy does it over GF(p), Python elsewhere."""
+    """The field size up to which counting takes tenths of a second: by numpy over GF(p), by Python elsewhere."""
     return COUNT_LIMIT if C.field.order == C.field.characteristic != 2 else COUNT_LIMIT // 50
 
 
@@ -285,7 +295,7 @@ def _with_counts(C: HyperellipticCurve, excess: list[int], residues: list[int] |
     q: Any = C.field.order
     g = C.genus
     known = weil.real_part(weil.leading(excess), q, g)
-    # r_i ≡ a_i modulo p, the other terms having the factor q
+    # r_i ≡ a_i modulo p, since the other terms have the factor q
     rest, p = ([0] * g, 1) if residues is None else (residues, C.field.characteristic)
     return Candidates(q, g, tuple(known), tuple(rest[len(excess) :]), p)
 

@@ -1,4 +1,4 @@
-"""What a curve over a finite field is modulo p: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
+"""Invariants of a curve over a finite field modulo p: its Cartier–Manin matrix, its p-rank, the slopes of Frobenius."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def _by_definition(C: HyperellipticCurve) -> list[list[Any]]:
 
 
 def p_rank(C: HyperellipticCurve, chi: Any) -> int:
-    """The number of roots of Frobenius that are units modulo p; ``chi``: what computes its polynomial elsewhere."""
+    """The number of roots of Frobenius that are units modulo p; ``chi`` computes its polynomial elsewhere."""
     K: Any = C.field
     if K.order is None:
         raise FieldError(f"field = {K.name}: the p-rank is that of a curve over a finite field")
@@ -59,7 +59,7 @@ def _two_rank(C: HyperellipticCurve) -> int:
 def is_supersingular(C: HyperellipticCurve, chi: Any) -> bool:
     """Whether the Newton polygon of χ over GF(p^k) is the line of slope k/2: p^⌈ik/2⌉ | a_i. ``chi`` as above.
 
-    In characteristic 2 the p-rank, 0 where it is, decides alone up to genus 2, where there is no other such polygon.
+    In characteristic 2 p-rank 0 decides up to genus 2, where there is no other polygon with it.
     """
     K: Any = C.field
     p, g = K.characteristic, C.genus

@@ -1,1 +1,1 @@
-"""Addition with rounding: orthogonal least squares, kernels in genus 2, and the way back onto the curve."""
+"""Sums with rounding: orthogonal least squares, kernels in genus 2, and projection back onto the curve."""

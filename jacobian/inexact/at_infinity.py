@@ -1,9 +1,9 @@
-"""Steps at infinity of inexact composition on split models: what balanced pairs (u, v) are beside their points.
+"""Steps at infinity of inexact composition on split models: the parts of balanced pairs (u, v) at infinity.
 
-A pair with the ``lean`` s stands for the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
-leans, and its reduction steps keep them but where y − v vanishes at infinity. On models of odd genus no sum of classes
-in general position is a balanced one: of g + 1 points and the lean ∓2 one step with y ∓ P makes g points and ∓1, P
-being the polynomial part of √f at infinity (Galbraith, Harrison and Mireles Morales 2008).
+A pair with the ``lean`` s represents the class of div(u, v) − (deg u/2)(∞₊ + ∞₋) + (s/2)(∞₊ − ∞₋). Composition adds
+leans, and its reduction steps preserve them except where y − v vanishes at infinity. On models of odd genus no sum of
+classes in general position is balanced. Let P be the polynomial part of √f at infinity: one step with y ∓ P takes g + 1
+points with lean ∓2 to g points with lean ∓1 (Galbraith, Harrison and Mireles Morales 2008).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from jacobian.numbers.roots import root
 
 
 class Infinity(NamedTuple):
-    """The ``lean`` of a sum, and about the value of y/x^(g+1) at ∞₊ beside its size, h/2 having been added to y."""
+    """The ``lean`` of a sum, and the approximate value of y/x^(g+1) at ∞₊ with its size; h/2 is added to y."""
 
     lean: int
     plus: complex
@@ -35,7 +35,7 @@ def weight_of(genus: int, degree: int, lean: int) -> int:
 
 
 def reduced(field: Any, genus: int, f: Coefficients, total: Total, infinity: Infinity) -> tuple[Total, Number]:
-    """The reduced pair of a class, deg u ≤ g + 1 before, and the largest remainder of its divisions, beside their
+    """The reduced pair of a class with deg u ≤ g + 1, and the largest remainder of its divisions, relative to their
     terms.
     """
     u, v, lean, rest = total.u, total.v, total.lean + infinity.lean, field.zero
@@ -67,7 +67,7 @@ def _turned(
 ) -> tuple[Coefficients, Coefficients, Number]:
     """(u', w, remainder) with w ≡ v mod u near ``part``, and u' = (f − w²)/u, monic.
 
-    f − w² = (f − part²) − (w − part)(w + part): what cancels at infinity does so by itself.
+    f − w² = (f − part²) − (w − part)(w + part): the cancellation at infinity is exact.
     """
     change = remainder(added(v, [-c for c in part]), u)
     scale = max(size(v), size(part))

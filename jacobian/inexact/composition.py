@@ -1,10 +1,10 @@
 """Inexact composition: sums of Mumford pairs over RR, CC and MP.
 
-The numbers are brought to units in which the points are at |x| ≤ 1 and f is of size 1, powers of two apart, so that
-composition commutes with x → 2x and y → 2y to the bit; there :mod:`jacobian.inexact.stacked` adds. Where points, or the
-coefficients of the curve, are of very different sizes, or where what has to vanish does not to rounding, the sum is
-made with more digits (:mod:`jacobian.inexact.decided`): the summands are moved onto the curve, within their last bits,
-and degrees are decided by what these bits make of them. PrecisionLoss where they do not determine the sum.
+The numbers are scaled by powers of two so that the points are at |x| ≤ 1 and f is of size 1; composition commutes with
+x → 2x and y → 2y to the bit. There :mod:`jacobian.inexact.stacked` adds. More digits (:mod:`jacobian.inexact.decided`)
+are used where points, or the coefficients of the curve, are of very different sizes, or where a quantity that must
+vanish does not to rounding. The summands are then moved onto the curve, within their last bits, and degrees are decided
+by the effect of these bits. PrecisionLoss where they do not determine the sum.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ Triple = tuple[tuple[Number, ...], tuple[Number, ...], "int | None"]
 
 __all__ = ["Sum", "add", "compose"]
 
-# bits that f may vary by, at the points and in its leading coefficient, where the field's own digits are tried
+# bits by which f may vary, at the points and in its leading coefficient, for the field's own digits to be tried
 SPREAD = 24
-# what remainders may be, in units of the last digit
+# the largest remainders, in units of the last digit
 REMAINDER = 64
-# the multiples of the field's bits that are tried
+# multiples of the field's bits to try
 FACTORS = (4, 12)
 
 
@@ -53,7 +53,7 @@ def add(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _check_balanced(curve: Any, *summands: Triple) -> None:
-    """On a split model of even genus classes without points at infinity are added."""
+    """On a split model of even genus only classes without points at infinity are added."""
     for u, _, n in summands:
         if n is not None and lean_of(curve.genus, len(u) - 1, n):
             raise NotRepresentable(
@@ -70,7 +70,9 @@ def _balanced(curve: Any, first: Triple, second: Triple) -> Triple:
 
 
 def _split(curve: Any, *summands: Triple) -> Triple:
-    """The reduced triple of one or two on a split model of odd genus, by steps at infinity, in more digits."""
+    """The reduced triple of the sum of one or two pairs on a split model of odd genus, by steps at infinity, in more
+    digits.
+    """
     K, g = curve.field, curve.genus
     lean = sum(lean_of(g, len(u) - 1, n) for u, _, n in summands if n is not None)
     pairs = [(list(u), list(v)) for u, v, _ in summands if len(u) > 1]
@@ -83,10 +85,10 @@ def _split(curve: Any, *summands: Triple) -> Triple:
 
 
 def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: Sequence[Pair]) -> tuple[Total, Number]:
-    """The reduced sum of no, one or two pairs with a lean, and the largest remainder."""
+    """The reduced sum of zero, one or two pairs with a lean, and the largest remainder."""
     rest = field.zero
     if len(pairs) == 2:
-        # reduction steps keep the parity
+        # reduction steps preserve the parity
         first, second = pairs
         degree = len(first[0]) + len(second[0]) - 2
         total, rest = stacked.compose(field, genus + (degree - genus) % 2, f, first, second, infinity.plus)
@@ -97,7 +99,7 @@ def _turned(genus: int, infinity: Infinity, field: Any, f: Coefficients, pairs: 
 
 
 def negated(curve: Any, D: Triple) -> Triple:
-    """The reduced triple of −D on a split model of odd genus, (u, v) being the pair of −D already."""
+    """The reduced triple of −D on a split model of odd genus, from the pair (u, v) of −D."""
     return _split(curve, D)
 
 
@@ -128,7 +130,7 @@ class Units(NamedTuple):
     at_zero: bool
 
     def of_u(self, u: Sequence[Any], move: Any, sign: int = -1) -> Coefficients:
-        """u in these units, by move(c, bits); back from them with ``sign=1``."""
+        """u in these units; ``move(c, bits)`` scales a coefficient. ``sign=1`` converts back."""
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
@@ -156,7 +158,7 @@ def units_of(field: Any, f: Sequence[Number], h: Sequence[Number], pairs: Sequen
 def _quick(
     field: Any, genus: int, f: Sequence[Number], h: Sequence[Number], pairs: Sequence[Pair], units: Units
 ) -> Sum | None:
-    """The sum in the field's own digits; None where they may not do."""
+    """The sum in the field's own digits; None where they may not suffice."""
     move = field.shift
     f = units.of_p(f, move, power=2)
     half = [c / 2 for c in units.of_p(h, move)]
@@ -172,7 +174,7 @@ def _quick(
 
 
 class Plain:
-    """A field for :mod:`jacobian.inexact.stacked` that leaves to more digits what may be noise."""
+    """A field for :mod:`jacobian.inexact.stacked` that raises PrecisionLoss for numbers that may be noise."""
 
     largest = staticmethod(index_of_largest)
 
@@ -181,7 +183,7 @@ class Plain:
         self._clear = field.eps**0.5
 
     def is_zero(self, x: Number, scale: Number, of_degree: bool = True) -> bool:
-        """No, or PrecisionLoss."""
+        """False, or PrecisionLoss."""
         if abs(x) >= self._clear * scale:
             return False
         raise PrecisionLoss("not clear of noise")
@@ -190,14 +192,16 @@ class Plain:
 def _returned(
     u: Coefficients, v: Coefficients, p: Coefficients, q: Number, half: Coefficients, units: Units, move: Any
 ) -> Sum:
-    """A sum back from the units, and from y + h/2 to y."""
+    """A sum converted back from the units, and from y + h/2 to y."""
     if half and len(u) > 1:
         v = added(v, remainder([-c for c in half], u))
     return Sum(units.of_u(u, move, 1), units.of_p(v, move, 1), units.of_p(p, move, 1), move(q, 0))
 
 
 def _even(f: Coefficients, units: Units) -> bool:
-    """Whether f, in units of the largest point, is not small at the smallest one, nor in its leading coefficient."""
+    """Whether f, in units of the largest point, is small neither at the smallest point nor in its leading
+    coefficient.
+    """
     depth, least = units.low - units.x, 2.0**-SPREAD
     at_low = max(abs(c) * 2.0 ** max(depth * i, -1000) for i, c in enumerate(f))
     return bool(min(at_low, abs(f[-1])) >= least and not (units.at_zero and 0 < abs(f[0]) < least))

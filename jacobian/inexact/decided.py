@@ -1,15 +1,15 @@
-"""Sums that a field's own digits do not settle: made with more digits, several times, and compared.
+"""Sums that a field's own digits do not decide: computed with more digits, several times, and compared.
 
-The summands are moved onto the curve, within their last bits, and count as exact from there on. Their sum is made once
-from them, once more from them moved by a few units of the last working bit, and once from summands moved by a few units
-of the last bit *that the field has*. All passes answer alike what a pass asks for, whether a quantity is zero and which
-column is the largest. The second pass shows what the working precision leaves open, the third what the field's own
-rounding of the summands does to the sum, whatever the algorithm.
+The summands are moved onto the curve, within their last bits, and count as exact from there on. The sum is computed
+three times: from them, from them moved by a few units of the last working bit, and from summands moved by a few units
+of the last bit *of the field*. All passes answer the questions of a pass alike: whether a quantity is zero, and which
+column is the largest. The second pass shows the error of the working precision, the third the effect of the field's own
+rounding of the summands, for any algorithm.
 
-First only what vanishes at every precision is zero. A sum that is then known beside what rounding makes of it is the
-answer: nothing was decided. If it is not, a point of it may be at infinity to rounding, or points of the summands
-opposite: a quantity that one unit in the last place of the summands moves as far as it is from zero is zero, one that
-is far from what rounding makes of it is not, and between the two rounding decides and PrecisionLoss is raised.
+First only a quantity that vanishes at every precision is zero. A sum that is then known relative to the effect of
+rounding is the answer: nothing was decided. Otherwise a point of the sum may be at infinity to rounding, or points of
+the summands opposite. A quantity counts as zero if one unit in the last place of the summands moves it as far as it is
+from zero. It counts as not zero if it is far larger than the effect of rounding. In between, PrecisionLoss is raised.
 """
 
 from __future__ import annotations
@@ -23,16 +23,17 @@ from jacobian.inexact.dense import Coefficients, index_of_largest
 from jacobian.inexact.digits import Digits, MoreDigits, on_curve, places
 from jacobian.inexact.stacked import Pair, Total
 
-# a quantity is zero up to this multiple of what a unit in the last place of the summands does to it
+# a quantity is zero up to this multiple of the effect of a unit in the last place of the summands
 ZERO = 16
-# summands that are sums themselves have errors of this size, in units of the last place; a quantity is not zero from
-# these multiples of their effect on: one that a degree depends on, and the distance of a point from an opposite one
+# summands that are sums themselves have errors of this size, in units of the last place; from these multiples of their
+# effect on a quantity is not zero: the first for one that decides a degree, the second for the distance of a point from
+# an opposite one
 ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
-# the part of a sum up to which rounding may move it: where nothing is decided, and at all
+# the part of a sum by which rounding may move it: where nothing was decided, and in any case
 CLEAR, UNKNOWN = 2.0**-12, 2.0**-4
-# a number is resolved when the working precision knows it to this part
+# a number is resolved when the working precision determines it to this part
 RESOLVED = 2**16
-# the ways of rounding that are tried where a degree depends on it
+# the ways of rounding tried where a degree depends on it
 WAYS = 4
 
 LOST = "rounding of the summands decides the degree of their sum; use more digits"
@@ -48,7 +49,7 @@ class Question(NamedTuple):
 
 
 class Pass:
-    """The ``field`` of one pass of :func:`jacobian.inexact.stacked.compose`: what was asked, answered and found."""
+    """The ``field`` of one pass of :func:`jacobian.inexact.stacked.compose`: its questions, answers and results."""
 
     def __init__(self, digits: Digits, answer: Callable[[int, Any], bool], like: Pass | None = None) -> None:
         self.zero, self.one, self.eps = digits.zero, digits.one, digits.eps
@@ -60,13 +61,13 @@ class Pass:
         self.rest: Any = 0
 
     def is_zero(self, x: Any, scale: Any, of_degree: bool = True) -> bool:
-        """What the pass is to answer."""
+        """The answer of this pass."""
         self.answers.append(self._answer(len(self.questions), x))
         self.questions.append(Question(x, of_degree))
         return self.answers[-1]
 
     def largest(self, sizes: Sequence[Any]) -> int:
-        """The index of the largest; in a pass like another the same as there."""
+        """The index of the largest; a repeated pass returns the same index."""
         largest = self._like.columns[len(self.columns)] if self._like else index_of_largest(sizes)
         self.columns.append(largest)
         return largest
@@ -79,8 +80,9 @@ class Pass:
 
 
 class Passes:
-    """The passes over one sum of pairs (u, v), in entered :class:`Digits`, on y² = curve with y + half in the place of
-    y; ``even``: all sizes are moderate. ``law(field, curve, pairs)`` is the sum and what its divisions leave.
+    """Passes over one sum of pairs (u, v), in entered :class:`Digits`, on y² = curve with y + half for y.
+
+    ``even``: all sizes are moderate. ``law(field, curve, pairs)`` returns the sum and the remainders of its divisions.
     """
 
     def __init__(
@@ -111,7 +113,7 @@ class Passes:
         total = compared.sum()
         if len(total.u) == 1 or compared.first.rest <= self._digits.floor:
             return total
-        # what was dropped takes the sum off the curve, within what is known of it
+        # dropped terms move the sum off the curve, within its known accuracy
         u, v = on_curve(self._digits, self._curve, [], (total.u, total.v), self._even)
         return total._replace(u=u, v=v)
 
@@ -127,8 +129,8 @@ class Passes:
         return field
 
     def _moved(self, part: Any, floor: Any) -> list[Pair]:
-        """The summands with every coefficient moved by about that part of itself, at least of that part of what it is
-        where points are as large as the largest.
+        """The summands with every coefficient moved by that part of itself, or of its size if all points were as large
+        as the largest.
         """
         known = self._digits.own_eps**2
         return [self._on_curve(self._jogged(pair, part, floor), known) for pair in self._pairs]
@@ -147,8 +149,8 @@ class Passes:
 
 
 class Compared(NamedTuple):
-    """Three passes answered alike: from the summands, from them moved in the last working bit, and from them moved as
-    sums are by rounding.
+    """Three passes with the same answers: from the summands, from them moved in the last working bit, and from them
+    moved as sums are by rounding.
     """
 
     digits: Digits
@@ -157,7 +159,7 @@ class Compared(NamedTuple):
     rounded: Pass
 
     def wrong_answer(self, ways: Sequence[Pass]) -> int | None:
-        """The first question whose answer differs from what the ways of rounding say."""
+        """The first question whose answer differs from that of the ways of rounding."""
         for k, ((x, of_degree), answer) in enumerate(zip(self.first.questions, self.first.answers, strict=True)):
             size, rounding = abs(x), abs(x - self.near.questions[k].value)
             noise = max(abs(x - way.questions[k].value) for way in ways)
@@ -172,7 +174,7 @@ class Compared(NamedTuple):
         return None
 
     def clear(self, least: float) -> bool:
-        """Whether the sum is known to all but its last digits, with nothing zero but what is so at every precision."""
+        """Whether the sum is known to all but its last digits, with only those zeros that hold at every precision."""
         asked = zip(self.first.questions, self.near.questions, self.first.answers, strict=True)
         return (
             all(zero or abs(x) >= RESOLVED * abs(x - y) for (x, _), (y, _), zero in asked)
@@ -200,13 +202,13 @@ class Compared(NamedTuple):
         return Total(*found, next(values), lean)
 
     def _resolved(self) -> bool:
-        """Whether the working precision knows every number of the sum as well as the field can, or the summands do."""
+        """Whether the working precision determines every number of the sum as well as the field or the summands can."""
         own, floor = self.digits.own_eps / 8, self.digits.floor
         numbers = zip(*(run.coefficients for run in (self.first, self.near, self.rounded)), strict=True)
         return all(abs(x) <= floor or abs(x - y) <= own * abs(x) or 8 * abs(x - y) <= abs(x - z) for x, y, z in numbers)
 
     def _known(self, part: float, least: float, polynomials: Sequence[Coefficients]) -> bool:
-        """Whether rounding moves no more than that part of the polynomials, at the largest point of the sum or at
+        """Whether rounding moves the polynomials by at most that part, at the largest point of the sum or at
         ``least``.
         """
         u, moved = self.first.total.u, iter(self.rounded.coefficients)

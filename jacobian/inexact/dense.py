@@ -1,6 +1,6 @@
-"""Polynomials of fixed length, nothing trimmed, and orthogonal linear algebra on a handful of rows.
+"""Polynomials of fixed length, never trimmed, and orthogonal linear algebra on a few rows.
 
-What inexact composition needs, on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
+For inexact composition, on any numbers with ``+ − · /``, ``abs``, ``** 0.5`` and ``conjugate``. Polynomials are
 ascending lists.
 """
 
@@ -80,7 +80,7 @@ def absolute(a: Sequence[Number]) -> Coefficients:
 
 
 def bound(monic: Sequence[Number]) -> Coefficients:
-    """The modulus by which remainders of absolute values bound the remainders modulo u: nothing cancels."""
+    """The modulus whose remainders of absolute values bound the remainders modulo u, without cancellation."""
     return [-abs(c) for c in monic[:-1]] + [abs(monic[-1])]
 
 
@@ -107,8 +107,8 @@ def index_of_largest(sizes: Sequence[Number]) -> int:
 def pivoted_qr(
     columns: list[Coefficients], largest: Callable[[Sequence[Number]], int] = index_of_largest
 ) -> tuple[list[int], list[Coefficients]]:
-    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first, as
-    ``largest`` finds it.
+    """Column order and R (by columns) of a QR factorisation that takes the largest remaining column first, chosen by
+    ``largest``.
     """
     columns = [list(column) for column in columns]
     order = list(range(len(columns)))

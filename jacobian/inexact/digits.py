@@ -1,7 +1,7 @@
-"""Numbers of more digits than an inexact field has, for sums that the field's own digits do not settle.
+"""Numbers with more digits than an inexact field, for sums that the field's own digits do not decide.
 
-Pairs (u, v) in floats lie beside the curve by rounding; :func:`on_curve` moves them onto it, each coefficient by as few
-of its own last bits as possible.
+Rounding moves pairs (u, v) in floats off the curve. :func:`on_curve` moves them back, each coefficient by as few of its
+last bits as possible.
 """
 
 from __future__ import annotations
@@ -14,12 +14,12 @@ from jacobian.numbers.long_reals import BareReals
 
 Pair = tuple[Coefficients, Coefficients]
 
-# the most of Newton's steps onto the curve
+# the largest number of Newton steps onto the curve
 STEPS = 40
 
 
 class MoreDigits(Exception):
-    """The working precision does not resolve a quantity: to be tried again with more."""
+    """The working precision does not resolve a quantity: try again with more digits."""
 
 
 class Digits:
@@ -30,7 +30,7 @@ class Digits:
         self.field = field
         self._complex = isinstance(field.one, complex) or hasattr(field.one, "_mpc_")
         self._reals = BareReals(bits)
-        # what is zero at every precision stays below it
+        # quantities that are zero at every precision stay below it
         self.floor = self._reals.number(0.5) ** (bits // 2)
         self.eps = self._reals.number(0.5) ** bits
         self.own_eps = self._reals.number(field.eps)
@@ -70,9 +70,10 @@ class Digits:
 
 
 def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, even: bool, known: Any = None) -> Pair:
-    """(u, v + half mod u) on y² = f near the given pair, by Newton's method: each step the least one, every coefficient
-    measured by itself; but where all is of moderate size (``even``) by no less than its share of the last bit. Steps
-    below the part ``known`` of that are the last; by default those that are lost in the digits.
+    """(u, v + half mod u) on y² = f near the given pair, by Newton's method with steps of least length.
+
+    Every coefficient is measured by itself, or, where all sizes are moderate (``even``), at least by its share of the
+    last bit. The iteration ends with steps below the part ``known`` of that, by default those below the working digits.
     """
     (u, v), size, last = map(list, pair), None, digits.own_eps
     m, known = len(u) - 1, known or digits.eps
@@ -99,7 +100,7 @@ def on_curve(digits: Digits, f: Coefficients, half: Coefficients, pair: Pair, ev
 
 
 def _scales(f: Coefficients, u: Coefficients, v: Coefficients, last: Any, even: bool) -> Coefficients:
-    """What the coefficients of u, but the first, and of v are measured by."""
+    """The units in which the coefficients of u, except the first, and of v are measured."""
     least = last if even else last**2
     return [
         abs(c) if c != 0 and not even else max(abs(c), least * place)

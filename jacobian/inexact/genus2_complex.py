@@ -1,13 +1,14 @@
-"""One addition in genus 2 on complex numbers and on curves with deg f = 6, written so that numba can compile it as it
-stands.
+"""One addition in genus 2 on complex numbers and on curves with deg f = 6, in Python that numba compiles unchanged.
 
 The formulas of :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 6, unrolled as
-in :mod:`jacobian.inexact.genus2_real`. What differs from that module: squares that measure a size are |z|², least
-squares take the adjoint (a Householder vector is turned by the phase of its first entry, every inner product is
-conjugate in its first factor), f has a seventh coefficient, and the transfer polynomials of the lift, which only real
-motions need, are left out. Numbers are ``complex`` or ``float``, for which conjugation does nothing. Coordinates are
-expected in units that make the coefficients of f of moderate size. The result must be of weight two; what says whether
-it is, the leading coefficient of p² − q²f, comes with it.
+in :mod:`jacobian.inexact.genus2_real`. Three things differ from that module. Squares that measure a size are |z|².
+Least squares use the adjoint: a Householder vector is turned by the phase of its first entry, and inner products
+conjugate their first factor. The polynomial f has a seventh coefficient, and the transfer polynomials of the lift,
+which only real motions need, are left out.
+
+Numbers are ``complex`` or ``float``, which is its own conjugate. Coordinates must be in units that make the
+coefficients of f of moderate size. The result must be of weight two; the leading coefficient of p² − q²f, returned with
+it, tells whether it is.
 """
 
 from __future__ import annotations
@@ -169,8 +170,8 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Four, right: Six) -> tuple[Number, Number]:
-    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it
-    leaves open.
+    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it does
+    not determine.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -192,10 +193,10 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
     # c0 is known from c1: c0 = lean·c1 + rest
     inverse = turn.conjugate() * (1 / norm)
     lean, rest = -dot_y * h * inverse, -(r0 - dot_r * h) * inverse
-    # size = 0: nothing but the curve knows the tangent
+    # size = 0: only the curve determines the tangent
     c1 = overlap * (1 / size) if size > 0 else 0 * overlap
     c0 = lean * c1 + rest
-    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open
+    # a tangent that only the curve determines: two Newton steps along the direction that the rows do not determine
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, lean, size / scale)
     return c0, c1
@@ -204,8 +205,8 @@ def tangent_polynomial(f: Seven, b0: Number, b1: Number, q: Number, factors: Fou
 def newton_step(
     f: Seven, b0: Number, b1: Number, c0: Number, c1: Number, lean: Number, noise: Any
 ) -> tuple[Number, Number]:
-    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', t held back as far as this equation is noisier than what c comes
-    from.
+    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', with t reduced where this equation is noisier than those that
+    gave c.
     """
     sizes = square(c0) + square(c1)
     doubt = noise * (sizes * sizes + square(f[0]) + square(f[1]))

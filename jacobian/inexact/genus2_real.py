@@ -1,10 +1,10 @@
-"""One addition in genus 2 on bare reals, written so that numba can compile it as it stands.
+"""One addition in genus 2 on bare reals, in Python that numba compiles unchanged.
 
 The same formulas as :mod:`jacobian.inexact.composition` for two divisors of weight two on y² = f(x), deg f ≤ 5,
-unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates are expected in units that make
-the coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions
-that this serves never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.inexact.compiled`
-compiles these functions with numba, for floats and for double-double numbers.
+unrolled; a quartic f gives the generalized Jacobian with modulus ∞₊ + ∞₋. Coordinates must be in units that make the
+coefficients of f and of the moving divisor of moderate size. The result must be of weight two: the real motions that
+use this never leave the compact component. Numbers are ``float`` or ``mpf``; :mod:`jacobian.inexact.compiled` compiles
+these functions with numba, for floats and for double-double numbers.
 """
 
 from __future__ import annotations
@@ -168,8 +168,8 @@ def second_polynomial(
 
 
 def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right: Six) -> tuple[Real, Real]:
-    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it
-    leaves open.
+    """The same stacked system by Householder reflections, and the curve's own equation along the direction that it does
+    not determine.
     """
     x2, x3, x4, x5 = factors
     r0, r1, r2, r3, r4, r5 = right
@@ -186,18 +186,18 @@ def tangent_polynomial(f: Six, b0: Real, b1: Real, q: Real, factors: Four, right
     y2, y3, y4, y5 = y2 - dot_y * x2, y3 - dot_y * x3, y4 - dot_y * x4, y5 - dot_y * x5
     r2, r3, r4, r5 = r2 - dot_r * x2, r3 - dot_r * x3, r4 - dot_r * x4, r5 - dot_r * x5
     size = q * q + y2 * y2 + y3 * y3 + y4 * y4 + y5 * y5
-    # size = 0: nothing but the curve knows the tangent
+    # size = 0: only the curve determines the tangent
     c1 = size if size == 0 else (q * r1 + y2 * r2 + y3 * r3 + y4 * r4 + y5 * r5) / size
     c0 = (y0 * c1 - r0) / norm
-    # a tangent that only the curve knows: two Newton steps along the direction that the rows leave open
+    # a tangent that only the curve determines: two Newton steps along the direction that the rows do not determine
     for _ in range(2):
         c0, c1 = newton_step(f, b0, b1, c0, c1, y0 / norm, size / scale)
     return c0, c1
 
 
 def newton_step(f: Six, b0: Real, b1: Real, c0: Real, c1: Real, lean: Real, noise: Real) -> tuple[Real, Real]:
-    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', t held back as far as this equation is noisier than what c comes
-    from.
+    """c + t·(lean, 1), nearer to V''² ≡ f modulo U'', with t reduced where this equation is noisier than those that
+    gave c.
     """
     f0, f1, f2, f3, f4, f5 = f
     square = c0 * c0 + c1 * c1

@@ -1,4 +1,4 @@
-"""Long numbers as a field: gmpy2's mpfr and mpc, for computations that take more digits than their results have."""
+"""Long numbers as a field: gmpy2's mpfr and mpc, for computations with more digits than their results."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ class LongField(InexactField):
         self._reals.__exit__(*error)
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The number that an int, a float, a complex number, an mpf or an mpc stands for."""
+        """The number that equals an int, a float, a complex number, an mpf or an mpc."""
         if isinstance(value, self._mpc):
             return value
         if self.complex:
@@ -69,7 +69,7 @@ class LongField(InexactField):
         return (*map(self.sub, a, b), *(a[len(b) :] or map(self.neg, b[len(a) :])))
 
     def poly_mul(self, a: Sequence[Any], b: Sequence[Any]) -> tuple[Any, ...]:
-        """a·b of polynomials, with little around each product."""
+        """a·b of polynomials, with little overhead for each product."""
         if not a or not b:
             return ()
         total = [self.zero] * (len(a) + len(b) - 1)
@@ -110,7 +110,7 @@ class LongField(InexactField):
         return [acb(ball(x.real), ball(x.imag)) if self.complex else ball(x) for x in values]
 
     def from_ball(self, x: Any) -> Any:
-        """The middle of flint's arb or acb."""
+        """The midpoint of flint's arb or acb."""
 
         def middle(part: Any) -> Any:
             mantissa, exponent = part.mid().man_exp()

@@ -1,6 +1,6 @@
-"""Long real numbers with mpmath's functions: gmpy2's, some five times as fast as mpmath's.
+"""Long real numbers with mpmath's functions, on gmpy2: some five times as fast as mpmath.
 
-They are a field with the functions of mpmath's contexts that motions on elliptic curves take, so that their formulas
+They are a field with those functions of mpmath's contexts that motions on elliptic curves use, so that these formulas
 run on the numbers of MP(digits) too.
 """
 
@@ -76,7 +76,7 @@ class Functions:
         root, one, bits = self.sqrt, self._gmpy2.mpfr(1), self.prec
         close = one / 2 ** (bits // 8 + 1)
         x, y, z = one * x, one * y, one * z
-        # a round takes two bits off what they differ by
+        # each round reduces the differences by two bits
         for _ in range(bits):
             mean = (x + y + z) / 3
             p, q = 1 - x / mean, 1 - y / mean

@@ -1,9 +1,9 @@
-"""Back onto the curve: (U, V) near a divisor of y² = f(x) moved, as little as possible, to where U divides f − V².
+"""Projection onto the curve: (U, V) near a divisor of y² = f(x), moved as little as possible so that U divides f − V².
 
-Rounding takes the sums of :mod:`jacobian.inexact.genus2_real` off the curve, and what is off the curve need not stay
-small: over many additions of one divisor it grows, for some steps exponentially (``python -m benchmarks stability``).
-One step of Newton's method here and there stops that. Bare reals, as in :mod:`jacobian.inexact.genus2_real`; compiled
-code may call it after ``import jacobian.inexact.compiled``.
+Rounding moves the sums of :mod:`jacobian.inexact.genus2_real` off the curve, and this error need not stay small. Over
+many additions of one divisor it grows, for some steps exponentially (``python -m benchmarks stability``). An occasional
+Newton step prevents that. Numbers are bare reals, as in :mod:`jacobian.inexact.genus2_real`; compiled code may call
+this after ``import jacobian.inexact.compiled``.
 """
 
 from __future__ import annotations

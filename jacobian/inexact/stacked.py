@@ -1,20 +1,20 @@
 """The stacked linear systems of inexact composition: one formula from generic position to exact doubling and to
 opposite points.
 
-Cantor's algorithm asks for greatest common divisors, which floats do not have. Here the function q·y − p(x) that
+Cantor's algorithm needs greatest common divisors, which do not exist in floats. Here the function q·y − p(x) that
 vanishes on both divisors is found as the null vector of a stacked linear system, by orthogonal transformations:
 
     L·U ≡ q·(V' − V)  (mod U')      and      L·(V + V') ≡ q·W  (mod U'),      W = (f − V²)/U,    p = q·V + U·L.
 
 The first congruence alone is the classical one; it loses all digits when D' approaches D. The second fails when D'
 approaches −D. Together, with q kept as an unknown, they determine p/q wherever the sum depends continuously on the
-summands: q → 0 says that a point of D' meets the opposite of a point of D. The sum has U'' ∝ (p² − q²f)/(U·U'), and V''
-solves a system stacked in the same way, to which the equation of the curve is added, each row weighted by its rounding
-noise.
+summands: q → 0 means that a point of D' meets the opposite of a point of D. The sum has U'' ∝ (p² − q²f)/(U·U'), and
+V'' solves a system stacked in the same way, to which the equation of the curve is added, each row weighted by its
+rounding noise.
 
-Sizes are compared as they are: :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1 and
-f is of size 1. Numbers are those of a field, or with more bits. What is zero, and which column is the largest,
-``field`` says: :class:`jacobian.inexact.composition.Plain` or :class:`jacobian.inexact.decided.Pass`.
+Sizes are compared directly: :mod:`jacobian.inexact.composition` chooses units in which the points are at |x| ≤ 1 and f
+is of size 1. Numbers are those of a field, or have more bits. ``field`` decides which numbers are zero and which column
+is the largest: :class:`jacobian.inexact.composition.Plain` or :class:`jacobian.inexact.decided.Pass`.
 """
 
 from __future__ import annotations
@@ -65,11 +65,11 @@ class Total(NamedTuple):
 def compose(
     field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pair, plus: complex | None = None
 ) -> tuple[Total, Number]:
-    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the
-    divisions that should leave none, beside the size of its terms.
+    """The reduced sum of two pairs (u, v), neither of them (1, 0), on y² = f(x), and the largest remainder of the exact
+    divisions, relative to the size of its terms.
 
-    ``plus`` is as :class:`jacobian.inexact.at_infinity.Infinity` has it; without it NotRepresentable where the sum has
-    a point at infinity.
+    ``plus`` is an :class:`jacobian.inexact.at_infinity.Infinity`; without it NotRepresentable where the sum has a point
+    at infinity.
     """
     (u1, v1), (u2, v2) = first, second
     f, (w1, _), both = list(f), residue(f, u1, v1), product(u1, u2)
@@ -77,7 +77,8 @@ def compose(
     p = added([q * c for c in v1], product(u1, slope))
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
-        # L and q are known to the last digit beside the largest of them, p beside itself to as many fewer
+        # L and q are accurate to the last digit relative to the largest of them, p relative to itself to
+        # correspondingly fewer
         return Total(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest, lean = _monic_quotient(field, f, p, q, both, plus)
@@ -86,7 +87,7 @@ def compose(
     slope2, _ = divided(added(p, [-q * c for c in v2]), u2)
     summands = ((slope, v1, w1), (slope2, v2, residue(f, u2, v2)[0]))
     v = _second_polynomial(field, f, u, p, q, summands)
-    # p is q·V + U·L of either summand: what the last bits of the larger terms leave of it
+    # p is q·V + U·L of either summand: its accuracy is the last bits of the larger terms
     terms = added(product(absolute(u1), absolute(slope)), [abs(q * c) for c in v1])
     terms = added(terms, added(product(absolute(u2), absolute(slope2)), [abs(q * c) for c in v2]))
     rest = max(rest, departure(f, u, v), _mismatch(u, v, p, q, terms))
@@ -105,7 +106,7 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
     noise1, noise2, modulus = absolute(u1), added(absolute(v1), absolute(v2)), bound(u2)
     rows, weights = [], []
     for factor, value, noise, value_noise in ((u1, difference, noise1, noise2), (trace, w1, noise2, absolute(w1))):
-        # what enters the rows before cancellation
+        # the size of the rows before cancellation
         weight = size(remainder(noise, modulus)) or 1
         weights.append(size(remainder(value_noise, modulus)) / weight)
         for row, right in zip(multiplication(factor, u2), remainder(value, u2), strict=True):
@@ -127,8 +128,9 @@ def _interpolant(field: Any, first: Pair, second: Pair, w1: Coefficients) -> tup
 
 
 def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> tuple[Coefficients, Number]:
-    """p and q with those leading terms set to zero that are rounding noise: degrees are decided here and where the
-    result is divided by its leading coefficient, nowhere else.
+    """p and q with leading terms set to zero where they are rounding noise.
+
+    Degrees are decided only here and where the result is divided by its leading coefficient.
     """
     scale = max(size(p), abs(q) * size(f) ** 0.5)
     p = list(p)
@@ -146,7 +148,7 @@ def _without_noise(field: Any, f: Coefficients, p: Coefficients, q: Number) -> t
 def _monic_quotient(
     field: Any, f: Coefficients, p: Coefficients, q: Number, both: Coefficients, plus: complex | None
 ) -> tuple[Coefficients, Number, int]:
-    """(p² − q²f)/(U·U'), made monic, the remainder beside the size of the terms, and the lean."""
+    """(p² − q²f)/(U·U'), made monic, the remainder relative to the size of the terms, and the lean."""
     psi, lean = product(p, p), 0
     terms = size(psi)
     if q:
@@ -159,8 +161,9 @@ def _monic_quotient(
 
 
 def _vanishing(field: Any, psi: Coefficients, lead: Number, plus: complex | None, scale: Number) -> int:
-    """The lean of a function y − w, w of the leading coefficient ``lead``, that vanishes at infinity; the leading
-    coefficients of ψ = w² − f that are zero for that are taken off it.
+    """The lean of a function y − w that vanishes at infinity, ``lead`` the leading coefficient of w.
+
+    The leading coefficients of ψ = w² − f that are zero because of it are removed.
     """
     if plus is None:
         raise NotRepresentable(_AT_INFINITY)
@@ -186,7 +189,7 @@ def _second_polynomial(
     modulus, unit = bound(u), size(f) ** 0.5
 
     def stack(factor: Coefficients, value: Coefficients, noise: Coefficients) -> None:
-        # at a point at 0 remainders say nothing of the noise of the factor's first coefficient
+        # at a point at 0 remainders do not show the noise of the factor's first coefficient
         least = field.eps**0.5 * size(factor)
         weight = size(remainder(noise, modulus)) + unit * (size(remainder(absolute(factor), modulus)) + least) or 1
         for row, c in zip(multiplication(factor, u), remainder(value, u), strict=True):
@@ -197,7 +200,7 @@ def _second_polynomial(
     for slope, v, w in summands:
         noise = added(product(absolute(slope), absolute(v)), [abs(q * c) for c in w])
         stack(slope, added(product(slope, v), [-q * c for c in w]), noise)
-    # below the noise of those rows: of the solutions that opposite points leave open, a small one
+    # below the noise of those rows: it selects a small one of the solutions that opposite points allow
     small = field.eps / (unit or 1)
     rows.extend([small if i == j else field.zero for j in range(m)] for i in range(m))
     right.extend([field.zero] * m)
@@ -233,13 +236,13 @@ def _reduction_step(
 
 
 def departure(f: Coefficients, u: Coefficients, v: Coefficients) -> Number:
-    """The largest remainder f − v² mod u, beside the size of its terms."""
+    """The largest remainder f − v² mod u, relative to the size of its terms."""
     sizes = absolute(v)
     return _share(residue(f, u, v)[1], added(absolute(f), product(sizes, sizes)), u)
 
 
 def _mismatch(u: Coefficients, v: Coefficients, p: Coefficients, q: Number, terms: Coefficients) -> Number:
-    """The largest remainder p + q·v mod u, beside the size of its terms, those of p given."""
+    """The largest remainder p + q·v mod u, relative to the size of its terms; those of p are given."""
     return _share(remainder(added(p, [q * c for c in v]), u), added(terms, [abs(q * c) for c in v]), u)
 
 

@@ -9,8 +9,8 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS, AffinePoint, Point, PointAtInfinity
-from jacobian.errors import FieldError, NotRepresentable
-from jacobian.fields.embedding import Embedding, embedding
+from jacobian.errors import FieldError, NotRepresentable, shown
+from jacobian.fields.change import Embedding, embedding
 from jacobian.fields.factor import factor, roots, without_root
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
@@ -33,15 +33,15 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Any], extension: Any) ->
         conjugate = AffinePoint(*map(inclusion.frobenius, point))
         if number[conjugate] != number[point]:
             raise NotRepresentable(
-                f"points: {tuple(point)} is given {number[point]} times and its conjugate {tuple(conjugate)} over "
-                f"{J.field.name} {number[conjugate]} times: give all conjugates of a point alike"
+                f"points: {shown(tuple(point))} is given {number[point]} times and its conjugate {tuple(conjugate)} "
+                f"over {J.field.name} {number[conjugate]} times: give all conjugates of a point alike"
             )
     descent = Descent(above, lambda a: tuple(inclusion.back(c) for c in a), lambda kept: _orbits(kept, inclusion))
     return divisor_of_points(J, checked, descent)
 
 
 def _orbits(points: list[AffinePoint], inclusion: Embedding) -> list[list[AffinePoint]]:
-    """The points, each as often as its conjugates, one orbit of the Frobenius map after the other."""
+    """The points, each as often as its conjugates, grouped by orbits of the Frobenius map."""
     left, found = Counter(points), []
     for point in points:
         if left[point]:

@@ -1,7 +1,7 @@
-"""Divisor classes in Mumford form: immutable values that know their group; the arithmetic is the group's.
+"""Divisor classes in Mumford form: immutable values that know their group, which does the arithmetic.
 
-:class:`GroupLaw` is what a divisor, and every function on divisors, may ask of that group. The groups themselves are
-above: :class:`jacobian.group.Jacobian`, :class:`jacobian.relatives.glued.GeneralizedJacobian`.
+:class:`GroupLaw` is the interface that a divisor, and every function on divisors, uses. The groups themselves are in
+higher rooms: :class:`jacobian.group.Jacobian`, :class:`jacobian.relatives.glued.GeneralizedJacobian`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from jacobian.immutable import Immutable
 
 
 class GroupLaw(Immutable):
-    """A group of divisor classes on ``curve``, over ``field``. Divisors are of this group, and nothing is checked."""
+    """A group of divisor classes on ``curve``, over ``field``. Its methods assume divisors of this group, without
+    checks.
+    """
 
     curve: HyperellipticCurve
     field: Field[Any]
@@ -88,12 +90,12 @@ class GroupLaw(Immutable):
 
 
 class Divisor(Immutable):
-    """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` and
-    its kin.
+    """A reduced divisor class (u, v, n) of a Jacobian. Get one from :meth:`jacobian.group.Jacobian.from_mumford` or
+    ``from_points``.
 
     ``u``: monic, ascending, of degree at most g; ``v``: y on the points of u, of degree below deg u (trimmed over an
     exact field, of length deg u over an inexact one); ``n``: the weight at ∞₊ on a split model, in 0 … g − deg u, and
-    None on a ramified or inert one, which leave no choice. ``jacobian``: the group.
+    None on a ramified or inert one, where it is determined. ``jacobian``: the group.
 
     ``+``, ``−``, ``m * D``, ``==``, ``hash``; ``bool(D)`` is False for the identity; the int 0 stands for it in sums.
     Over inexact fields ``==`` compares the numbers of the representation, which is not a test of equality of classes.
@@ -121,16 +123,16 @@ class Divisor(Immutable):
     def support(self, extension: Any = None) -> list[tuple[Point, int]]:
         """The points of D with their multiplicities: the affine ones by ascending x, then ∞₊ and ∞₋ of a split model.
 
-        ``extension``: a larger finite field to find the points in. ``from_points`` of them, repeated as often, is D
-        again. Raises NotRepresentable when points are missing from the field, with the degree of the extension that
-        has them; FieldError over an inexact field.
+        ``extension``: a larger finite field to find the points in. ``from_points`` of the result is D again. Raises
+        NotRepresentable when the field does not contain all points, and names the degree of the extension that does;
+        FieldError over an inexact field.
         """
         return self.jacobian.support(self, extension)
 
     def change_ring(self, K: Any) -> Divisor:
         """The image of D over the field K (:meth:`jacobian.curve.questions.CurveQuestions.change_ring`).
 
-        FieldError where u and v have no such image, as modulo a prime at which a point of D goes to infinity.
+        FieldError where u and v have no image, such as modulo a prime at which a point of D goes to infinity.
         """
         J, move = self.jacobian.change_ring(K), change_of_field(self.jacobian.field, K)
         try:
@@ -141,7 +143,7 @@ class Divisor(Immutable):
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
         if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
             raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
-        # what shared the places at infinity evenly goes on doing so on a split model
+        # weights that are equal at both points at infinity stay so on a split model
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:
@@ -191,9 +193,9 @@ class Divisor(Immutable):
         return self.jacobian.double(self)
 
     def order(self, multiple: int | None = None, primes: Any = None) -> int | float:
-        """The least m > 0 with m·D = 0; over QQ ``math.inf`` where there is none (:mod:`jacobian.finite.orders`).
+        """The least m > 0 with m·D = 0; over QQ ``math.inf`` for infinite order (:mod:`jacobian.finite.orders`).
 
-        ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, where they are known.
+        ``multiple``: a known multiple of it, by default #J; ``primes``: its prime factors, if known.
         """
         return self.jacobian.order_of(self, multiple, primes)
 
@@ -203,7 +205,7 @@ class Divisor(Immutable):
         return self.jacobian.multiply(check_scalar(scalar), self)
 
     __rmul__ = __mul__
-    # without this numpy would take a numpy integer times D apart element by element
+    # otherwise numpy would multiply a numpy integer and D element by element
     __array_ufunc__ = None
 
     def __eq__(self, other: object) -> bool:
@@ -278,7 +280,7 @@ def check_scalar(scalar: Any, argument: str = "scalar") -> int:
 
 
 def check_scalars(scalars: Any, count: int, argument: str = "scalar") -> int | list[int]:
-    """One int, or a list of ``count`` of them from a sequence or a flat array; ArgumentError for all else."""
+    """One int, or a list of ``count`` of them from a sequence or a flat array; ArgumentError for anything else."""
     import numpy as np
 
     several = isinstance(scalars, Sequence | np.ndarray) and not isinstance(scalars, NO_SEQUENCES)
@@ -286,7 +288,7 @@ def check_scalars(scalars: Any, count: int, argument: str = "scalar") -> int | l
         return check_scalar(scalars, argument)
     if getattr(scalars, "ndim", 1) != 1 or len(scalars) != count:
         raise ArgumentError(
-            f"{argument} = {shown(scalars)} beside {count} rows: one int, or a flat array of one for each row"
+            f"{argument} = {shown(scalars)} beside {shown(count)} rows: one int, or a flat array of one for each row"
         )
     if isinstance(scalars, np.ndarray) and scalars.dtype.kind in "iu" and not np.ma.is_masked(scalars):
         found: list[int] = scalars.tolist()

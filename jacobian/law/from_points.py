@@ -13,17 +13,17 @@ from jacobian.curve.points import AffinePoint, Point
 from jacobian.errors import ArgumentError, NotRepresentable, entries, shown, whole
 from jacobian.law.divisor import Divisor, GroupLaw
 
-# one by one; more of them is a matter of multiples in the group
-MOST_REPEATED = 100
-# points up to this times g make one pair, without the group's addition
+# points are added one by one; larger sums should use multiples in the group
+MOST_REPEATED, MOST_POINTS = 100, 100_000
+# up to this times g points make one pair, without the group's addition
 AT_ONCE = 8
 
 
 class Descent(NamedTuple):
-    """Points over an extension field, and the way back to the field of the curve.
+    """Points over an extension field, and the map back to the field of the curve.
 
-    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``: points
-    as a list of sets that are closed under conjugation.
+    ``curve``: the same equation over the extension; ``back`` takes polynomials over it to the field; ``orbits``: lists
+    the points by sets that are closed under conjugation.
     """
 
     curve: HyperellipticCurve
@@ -34,6 +34,11 @@ class Descent(NamedTuple):
 def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> list[Any]:
     """Each point as often as its multiplicity, an int ≥ 0, says."""
     points, numbers = counted(points, multiplicities)
+    if len(points) > MOST_POINTS:
+        raise ArgumentError(
+            f"points: {len(points)} of them are added one by one, {MOST_POINTS} at most; take multiples in the group, "
+            "such as m * J.from_points([P, P])"
+        )
     if numbers is None:
         return points
     result = []
@@ -50,7 +55,7 @@ def repeated(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> lis
 
 
 def counted(points: Iterable[Any], multiplicities: Iterable[Any] | None) -> tuple[list[Any], list[Any] | None]:
-    """Both as lists, of one length: what is in them is not looked at."""
+    """Both as lists of one length; their entries are not checked."""
     points = entries(points, "points", "a sequence of pairs (x, y) and points at infinity")
     if multiplicities is None:
         return points, None
@@ -78,9 +83,10 @@ def divisor_of_points(J: GroupLaw, points: list[Point], descent: Descent | None 
 
 
 def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: Descent | None) -> Divisor:
-    """Parts of some points, reduced and added in the group: in one pair, time would grow with the cube of their number.
+    """Some points at a time, reduced and added in the group: for a single pair, time would grow with the cube of their
+    number.
 
-    On a split model a class is (weight at ∞₊) − ⌈g/2⌉ there: the last part makes up for those of the others.
+    On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉: the last part compensates those of the others.
     """
     C = J.curve
     *others, last = _parts(C, descent.orbits(points) if descent else [[point] for point in points])
@@ -95,7 +101,9 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
 
 
 def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
-    """Orbits put together to 8g points or more, an even number on an inert model; the last part may have fewer."""
+    """Orbits grouped into parts of at least 8g points, an even number on an inert model; the last part may have
+    fewer.
+    """
     parts: list[list[AffinePoint]] = [[]]
     for orbit in orbits:
         if len(parts[-1]) >= AT_ONCE * C.genus and (C.model != "inert" or len(parts[-1]) % 2 == 0):
@@ -118,7 +126,7 @@ def _inexact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None) -> Divis
     g = J.curve.genus
     if n is not None and not 0 <= n <= g - len(points):
         raise NotRepresentable(
-            f"points: {len(points)} with the weight {n} at ∞₊, not in 0 … {g - len(points)}; "
+            f"points: {len(points)} with the weight {shown(n)} at ∞₊, not in 0 … {g - len(points)}; "
             f"over {J.field.name} add smaller sums"
         )
     points = in_order(points)
@@ -159,11 +167,11 @@ def _cancel_inexact(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[l
 
 
 def pair_of_points(C: HyperellipticCurve, points: list[AffinePoint]) -> tuple[poly.Poly, poly.Poly]:
-    """(u, v) through the points, repeated ones with their multiplicity; no point beside its opposite.
+    """(u, v) through the points, repeated ones with their multiplicity; no point together with its opposite.
 
-    Over an inexact field :mod:`jacobian.law.inexact_points`; else one point at a time (Newton's interpolation):
-    v → v + u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u,
-    where u(x₀) = 0 already.
+    Over an inexact field :mod:`jacobian.law.inexact_points`; else one point at a time (Newton's interpolation): v → v +
+    u·k with k(x₀) = (y₀ − v(x₀))/u(x₀) for a new x₀, and k(x₀) = w(x₀)/(2v + h)(x₀), w = (f − hv − v²)/u, where u(x₀) =
+    0 already.
     """
     K = C.field
     if not K.exact:

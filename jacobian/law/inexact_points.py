@@ -1,5 +1,5 @@
-"""From points to Mumford pairs over RR, CC and MP: interpolated with more digits and rounded once, so that the order of
-the points does not matter.
+"""From points to Mumford pairs over RR, CC and MP: interpolated with more digits and rounded once, so the result does
+not depend on the order of the points.
 """
 
 from __future__ import annotations
@@ -9,18 +9,18 @@ from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint
-from jacobian.errors import PrecisionLoss
+from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.dense import added, product, remainder, residue, value_at
 from jacobian.inexact.digits import Digits
 
-# the part of y that must be left of the value of a rounded v
+# the part of y that the value of a rounded v must keep
 KNOWN = 2**-7
-# y is taken for the rounded y of the curve where y² is that of the curve to this many last digits
+# y counts as the rounded y of the curve where y² agrees with the curve to this many last digits
 NEAR = 2**20
 
 
 def in_order(points: Sequence[AffinePoint]) -> list[AffinePoint]:
-    """The points in an order of their own."""
+    """The points in an order that depends only on their values."""
     return sorted(points, key=lambda point: (point.x.real, point.x.imag, point.y.real, point.y.imag))
 
 
@@ -31,10 +31,9 @@ def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
 
 
 def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(u, v) through the points, those of one x being one point, repeated; none beside its opposite.
+    """(u, v) through the points, where equal x mean one point, repeated; none together with its opposite.
 
-    PrecisionLoss where the coefficients of v, rounded, say nothing of the y of some point: the x differ too much in
-    size.
+    PrecisionLoss where the coefficients of v, once rounded, lose the y of some point: the x differ too much in size.
     """
     field: Any = C.field
     points = in_order(points)
@@ -90,7 +89,7 @@ def _rounded(digits: Any, points: Sequence[AffinePoint], f: list[Any], v: list[A
         size = max(abs(value_at(v, x)), digits.own_eps**0.5 * height)
         if abs(value_at(kept, x) - value_at(v, x)) > KNOWN * size:
             raise PrecisionLoss(
-                f"point = {point}: the coefficients of v, rounded to {digits.field.name}, lose its y beside points of "
-                "other sizes; use more digits"
+                f"point = {shown(point)}: the coefficients of v, rounded to {digits.field.name}, lose its y beside "
+                "points of other sizes; use more digits"
             )
     return result

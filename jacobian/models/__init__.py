@@ -1,1 +1,1 @@
-"""The same curve by other equations, and what all its equations have in common."""
+"""The same curve by other equations, and the invariants of all of them."""

@@ -1,8 +1,9 @@
-"""Invariants of curves of genus 2: Igusa–Clebsch, Igusa, and the three that tell curves over closed fields apart.
+"""Invariants of curves of genus 2: Igusa–Clebsch, Igusa, and three that determine a curve over the algebraic closure.
 
-Clebsch's invariants of the sextic F = h² + 4f are transvectants with denominators; those of Igusa are polynomials with
-integral coefficients in those of f and h. So over a finite field the coefficients are lifted to characteristic 0, to
-numbers or to polynomials modulo the lifted modulus, and Igusa's invariants come back to every characteristic.
+Clebsch's invariants of the sextic F = h² + 4f are transvectants with denominators. Igusa's are polynomials with
+integral coefficients in those of f and h. Over a finite field the coefficients are therefore lifted to characteristic
+0, to numbers or to polynomials modulo the lifted modulus, and Igusa's invariants are reduced back, in every
+characteristic.
 """
 
 from __future__ import annotations
@@ -20,7 +21,9 @@ from jacobian.errors import ArgumentError, FieldError
 
 
 class Ring(NamedTuple):
-    """Where invariants are computed: numbers with + and −, their product, a rational multiple; the way in and back."""
+    """The ring of the computation: numbers with + and −, their product, a rational multiple, and conversion to and from
+    it.
+    """
 
     into: Callable[[Any], Any]
     mul: Callable[[Any, Any], Any]
@@ -31,7 +34,7 @@ class Ring(NamedTuple):
 def igusa_clebsch_invariants(C: HyperellipticCurve) -> tuple[Any, Any, Any, Any]:
     """(I2, I4, I6, I10) of the sextic h² + 4f (Mestre 1991, after Clebsch 1872); I10 is its discriminant.
 
-    Genus 2 (ArgumentError else); FieldError in characteristic 2, where they vanish: :func:`igusa_invariants` don't.
+    Genus 2 (ArgumentError else); FieldError in characteristic 2, where they vanish; use :func:`igusa_invariants` there.
     """
     K = _genus_two(C).field
     if K.characteristic == 2:

@@ -1,13 +1,13 @@
 """All isomorphisms between two curves of genus ≥ 2 over a finite field of odd characteristic or over QQ.
 
 An isomorphism takes the branch points, the roots of the form F = h² + 4f of degree 2g + 2, to branch points, and is
-known from the images of three. So one takes factors of F that have three roots or more together and tries all factors
-of the same degrees and all conjugates for their images; each try is a linear system over the field for (a : b : c : d).
+determined by the images of three. So factors of F with three roots or more together are mapped to all factors of the
+same degrees and all conjugates. Each try is a linear system over the field for (a : b : c : d).
 
 Over QQ the same is done modulo a prime p of good reduction and lifted, digit by digit, to F'(ax + b, cx + d) = λF
-modulo powers of p, until rational numbers can be read off. With integral F and F' the height of (a : b : c : d) is at
-most 6(‖F‖‖F'‖)³, since its entries are minors of rows (α, 1, −αβ, −β), α and β have heights of at most the Mahler
-measures of F and F', and these are at most the norms (Landau 1905): beyond that there is none.
+modulo powers of p, until the residues determine rational numbers. With integral F and F' the height of (a : b : c : d)
+is at most 6(‖F‖‖F'‖)³. Its entries are minors of rows (α, 1, −αβ, −β). The heights of α and β are at most the Mahler
+measures of F and F', and these are at most the norms (Landau 1905).
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotASquare
 from jacobian.fields import GF, QQ
-from jacobian.fields.embedding import embedding
+from jacobian.fields.change import embedding
 from jacobian.fields.factor import factor, roots
 from jacobian.fields.primality import is_prime
 from jacobian.linear import echelon, solution
 from jacobian.models.isomorphism import Isomorphism, substituted
 
 Matrix = tuple[Any, Any, Any, Any]
-# a point of the projective line over GF(q^k): (X, Y), and the map that takes elements of GF(q) there
+# a point of the projective line over GF(q^k): (X, Y), and the map from GF(q) to that field
 Place = tuple[int, poly.Poly]
-# where the search for a prime of good reduction begins
+# the search for a prime of good reduction starts here
 FIRST = 1009
 
 
@@ -50,8 +50,8 @@ def automorphisms(C: HyperellipticCurve) -> list[Isomorphism]:
 def isomorphisms(C: HyperellipticCurve, E: HyperellipticCurve) -> list[Isomorphism]:
     """All isomorphisms from C to E over their field, a finite one of odd characteristic or QQ, for genus ≥ 2.
 
-    They come in pairs that differ by y → −y − h. ArgumentError in genus 1, where there are infinitely many maps to ask
-    for; FieldError in characteristic 2 and over inexact fields; CurveMismatch for two fields.
+    They come in pairs that differ by y → −y − h. ArgumentError in genus 1, which has other isomorphisms; FieldError in
+    characteristic 2 and over inexact fields; CurveMismatch for two fields.
     """
     return list(_isomorphisms(C, E))
 
@@ -116,7 +116,7 @@ def _places(K: Any, form: poly.Poly, genus: int) -> list[Place]:
 
 
 def _three(places: list[Place]) -> list[Place]:
-    """Few places with three points or more together: one, where there is one of degree three."""
+    """A few places with three points or more together: a single one, where there is one of degree three."""
     for place in sorted(places):
         if place[0] >= 3:
             return [place]
@@ -134,7 +134,7 @@ def _equations(K: Any, P: Place, Q: Place) -> list[list[list[Any]]]:
     if k == 1:
         (x, y), (z, w) = (_rational_point(K, place) for place in (P, Q))
         return [[[K.mul(x, w), K.mul(y, w), K.neg(K.mul(x, z)), K.neg(K.mul(y, z))]]]
-    # over GF(p) the factor itself is a modulus, and no table of moduli need be loaded
+    # over GF(p) the factor itself is a modulus, so no table of moduli is loaded
     L = GF(K.characteristic, k, P[1]) if K.degree == 1 else GF(K.characteristic, K.degree * k)
     inclusion = embedding(K, L)
     alpha = roots(L, inclusion.polynomial(P[1]))[0]

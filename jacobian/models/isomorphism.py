@@ -22,12 +22,11 @@ from jacobian.relatives.formal_sum import FormalSum
 
 
 class Isomorphism(Immutable):
-    """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most
-    g + 1 (ascending); exact fields.
+    """The isomorphism from ``source`` by ``matrix`` = (a, b, c, d), ``scale`` e and ``move`` t, of degree at most g + 1
+    (ascending); exact fields.
 
-    ``target``: the curve that it leads to. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other *
-    iso`` is iso, then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the
-    target.
+    ``target``: its other curve. ``iso(P)`` for points, ``iso(D)`` for divisors; ``inverse()``; ``other * iso`` is iso,
+    then other. ArgumentError for ad = bc, e = 0 and a longer t. ``infinity_plus`` as for a curve, for the target.
     """
 
     def __init__(
@@ -151,7 +150,7 @@ class Isomorphism(Immutable):
         return u, y
 
     def _fibre(self, weight: int) -> FormalSum:
-        """So many times the image of the place at infinity of an inert model."""
+        """A multiple of the image of the place at infinity of an inert model."""
         E, K, (a, _, c, _) = self.target, self.source.field, self.matrix
         zero = FormalSum.zero(E)
         if K.is_zero(c):
@@ -182,7 +181,7 @@ class Isomorphism(Immutable):
         return Isomorphism(other.source, matrix, K.mul(self.scale, other.scale), move, plus)
 
     def _value(self) -> tuple[Any, ...]:
-        """The matrix is one of many: the others have λM, λ^(g+1)e and λ^(g+1)t."""
+        """The matrix up to scaling: (λM, λ^(g+1)e, λ^(g+1)t) is the same map."""
         K = self.source.field
         unit = K.inv(next(x for x in self.matrix if not K.is_zero(x)))
         power = _power(K, unit, self.source.genus + 1)

@@ -1,8 +1,8 @@
-"""Images of divisor classes under correspondences: what each point goes to, summed without the points.
+"""Images of divisor classes under correspondences: the sum of the images of their points, without the points.
 
-A class of genus 2 in general position is P + Q less infinity, (u, v) with deg u = 2. Over K[t]/u the point (t, v(t))
-goes to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the one
-polynomial with V ≡ V_t modulo U_t. Classes in special position are the difference of two that are not.
+A class of genus 2 in general position is P + Q minus infinity, (u, v) with deg u = 2. Over K[t]/u the point (t, v(t))
+goes to a pair (U_t, V_t) on the target, and the sum of both conjugates is (U, V) over K: U the norm of U_t, V the
+polynomial with V ≡ V_t modulo U_t. A class in special position is the difference of two classes in general position.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ class Family:
         return [*a, *[self.field.zero] * (2 - len(a))]
 
 
-# of points of (u, v) over a field L ⊇ K, with the map from K to L for what the correspondence is written with
+# of points of (u, v) over a field L ⊇ K, with the map from K to L for the coefficients of the correspondence
 Families = Callable[[Any, Callable[[poly.Poly], poly.Poly], poly.Poly, poly.Poly], "Family | None"]
 
 
@@ -121,13 +121,13 @@ def _fields(K: Any) -> Iterator[Any]:
 
 def _pushed(E: HyperellipticCurve, D: Divisor, families: Families, move: Callable[[Any], Any]) -> Divisor | None:
     def image(R: Divisor) -> Divisor | None:
-        """Of a class P + Q less infinity, where nothing is special about P and Q."""
+        """Of a class P + Q minus infinity with P and Q in general position."""
         family = families(E.field, lambda a: tuple(map(move, a)), R.u, R.v) if R.degree == 2 else None
         value = None if family is None else family.trace()
         if family is None or value is None:
             return None
         u = family.norm()
-        # π*(∞) goes to as many of them: as much is taken away at both points at infinity
+        # π*(∞) goes to as many of them: equally many are subtracted at both points at infinity
         n = (E.genus + 1) // 2 - (len(u) - 1) // 2 if E.model == "split" else None
         return E.jacobian()._reduced(u, value, n)
 

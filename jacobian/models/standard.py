@@ -1,4 +1,4 @@
-"""Equations that computations ask for: a given point at infinity, odd degree, h = 0."""
+"""Special equations: a given point at infinity, odd degree, h = 0."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jacobian.models.isomorphism import Isomorphism
 
 def move_to_infinity(C: HyperellipticCurve, P: Any) -> Isomorphism:
     """The isomorphism by x' = 1/(x − x(P)), which takes a rational point P to infinity: to ∞₊, or for a P = ιP to the
-    only point there, of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P that is there.
+    only point there, of an equation of odd degree. Exact fields; the identity, or ∞₊ ↔ ∞₋, for a P at infinity.
     """
     K, P = check_curve(C).field, C.check_point(P)
     if isinstance(P, PointAtInfinity):
@@ -31,7 +31,7 @@ def move_to_infinity(C: HyperellipticCurve, P: Any) -> Isomorphism:
 def odd_degree_model(C: HyperellipticCurve) -> Isomorphism:
     """An isomorphism to an equation with deg f = 2g + 1, deg h ≤ g, over QQ or a finite field.
 
-    It takes a rational Weierstrass point to infinity: the one that is there, or the one of least x. NotRepresentable
+    It takes a rational Weierstrass point to infinity: the one already there, or the one of least x. NotRepresentable
     where no such point is rational.
     """
     K = check_curve(C).field

@@ -14,7 +14,7 @@ LANES, TWO = 8, 2
 
 
 class Types(NamedTuple):
-    """What LLVM calls a float, an integer and a bit, or ``lanes`` of them, and what names of functions end in."""
+    """LLVM's names of a float, an integer and a bit, or of ``lanes`` of them, and the endings of function names."""
 
     double: str
     word: str
@@ -27,12 +27,15 @@ class Types(NamedTuple):
 SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
-def _types_in(n: int) -> Types:
+def types_in(n: int) -> Types:
+    """Those of n lanes."""
+    if n == 1:
+        return SINGLE
     double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
     return Types(double, word, bit, f"v{n}f64", f".abreast{n}", n)
 
 
-TYPES = {1: SINGLE, TWO: _types_in(TWO), LANES: _types_in(LANES)}
+TYPES = {1: SINGLE, TWO: types_in(TWO), LANES: types_in(LANES)}
 
 
 def repeated(leaf: str, literal: str, lanes: int) -> str:

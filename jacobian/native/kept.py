@@ -34,8 +34,10 @@ def place() -> Path | None:
 
 
 class Object(NamedTuple):
-    """Machine code, the letters of ``struct`` for the results of its entries, in brackets if they are tuples, the
-    modules that it was made from and the numbers of modules that are in it, by their whole names, as text.
+    """Compiled code as it is stored.
+
+    It has the machine code, the ``struct`` letters of its entries' results (in brackets for tuples), the modules it was
+    made from, the numbers of the modules in it by their full names, and its text.
     """
 
     results: dict[str, str]

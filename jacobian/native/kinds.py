@@ -104,6 +104,8 @@ TWIN_WIDES = ArrayKind(_ABREAST[WIDE, TWO], parts=2 * TWO)
 """Items of two numbers each, on which the same is done at once: of floats (x, y), of double-doubles (x_hi, y_hi, x_lo,
 y_lo).
 """
+EIGHTS = ArrayKind(_ABREAST[FLOAT, LANES], parts=LANES)
+"""Items of as many floats as there are lanes."""
 
 
 @dataclass(frozen=True)

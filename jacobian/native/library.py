@@ -112,7 +112,7 @@ class Call:
     """An entry of a library."""
 
     def __init__(self, entry: machine.Entry, kinds: tuple[Any, ...], result: str) -> None:
-        self._entry, self._kinds, self._forms, back = entry, kinds, tuple(map(form_of, kinds)), result.strip("()")
+        self.entry, self._kinds, self._forms, back = entry, kinds, tuple(map(form_of, kinds)), result.strip("()")
         letters = "".join(LETTERS[leaf] for kind in kinds for leaf in kind.leaves)
         self._in, self._out = struct.Struct(f"={letters}"), struct.Struct(f"={back}")
         self._size, self._tuple = self._in.size + self._out.size, result != back
@@ -123,7 +123,7 @@ class Call:
         flatten(arguments, self._forms, words)
         memory = bytearray(self._size)
         self._in.pack_into(memory, 0, *words)
-        self._entry.call(addressof(from_buffer(memory)))
+        self.entry.call(addressof(from_buffer(memory)))
         if self._nothing:
             return None
         found = self._read(memory)
@@ -142,7 +142,7 @@ class Call:
         flatten(given, self._forms[: len(given)], words)
         letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
         head = struct.pack(f"={letters}", *words)
-        room, call, read = bytes(self._out.size), self._entry.call, self._read
+        room, call, read = bytes(self._out.size), self.entry.call, self._read
 
         def called(*longs: int) -> tuple[Any, ...]:
             # the shortest way: it takes as long as the arithmetic

@@ -10,13 +10,13 @@ from typing import Any
 import llvmlite.binding as llvm
 
 
-def _target() -> Any:
+def _target(effort: int = 2) -> Any:
     """A machine of its own: an engine takes it and frees it."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
     return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=features(), opt=2, reloc="default", codemodel="jitdefault", jit=True
+        cpu=llvm.get_host_cpu_name(), features=features(), opt=effort, reloc="default", codemodel="jitdefault", jit=True
     )
 
 
@@ -33,12 +33,14 @@ def name() -> str:
     return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
 
-def object_of(text: str) -> bytes:
-    """The module, optimized, as an object file."""
-    machine = _target()
+def object_of(text: str, as_written: bool = False) -> bytes:
+    """The module, optimized, as an object file; ``as_written``: long straight lines, which there is little to do to."""
+    machine = _target(1 if as_written else 2)
     module = llvm.parse_assembly(text)
     module.verify()
     module.data_layout = str(machine.target_data)
+    if as_written:
+        return bytes(machine.emit_object(module))
     options = llvm.create_pipeline_tuning_options(speed_level=2)
     # straight lines of scalar code lose by being made vectors
     options.loop_vectorization, options.slp_vectorization = True, False
@@ -52,7 +54,8 @@ class Entry:
 
     def __init__(self, engine: Any, name: str) -> None:
         self._engine = engine
-        self.call: Callable[[int], None] = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(engine.get_function_address(name))
+        self.address: int = engine.get_function_address(name)
+        self.call: Callable[[int], None] = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(self.address)
 
 
 def loaded(data: bytes, names: tuple[str, ...]) -> dict[str, Entry]:

@@ -1,4 +1,4 @@
-"""The arithmetic of :mod:`jacobian.numbers.two_words` as compiled loops have it: long numbers modulo p.
+"""The arithmetic of :mod:`jacobian.numbers.two_words` for compiled loops: long numbers modulo p.
 
 Each function takes the context as its first argument, and writes the instructions without a jump.
 """

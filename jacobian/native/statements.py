@@ -100,6 +100,9 @@ class Statements(Expressions):
         """A value into a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
+        if name == "_":
+            # what is not looked at may be of any kind
+            return
         if self.mask is not None and not isinstance(value.kind, ArrayKind):
             value = self.cast(value, abreast(value.kind))
         kind = self.kinds.setdefault(name, value.kind)

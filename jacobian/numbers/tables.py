@@ -1,9 +1,8 @@
 """GF(p^k) of at most 2^16 elements in the manner of :mod:`jacobian.numbers.words`: tables without a branch for zero.
 
-An element is the int that stands for it in :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1),
-where the table of powers, and all that follows in it, is 0: so a product is one look-up at the sum of two logarithms,
-and a sum one at log x + zech(log y − log x), the table of Zech logarithms going from −2(q − 1) to 2(q − 1). In
-characteristic 2 a sum is an exclusive or.
+An element is the int of :class:`jacobian.fields.table.TableField`. The logarithm of 0 is 2(q − 1), and from there on
+the table of powers is 0. So a product is one look-up at the sum of two logarithms, and a sum one at log x + zech(log y
+− log x). The table of Zech logarithms runs from −2(q − 1) to 2(q − 1). In characteristic 2 a sum is an exclusive or.
 
 A *context* holds the tables; :mod:`jacobian.numbers.tables_compiled` registers what compiled code does with one. Every
 element is canonical.

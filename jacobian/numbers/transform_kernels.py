@@ -1,10 +1,10 @@
 """Number-theoretic transforms on floats, compiled: modulo primes below 2^49, eight numbers of a vector at once.
 
-A block x of length 2m stands for a polynomial modulo X^(2m) − W² and is taken to its residues modulo X^m − W and
-X^m + W: one factor W for a whole block, so that loops over its numbers are vector instructions (Harvey 2014 on the
-arithmetic; the factors of block b are the same on each level, in the order of reversed bits). Blocks that fit into the
-processor's cache are finished one after the other. The last four levels are done side by side in SIDE blocks of 16, in
-whose order the values stay: pointwise products, and the transform back, ask for no other.
+A block x of length 2m represents a polynomial modulo X^(2m) − W² and is mapped to its residues modulo X^m − W and X^m +
+W. One factor W serves a whole block, so loops over its numbers are vector instructions (Harvey 2014 on the arithmetic).
+The factors of block b are the same on each level, in the order of reversed bits. Blocks that fit into the processor's
+cache are finished one after the other. The last four levels are done side by side in SIDE blocks of 16, in whose order
+the values stay: pointwise products, and the transform back, ask for no other.
 
 Numbers are of any size below 4.5·q on entry, of size below 2·q from :func:`forward`, below 4.5·q from :func:`backward`.
 Importing this module imports numba.

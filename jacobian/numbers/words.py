@@ -17,9 +17,9 @@ by it::
     canonical(K, x)                  # canonical, for |x| ≤ 1.5·p on Lazy, p on Wide
     inverse(K, x)                    # canonical, of a canonical x ≠ 0
 
-Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w−1)); the products of one dot add up to at
-most 2·p² on Wide, so that its result is a word only if they do to p², and to 32·p² on Lazy, to 28·p² for that. A
-formula is proved to keep to them by running it on intervals (``tests/jacobian/numbers/word_bounds.py``).
+Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w−1)). The products of one dot add up to at
+most 2·p² on Wide and 32·p² on Lazy. The result is a word only if they add up to at most p² on Wide and 28·p² on Lazy.
+Running a formula on intervals proves that it keeps these bounds (``tests/jacobian/numbers/word_bounds.py``).
 
 For p < 2^49 a fifth context, :class:`Double`, keeps least residues as floats: the rest of a product is had from two
 fused multiplications and a rounded quotient, exactly, and processors do that eight at a time, which they cannot with

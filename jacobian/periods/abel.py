@@ -1,8 +1,8 @@
 """The Abel–Jacobi map of a curve over RR, CC or MP(dps), from divisor classes to ℂ^g modulo periods, and its inverse.
 
 The integrals are those of :mod:`jacobian.periods.image`, by Fejér's rule. The inverse follows Newton's method along a
-segment from the image of a divisor of random points to z, in doubles; then it polishes at the field's own precision. A
-class of weight g has one divisor, so that no step can lead astray.
+segment from the image of a divisor of random points to z, in doubles; then it refines at the field's own precision. A
+class of weight g has one divisor, so any solution is the right one.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import JacobianError, NotOnCurve, PrecisionLoss
+from jacobian.errors import JacobianError, NotOnCurve, PrecisionLoss, shown
 from jacobian.law.divisor import Divisor
 from jacobian.periods.image import AbelImage, Point, full_weight, plus
 from jacobian.periods.matrix import Oval, PeriodMatrix, nearest, periods, real_periods, solve
@@ -23,7 +23,7 @@ from jacobian.periods.roots import horner
 
 __all__ = ["AbelMap", "Oval", "PeriodMatrix", "periods", "real_periods"]
 
-# of Newton's method, from all starts together, in doubles and in 40 digits
+# steps of Newton's method, from all starts together, in doubles and in 40 digits
 MOST_STEPS, MOST_LONG_STEPS = 1000, 100
 
 
@@ -31,7 +31,7 @@ class AbelMap(AbelImage):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over RR, CC or MP(dps).
 
     ``periods``: its PeriodMatrix; ``curve``: the curve over the complex field, whose Jacobian the inverse lands in.
-    ``roots``: those of f + h²/4, where they are known. Raises as :func:`jacobian.periods.matrix.periods`.
+    ``roots``: those of f + h²/4, if known. Raises as :func:`jacobian.periods.matrix.periods`.
     """
 
     def __init__(self, curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> None:
@@ -66,8 +66,8 @@ class AbelMap(AbelImage):
         """The divisor class with the image z, in the Jacobian of ``curve``: g numbers, of any size, modulo periods.
 
         The identity for z in the lattice (to half the digits), otherwise a class of weight g: PrecisionLoss where the
-        class has less weight or nearly coinciding points, where no way to it is found in some hundred steps of Newton's
-        method, or where the class that was found is not on the curve or has another image.
+        class has less weight or nearly coinciding points, where some hundred Newton steps do not reach it, or where the
+        result is off the curve or has another image.
         """
         given = self.check_image(z)
         target = [self.cover.numbers.convert(self.field.coerce(x, f"z[{i}]")) for i, x in enumerate(given)]
@@ -82,16 +82,17 @@ class AbelMap(AbelImage):
             result = J.from_points([(field.coerce(x), field.coerce(Y - self._half_h(x))) for x, Y in points])
             J.from_mumford(result.u, result.v, result.n)
         except NotOnCurve as error:
-            raise PrecisionLoss(f"z = {z}: what was found is off the curve; use more digits ({error})") from None
+            raise PrecisionLoss(f"z = {shown(z)}: what was found is off the curve; use more digits ({error})") from None
         return self._checked(result, target)
 
     def _checked(self, D: Divisor, target: Vector) -> Divisor:
-        """D, if its image is the target to all but some digits: its coefficients may not determine its points."""
+        """D, if its image is the target to all but some digits: the coefficients of D may not determine its points."""
         image = self._image_of(self._points_of(D), self._weight_of(D))
         size = max(abs(c - nearest(c)) for c in self.periods.coordinates(plus(target, image, -1)))
         if not size < 10**8 * self.field.eps:
             raise PrecisionLoss(
-                f"z = {target}: the image of the divisor that was found is off by {float(size):.1e}; use more digits"
+                f"z = {shown(target)}: the image of the divisor that was found is off by {float(size):.1e}; use more "
+                "digits"
             )
         return D
 
@@ -111,10 +112,10 @@ class AbelMap(AbelImage):
         raise PrecisionLoss(failure)
 
     def _on_field(self, field: Any) -> AbelMap:
-        """The map over another field, made once."""
+        """The map over another field, cached."""
         if field not in self._others:
             convert = working_numbers(field).convert
-            # roots with fewer digits than the field has are found again
+            # roots with fewer digits than the field are computed again
             fewer = self.cover.numbers.digits < working_numbers(field).digits
             roots = None if fewer else [convert(e) for e in self.cover.roots]
             self._others[field] = AbelMap(complexified(self.given, field), roots)
@@ -135,7 +136,7 @@ class AbelMap(AbelImage):
                 failure = "the path missed the target"
             except (JacobianError, ArithmeticError) as error:
                 failure = str(error)
-        raise PrecisionLoss(f"z = {target}: no divisor of weight g was found there ({failure})")
+        raise PrecisionLoss(f"z = {shown(target)}: no divisor of weight g was found there ({failure})")
 
     def _by_continuation(self, target: Vector, rng: Random, steps: Iterator[int]) -> list[Point]:
         points = self._start(rng)

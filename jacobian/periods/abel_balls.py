@@ -2,8 +2,8 @@
 
 The image is that of :mod:`jacobian.periods.image`, with the quadratures of :mod:`jacobian.periods.balls`. The inverse
 starts from the floats of :class:`jacobian.periods.abel.AbelMap`; Newton's method in the midpoints of balls sharpens
-them, and the interval Newton operator on a box of x-coordinates (Moore 1966) proves that there is one divisor above the
-box, and no other, with the image asked for.
+them, and the interval Newton operator on a box of x-coordinates (Moore 1966) proves that exactly one divisor above the
+box has the given image.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from jacobian.periods.roots import horner
 
 Result = TypeVar("Result")
 
-# Newton's method in midpoints, from the digits of doubles on; precisions at which a proof is tried
+# of Newton's method in midpoints, from the digits of doubles on; precisions at which a proof is tried
 MOST_STEPS, PROOFS = 20, 3
 
 
@@ -41,8 +41,8 @@ class BallDivisor(NamedTuple):
 class AbelBalls(Immutable):
     """The Abel–Jacobi map D ↦ Σ ∫ x^k dx/(y + h/2), k = 0 … g−1, of a curve over QQ, RR, CC or MP(dps), in balls.
 
-    Radii are at most 10^−digits of the largest period. Conventions as those of AbelMap, which gives the same in floats.
-    Raises as :func:`jacobian.periods.proven.period_balls`.
+    Radii are at most 10^−digits of the largest period. Conventions are those of AbelMap, the same map in floats. Errors
+    are those of :func:`jacobian.periods.proven.period_balls`.
     """
 
     def __init__(self, curve: HyperellipticCurve, digits: int = 30) -> None:
@@ -97,14 +97,14 @@ class AbelBalls(Immutable):
     def _floats(self) -> AbelMap:
         from jacobian.fields import CC
 
-        # clusters of branch points are not to be had from coefficients in doubles
+        # coefficients in doubles do not determine clusters of branch points
         return AbelMap(complexified(self.curve, CC), [complex(e) for e in self.periods.cover.roots])
 
     def _radius(self) -> Any:
         return self.periods.cover.numbers.ten(-self.digits) * largest(self.periods)
 
     def _at_some_precision(self, work: Callable[[_Image], Result | None], what: str, trials: int = TRIALS) -> Result:
-        """The result of ``work`` at the first precision at which it has one."""
+        """The result of ``work`` at the first precision at which it succeeds."""
         failure = "the radii are too large"
         for trial in range(trials):
             if trial == len(self._images):

@@ -1,6 +1,6 @@
-"""The double cover of a curve in balls: branch points that are proven to be there, half-periods with proven errors.
+"""The double cover of a curve in balls: proven branch points, half-periods with proven errors.
 
-The curve is taken as exact: numbers of RR, CC and MP are the dyadic fractions that they are.
+The coefficients count as exact: numbers of RR, CC and MP are dyadic fractions.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jacobian.periods.balls import BallNumbers, ball_numbers, exact_parts, semi_
 from jacobian.periods.branched_cover import BranchedCover, rough_root
 from jacobian.periods.quadrature import Vector, path_from
 
-# edges that take more nodes than so many for each digit are integrated from both ends, in pieces
+# edges with more nodes than this for each digit are integrated from both ends, in pieces
 NODES_A_DIGIT = 20
 
 
@@ -38,28 +38,28 @@ class BallCover(BranchedCover):
             if len(self.roots) != len(self.coefficients) - 1:
                 raise ArgumentError(f"curve = {curve!r}: f + h²/4 has a double root")
             for e, other in combinations(self.roots, 2):
-                # what is read of them in doubles is decided then
+                # then decisions read off doubles are right
                 if not 2**30 * (e.rad() + other.rad()) < abs(e - other):
-                    raise PrecisionLoss(f"the branch points {e} and {other} are not told apart; use more digits")
+                    raise PrecisionLoss(f"the branch points {e} and {other} are not separated; use more digits")
         self._rough = [complex(e) for e in self.roots]
 
     def rounded(self, matrix: Sequence[Vector]) -> tuple[tuple[Any, ...], ...]:
         """Rows of balls as tuples."""
         return tuple(map(tuple, matrix))
 
-    def _moments(self, others: Vector) -> Vector:
+    def _moments(self, others: Vector, count: int) -> Vector:
         numbers = self.numbers
         axes = [semi_axis(u) for u in others]
         try:
             n, rho = numbers.rule([float(axis) for axis in axes], 0.5, NODES_A_DIGIT * numbers.digits)
         except Infeasible:
-            return self._moments_from_ends(others)
+            return self._moments_from_ends(others, count)
         cosh, size = rho.cosh(), 2 / ((2 * rho * n).exp() - 1)
         for axis in axes:
             size = size / (axis - cosh).sqrt()
-        return [numbers.widened(x, size * cosh**m) for m, x in enumerate(self._means(others, n))]
+        return [numbers.widened(x, size * cosh**m) for m, x in enumerate(self._means(others, n, count))]
 
-    def _moments_from_ends(self, others: Vector) -> Vector:
+    def _moments_from_ends(self, others: Vector, count: int) -> Vector:
         """The same by integrals from −1 and 1 to 0, where other branch points are near to the ends."""
         numbers = self.numbers
         roots = [numbers.convert(-1), numbers.convert(1), *others]
@@ -71,13 +71,13 @@ class BallCover(BranchedCover):
         lead, middle = -1 if right % 2 == 0 else 1, (numbers.convert(0), Y)
 
         def powers(t: Any) -> Vector:
-            return [t**m for m in range(self.genus)]
+            return [t**m for m in range(count)]
 
         below, above = (path_from(numbers, i, roots, numbers.convert(lead), middle, powers, 0) for i in (0, 1))
         return [(x - y) / numbers.pi for x, y in zip(below, above, strict=True)]
 
     def tree(self) -> list[tuple[int, int]]:
-        """The edges of the tree, as those of a cover in floats, proven to be disjoint but for their ends."""
+        """The edges of the tree, those of a cover in floats, proven to be disjoint except for their ends."""
         edges = super().tree()
         for first, second in combinations(edges, 2):
             if not set(first) & set(second) and not (self._aside(first, second) or self._aside(second, first)):
@@ -115,9 +115,10 @@ def exact_polynomial(coefficients: Sequence[Any]) -> tuple[Any, Any]:
 
 
 def ball_roots(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:
-    """The roots of an exact polynomial, each as often as it is one: balls of which each contains one alone.
+    """The roots of an exact polynomial, each as often as it is one: with multiplicity, in balls that each contain one
+    root.
 
-    PrecisionLoss where complex coefficients leave them undecided.
+    PrecisionLoss where complex coefficients do not separate them.
     """
     if imaginary.degree() < 0:
         return [x for x, times in real.numer().complex_roots() for _ in range(times)]
@@ -125,7 +126,7 @@ def ball_roots(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:
     try:
         return list(acb_poly(_coefficients(numbers, real, imaginary)).roots(tol=tolerance))
     except ValueError as error:
-        raise PrecisionLoss(f"the roots are not told apart: {error}") from None
+        raise PrecisionLoss(f"the roots are not separated: {error}") from None
 
 
 def _coefficients(numbers: BallNumbers, real: Any, imaginary: Any) -> Vector:

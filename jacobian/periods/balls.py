@@ -1,14 +1,14 @@
 """Balls as working numbers (python-flint's arb and acb; Johansson 2017), and integrals with a proven error bound.
 
-The quadratures are those of :mod:`jacobian.periods.quadrature`, with Gauss's nodes instead of Fejér's; what they leave
-out is bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axis cosh ρ:
+The quadratures are those of :mod:`jacobian.periods.quadrature`, with Gauss's nodes instead of Fejér's; their error is
+bounded by the size M of the integrand on the ellipse with foci ±1 and semi-axis cosh ρ:
 
 * Gauss–Chebyshev, n nodes, ∫ φ/√(1−t²): 2πM/(e^(2ρn) − 1) (Chawla & Jain 1968; Molin & Neurohr 2019, section 4);
 * Gauss–Legendre, n ≥ 2 nodes, ∫ φ: 64M/(15(1 − e^(−2ρ))e^(2ρn)) (Rabinowitz 1969).
 
-For u outside |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ on that ellipse, by the triangle inequality. Which of two square
-roots is meant is read from doubles: an argument off by less than 30° decides it, and no path comes so near to a branch
-point that they leave more in doubt.
+For u outside |t − u| ≥ (|u − 1| + |u + 1|)/2 − cosh ρ on that ellipse, by the triangle inequality. Doubles choose
+between two square roots: an argument with an error below 30° decides, and no path comes so near to a branch point that
+the error is larger.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from jacobian.periods.quadrature import Forms, Numbers, Vector, path_sums
 # fractions of the widest ellipse that are tried, and the widest
 WIDTHS = (0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
 MOST_RHO = 4.0
-# a piece of a path that takes more nodes for each digit, and some more, is halved, to pieces of this length at least:
-# so doubles know the arguments of all factors to 1e-6
+# a piece of a path with more nodes for each digit, and some more, is halved, down to pieces of this length: so doubles
+# know the arguments of all factors to 1e-6
 NODES_A_DIGIT, MORE_NODES, LEAST_PIECE = 2, 40, 2.0**-30
 
 
@@ -107,7 +107,7 @@ class BallNumbers(Numbers):
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
         """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, by Gauss's rule on pieces that are halved near singularities; the rate is
-        not asked for.
+        not used.
         """
         pieces, total = [(0.0, 1.0)], None
         while pieces:

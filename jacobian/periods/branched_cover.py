@@ -1,9 +1,9 @@
 """A curve as a double cover Y² = F(x) = f + h²/4 of the line: branch points, the tree on them, half-periods.
 
 The cycles are the lifts of the edges of the Euclidean minimal spanning tree of the branch points (2g edges), integrated
-by Gauss–Chebyshev quadrature; two of them that share a branch point cross there once, in the local parameter Y, and no
-others meet, the edges of a minimal tree being disjoint (after Molin and Neurohr 2019, with this tree). The sign of a
-crossing is read off the directions in which the cycles pass.
+by Gauss–Chebyshev quadrature (after Molin and Neurohr 2019, with this tree). Two lifts that share a branch point cross
+there once, in the local parameter Y. No others meet, since the edges of a minimal tree are disjoint. The directions of
+the cycles give the sign of a crossing.
 """
 
 from __future__ import annotations
@@ -61,7 +61,9 @@ class BranchedCover:
         for i, (c, d) in enumerate(zip(self.coefficients, product, strict=True)):
             scale = abs(self.lead) * comb(degree, i) * max(abs(e) for e in found) ** (degree - i)
             if abs(c - d) > 1e4 * K.eps * scale:
-                raise ArgumentError(f"roots = {list(roots)}: they give another coefficient of x^{i} than the curve has")
+                raise ArgumentError(
+                    f"roots = {shown(list(roots))}: they give another coefficient of x^{i} than the curve has"
+                )
         return found
 
     def _coerced(self, e: Any, argument: str) -> Any:
@@ -88,8 +90,9 @@ class BranchedCover:
             edges.append((i, j))
         return edges
 
-    def edge(self, i: int, j: int) -> Edge:
-        """The integrals from branch point i to j, on one of the two sheets, by Gauss–Chebyshev quadrature.
+    def edge(self, i: int, j: int, count: int | None = None) -> Edge:
+        """The integrals from branch point i to j, on one of the two sheets, by Gauss–Chebyshev quadrature: of x^k dx/Y
+        for all k below ``count``, by default g.
 
         With x = m + dt: Y = c·√(1−t²)·Π√(±(t − u_k)), each factor being holomorphic near [−1, 1].
         """
@@ -99,11 +102,11 @@ class BranchedCover:
         others = [(e - middle) / half for k, e in enumerate(self.roots) if k not in (i, j)]
         right = sum(1 for u in others if u.real > 0)
         c = numbers.sqrt(self.lead * half ** len(self.roots) * (1 if right % 2 else -1))
-        moments = self._moments(others)
+        moments = self._moments(others, self.genus if count is None else count)
         factor = half / c * numbers.pi
         integrals = [
             factor * sum(comb(k, m) * middle ** (k - m) * half**m * moments[m] for m in range(k + 1))
-            for k in range(self.genus)
+            for k in range(len(moments))
         ]
         # Y/√(x − e) at both ends, against the fixed root of F' there
         rough = [(complex(u), u.real > 0) for u in others]
@@ -111,13 +114,14 @@ class BranchedCover:
         end = _unit(-_unit(c) * rough_root(rough, 1) / self._slope_root(j))
         return Edge(i, j, integrals, (start, end))
 
-    def _moments(self, others: Vector) -> Vector:
-        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < g."""
-        return self._means(others, self.numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8)))
+    def _moments(self, others: Vector, count: int) -> Vector:
+        """∫ t^m/Π√(±(t − u_k)) dt/(π√(1−t²)) over [−1, 1], m < ``count``."""
+        n = self.numbers.node_count(2 * min((ellipse(complex(u)) for u in others), default=8))
+        return self._means(others, n, count)
 
-    def _means(self, others: Vector, n: int) -> Vector:
-        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < g."""
-        numbers, moments = self.numbers, [self.numbers.real(0)] * self.genus
+    def _means(self, others: Vector, n: int, count: int) -> Vector:
+        """The mean of t^m/Π√(±(t − u_k)) over the n Chebyshev nodes, m < ``count``."""
+        numbers, moments = self.numbers, [self.numbers.real(0)] * count
         real = all(u.imag == 0 for u in others)
         right, left = ([u for u in others if (u.real > 0) == side] for side in (True, False))
         rough = [(complex(u), u.real > 0) for u in others]
@@ -135,7 +139,7 @@ class BranchedCover:
                     weight = 1 / (product**0.5 if numbers.machine else numbers.sqrt(product))
                 else:
                     weight = 1 / numbers.root(product, rough_root(rough, float(t)))
-                for m in range(self.genus):
+                for m in range(count):
                     moments[m] += weight
                     weight = weight * t
         return [x / n for x in moments]

@@ -33,7 +33,7 @@ class AbelImage(Immutable):
 
     @property
     def cover(self) -> Any:
-        """The branch points, and the working numbers that the integrals are made of."""
+        """The branch points, and the working numbers in which the integrals are computed."""
         return self.periods.cover
 
     def check_divisor(self, D: Any) -> Divisor:
@@ -76,7 +76,7 @@ class AbelImage(Immutable):
         return plus(total, self._from_infinity(), weight) if weight else total
 
     def _to_point(self, point: Point) -> Vector:
-        """∫ from e₀ to a point, modulo periods; where no straight path will do, along an arc of a circle."""
+        """∫ from e₀ to a point, modulo periods; along an arc of a circle where no straight path works."""
         g, cover = self.curve.genus, self.cover
 
         def forms(x: Any) -> Vector:
@@ -150,5 +150,5 @@ def plus(a: Vector, b: Vector, factor: Any = 1) -> Vector:
 
 
 def full_weight(curve: HyperellipticCurve) -> int:
-    """What :meth:`AbelImage._weight_of` is for ``from_points`` of g points."""
+    """The weight that ``from_points`` of g points needs."""
     return curve.genus if curve.model == "ramified" else -(curve.genus % 2)

@@ -95,10 +95,9 @@ class PeriodMatrix(Immutable):
 def periods(curve: HyperellipticCurve, roots: Sequence[Any] | None = None) -> PeriodMatrix:
     """The PeriodMatrix of a curve over RR, CC or MP(dps), of any genus.
 
-    ``roots``: the roots of f + h²/4 where they are known (ArgumentError where they do not fit). Over MP(dps) the
-    entries are right to about dps digits of the largest one; Riemann's relations are checked. PrecisionLoss where
-    branch points coincide at this precision, Infeasible where one is too near to the segment between two others,
-    FieldError over exact fields.
+    ``roots``: the roots of f + h²/4, if known (ArgumentError where they do not fit). Over MP(dps) the entries are right
+    to about dps digits of the largest one; Riemann's relations are checked. PrecisionLoss where branch points coincide
+    at this precision, Infeasible where one is too near to the segment between two others, FieldError over exact fields.
     """
     cover = BranchedCover(curve, roots)
     return period_matrix(cover, (periods, (curve, cover.given)))

@@ -5,12 +5,12 @@ from __future__ import annotations
 from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve, check_curve
-from jacobian.errors import PrecisionLoss, whole
+from jacobian.errors import PrecisionLoss, shown, whole
 from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix, period_matrix
 
 MOST_DIGITS = 10_000
-# how often the precision is doubled where the radii come out too large
+# how often the precision is doubled where the radii are too large
 TRIALS = 6
 
 
@@ -19,7 +19,7 @@ def period_balls(curve: HyperellipticCurve, digits: int = 30) -> PeriodMatrix:
 
     The coefficients are taken as exact. Radii are at most 10^−digits of the largest entry of (A, B); each ball contains
     the exact number, and the cycles cross as a symplectic basis does. ArgumentError for a singular curve, PrecisionLoss
-    where the branch points are not told apart.
+    where the branch points are not separated.
     """
     digits = whole(digits, "digits", f"the digits of the periods are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
     bits = int(3.33 * digits) + 24 + 4 * check_curve(curve).genus
@@ -35,7 +35,7 @@ def period_balls(curve: HyperellipticCurve, digits: int = 30) -> PeriodMatrix:
         else:
             failure = PrecisionLoss("the radii are too large")
         bits *= 2
-    raise PrecisionLoss(f"{curve!r}: no periods with {digits} digits from {bits // 2} bits ({failure})")
+    raise PrecisionLoss(f"{curve!r}: no periods with {shown(digits)} digits from {bits // 2} bits ({failure})")
 
 
 def largest(found: PeriodMatrix) -> Any:

@@ -1,4 +1,4 @@
-"""What integration on a hyperelliptic curve needs: working numbers with guard digits, nodes, weights, paths.
+"""Integration on a hyperelliptic curve: working numbers with guard digits, nodes, weights, paths.
 
 Gauss–Chebyshev for ∫ φ(t)/√(1−t²) dt and Fejér's first rule (1933) for ∫ φ(t) dt on [−1, 1], on the same nodes. For φ
 analytic in the ellipse with foci ±1 and sum of semi-axes r, their errors fall as r^(−2n) and r^(−n).
@@ -23,7 +23,7 @@ MOST_NODES = 20000
 
 
 class Numbers:
-    """Real and complex numbers for the work inside: doubles for RR and CC, the field's digits and a few more for MP."""
+    """Real and complex working numbers: doubles for RR and CC, the field's digits and a few more for MP."""
 
     def __init__(self, field: Any) -> None:
         if field.exact:
@@ -98,12 +98,12 @@ class Numbers:
 
     def along_path(self, ratios: Vector, forms: Forms, rate: float) -> Vector:
         """∫₀¹ forms(s²)/Π√(1 − s²·ratio) ds, where a node brings ``rate`` digits: by Fejér's rule."""
-        # the weights take the square of this time
+        # computing the weights takes time proportional to the square of this
         n = self.node_count(rate, 500 + 10 * self.digits)
         return path_sums(self, self.nodes(n), self.fejer(n), ratios, forms)
 
     def node_count(self, digits_per_node: float, most: int = MOST_NODES) -> int:
-        """How many nodes, an even number of a sparse sequence, when each brings that many digits; Infeasible beyond
+        """The number of nodes, an even number of a sparse sequence, for that many digits per node; Infeasible beyond
         ``most``.
         """
         needed = (self.digits + 3) / digits_per_node if digits_per_node > 0 else math.inf

@@ -1,4 +1,4 @@
-"""The complex roots of a polynomial in working numbers, and what a polynomial needs beside them."""
+"""The complex roots of a polynomial in working numbers, and related functions."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def check_separated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
 
 
 def conjugated(numbers: Numbers, roots: Sequence[Any]) -> list[Any]:
-    """The roots of a real polynomial with real ones made real, ascending, then the pairs of conjugates made exact.
+    """The roots of a real polynomial: real ones, ascending, then exact pairs of conjugates.
 
-    Beside x there is the root x̄: either x itself, and then Im x is rounding, or another, at the distance 2|Im x|.
+    Near x lies the root x̄: either x itself, and then Im x is rounding, or another root at the distance 2|Im x|.
     """
     distances = check_separated(numbers, roots)
     line = [numbers.convert(x.real) for x, d in zip(roots, distances, strict=True) if 4 * abs(x.imag) < d]

@@ -1,5 +1,6 @@
-"""Small period matrices moved by Sp(2g, ℤ) to where theta series converge fast (Siegel 1964; Deconinck and others
-2004, with LLL's reduction of Im τ)."""
+"""Small period matrices, moved by Sp(2g, ℤ) so that theta series converge fast (Siegel 1964; Deconinck and others 2004,
+with LLL's reduction of Im τ).
+"""
 
 from __future__ import annotations
 
@@ -10,7 +11,7 @@ from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix
 
 MOST_STEPS = 1000
-# Im τ is reduced as integers of so many bits
+# Im τ is reduced as integers of this many bits
 GRAM_BITS = 40
 
 

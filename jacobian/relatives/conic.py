@@ -1,15 +1,15 @@
 """The other equivalence: the pencil of semi-reduced divisors of degree g+1 in one class, and steps along it.
 
-A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: its class holds a
-pencil of them. With P = V + cU, the function y − P has N zeros beside those of (U, V), and their opposites
+A semi-reduced pair (U, V) of degree N = g+1 has one parameter more than a class of the Jacobian: each class contains a
+pencil of them. With P = V + cU, the function y − P has N zeros in addition to those of (U, V). Their opposites
 
     Ũ = (P² + hP − f)/(lead · U),    Ṽ = −P − h mod Ũ
 
 are another member; c runs through the pencil. The *step* through a plane point (x₀, y₀) takes c = (y₀ − V(x₀))/U(x₀),
 so that the curve y = P(x) passes through that point, or c = y₀ for x₀ = ∞ (Tsiganov's addition in Pic Y is the one
 through (0, 0)). Since y − P has the value y − y₀ over x₀, the step adds the class of y − y₀ in the generalized Jacobian
-with modulus π*(x₀), and leaves the class in the Jacobian where it is. Hence steps at one x₀ compose by the group law
-of :class:`jacobian.relatives.fibre.FibreGroup`,
+with modulus π*(x₀), and leaves the class in the Jacobian where it is. Hence steps at one x₀ compose by the group law of
+:class:`jacobian.relatives.fibre.FibreGroup`,
 
     y₀ ∘ y₁ = (f(x₀) + y₀y₁)/(y₀ + y₁ + h(x₀)),
 
@@ -25,7 +25,7 @@ from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import INFINITY_MINUS, AffinePoint
-from jacobian.errors import ArgumentError, FieldError, NotRepresentable
+from jacobian.errors import ArgumentError, FieldError, NotRepresentable, shown, written
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import Divisor, check_divisor
 from jacobian.relatives.fibre import FibreGroup, Unit
@@ -89,7 +89,7 @@ class Representative(Immutable):
         c = K.coerce(c, "c")
         at_infinity = FibreGroup(C)
         if not at_infinity.is_unit((K.neg(c), K.one)):
-            raise NotRepresentable(f"c = {c}: that member of the pencil contains a point at infinity")
+            raise NotRepresentable(f"c = {written(c)}: that member of the pencil contains a point at infinity")
         multiple = poly.trim(K, poly.scale(K, c, self.u)) if K.exact else poly.scale(K, c, self.u)
         p = poly.add(K, self.v, multiple)
         sum_ = poly.add(K, p, C.h)
@@ -122,7 +122,8 @@ class Representative(Immutable):
         y0 = K.coerce(y0, "y0")
         if not fibre.is_unit((K.neg(y0), K.one)):
             raise ArgumentError(
-                f"(x0, y0) = ({x0}, {y0}) is a point of {self.curve!r}: the step through it has no inverse"
+                f"(x0, y0) = ({written(x0)}, {written(y0)}) is a point of {self.curve!r}: the step through it has no "
+                "inverse"
             )
         return self.member(self._parameter(fibre.x0, y0))
 
@@ -138,7 +139,7 @@ class Representative(Immutable):
         """The member of the pencil that contains an affine point of the curve."""
         point = self.curve.check_point(point)
         if not isinstance(point, AffinePoint):
-            raise NotRepresentable(f"point = {point}: a pair (u, v) contains affine points")
+            raise NotRepresentable(f"point = {shown(point)}: a pair (u, v) contains affine points")
         opposite = self.curve.involution(point)
         assert isinstance(opposite, AffinePoint)
         K = self.curve.field
@@ -170,8 +171,8 @@ def parameter(K: Any, pair: tuple[poly.Poly, poly.Poly], x0: Any, y0: Any) -> An
     size = None if K.exact else sum(abs(c) * abs(x0) ** i for i, c in enumerate(u))
     if K.is_zero(value, size):
         raise NotRepresentable(
-            f"x0 = {x0}: the divisor ({poly.text(K, u)}, {poly.text(K, v)}) has a point there, no curve y = P(x) is "
-            "free to pass elsewhere"
+            f"x0 = {written(x0)}: the divisor ({poly.text(K, u)}, {poly.text(K, v)}) has a point there, no curve y = "
+            "P(x) is free to pass elsewhere"
         )
     return K.div(K.sub(y0, poly.evaluate(K, v, x0)), value)
 
@@ -186,14 +187,16 @@ def representative(D: Divisor, point: Any) -> Representative:
     C, K = J.curve, J.field
     point = C.check_point(point)
     if not K.exact or not isinstance(point, AffinePoint):
-        raise NotRepresentable(f"point = {point} over {K.name}: an affine point over an exact field is needed")
+        raise NotRepresentable(f"point = {shown(point)} over {K.name}: an affine point over an exact field is needed")
     rest = D - (J(point, INFINITY_MINUS) if C.model == "split" else J(point))
     if rest.degree < C.genus:
-        raise NotRepresentable(f"point = {point}: the member through it has a point at infinity, choose another")
-    # interpolation: v takes the value of Q beside the points of the rest, or is tangent to the curve there
+        raise NotRepresentable(f"point = {shown(point)}: the member through it has a point at infinity, choose another")
+    # interpolation: v takes the value of Q in addition to those of the rest, or is tangent to the curve there
     u, v, _ = cantor.compose(C, (rest.u, rest.v, None), ((K.neg(point.x), K.one), poly.trim(K, (point.y,)), None))
     if len(u) != C.genus + 2:
-        raise NotRepresentable(f"point = {point}: the member through it contains its opposite too, choose another")
+        raise NotRepresentable(
+            f"point = {shown(point)}: the member through it contains its opposite too, choose another"
+        )
     return Representative(C, u, v)
 
 

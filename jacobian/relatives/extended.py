@@ -1,17 +1,17 @@
-"""Extensions of a Jacobian of any genus: Mumford pairs together with what the divisor forgets.
+"""Extensions of a Jacobian of any genus: Mumford pairs together with data that the divisor forgets.
 
 A pair (U, V) on y² = f(x) carries any of these, each a group extension:
 
 * at a root e of f the *lift* (κ, σ, ν), κσ² = U(e), κσν = V(e), κν² = −W(e), W = (f − V²)/U: the sign of √U(e), and
-  with ν what is left of it where U(e) = 0. (κ, σ, ν) and (κ/c², cσ, cν) are the same;
+  with ν the remaining data where U(e) = 0. (κ, σ, ν) and (κ/c², cσ, cν) are the same;
 * at any other point (x₀, y₀) the pair (κ, σ, σ̄), κσσ̄ = Π(x_i − x₀), up to (κ/c², cσ, cσ̄): the generalized
   Jacobian with modulus (x₀, y₀) + (x₀, −y₀) (Rosenlicht 1954);
 * on a model of odd degree the second-kind datum Ω = Σ∫x^g dx/y, with its pole at ∞;
 * on a model of even degree with leading coefficient r² the third-kind datum Z = exp(rΣ∫x^g dx/y), modulus ∞₊ + ∞₋.
 
-A composition adds or multiplies them, and a reduction step, f − V² = κ·U·U', V' = −V mod U', changes them by what the
-function y − V does: the two are all there is, for every degree and genus, and no root is taken. Over inexact fields
-degrees are those of summands in general position; who adds there compares two precisions. The sign-resolved group of
+A composition adds or multiplies them. A reduction step, f − V² = κ·U·U', V' = −V mod U', changes them according to the
+function y − V. These two operations suffice for every degree and genus, and no root is taken. Over inexact fields
+degrees are those of summands in general position; the caller compares two precisions. The sign-resolved group of
 :mod:`jacobian.relatives.signed` is the case of genus 2 with lifts; it also has its steps at infinity.
 """
 
@@ -23,7 +23,7 @@ from typing import Any, NamedTuple, Protocol
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.immutable import Immutable
 from jacobian.linear import pivoted
 
@@ -37,7 +37,7 @@ class Extended(NamedTuple):
 
 
 class Composition(NamedTuple):
-    """(u, v) of a sum; ``common`` are the points that went out with their opposites, ``quotients`` the (v − vᵢ)/uᵢ."""
+    """(u, v) of a sum; ``common`` are the points that cancelled with their opposites, ``quotients`` the (v − vᵢ)/uᵢ."""
 
     u: poly.Poly
     v: poly.Poly
@@ -62,7 +62,7 @@ class Reduction(NamedTuple):
 
 
 class Kind(Protocol):
-    """What one datum does; ``group`` has the field and the curve."""
+    """The rules for one datum; ``group`` has the field and the curve."""
 
     def zero(self, group: ExtendedGroup) -> Any: ...
 
@@ -77,7 +77,7 @@ class ExtendedGroup(Immutable):
     """The pairs of y² = f(x) with data of the given ``kinds``, over an exact or an inexact field.
 
     ``f``: ascending coefficients, degree 2g + 1 or 2g + 2, any leading coefficient. On a model of even degree a class
-    is a pair of degree g or g + 1, whichever the parity of its summands leaves, points at infinity being shared evenly.
+    is a pair of degree g or g + 1, by the parity of its summands, with points at infinity shared evenly.
     """
 
     def __init__(self, field: Any, f: Any, kinds: Sequence[Kind] = ()) -> None:
@@ -124,7 +124,7 @@ class ExtendedGroup(Immutable):
         return total
 
     def compose(self, D: Extended, E: Extended) -> Extended:
-        """The pair of all points of D and E, opposite ones taken out, not reduced."""
+        """The pair of all points of D and E without opposite ones, not reduced."""
         step = self._exact_composition(D, E) if self.field.exact else self._general_composition(D, E)
         data = tuple(kind.composed(self, step, x, y) for kind, x, y in zip(self.kinds, D.data, E.data, strict=True))
         return Extended(step.u, step.v, data)
@@ -176,12 +176,12 @@ class ExtendedGroup(Immutable):
     def retracted(self, D: Extended) -> Extended:
         """A pair of degree g moved onto the curve over a :class:`LongField`, by one Newton step of least length.
 
-        (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. What rounding leaves beside the curve grows with every
-        addition, for models of even degree by tens of bits; on the curve errors only double where divisors do.
+        (δU, δV) of least norm with WδU + 2VδV ≡ f − V² mod U. The distance from the curve grows with every addition,
+        for models of even degree by tens of bits. On the curve errors only double where divisors do.
         """
         K, g = self.field, len(D.u) - 1
         w, rest = poly.divide(K, poly.sub(K, self.f, poly.mul(K, D.v, D.v)), D.u)
-        # x is of size 2^size, f of 4^height there: columns in units of what they move, rows in units of f
+        # x is of size 2^size, f of 4^height there: columns are scaled by what they move, rows by f
         exponents = list(map(K.exponent, D.u[:-1]))
         size = max((-(-e // (g - i)) for i, e in enumerate(exponents) if e is not None), default=1)
         height = max(e + size * i for i, e in enumerate(map(K.exponent, self.f)) if e is not None) // 2
@@ -208,7 +208,7 @@ class ExtendedGroup(Immutable):
         return D._replace(u=(*map(K.add, D.u[:-1], move[g:]), K.one), v=v)
 
     def size_of_x(self, u: poly.Poly) -> Any:
-        """The size of the largest root of u, about."""
+        """The approximate size of the largest root of u."""
         g = len(u) - 1
         return max(abs(c) ** (self.field.one.real / (g - i)) for i, c in enumerate(u[:-1])) or abs(self.field.one)
 
@@ -276,7 +276,9 @@ class Lift(NamedTuple):
         top = K.add(near[2], K.mul(near[1], poly.evaluate(K, k, self.e)))
         bottom = K.mul(far[0], far[1])
         if K.exact and bottom == K.zero:
-            raise NotRepresentable(f"both summands contain the branch point x = {self.e}: add them in another order")
+            raise NotRepresentable(
+                f"both summands contain the branch point x = {written(self.e)}: add them in another order"
+            )
         return kappa, sigma, K.div(top, bottom)
 
     def reduced(self, group: ExtendedGroup, step: Reduction, datum: Any) -> Any:
@@ -292,7 +294,7 @@ class Lift(NamedTuple):
 
 
 class PointLift(NamedTuple):
-    """(κ, σ, σ̄) at a point (x, y) of the curve that is no branch point, and on no divisor that is added."""
+    """(κ, σ, σ̄) at a point (x, y) of the curve that is no branch point, and on none of the added divisors."""
 
     x: Any
     y: Any

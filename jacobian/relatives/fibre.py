@@ -13,7 +13,7 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.curve.curve import HyperellipticCurve, coefficient
-from jacobian.errors import ArgumentError, FieldError, entries, shown
+from jacobian.errors import ArgumentError, FieldError, entries, shown, written
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.immutable import Immutable
 from jacobian.law.divisor import check_scalar
@@ -68,12 +68,13 @@ class FibreGroup(Immutable):
         c = K.coerce(a, "a"), K.coerce(b, "b")
         if not self.is_unit(c):
             raise ArgumentError(
-                f"(a, b) = ({c[0]}, {c[1]}): a + b·y vanishes at a point over x₀, it must be a unit there"
+                f"(a, b) = ({written(c[0])}, {written(c[1])}): a + b·y vanishes at a point over x₀, it must be a unit "
+                "there"
             )
         return self.normal(c)
 
     def _checked(self, c: Any, argument: str = "c") -> Unit:
-        """The class of a pair (a, b) that a caller gives; ArgumentError for what is none."""
+        """The class of a pair (a, b) given by a caller, or ArgumentError."""
         wanted = "a class (a, b), a pair of elements of the field,"
         pair = entries(c, argument, wanted)
         if len(pair) != 2:

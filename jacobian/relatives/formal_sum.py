@@ -1,12 +1,12 @@
 """Formal sums of points, divisors of functions, and the curve y = P(x) through two divisors (exact fields).
 
-A divisor Σ m_P P over the field is written without factoring anything: what is left of its affine part beside whole
-fibres π*(x − e) = P + ιP is one semi-reduced pair,
+A divisor Σ m_P P over the field is written without factoring anything: its affine part, apart from whole fibres π*(x −
+e) = P + ιP, is one semi-reduced pair,
 
     div(u, v) + π*(r) + Σ m_∞ ∞,    r = numerator/denominator a rational function of x, u and v as in Mumford's pairs,
 
 which is unique (the factorization of the ideal into a primitive one and its content). Sums compose pairs by Cantor's
-formulas and put the common part into r; nothing is reduced, and classes are taken where they are asked for.
+formulas and put the common part into r. Nothing is reduced; classes are computed on request.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class FormalSum(Immutable):
     """A divisor Σ m_P P of ``curve``, rational over its exact field: ``+``, ``−``, ``m * A``, ``==``, ``hash``.
 
     ``u``, ``v``: the part without opposite points; ``numerator``, ``denominator``: coprime monic polynomials whose
-    fibres are added and taken away; ``weights``: the multiplicities of ``curve.points_at_infinity()``, or of the one
+    fibres are added and subtracted; ``weights``: the multiplicities of ``curve.points_at_infinity()``, or of the one
     place of degree two of an inert model. Make one by :meth:`zero`, :meth:`from_points`, :meth:`from_divisor` or
     :func:`principal_divisor`.
     """
@@ -71,13 +71,15 @@ class FormalSum(Immutable):
         """Σ m_i P_i for pairs (x, y) and points at infinity; ``multiplicities``: ints of any sign, 1 by default."""
         total = FormalSum.zero(curve)
         given, numbers = counted(points, multiplicities)
+        if len(given) > MOST_POINTS:
+            raise Infeasible(f"points: {len(given)} of them; sums of more than {MOST_POINTS} points are not reduced")
         for i, (P, m) in enumerate(zip(given, numbers or [1] * len(given), strict=True)):
             total = total + whole(m, f"multiplicities[{i}]") * _of_point(curve, curve.check_point(P))
         return total
 
     @staticmethod
     def from_divisor(D: Divisor) -> FormalSum:
-        """The formal sum that a divisor class is written with, of degree 0: div(u, v) and its points at infinity."""
+        """The formal sum of degree 0 that represents a divisor class: div(u, v) and its points at infinity."""
         C = check_divisor(D, "D").jacobian.curve
         zero, size = FormalSum.zero(C), D.degree
         weights: tuple[int, ...]
@@ -87,7 +89,7 @@ class FormalSum(Immutable):
             weights = (-size,) if C.model == "ramified" else (-(size // 2),) * len(zero.weights)
         return FormalSum(C, (D.u, D.v), (zero.numerator, zero.denominator), weights)
 
-    # --- what it is
+    # --- its points
 
     @property
     def degree(self) -> int:
@@ -100,7 +102,7 @@ class FormalSum(Immutable):
         """Whether no multiplicity is negative."""
         if min(self.weights) < 0:
             return False
-        # whole fibres are taken away where the pair has at most one of the two points
+        # whole fibres are subtracted where the pair has at most one of the two points
         return len(self.denominator) == 1
 
     def multiplicity(self, point: Any) -> int:
@@ -178,7 +180,7 @@ class FormalSum(Immutable):
         if isinstance(scalar, FormalSum):
             return NotImplemented
         m, A = check_scalar(scalar), self
-        if abs(m) * max(map(len, (self.u, self.numerator, self.denominator))) > MOST_POINTS and len(self.u) > 1:
+        if abs(m) * max(len(part) - 1 for part in (self.u, self.numerator, self.denominator)) > MOST_POINTS:
             raise Infeasible(
                 f"scalar = {shown(m)}: sums of more than {MOST_POINTS} points are not reduced by themselves"
             )
@@ -210,12 +212,12 @@ class FormalSum(Immutable):
 
 
 class Intersection(NamedTuple):
-    """A curve Y: y = P(x) that passes through two divisors, and where it meets X.
+    """A curve Y: y = P(x) that passes through two divisors, and its intersection with X.
 
-    ``P``: as many times through each point as both together have it, less opposite points, whose abscissas are the
-    roots of ``fibres``; ``abel``: Abel's polynomial P² + hP − f, whose roots are the abscissas of X·Y; ``points``: X·Y,
-    its affine part; ``rest``: what fibres·(y − P) leaves of its divisor beside D and E, so that D + E = −rest as
-    classes.
+    ``P`` passes through each point as often as both divisors together contain it, except opposite points, whose
+    abscissas are the roots of ``fibres``. ``abel`` is Abel's polynomial P² + hP − f, whose roots are the abscissas of
+    X·Y; ``points`` is the affine part of X·Y. ``rest`` is the remaining divisor of fibres·(y − P) without D and E, so D
+    + E = −rest as classes.
     """
 
     P: poly.Poly
@@ -250,7 +252,7 @@ def intersection(D: Divisor, E: Divisor) -> Intersection:
 
     Where D and E are in general position, of weight two on a curve of genus two, P is a cubic, and X·Y consists of the
     points of D, E and −(D + E): the addition of divisors (Abel 1841; Tsiganov, in-div). Common points are tangencies,
-    opposite ones are ``fibres``; the curve through no point at all is y = 0. FieldError over an inexact field.
+    opposite ones are ``fibres``; the curve through no point is y = 0. FieldError over an inexact field.
     """
     first, second = (FormalSum.from_divisor(check_divisor(X, name)) for X, name in ((D, "D"), (E, "E")))
     C, K = D._compatible(E).jacobian.curve, first.curve.field

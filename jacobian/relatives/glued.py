@@ -8,11 +8,12 @@ The Euler top moves on it, as the Chaplygin ball does on the Jacobian of genus t
 from __future__ import annotations
 
 from collections.abc import Iterable
+from random import Random
 from typing import Any
 
 from jacobian import poly
 from jacobian.addition import cantor
-from jacobian.addition.ladder import multiple
+from jacobian.addition.ladder import check_growth, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve
 from jacobian.curve.points import AffinePoint
 from jacobian.errors import ArgumentError, NotRepresentable, shown
@@ -25,8 +26,8 @@ class GeneralizedJacobian(Jacobian):
     """Classes modulo ∞₊ + ∞₋ on y² = f(x), deg f = 4: the operators of :class:`~jacobian.group.Jacobian` on pairs of
     degree two.
 
-    The classes with fewer affine points form a multiplicative group; of them only the identity is represented, and a
-    sum that is another one raises NotRepresentable.
+    The classes with fewer affine points form a multiplicative group. Only its identity is represented; a sum equal to
+    another of its elements raises NotRepresentable.
     """
 
     def __init__(self, curve: HyperellipticCurve) -> None:
@@ -42,11 +43,11 @@ class GeneralizedJacobian(Jacobian):
         return GeneralizedJacobian, (self.curve,)
 
     def explain(self) -> str:
-        """What adds here."""
+        """The algorithm that adds here."""
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:
-        """Every curve that the constructor takes will do."""
+        """Every curve that the constructor accepts is representable."""
 
     def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""
@@ -80,10 +81,12 @@ class GeneralizedJacobian(Jacobian):
         """The same group of the curve over the field K."""
         return GeneralizedJacobian(self.curve.change_ring(K))
 
-    def random(self, rng: Any, size: int | None = None) -> Any:
+    def random(self, rng: Any = None, size: int | None = None) -> Any:
         """The class of two random points: not uniform in the group; one at a time, without ``size``."""
         if size is not None:
             raise NotRepresentable(f"size = {shown(size)}: the classes of a generalized Jacobian are no rows of arrays")
+        if rng is None:
+            rng = Random()
         return self.from_points([self.curve.random_point(rng), self.curve.random_point(rng)])
 
     def points(self) -> Iterable[Divisor]:
@@ -125,7 +128,11 @@ class GeneralizedJacobian(Jacobian):
             return self.zero()
         if m < 0:
             m, D = -m, self.negate(D)
-        return multiple(m, D, self.add, self.double, self.negate)
+        return multiple(m, D, self.add, self._watched_double, self.negate)
+
+    def _watched_double(self, D: Divisor) -> Divisor:
+        check_growth(self.field, D.u, D.v)
+        return self.double(D)
 
     def order(self) -> int:
         """Not computed here: NotRepresentable."""

@@ -1,29 +1,31 @@
 """Canonical heights in genus 2 over QQ with proven error bounds, regulators, and relations between points.
 
-ĥ(D) = lim 4⁻ⁿ h(2ⁿD), h the logarithmic height on the Kummer surface: the height of the divisor 2Θ, whose pairing
-⟨D, E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture. By the doubling forms δ it is
-h(D) + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over x, the primitive vectors of the 2ⁿD, g being the common divisor
-of δ(x) (Flynn & Smart 1997). The x are kept as real balls, and modulo a power of 16·disc(f), of which g is a divisor:
-no prime has to be known (after Müller & Stoll 2016). The rest of the sum is bounded by
-:mod:`jacobian.relatives.doubling_bounds`.
+ĥ(D) = lim 4⁻ⁿ h(2ⁿD), h the logarithmic height on the Kummer surface: the height of the divisor 2Θ, whose pairing ⟨D,
+E⟩ = (ĥ(D+E) − ĥ(D) − ĥ(E))/2 is that of Birch and Swinnerton-Dyer's conjecture. By the doubling forms δ it is h(D) + Σ
+4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over x, the primitive vectors of the 2ⁿD, g being the common divisor of δ(x)
+(Flynn & Smart 1997). The x are kept as real balls, and modulo a power of 16·disc(f), which g divides: no factorization
+is needed (after Müller & Stoll 2016). :mod:`jacobian.relatives.doubling_bounds` bounds the rest of the sum.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from fractions import Fraction
+from functools import lru_cache
 from itertools import combinations
-from math import gcd, inf, log
+from math import inf, lcm, log
 from typing import Any
 
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, PrecisionLoss, entries, shown, whole
 from jacobian.fields import QQ
 from jacobian.law.divisor import Divisor
 from jacobian.numbers.long_reals import BallReals
+from jacobian.progress import Progress
 from jacobian.relatives.doubling_bounds import bad_part, real_bounds
 from jacobian.relatives.kummer import KummerSurface, kummer_surface
 
 MOST_DIGITS = 1000
-# bits that a doubling may cost
+# bits that a doubling may lose
 BITS_A_DOUBLING = 12
 TRIALS = 5
 
@@ -31,10 +33,16 @@ TRIALS = 5
 def canonical_height(D: Divisor, digits: int = 20) -> Any:
     """ĥ(D) for a class over QQ in genus 2: a ball (flint's arb) of radius at most 10^−digits.
 
-    FieldError for other curves, PrecisionLoss where the radius is not reached.
+    The time grows like the cube of the digits, and is announced (:mod:`jacobian.progress`): 1000, the most, take some
+    ten seconds. FieldError for other curves, PrecisionLoss where the radius is not reached.
     """
     digits = whole(digits, "digits", f"the digits of a height are an int, 1 … {MOST_DIGITS}", 1, MOST_DIGITS)
-    surface = kummer_surface(_checked(D, "D").jacobian.curve)
+    return _height(_checked(D, "D"), digits)
+
+
+@lru_cache(maxsize=1024)
+def _height(D: Divisor, digits: int) -> Any:
+    surface = kummer_surface(D.jacobian.curve)
     x = surface.point(D)
     low, high = real_bounds(surface)
     bound = bad_part(surface)
@@ -42,35 +50,41 @@ def canonical_height(D: Divisor, digits: int = 20) -> Any:
     terms = 3 + int((digits * log(10) + log(1 + rest[1] - rest[0])) / log(4))
     bits = int(3.33 * digits) + BITS_A_DOUBLING * terms + 64
     for _ in range(TRIALS):
-        with BallReals(bits) as reals:
-            # what is left out, from below and from above
+        reals = BallReals(bits)
+        with reals:
+            # the truncation error, from below and from above
             first, last = (reals.number(end) / 4**terms for end in rest)
-            total = _sum(surface, x, terms, bound) + first.union(last)
+            total = _sum(surface, x, terms, bound, reals) + first.union(last)
             if total.is_finite() and total.rad() * 10**digits < 1:
                 return total
         bits *= 2
-    raise PrecisionLoss(f"the canonical height of {D} is not known to {digits} digits with {bits // 2} bits")
+    raise PrecisionLoss(f"the canonical height of {D} is not known to {shown(digits)} digits with {bits // 2} bits")
 
 
-def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int) -> Any:
-    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over the first terms."""
+def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
+    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over the first terms, each in as many bits, and modulo such
+    a power of the bound, as what follows takes.
+    """
+    import gmpy2
     from flint import arb
 
-    real, residues, modulus = [arb(c) for c in x], list(x), bound ** (terms + 2)
-    size = _largest(real)
-    total, weight = size.log(), arb(1)
-    for _ in range(terms):
+    real, residues, modulus = [arb(c) for c in x], [gmpy2.mpz(c) for c in x], gmpy2.mpz(bound) ** (terms + 2)
+    total, weight, progress = _largest(real).log(), arb(1), Progress("a canonical height", terms**3)
+    for n in range(terms):
         weight /= 4
-        real = [c / size.mid() for c in real]
-        doubled, residues = surface.double(real), [c % modulus for c in surface.double(residues)]
-        common = gcd(*residues, modulus)
-        if bound % common:
-            raise PrecisionLoss(f"{surface.curve!r}: δ(x) has the divisor {common}, which is none of 16·disc(f)")
-        modulus //= common
-        residues = [c // common % modulus for c in residues]
-        before, size = _largest(real), _largest(doubled)
-        total += weight * (size.log() - 4 * before.log() - arb(common).log())
+        with reals.at(reals.bits - (BITS_A_DOUBLING + 2) * n):
+            size = _largest(real)
+            real = [c / size.mid() for c in real]
+            doubled, residues = surface.double(real), [c % modulus for c in surface.double(residues)]
+            common = gmpy2.gcd(*residues, modulus)
+            if bound % common:
+                raise PrecisionLoss(f"{surface.curve!r}: δ(x) has the divisor {common}, which is none of 16·disc(f)")
+            modulus //= bound
+            residues = [c // common % modulus for c in residues]
+            term = _largest(doubled).log() - 4 * _largest(real).log() - arb(int(common)).log()
+        total += weight * term
         real = doubled
+        progress.add((terms - n) ** 3 - (terms - n - 1) ** 3)
     return total
 
 
@@ -99,13 +113,13 @@ def _checked(D: Any, argument: str) -> Divisor:
     if not isinstance(D, Divisor):
         raise ArgumentError(f"{argument} = {shown(D)}: a divisor class of a curve of genus 2 over QQ has a height")
     if D.jacobian.field != QQ:
-        raise FieldError(f"{argument} = {D}: canonical heights are those of curves of genus 2 over QQ")
+        raise FieldError(f"{argument} = {shown(D)}: canonical heights are those of curves of genus 2 over QQ")
     return D
 
 
 def regulator(classes: Sequence[Divisor], digits: int = 20) -> Any:
     """The determinant of the pairings of some classes, a ball; 1 for none. Each pairing has ``digits`` digits."""
-    matrix = _pairings(_of_one_group(classes), digits)
+    matrix = pairings(_of_one_group(classes), digits)
     with BallReals(64 + 4 * digits):
         return matrix.det()
 
@@ -113,22 +127,45 @@ def regulator(classes: Sequence[Divisor], digits: int = 20) -> Any:
 def relation(classes: Sequence[Divisor], digits: int = 20) -> list[int] | None:
     """None if the classes are proven to be independent, else integers m, not all 0, with Σ m_i D_i of finite order.
 
-    Independent: the determinant of their pairings is a ball without 0. Dependent: a short vector of the lattice of
-    pairings (Lenstra, Lenstra & Lovász 1982), whose sum is of finite order exactly. PrecisionLoss where neither is
-    shown with so many digits.
+    Independent: the determinant of their pairings is a ball without 0. Dependent: ratios of pairings, to integers that
+    leave a sum of finite order exactly. PrecisionLoss where that many digits show neither.
     """
     classes = _of_one_group(classes)
-    if not classes:
-        return None
-    matrix = _pairings(classes, digits)
+    matrix = pairings(classes, digits)
+    for k in range(len(classes)):
+        found = dependence(matrix, classes[: k + 1], digits)
+        if found is not None:
+            m, n = found
+            return [*(-c for c in m), n, *[0] * (len(classes) - len(m) - 1)]
+    return None
+
+
+def dependence(matrix: Any, classes: Sequence[Divisor], digits: int) -> tuple[list[int], int] | None:
+    """(m, n), n > 0, with n·D − Σ m_i·D_i of finite order for the last D of some classes, the others being independent;
+    None where it is proven to be independent of them. ``matrix``: their pairings, or those of more that follow.
+    """
+    from flint import arb_mat
+
+    *basis, D = classes
+    size = len(basis)
     with BallReals(64 + 4 * digits):
-        if not matrix.det().contains(0):
+        rows = [[matrix[i, j] for j in range(size + 1)] for i in range(size + 1)]
+        if not arb_mat(rows).det().contains(0):
             return None
-    for row in _short_vectors(matrix, digits):
-        total = sum((m * D for m, D in zip(row, classes, strict=True)), classes[0].jacobian.zero())
-        if any(row) and total.order() != inf:
-            return row
-    raise PrecisionLoss(f"the classes are neither independent nor dependent to {digits} digits; use more")
+        ratios = []
+        if basis:
+            ratios = arb_mat([row[:size] for row in rows[:size]]).solve(arb_mat([row[size:] for row in rows[:size]]))
+            ratios = [_fraction(x).limit_denominator(10 ** (digits // 3)) for x in ratios.entries()]
+    n = lcm(*(c.denominator for c in ratios))
+    m = [int(n * c) for c in ratios]
+    if (n * D - sum((c * G for c, G in zip(m, basis, strict=True)), D.jacobian.zero())).order() != inf:
+        return m, n
+    raise PrecisionLoss(f"the classes are neither independent nor dependent to {shown(digits)} digits; use more")
+
+
+def _fraction(x: Any) -> Fraction:
+    middle = x.mid().fmpq()
+    return Fraction(int(middle.p), int(middle.q))
 
 
 def _of_one_group(classes: Sequence[Divisor]) -> list[Divisor]:
@@ -137,11 +174,12 @@ def _of_one_group(classes: Sequence[Divisor]) -> list[Divisor]:
         if not isinstance(D, Divisor):
             raise ArgumentError(f"classes: {shown(D)} is no divisor class")
         if D.jacobian.curve != given[0].jacobian.curve:
-            raise CurveMismatch(f"classes: {D} and {given[0]} lie on different curves")
+            raise CurveMismatch(f"classes: {shown(D)} and {shown(given[0])} lie on different curves")
     return given
 
 
-def _pairings(classes: Sequence[Divisor], digits: int) -> Any:
+def pairings(classes: Sequence[Divisor], digits: int) -> Any:
+    """The matrix of ⟨D_i, D_j⟩ of some classes (flint's arb_mat), from heights with so many digits."""
     from flint import arb_mat
 
     size = len(classes)
@@ -153,18 +191,3 @@ def _pairings(classes: Sequence[Divisor], digits: int) -> Any:
         both = canonical_height(classes[i] + classes[j], digits)
         rows[i][j] = rows[j][i] = _polarized(both, heights[i], heights[j], digits)
     return arb_mat(rows)
-
-
-def _short_vectors(matrix: Any, digits: int) -> list[list[int]]:
-    """Integer vectors, the shorter ones for the pairing first."""
-    from flint import fmpz_mat
-
-    size = matrix.nrows()
-    scale = 10 ** (digits // 2)
-    # rows (m, scale·matrix·m): of a relation the second half vanishes
-    rows = [
-        [*(int(i == j) for j in range(size)), *(int((scale * matrix[i, j].mid().fmpq()).floor()) for j in range(size))]
-        for i in range(size)
-    ]
-    reduced = fmpz_mat(rows).lll()
-    return [[int(reduced[i, j]) for j in range(size)] for i in range(size)]

@@ -1,5 +1,5 @@
 """The Kummer surface of a curve of genus 2 over QQ or GF(p), and doubling on it (Flynn 1993; Cassels & Flynn 1996,
-chapter 3). Sums on it are the business of :mod:`jacobian.relatives.pseudo_group`.
+chapter 3). :mod:`jacobian.relatives.pseudo_group` has the sums on it.
 
 For y² = f(x) with integral f the class of (x₁, y₁) + (x₂, y₂) − K∞ goes to (1 : x₁+x₂ : x₁x₂ : (F₀(x₁, x₂) − 2y₁y₂)/
 (x₁−x₂)²), the same for D and −D. Doubling is given by four quartic forms δ with integral coefficients. They are found
@@ -34,7 +34,8 @@ FACTORS = {
     if chosen != (1, 1, 3, 3)
 }
 MONOMIALS = list(FACTORS)
-# coefficients of δ are polynomials of degree 4 in those of f: beyond what that needs, bits that show that it is enough
+# coefficients of δ are polynomials of degree 4 in those of f; these bits beyond the needed ones show that they are
+# enough
 SPARE_BITS = 80
 MOST_PRIMES = 200
 # classes whose doubles determine δ
@@ -111,7 +112,7 @@ class KummerSurface(Immutable):
         return [{m: c for m, c in zip(MONOMIALS, row, strict=True) if c} for row in rows]
 
     def integers(self, count: int, modulo: Callable[[Jacobian], list[int]]) -> list[int]:
-        """Coefficients that are integral polynomials of degree 4 in those of f, from what they are modulo primes p:
+        """Coefficients that are integral polynomials of degree 4 in those of f, from their values modulo primes p:
         ``modulo`` takes the Jacobian of y² = f(x) over GF(p).
         """
         size = max(map(abs, self.f)) ** 4
@@ -166,7 +167,7 @@ class KummerSurface(Immutable):
                 count += 1
 
     def double(self, x: Sequence[Any]) -> list[Any]:
-        """δ(x), of integers or balls, as it comes: no common divisor taken out, nothing reduced modulo p."""
+        """δ(x), of integers or balls: common divisors stay, and nothing is reduced modulo p."""
         values = monomials(x)
         return [sum((c * values[m] for m, c in form.items()), 0 * x[0]) for form in self.delta]
 
@@ -184,8 +185,8 @@ def _known_surface(curve: HyperellipticCurve) -> KummerSurface:
 
 
 def null_vector(rows: Sequence[Sequence[int]], one: int, p: int) -> list[int] | None:
-    """The vector that spans the kernel of a matrix modulo p, its entry of the number ``one`` being 1; None where no
-    vector alone does.
+    """The vector that spans the kernel of a matrix modulo p, its entry ``one`` being 1; None where the kernel has
+    another dimension.
     """
     from flint import nmod_mat
 
@@ -205,7 +206,7 @@ def coordinates(f: Sequence[Any], u: Sequence[Any], v: Sequence[Any]) -> Coordin
 
 
 def normalized(p: int, x: Sequence[int]) -> Coordinates:
-    """The residues of the same point whose first that is not 0 is 1."""
+    """The residues of the same point, scaled so that the first nonzero one is 1."""
     inverse = pow(next(c for c in x if c % p), -1, p)
     return tuple(int(c * inverse % p) for c in x)
 

@@ -1,8 +1,8 @@
-"""What is left of the group on a Kummer surface over GF(p): doubles, sums of points with a known difference, multiples.
+"""The pseudo-group of a Kummer surface over GF(p): doubles, sums of points with a known difference, multiples.
 
-On the surface D and −D are one point, so that κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): one is had when the
-other is given. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels &
-Flynn 1996, chapter 3). These are found as the doubling is in :mod:`jacobian.relatives.kummer`: from classes over finite
+On the surface D and −D are one point, so κ(D) and κ(E) have two sums, κ(D + E) and κ(D − E): either determines the
+other. They are the two factors of a symmetric form whose coefficients are biquadratic in κ(D), κ(E) (Cassels & Flynn
+1996, chapter 3). These are found as the doubling is in :mod:`jacobian.relatives.kummer`: from classes over finite
 fields, by linear algebra modulo primes and the Chinese remainder theorem. :mod:`jacobian.relatives.pseudo_sums` adds.
 """
 
@@ -74,11 +74,11 @@ class Residues(namedtuple("Residues", "p one")):
 
 
 class PseudoGroup(Immutable):
-    """The Kummer surface of a curve of genus 2 over GF(p), p odd, with what is left of its group.
+    """The Kummer surface of a curve of genus 2 over GF(p), p odd, with its doubles, differential sums and multiples.
 
-    A point is four residues, the first that is not 0 being 1; ``zero`` is κ(0) = (0, 0, 0, 1). Every operation takes
-    one point or an array (N, 4), and gives the same; all points are welcome, those of 0, of classes of order 2 and of
-    weight below 2 too. For p < 2^128 they are compiled, and arrays spread over the processors.
+    A point is four residues, the first nonzero one being 1; ``zero`` is κ(0) = (0, 0, 0, 1). Every operation takes one
+    point or an array (N, 4), and returns the same kind. All points are accepted, including those of 0, of classes of
+    order 2 and of weight below 2. For p < 2^128 the operations are compiled, and arrays spread over the processors.
     """
 
     zero: Point = (0, 0, 0, 1)
@@ -100,7 +100,7 @@ class PseudoGroup(Immutable):
         return PseudoGroup, self._value()
 
     def explain(self) -> str:
-        """What adds here, in words."""
+        """The algorithm that adds here, in words."""
         if self._is_compiled:
             return (
                 "compiled code on two words, for GF(p), 2 < p < 2^128: biquadratic forms, one addition for every case"
@@ -124,7 +124,7 @@ class PseudoGroup(Immutable):
     def add(self, x: Any, y: Any, difference: Any) -> Any:
         """κ(D + E) for x = κ(D), y = κ(E) and difference = κ(D − E).
 
-        That the difference is one of the two is not checked: others give points that mean nothing.
+        The difference is not checked: a wrong one gives meaningless points.
         """
         given = {"x": x, "y": y, "difference": difference}
         return self._run("add_point", {name: self._residues(points, name) for name, points in given.items()})
@@ -140,8 +140,8 @@ class PseudoGroup(Immutable):
         return self._run("multiply_point", {"x": points}, bits.reshape(-1, longest))
 
     def _residues(self, x: Any, name: str) -> tuple[list[int], bool]:
-        """(the residues of some points, one after the other, whether it is one point alone); ArgumentError for what
-        is none.
+        """(the residues of some points, one after the other, whether it was a single point); ArgumentError for anything
+        else.
         """
         if type(x) is tuple and len(x) == 4 and all(type(c) is int and 0 <= c < self._p for c in x):
             return list(x), True
@@ -198,16 +198,21 @@ class PseudoGroup(Immutable):
 
     @cached_property
     def _forms(self) -> Any:
-        """The context and the forms, as :mod:`jacobian.relatives.pseudo_sums` takes them."""
+        """The context and the forms for :mod:`jacobian.relatives.pseudo_sums`."""
         K: Any = two_words(self._p) if self._p < 1 << 128 else Residues(self._p, 1)
-        table = [[c % self._p for c in row] for row in biquadratic(self.surface)]
-        of = {key: dict(zip(TERMS, row, strict=True)) for key, row in zip(INDICES, table, strict=True)}
-        tables = [[of[min(i, j), max(i, j)] for j in range(4)] for i in range(4)]
-        own = {FACTORED[key]: c % self._p for key, c in equation(self.surface.f).items()}
-        forms = packed([*tables, [doubled(form, self._p) for form in tables[3]], [own]], K.to_word)
+        forms = forms_of_surface(self.surface, self._p, K.to_word)
         if not self._is_compiled:
             return K, forms
         return Packed(K, CONTEXT), Packed(forms._replace(coefficient=pairs(words_of(forms.coefficient))), FORMS)
+
+
+def forms_of_surface(surface: KummerSurface, modulus: int, to_word: Callable[[int], int]) -> Forms:
+    """All forms of a surface modulo a number, as :mod:`jacobian.relatives.pseudo_sums` takes them."""
+    table = [[c % modulus for c in row] for row in biquadratic(surface)]
+    of = {key: dict(zip(TERMS, row, strict=True)) for key, row in zip(INDICES, table, strict=True)}
+    tables = [[of[min(i, j), max(i, j)] for j in range(4)] for i in range(4)]
+    own = {FACTORED[key]: c % modulus for key, c in equation(surface.f).items()}
+    return packed([*tables, [doubled(form, modulus) for form in tables[3]], [own]], to_word)
 
 
 FACTORED = {tuple(sorted(INDICES[k] + INDICES[m])): (k, m) for k, m in reversed(TERMS)}

@@ -1,10 +1,10 @@
 """Sums on a Kummer surface modulo a prime, from the biquadratic forms of :mod:`jacobian.relatives.pseudo_group`.
 
 With x = κ(a + b) and y = κ(a − b) the forms at κ(a), κ(b) are b_ij = x_i·y_j + x_j·y_i, b_ii = x_i·y_i, up to a common
-factor. Where y_i = 1, x_i = b_ii and x_j = b_ij − b_ii·y_j: four forms give the sum, whatever the points are, for no
-two classes have all forms 0. A double is the sum with the difference 0.
+factor. Where y_i = 1, x_i = b_ii and x_j = b_ij − b_ii·y_j: four forms give the sum of any points, because no two
+classes have all forms 0. A double is the sum with the difference 0.
 
-The functions are compiled by :mod:`jacobian.native` for primes of two words, and run as they stand for longer ones.
+:mod:`jacobian.native` compiles the functions for primes of two words; Python runs them for longer ones.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def double_of(K: Any, F: Any, S: Any, a: Any) -> Any:
 
 
 def is_point(K: Any, F: Any, S: Any, a: Any) -> Any:
-    """Whether it is one of the surface, the first coordinate that is not 0 being 1."""
+    """Whether it is a point of the surface, its first nonzero coordinate being 1."""
     if a[unit(a)] != K.one:
         return False
     terms_twice(K, F, S, 5, a)
@@ -124,7 +124,7 @@ def multiple_of(K: Any, F: Any, S: Any, x: Any, i: Any, bits: Any) -> Any:
 
 
 def unit(x: Any) -> Any:
-    """The number of the first coordinate that is not 0."""
+    """The index of the first nonzero coordinate."""
     return 0 if x[0] != 0 else 1 if x[1] != 0 else 2 if x[2] != 0 else 3
 
 
@@ -134,7 +134,7 @@ def encoded(K: Any, x: Any) -> Any:
 
 
 def normal(K: Any, x: Any) -> Any:
-    """The residues of a point, the first that is not 0 being 1."""
+    """The residues of a point, the first nonzero one being 1."""
     c = inverse(K, x[unit(x)])
     return (
         decode(K, mul(K, x[0], c)),
@@ -144,7 +144,7 @@ def normal(K: Any, x: Any) -> Any:
     )
 
 
-# --- one point: (0, the result), or (which argument is no point, nothing of meaning)
+# --- one point: (0, the result), or (the index of the argument that is no point, undefined)
 
 
 def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
@@ -175,7 +175,7 @@ def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
     return 0, normal(K, multiple_of(K, F, S, a, unit(a), bits))
 
 
-# --- columns of points: what is no point is left as it is, its argument in ``wrong``
+# --- columns of points: one that is no point stays unchanged, its argument in ``wrong``
 
 
 def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:

@@ -1,15 +1,15 @@
 """Generalized Jacobians with modulus a fibre π*(x₀): ∞₊ + ∞₋, 2∞, (x₀, y₀) + (x₀, −y₀ − h), or twice a branch point.
 
-Divisors of degree zero prime to the modulus m, up to the functions that are constant on m: the ray class group of m,
-an extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre` (Rosenlicht 1954; Serre 1959,
-chapters V and VII). Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class of
-A*/K*: the pair (D, c) stands for the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function
-with the divisor of D there. If D₁ + D₂ = D₃ + div F, then
+Divisors of degree zero prime to the modulus m, up to the functions that are constant on m: the ray class group of m, an
+extension of the Jacobian by the group A*/K* of :mod:`jacobian.relatives.fibre` (Rosenlicht 1954; Serre 1959, chapters V
+and VII). Here a class is a reduced divisor D of the Jacobian, which need not be prime to m, and a class of A*/K*. The
+pair (D, c) represents the line bundle O(D) with the generator c·φ_D over m, where φ_D is a fixed function with the
+divisor of D there. If D₁ + D₂ = D₃ + div F, then
 
     (D₁, c₁) + (D₂, c₂) = (D₃, c₁c₂ · φ₁φ₂/(F φ₃)),
 
-the last factor being a unit over x₀. Functions of x are constant on m, so that F is the product of the y − v of the
-steps of the reduction; nothing else has to be known of it. (Déchène 2005 has this in genus 1 and in general position.)
+the last factor being a unit over x₀. Functions of x are constant on m, so F is the product of the y − v of the steps of
+the reduction, and nothing else of it is needed. (Déchène 2005 has this in genus 1 and in general position.)
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from typing import Any
 
 from jacobian import poly
 from jacobian.addition import cantor
-from jacobian.addition.ladder import multiple
+from jacobian.addition.ladder import check_growth, multiple
 from jacobian.curve.curve import HyperellipticCurve, check_curve, coefficient
 from jacobian.curve.points import AffinePoint
-from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable, shown
+from jacobian.errors import ArgumentError, CurveMismatch, FieldError, NotRepresentable, shown, written
 from jacobian.fields.randomness import random_below
 from jacobian.group import Jacobian
 from jacobian.immutable import Immutable
@@ -91,7 +91,9 @@ class RayClassGroup(Immutable):
                     f"u of odd degree {len(u) - 1}: away from infinity a divisor of degree 0 needs an even one"
                 )
         elif poly.evaluate(K, u, self.x0) == K.zero:
-            raise NotRepresentable(f"u = {poly.text(K, u)} vanishes at x₀ = {self.x0}: the divisor meets the modulus")
+            raise NotRepresentable(
+                f"u = {poly.text(K, u)} vanishes at x₀ = {written(self.x0)}: the divisor meets the modulus"
+            )
         n = J._check_weight(n, len(u) - 1)
         J._check_on_curve(u, v)
         return self._reduced(J._in_triple(u, v, n), [], self.fibre.identity)
@@ -100,11 +102,15 @@ class RayClassGroup(Immutable):
         """The class of P − Q for affine points away from the modulus."""
         P, Q = self.curve.check_point(P), self.curve.check_point(Q)
         if not (isinstance(P, AffinePoint) and isinstance(Q, AffinePoint)):
-            raise NotRepresentable(f"points {P} and {Q}: affine ones are needed; give others by from_mumford")
+            raise NotRepresentable(
+                f"points {shown(P)} and {shown(Q)}: affine ones are needed; give others by from_mumford"
+            )
         opposite = self.curve.involution(Q)
         assert isinstance(opposite, AffinePoint)
         if self.x0 in (P.x, Q.x):
-            raise NotRepresentable(f"points {P} and {Q}: one of them lies over x₀ = {self.x0}, in the modulus")
+            raise NotRepresentable(
+                f"points {shown(P)} and {shown(Q)}: one of them lies over x₀ = {written(self.x0)}, in the modulus"
+            )
         return self.zero() if P == Q else self.from_mumford(*pair_of_points(self.curve, [P, opposite]))
 
     def random(self, rng: Any) -> RayClass:
@@ -153,7 +159,12 @@ class RayClassGroup(Immutable):
             return self.zero()
         if m < 0:
             m, C = -m, self.negate(C)
-        return multiple(m, C, self.add, lambda a: self.add(a, a), self.negate)
+
+        def double(a: RayClass) -> RayClass:
+            check_growth(self.curve.field, a.divisor.u, a.divisor.v, a.unit)
+            return self.add(a, a)
+
+        return multiple(m, C, self.add, double, self.negate)
 
     def _reduced(self, triple: cantor.Triple, functions: list[Function], unit: Unit) -> RayClass:
         """The class of (div of the triple, unit · Π functions), the triple being on the arithmetic model."""
@@ -179,7 +190,7 @@ class RayClassGroup(Immutable):
         return poly.neg(K, v if move is None else poly.add(K, v, move)), (K.one,)
 
     def _generator(self, triple: cantor.Triple) -> list[Function]:
-        """φ_D as a list of factors, up to functions of x: what has the divisor of D over x₀."""
+        """φ_D as a list of factors, up to functions of x: a function with the divisor of D over x₀."""
         return self._generator_at_infinity(triple) if self.x0 is None else self._generator_at(triple, self.x0)
 
     def _generator_at(self, triple: cantor.Triple, x0: Any) -> list[Function]:

@@ -20,7 +20,7 @@ from typing import Any, NamedTuple
 from jacobian import poly
 from jacobian.addition import cantor
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, written
 from jacobian.immutable import Immutable
 from jacobian.inexact import composition
 
@@ -37,7 +37,7 @@ class SignedDivisor(NamedTuple):
 
 
 class Row(NamedTuple):
-    """divisor·x = value; over an inexact field ``terms`` is the size of what the value is a sum of."""
+    """divisor·x = value; over an inexact field ``terms`` is the size of the terms of the value."""
 
     divisor: Any
     value: Any
@@ -63,7 +63,7 @@ class SignedGroup(Immutable):
         self.branch_points = tuple(curve.field.coerce(e, "branch_points") for e in branch_points)
         for e in self.branch_points:
             if curve.field.exact and poly.evaluate(curve.field, curve.f, e) != curve.field.zero:
-                raise ArgumentError(f"branch_points: {e} is not a root of f")
+                raise ArgumentError(f"branch_points: {written(e)} is not a root of f")
 
     def lift(self, u: poly.Poly, v: poly.Poly, signs: Sequence[int] | None = None) -> SignedDivisor:
         """(u, v) with κ = 1 (−1 for weight one) and σ the square root of ±U(e), times ``signs``.
@@ -155,7 +155,7 @@ class SignedGroup(Immutable):
         return SignedDivisor(u, v, tuple(pairs), tuple(kappas))
 
     def _two_points(self, D: SignedDivisor, E: SignedDivisor) -> SignedDivisor:
-        """P + Q of two points, which nothing reduces: U'' = UU', V'' the line through both, σ'' = σσ'."""
+        """P + Q of two points, which needs no reduction: U'' = UU', V'' the line through both, σ'' = σσ'."""
         K = self.field
         if K.exact:
             u, v, _ = cantor.compose(self.curve, (D.u, D.v, None), (E.u, E.v, None))
@@ -229,7 +229,9 @@ class SignedGroup(Immutable):
         K = self.field
         used = [row for row in rows if row[0].divisor != K.zero]
         if not used:
-            raise NotRepresentable(f"both summands contain the branch point x = {e}: add them in another order")
+            raise NotRepresentable(
+                f"both summands contain the branch point x = {written(e)}: add them in another order"
+            )
         if K.exact:
             first, second = used[0]
             return K.div(first.value, first.divisor), K.div(second.value, second.divisor)
@@ -248,7 +250,7 @@ def sheared(K: Any, pairs: Sequence[Pair], c: Any) -> tuple[Pair, ...]:
 
 
 def reflected(K: Any, pairs: Sequence[Pair], roots: Sequence[Any]) -> tuple[Pair, ...]:
-    """(ν/ρ, −ρσ) at every branch point e: the pairs of the pair (Ũ, −P) that y − P leaves beside (U, P).
+    """(ν/ρ, −ρσ) at every branch point e: the pairs of (Ũ, −P), the other zeros of y − P besides (U, P).
 
     P² − f = R·U·Ũ with κσ² = U(e), κσν = P(e), and ρ² = R(e) ≠ 0; κ stays. R is the leading coefficient of P² − f for a
     step along the pencil of :mod:`jacobian.relatives.conic`, and −f₅(x − x') for the addition of the point (x', P(x')).
@@ -265,7 +267,7 @@ def _size_at(a: poly.Poly, e: Any) -> Any:
 
 
 def _mean(rows: Sequence[Row]) -> Any:
-    """The least-squares x of divisor·x = value, each beside the rounding of its terms."""
+    """The least-squares x of divisor·x = value, each weighted by the rounding of its terms."""
     numerator = denominator = 0
     for divisor, value, terms in rows:
         unit = terms or 1

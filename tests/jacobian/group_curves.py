@@ -23,9 +23,15 @@ def small_fields(*without):
 
 
 def genus_two_rows(fields):
-    """(name, model, with_h) for every field, with and without h where the characteristic is odd."""
+    """(name, model, with_h) for every field, with and without h where the characteristic is odd; of the largest fields
+    one model every day, as smaller ones take the same ways.
+    """
     return [
-        pytest.param(name, model, with_h, id=f"{name}-{model}-{'h' if with_h else '0'}")
+        pytest.param(
+            *(name, model, with_h),
+            id=f"{name}-{model}-{'h' if with_h else '0'}",
+            marks=pytest.mark.slow if K.order > 7 and (model != "ramified" or not with_h) else (),
+        )
         for name, K in fields.items()
         for model in ("ramified", "split", "inert")
         for with_h in ((True,) if K.characteristic == 2 else (False, True))

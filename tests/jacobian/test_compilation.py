@@ -72,6 +72,7 @@ def test_the_command(monkeypatch, capsys):
     monkeypatch.setattr(compilation, "batch_curves", dict)
     monkeypatch.setattr(compilation, "float_curves", dict)
     monkeypatch.setattr(compilation, "order_curves", dict)
+    monkeypatch.setattr(compilation, "rational_curves", dict)
     assert main(["compile"]) == 0
     (line,) = capsys.readouterr().out.splitlines()
     assert line.endswith(" s  single: one")

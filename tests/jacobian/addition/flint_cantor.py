@@ -8,7 +8,7 @@ from fractions import Fraction
 
 import flint
 
-from jacobian.fields.flint_polynomials import kept
+from jacobian.fields.irreducible import kept
 
 
 def polynomials(K):

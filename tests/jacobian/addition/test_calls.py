@@ -16,7 +16,12 @@ from tests.jacobian.jacobian_rows import ROWS
 
 SMALL = small_fields("GF(2)")
 SMALL_ROWS = [
-    pytest.param(name, genus, model, with_h, id=f"{name}-g{genus}-{model}-{'h' if with_h else '0'}")
+    pytest.param(
+        *(name, genus, model, with_h),
+        id=f"{name}-g{genus}-{model}-{'h' if with_h else '0'}",
+        # larger groups take the same ways: GF(9) and GF(8) on elliptic curves, genus 3 over GF(3) are tried every day
+        marks=pytest.mark.slow if (K.order > 5 and genus > 1) or (K.order == 4 and genus == 3) else (),
+    )
     for name, K in SMALL.items()
     for genus in (1, 2, 3)
     if genus < 3 or K.order < 5

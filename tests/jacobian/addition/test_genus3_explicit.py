@@ -34,7 +34,8 @@ def kernels(C):
 
 
 @pytest.mark.parametrize(
-    ("p", "curve"), [(3, septic), (5, septic), (3, octic), pytest.param(5, octic, marks=pytest.mark.slow)]
+    ("p", "curve"),
+    [(3, septic), (3, octic), *(pytest.param(5, curve, marks=pytest.mark.slow) for curve in (septic, octic))],
 )
 def test_every_pair_of_a_small_group(p, curve):
     C = curve(p, "pairs")

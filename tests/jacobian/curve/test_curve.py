@@ -384,9 +384,17 @@ def test_counting_has_limits():
         count_points(HyperellipticCurve(QQ, [1, 0, 0, 1]))
     with pytest.raises(NotRepresentable, match=r"QQ is infinite"):
         list(HyperellipticCurve(QQ, [1, 0, 0, 1]).jacobian().points())
-    with pytest.raises(ArgumentError, match=r"^rng = None"):
-        J.random(None)
+    with pytest.raises(ArgumentError, match=r"^rng = 'seed'"):
+        J.random("seed")
     assert issubclass(Infeasible, JacobianError)
+
+
+def test_random_classes_need_no_generator():
+    large = HyperellipticCurve(GF(2**61 - 1), [1, 1, 0, 0, 0, 1]).jacobian()
+    first, second = large.random(), large.random()
+    assert first != second
+    assert large.from_mumford(first.u, first.v) == first
+    assert len(large.random(size=5)) == 5
 
 
 def test_semi_reduced_pairs_over_inexact_fields():

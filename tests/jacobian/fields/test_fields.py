@@ -12,6 +12,7 @@ import pytest
 from jacobian import CC, GF, MP, QQ, RR, ArgumentError, Field, FieldError, NotASquare, PrecisionLoss
 from jacobian.errors import Infeasible
 from jacobian.fields.digits import DigitField
+from jacobian.fields.irreducible import is_irreducible, prime_ring
 from jacobian.fields.primality import is_prime, prime_power
 from jacobian.fields.quadratic import quadratic_roots
 from jacobian.fields.residue import ResidueField
@@ -86,7 +87,8 @@ def test_protocol_equality_and_pickling(K):
     again = pickle.loads(pickle.dumps(K))
     assert again == K
     assert hash(again) == hash(K)
-    assert repr(K) == K.name
+    # a repr is the call that makes it
+    assert eval(repr(K), {"GF": GF, "QQ": QQ, "RR": RR, "CC": CC, "MP": MP}) == K
     assert sum(other == K for other in [*FINITE, QQ, *INEXACT]) == 1
 
 
@@ -315,6 +317,18 @@ def test_primality():
 def test_a_degree_without_a_modulus_to_be_found_is_refused_at_once(k):
     with pytest.raises(Infeasible, match=f"k = {k}: no irreducible polynomial is looked for beyond degree 1000"):
         GF(101, k)
+
+
+def test_large_degrees_are_found_or_refused():
+    """GF(3, 500) took minutes; the two tests of irreducibility agree."""
+    K = GF(3, 500)
+    assert K.order == 3**500
+    with pytest.raises(Infeasible, match=r"k = 1000: .* takes minutes or hours; give a modulus"):
+        GF(2**127 - 1, 1000)
+    base, rng = GF(5), Random(1)
+    for _ in range(200):
+        low = (*(rng.randrange(5) for _ in range(8)), 1)
+        assert is_irreducible(base, low) == bool(prime_ring(5)(list(low)).is_irreducible())
 
 
 def test_sums_of_floats_overflow_only_where_they_are_beyond_floats() -> None:

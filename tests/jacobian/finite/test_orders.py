@@ -9,7 +9,7 @@ import pytest
 
 from jacobian import GF, QQ, RR, ArgumentError, FieldError, HyperellipticCurve, Infeasible
 from jacobian.fields.primality import is_prime
-from jacobian.finite.integers import _rho, factorization, value
+from jacobian.finite.integers import factorization, value
 from tests.jacobian.group_curves import random_curve
 from tests.jacobian.jacobian_rows import ROWS
 from tests.jacobian.law.test_reference_cases import curve_of, divisor_of, of_kind
@@ -120,8 +120,12 @@ def test_factorizations():
     assert factorization(720, primes=[2, 3, 5]) == {2: 4, 3: 2, 5: 1}
 
 
-def test_rho_goes_back_when_a_batch_meets_both_factors():
-    assert 1 < _rho(4012009, 1) < 4012009
+def test_numbers_of_every_size():
+    primes = [10**12 + 39, 10**12 + 39, 10**9 + 7, 10**9 + 9, 3, 2**89 - 1]
+    assert factorization(prod(primes)) == {3: 1, 10**9 + 7: 1, 10**9 + 9: 1, 10**12 + 39: 2, 2**89 - 1: 1}
+    assert factorization(2**521 - 1) == {2**521 - 1: 1}
+    assert factorization((2**61 - 1) * (10**29 + 319)) == {2**61 - 1: 1, 10**29 + 319: 1}
+    assert factorization(10007**60) == {10007: 60}
 
 
 def test_errors_of_factoring():
@@ -133,8 +137,16 @@ def test_errors_of_factoring():
         factorization(30, [2, 3])
 
 
-@pytest.mark.slow
 def test_a_number_too_hard_to_factor():
     n = prod([2**89 - 1, 2**107 - 1])
-    with pytest.raises(Infeasible, match=f"{n} is composite .* give its prime factors"):
+    with pytest.raises(Infeasible, match=f"{n} is composite.* give its prime factors"):
         factorization(n)
+
+
+def test_curves_with_a_long_discriminant():
+    """The first went on for hours, the second for ever; the primes of the third are found."""
+    for a in (10**40 + 7, 10**5000 + 7):
+        with pytest.raises(Infeasible, match="give its prime factors"):
+            HyperellipticCurve(QQ, [a, 10**39 + 9, 0, 0, 0, 1]).bad_primes()
+    # the discriminant of x⁵ + a is 5⁵a⁴
+    assert HyperellipticCurve(QQ, [10**40 + 121, 0, 0, 0, 0, 1]).bad_primes() == [2, 5, 10**40 + 121]

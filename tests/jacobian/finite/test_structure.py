@@ -6,7 +6,16 @@ from random import Random
 
 import pytest
 
-from jacobian import GF, ArgumentError, HyperellipticCurve, Infeasible, NotRepresentable
+from jacobian import (
+    GF,
+    QQ,
+    ArgumentError,
+    CurveMismatch,
+    HyperellipticCurve,
+    Infeasible,
+    NotAMultiple,
+    NotRepresentable,
+)
 from jacobian.fields.factor import factor
 from jacobian.finite.structure import LARGEST_TABLE, PrimaryGroup
 from tests.jacobian.group_curves import random_curve
@@ -52,6 +61,35 @@ def test_the_generators_generate_the_listed_group(C):
     assert set(elements) == set(listed)
     assert len(S.invariants) <= 2 * C.genus
     assert J.exponent() == S.exponent
+
+
+@pytest.mark.parametrize("C", SMALL)
+def test_log_has_the_coordinates_of_all_classes(C):
+    J = C.jacobian()
+    S = J.structure()
+    for D in list(J.points())[:300]:
+        c = S.log(D)
+        assert all(0 <= x < d for x, d in zip(c, S.invariants, strict=True))
+        assert J.combination(c, S.generators) == D
+
+
+def test_log_in_subgroups():
+    """Of torsion, of which other classes are outside, and over QQ."""
+    J = HyperellipticCurve(GF(31), [1, 0, 0, 0, 0, 0, 1]).jacobian()
+    whole, halves = J.structure(), J.torsion(2)
+    assert whole.invariants == (3, 3, 12, 12)
+    assert {halves.log(D) for D in halves.elements()} == {(a, b) for a in (0, 1) for b in (0, 1)}
+    with pytest.raises(NotAMultiple, match="is not 0"):
+        halves.log(whole.generators[-1])
+    one = type(whole)(whole.invariants[-1:], whole.generators[-1:])
+    with pytest.raises(NotAMultiple, match="no sum of multiples"):
+        one.log(whole.generators[-2])
+    with pytest.raises(CurveMismatch):
+        whole.log(HyperellipticCurve(GF(31), [1, 0, 0, 0, 0, 1]).jacobian().zero())
+    with pytest.raises(ArgumentError):
+        whole.log((0, 1))
+    found = HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]).jacobian().rational_torsion().found
+    assert [found.log(m * found.generators[0]) for m in range(3)] == [(0,), (1,), (2,)]
 
 
 @pytest.mark.parametrize("C", SMALL)

@@ -63,8 +63,15 @@ def oracle(K, f, first, second):
     return composition.compose(K, 2, rounded(K, f), *([rounded(K, c) for c in pair] for pair in (first, second)))
 
 
-@pytest.mark.parametrize("curve", [QUINTIC, QUARTIC], ids=["quintic", "quartic"])
-@pytest.mark.parametrize("K", [RR, MP(30)], ids=["float", "mpf"])
+@pytest.mark.parametrize(
+    ("curve", "K"),
+    [
+        pytest.param(QUINTIC, RR, id="float-quintic"),
+        pytest.param(QUARTIC, RR, id="float-quartic"),
+        pytest.param(QUINTIC, MP(30), id="mpf-quintic", marks=pytest.mark.slow),
+        pytest.param(QUARTIC, MP(30), id="mpf-quartic"),
+    ],
+)
 def test_kernel_equals_the_general_formula(curve, K):
     f = rounded(K, (*curve.f, *[0] * (6 - len(curve.f))))
     pairs = pairs_of(curve, known_points(curve))

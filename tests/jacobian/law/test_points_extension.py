@@ -9,7 +9,7 @@ import pytest
 
 from jacobian import GF, QQ, RR, ArgumentError, FieldError, HyperellipticCurve, NotOnCurve, NotRepresentable, poly
 from jacobian.curve.points import INFINITY_MINUS, INFINITY_PLUS
-from jacobian.fields.embedding import embedding
+from jacobian.fields.change import embedding
 from jacobian.fields.factor import roots
 from jacobian.law.conjugates import splitting_degree
 from tests.jacobian.jacobian_rows import ROWS

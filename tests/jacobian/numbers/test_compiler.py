@@ -65,7 +65,7 @@ ball = ChaplyginBall((1, 2, 3), 0.7)
 state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 found = [ball.flow(state, kernel=kernel).at([10, 1000, 0]).gamma.tolist() for kernel in ("auto", "python", "compiled")]
 growth = [r for _, r in ball.flow(state, kernel="compiled").residual_growth([0, 10])]
-methods = [method for method in METHODS.values() if method.compiled]
+methods = [method for method in METHODS.values() if method.compiled and method.installed]
 costs = {"step": 0.1, "tolerance": 1e-12}
 steps = [method.solve(ball, state, [10.0], costs[method.parameter]).gamma.tolist()[0] for method in methods]
 print(json.dumps([found, growth, steps]))

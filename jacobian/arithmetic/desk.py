@@ -1,0 +1,178 @@
+"""Classes modulo one prime after the other, on curves set up for the prime: loops to be compiled.
+
+Classes are those of :mod:`jacobian.addition.cantor_words`, added in genus 2 by the explicit formulas where they apply.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from jacobian.addition.cantor_words import add_classes, double_class, negate_class
+from jacobian.addition.genus2_words import (
+    Sextic,
+    chord,
+    cubic_sextic,
+    product_sextic,
+    sum_u_sextic,
+    sum_v_sextic,
+    tangent_sextic,
+)
+from jacobian.numbers.words import add, inverse, mul, neg, sub
+
+HEAD = 7
+"""Words of a packed curve before its polynomials."""
+
+
+class Desk(NamedTuple):
+    """The memory of a search.
+
+    It holds the curve; Cantor's scratch; classes, the first three p·D, p²·D and (least order)·D; the polynomial F and
+    its translate; the table of baby steps; the ranges of t in each row; the candidates (s, t).
+    """
+
+    curve: Any
+    scratch: Any
+    classes: Any
+    F: Any
+    moved: Any
+    steps: Any
+    table: Any
+    ranges: Any
+    found: Any
+
+
+def class_at(K: Any, a: Any, x0: int, desk: Any) -> int:
+    """1 where y² = G(t) is the curve, −1 where it is the twist, 0 where F(x_0) = 0; classes 0, 1 and 2 are written."""
+    value = model_at(K, x0, desk)
+    if value == 0:
+        return 0
+    p, classes, g = K.p, desk.classes, desk.curve[0]
+    sign = 1 if is_square(K, value) else -1
+    a1, a2, a3 = a
+    c, b = 1 + sign * a1 + a2, sign * a1 + p
+    if g == 3:
+        c, b = c + sign * a3, a2 + p * b
+    set_class(K, g, (g + 1) // 2 + 1, classes[3])
+    multiply(K, desk, p, classes[3], classes[0])
+    multiply(K, desk, p, classes[0], classes[1])
+    multiply(K, desk, b, classes[0], classes[2])
+    multiply(K, desk, c, classes[3], classes[6])
+    plus(K, desk, classes[2], classes[6], classes[2])
+    return sign
+
+
+def model_at(K: Any, x0: int, desk: Any) -> int:
+    """F(x_0), after writing y² = G(t) in the form of :func:`jacobian.addition.cantor_words.packed_curve`."""
+    curve, moved, n = desk.curve, desk.moved, len(desk.F)
+    g = (n - 3) // 2
+    for i in range(n):
+        moved[i] = desk.F[i]
+    for i in range(n - 1):
+        for j in range(n - 2, i - 1, -1):
+            moved[j] = add(K, moved[j], mul(K, x0, moved[j + 1]))
+    if moved[0] == 0:
+        return 0
+    scale, half = inverse(K, moved[0]), (K.p + 1) // 2
+    curve[0], curve[1], curve[2], curve[3], curve[4], curve[5], curve[6] = g, 1, n, 0, g + 2, g + 2, 1
+    for i in range(n):
+        curve[HEAD + n - 1 - i] = mul(K, moved[i], scale)
+    # the principal parts ±V, V² = G up to terms of degree g and less
+    top = HEAD + n + g + 1
+    curve[top] = 1
+    for i in range(1, g + 2):
+        total = curve[HEAD + n - 1 - i]
+        for j in range(1, i):
+            total = sub(K, total, mul(K, curve[top - j], curve[top - i + j]))
+        curve[top - i] = mul(K, total, half)
+    for i in range(g + 2):
+        curve[top + g + 2 - i] = neg(K, curve[top - i])
+    return moved[0]
+
+
+def is_square(K: Any, x: int) -> bool:
+    """Whether x ≠ 0 is a square."""
+    result, exponent = 1, (K.p - 1) // 2
+    while exponent > 0:
+        if exponent % 2 == 1:
+            result = mul(K, result, x)
+        x = mul(K, x, x)
+        exponent = exponent // 2
+    return result == 1
+
+
+def set_class(K: Any, g: int, n: int, a: Any) -> None:
+    """The class of weight n at ∞₊ and no affine points: ⌈g/2⌉ for 0, one more for ∞₊ − ∞₋."""
+    for i in range(len(a)):
+        a[i] = 0
+    a[0], a[2], a[3] = 1, n, 1
+
+
+def multiply(K: Any, desk: Any, m: int, base: Any, result: Any) -> None:
+    """result = m·base; classes 4 and 5 are overwritten."""
+    g, square, opposite = desk.curve[0], desk.classes[4], desk.classes[5]
+    set_class(K, g, (g + 1) // 2, result)
+    copy(base, square)
+    if m < 0:
+        m = -m
+        negate_class(K, desk.curve, desk.scratch, square, square)
+    while m > 0:
+        if m % 4 == 1:
+            plus(K, desk, result, square, result)
+        elif m % 4 == 3:
+            negate_class(K, desk.curve, desk.scratch, square, opposite)
+            plus(K, desk, result, opposite, result)
+            m += 1
+        m = m // 2
+        if m > 0:
+            twice(K, desk, square, square)
+
+
+def plus(K: Any, desk: Any, a: Any, b: Any, result: Any) -> None:
+    """result = a + b; the three may be one array."""
+    curve = desk.curve
+    if curve[0] == 2 and a[0] == 3 and b[0] == 3:
+        first, second = (a[4], a[3], a[7], a[6]), (b[4], b[3], b[7], b[6])
+        if closed(K, curve, chord(K, first, second), (first, second), result):
+            return
+    add_classes(K, curve, desk.scratch, a, b, result)
+
+
+def twice(K: Any, desk: Any, a: Any, result: Any) -> None:
+    """result = a + a; the two may be one array."""
+    curve = desk.curve
+    if curve[0] == 2 and a[0] == 3:
+        first = (a[4], a[3], a[7], a[6])
+        if closed(K, curve, tangent_sextic(K, sextic(curve), first), (first, first), result):
+            return
+    double_class(K, curve, desk.scratch, a, result)
+
+
+def sextic(curve: Any) -> Any:
+    """The coefficients that the explicit formulas use."""
+    return Sextic(curve[HEAD + 2], curve[HEAD + 3], curve[HEAD + 4], curve[HEAD + 5], curve[HEAD + 6])
+
+
+def closed(K: Any, curve: Any, quotient: Any, lines: Any, result: Any) -> bool:
+    """Whether the case was the general one of genus 2, so that result is the sum."""
+    C, product = sextic(curve), product_sextic(K, sextic(curve), quotient)
+    if product == 0:
+        return False
+    first, second = lines
+    bent = cubic_sextic(K, C, quotient, inverse(K, product), first)
+    u = sum_u_sextic(K, C, bent, first, second)
+    v1, v0 = sum_v_sextic(K, C, bent, u, first)
+    result[0], result[1], result[2] = 3, 2 if v1 != 0 else 1 if v0 != 0 else 0, 0
+    result[3], result[4], result[5], result[6], result[7] = u[1], u[0], 1, v0, v1
+    return True
+
+
+def same(a: Any, b: Any) -> bool:
+    for i in range(len(a)):  # noqa: SIM110  # a generator is not compiled
+        if a[i] != b[i]:
+            return False
+    return True
+
+
+def copy(a: Any, b: Any) -> None:
+    for i in range(len(a)):
+        b[i] = a[i]

@@ -1,0 +1,152 @@
+"""Windows of coefficients of powers of a polynomial, modulo many primes at once, by an accumulating remainder forest.
+
+With f = Σ f_i x^i of degree d, f_0 ≠ 0, and c_k the coefficients of f^((p−1)/2), modulo p
+
+    2k·f_0·c_k = Σ_{i=1…d} (i − 2k) f_i c_(k−i),
+
+which is free of p: the window (c_(k−d+1), …, c_k)·(2f_0)^k·k! is a product of k integer matrices applied to (0, …, 0,
+1) (Harvey and Sutherland 2014, 2016). A block of integers needs it at its beginning, modulo the product of its primes.
+The blocks form trees. A tree multiplies its matrices, carries the window down to its blocks, and finally once modulo
+the primes of all later trees. From the beginning of its block the window is advanced to p modulo p
+(:mod:`jacobian.arithmetic.walk`), which is faster than the lower levels of a tree.
+
+Integers and matrices are those of FLINT (python-flint). Matrices of 5 rows with entries of 640 kbit are multiplied in
+the time of 91 of its products of integers (``python -m benchmarks l_polynomials``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import Any, NamedTuple
+
+from flint import fmpz, fmpz_mat, fmpz_poly
+
+BLOCK = 1 << 14
+"""Integers of a block: with fewer the trees take longer, with more the walks."""
+WALKED_TO = 1 << 18
+"""Up to such primes all is walked, in one block, which is as quick (``python -m benchmarks l_polynomials``)."""
+TREE = 8
+"""Blocks of a tree: more of them take more memory, fewer carry the window along more often."""
+STEPS = 16
+"""Matrices that are multiplied as polynomials in the first index: of their products one matrix product has the values.
+"""
+
+
+class Block(NamedTuple):
+    """The primes p with begin < p ≤ end, as indices ``first`` … ``last`` − 1 of the list of all."""
+
+    begin: int
+    first: int
+    last: int
+
+
+def blocks_of(primes: Sequence[int], size: int) -> list[Block]:
+    """All blocks of this many integers, in order, including those without primes."""
+    found, first = [], 0
+    for begin in range(0, primes[-1], size):
+        last = first
+        while last < len(primes) and primes[last] <= begin + size:
+            last += 1
+        found.append(Block(begin, first, last))
+        first = last
+    return found
+
+
+class Tree(NamedTuple):
+    """The results of a tree: for each of its blocks the window at its beginning, modulo the product of its primes, and
+    the window after the last one, modulo the product of all later primes.
+    """
+
+    windows: list[list[Any]]
+    behind: list[Any]
+
+
+def trees(
+    f: Sequence[int], primes: Sequence[int], blocks: list[Block], window: list[Any] | None = None
+) -> Iterator[Tree]:
+    """Tree after tree the windows (2f_0)^b·b!·(c_(b−d+1), …, c_b)/c_0 for all b at which blocks begin.
+
+    ``blocks`` are of one size, a multiple of STEPS; they begin at 0, or at some tree, with the ``window`` there.
+    """
+    d = len(f) - 1
+    size = blocks[1].begin - blocks[0].begin if len(blocks) > 1 else 0
+    first = _first_products(f)
+    moduli = [_product([fmpz(p) for p in primes[block.first : block.last]]) for block in blocks]
+    rest = _product(moduli)
+    window = window or [fmpz(0)] * (d - 1) + [fmpz(1)]
+    for start in range(0, len(blocks), TREE):
+        part = moduli[start : start + TREE]
+        # the product of the last block is needed only for later trees
+        last = start + TREE >= len(blocks)
+        matrices = [_block(first, d, block.begin, size) for block in blocks[start : start + len(part) - last]]
+        products, modules = _levels(matrices, _times), _levels(part, _both)
+        found = _down(products, modules, [c % modules[-1][0] for c in window])
+        rest //= modules[-1][0]
+        window = [] if last else _applied(products[-1][0], window, rest)
+        yield Tree(found, window)
+
+
+def _first_products(f: Sequence[int]) -> list[list[fmpz_poly]]:
+    """Π_{j=1…STEPS} M(k + j), the last factor on the left, as polynomials in k."""
+    d = len(f) - 1
+    total = [[fmpz_poly([int(i == j)]) for j in range(d)] for i in range(d)]
+    for step in range(1, STEPS + 1):
+        row = [fmpz_poly([(i - 2 * step) * f[i], -2 * f[i]]) for i in range(d, 0, -1)]
+        last = [sum((a * total[i][j] for i, a in enumerate(row)), fmpz_poly([])) for j in range(d)]
+        below = fmpz_poly([2 * step * f[0], 2 * f[0]])
+        total = [[below * c for c in line] for line in total[1:]] + [last]
+    return total
+
+
+def _block(first: list[list[fmpz_poly]], d: int, begin: int, size: int) -> fmpz_mat:
+    """The product of the matrices of a block."""
+    coefficients = fmpz_mat([[c[i] for i in range(STEPS + 1)] for line in first for c in line])
+    starts = range(begin, begin + size, STEPS)
+    values = coefficients * fmpz_mat([[fmpz(k) ** i for k in starts] for i in range(STEPS + 1)])
+    columns = values.transpose().entries()
+    entries = d * d
+    products = [fmpz_mat(d, d, columns[at : at + entries]) for at in range(0, len(columns), entries)]
+    return _levels(products, _times)[-1][0]
+
+
+def _times(first: fmpz_mat, second: fmpz_mat) -> fmpz_mat:
+    return second * first
+
+
+def _both(a: Any, b: Any) -> Any:
+    return a * b
+
+
+def _levels(leaves: list[Any], join: Any) -> list[list[Any]]:
+    """A tree from its leaves to its root: an odd matrix moves up unchanged."""
+    levels = [leaves]
+    while len(levels[-1]) > 1:
+        below = levels[-1]
+        above = [join(below[i], below[i + 1]) for i in range(0, len(below) - 1, 2)]
+        levels.append(above + below[len(below) - len(below) % 2 :])
+    return levels
+
+
+def _product(factors: list[Any]) -> Any:
+    return _levels(factors, _both)[-1][0] if factors else fmpz(1)
+
+
+def _applied(matrix: fmpz_mat, window: list[Any], modulus: Any) -> list[Any]:
+    """The window after a matrix, reduced."""
+    column = matrix * fmpz_mat(len(window), 1, window)
+    return [c % modulus for c in column.entries()]
+
+
+def _down(products: list[list[fmpz_mat]], modules: list[list[Any]], window: list[Any]) -> list[list[Any]]:
+    """The windows where the leaves begin, modulo their moduli, from that of the root."""
+    above = [window]
+    for level in range(len(modules) - 2, -1, -1):
+        here = []
+        for i, modulus in enumerate(modules[level]):
+            carried = above[i // 2]
+            if i % 2 == 0:
+                here.append([c % modulus for c in carried])
+            else:
+                here.append(_applied(products[level][i - 1], carried, modulus))
+        above = here
+    return above

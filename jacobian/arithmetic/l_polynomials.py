@@ -1,0 +1,137 @@
+"""The L-polynomials of a curve over QQ at all good primes up to a bound.
+
+The Hasse–Witt matrices give them modulo p, for all primes together (:mod:`jacobian.arithmetic.residues`). The group law
+decides the rest prime by prime (:mod:`jacobian.arithmetic.decision`). Points are counted at the few primes that divide
+values of the polynomial at the translations or are at most 16g², and at 2 where the equation is good there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Executor
+from typing import Any
+
+import numpy as np
+
+from jacobian.arithmetic import decision, residues
+from jacobian.arithmetic.record import LPolynomials
+from jacobian.arithmetic.saved import Saved
+from jacobian.arithmetic.walk import MOST_DEGREE, MOST_PRIME
+from jacobian.curve.curve import HyperellipticCurve, check_curve
+from jacobian.errors import ArgumentError, FieldError, Infeasible, flag, shown, whole
+from jacobian.fields import QQ
+from jacobian.finite.reduction import is_good, suspects
+
+Tell = Callable[[int, int], None]
+GENERA = (1, 2, 3)
+
+
+def l_polynomials(C: HyperellipticCurve, bound: int, file: Any = None, tell: Tell | None = None) -> LPolynomials:
+    """L_p(T) for all p ≤ ``bound`` at which the equation is good (Harvey and Sutherland 2014, 2016).
+
+    Curves over QQ of genus 1, 2 or 3 with any equation; ``bound`` 2 … 2^24. ``file``: results and state are saved there
+    every few seconds, and the same call resumes from it. The file is replaced as a whole, so a run that is killed
+    leaves the last state. ``tell(done, all)`` receives numbers of primes. FieldError over other fields, Infeasible for
+    other genera and larger bounds.
+    """
+    bound = _checked(C, bound)
+    if C.genus not in GENERA:
+        raise Infeasible(
+            f"genus {C.genus}: L-polynomials at all primes are those of genus 1, 2 and 3; hasse_witt_matrices(bound) "
+            "has them modulo p in any genus"
+        )
+    F, g = residues.integral_equation(C), C.genus
+    good, bad = _reductions(C, bound)
+    together = (good > decision.least_prime(g)) & (residues.modulo(2 * residues.exceptions(F, g), good) != 0)
+    primes = good[together]
+    saved = Saved(file, C, bound, g) if file is not None else None
+    found, place = saved.load() if saved else (np.zeros((0, g), np.int64), residues.Place())
+    rows = [found]
+    for part in residues.parts(F, g, primes, place):
+        p = primes[part.first : part.last]
+        rows.append(_decided(C, F, p, residues.modulo_p(part.matrices, p)))
+        if saved:
+            saved.keep(rows, part.place)
+        if tell:
+            tell(part.last, len(primes))
+    coefficients = np.empty((len(good), g), np.int64)
+    coefficients[together] = np.concatenate(rows)
+    for at in np.flatnonzero(~together).tolist():
+        coefficients[at] = decision.counted(C, int(good[at]))
+    for array in (good, coefficients):
+        array.flags.writeable = False
+    return LPolynomials(C, bound, good, coefficients, tuple(bad))
+
+
+def with_progress(C: HyperellipticCurve, bound: int, file: Any = None, progress: bool = False) -> LPolynomials:
+    """:func:`l_polynomials`, with a bar if ``progress``."""
+    if not flag(progress, "progress"):
+        return l_polynomials(C, bound, file)
+    try:
+        from tqdm import tqdm
+    except ImportError:
+        raise ArgumentError(
+            "progress = True: the bar is tqdm's, which is not installed: pip install 'jacobian-integrable[app]'"
+        ) from None
+    with tqdm(total=None, unit="prime", desc="L-polynomials") as bar:
+
+        def tell(done: int, total: int) -> None:
+            bar.total = total
+            bar.update(done - bar.n)
+
+        return l_polynomials(C, bound, file, tell)
+
+
+def hasse_witt_matrices(C: HyperellipticCurve, bound: int) -> tuple[Any, Any]:
+    """(p, W): odd primes of good reduction up to ``bound``, (K,), and W_p, (K, g, g).
+
+    Entry i, j of W_p is the coefficient of x^(ip−j) in F^((p−1)/2) modulo p, F = h² + 4f times a square. Any genus with
+    deg F ≤ 120. It is the transpose of :meth:`jacobian.curve.questions.CurveQuestions.cartier_manin`, up to the square
+    class of 4 and of the denominators. Primes that divide F(a), for one of the g integers a of least size with F(a) ≠
+    0, or a difference of these are left out.
+    """
+    bound = _checked(C, bound)
+    F, g = residues.integral_equation(C), C.genus
+    if len(F) - 1 > MOST_DEGREE:
+        raise Infeasible(f"deg F = {len(F) - 1}: Hasse–Witt matrices are computed up to degree {MOST_DEGREE}")
+    good, _ = _reductions(C, bound)
+    primes = good[(good > 2 * g) & (residues.modulo(2 * residues.exceptions(F, g), good) != 0)]
+    return primes, residues.hasse_witt(F, g, primes)
+
+
+def of_curves(curves: Iterable[HyperellipticCurve], bound: int, executor: Executor | None = None) -> Iterator[Any]:
+    """:func:`l_polynomials` of many curves, in order: on an executor of concurrent.futures, a client of dask
+    (``client.get_executor()``), or one after the other.
+    """
+    given = [check_curve(C) for C in curves]
+    if executor is None:
+        yield from (l_polynomials(C, bound) for C in given)
+        return
+    if not hasattr(executor, "submit"):
+        raise ArgumentError(f"executor = {shown(executor)}: a concurrent.futures.Executor is needed")
+    for future in [executor.submit(l_polynomials, C, bound) for C in given]:
+        yield future.result()
+
+
+def _checked(C: HyperellipticCurve, bound: int) -> int:
+    if C.field != QQ:
+        raise FieldError(f"field = {C.field.name}: L-polynomials at all primes are those of a curve over QQ")
+    bound = whole(bound, "bound", "the largest prime is an int from 2 on", 2)
+    if bound > MOST_PRIME:
+        raise Infeasible(f"bound = {shown(bound)}: L-polynomials are computed for primes up to {MOST_PRIME}")
+    return bound
+
+
+def _reductions(C: HyperellipticCurve, bound: int) -> tuple[Any, list[int]]:
+    """The primes of good reduction of this equation up to the bound, and the others."""
+    primes = residues.primes_up_to(bound)
+    suspected = primes[residues.modulo(suspects(C), primes) == 0].tolist()
+    bad = [p for p in suspected if not is_good(C, p)]
+    return primes[~np.isin(primes, bad)], bad
+
+
+def _decided(C: HyperellipticCurve, F: list[int], p: Any, modulo_p: Any) -> Any:
+    found, known = decision.decided(F, C.genus, p, modulo_p)
+    for at in np.flatnonzero(~known).tolist():
+        found[at] = decision.counted(C, int(p[at]))
+    return found

@@ -1,0 +1,307 @@
+"""Sato–Tate groups: their moments of (a_1/√p, a_2/p), and the groups with which those of a curve are compatible.
+
+In genus 2 there are 52 groups (Fité, Kedlaya, Rotger and Sutherland 2012). A component is given by a law of two angles
+α, β with L_p(T/√p) = Π (1 − 2cos α·T + T²)(1 − 2cos β·T + T²), a_1 = −2cos α − 2cos β, a_2 = 2 + 4·cos α·cos β, or by a
+law of a_2 alone where a_1 = 0. No table of moments is copied.
+
+With identity component U(1) a group is given by a group H of rotations. Either all of its elements occur, or all occur
+also with J, or, for a pair H ⊃ H′ of index 2, those of H′ occur without J and the others with J. The element u·A, A of
+angles ±θ, has α, β = φ ± θ with φ uniform, and J·u·A has a_1 = 0, a_2 = −2cos 2θ. Moments are integrals of
+trigonometric polynomials, computed exactly by sums over enough points.
+
+Over QQ the endomorphisms of a factor with complex multiplication are never all rational, which leaves the groups of
+:func:`over_the_rationals`.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from math import ceil, log, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jacobian.arithmetic.record import LPolynomials
+from jacobian.errors import ArgumentError, Infeasible, shown
+
+POINTS = 64
+"""Of a circle: exact for trigonometric polynomials of degree below it."""
+EXPONENTS = {1: ((2, 0), (4, 0), (6, 0)), 2: ((2, 0), (4, 0), (0, 1), (0, 2), (0, 3), (0, 4), (2, 1), (2, 2))}
+"""Of a_1, a_2 in the moments that are compared."""
+ATOMS = (-2, -1, 0, 1, 2)
+"""With a_1 = 0 these are the a_2/p that have a probability of their own in some groups; it is compared too."""
+FROM = 200
+"""Smaller primes are left out: their a_i are few integers."""
+SLACK = 0.005
+"""What a mean may be off by besides chance, relative to the root of the mean square; chance has twice as much where
+10^4 primes are compared."""
+RARE = 0.3
+"""How often a_1 is 0 by chance, times √p: the density at 0 of a_1/√p."""
+UNLIKELY = 1e-4
+"""Groups with less probable means are not compatible."""
+APART = 25.0
+"""χ² of a group that another one is told from."""
+
+
+class Part(NamedTuple):
+    """A component: values of a_1 and a_2 and their probabilities; a single value is an atom."""
+
+    a1: Any
+    a2: Any
+    weights: Any
+
+
+class Verdict(NamedTuple):
+    """A group by its name, with the probability of means as far from its own as these for random primes.
+
+    ``primes``: how many primes would separate it from the most probable group; 0 for that one.
+    """
+
+    group: str
+    probability: float
+    primes: int
+
+
+# --- laws of angles
+
+
+def _circle() -> tuple[Any, Any]:
+    return 2 * pi * (np.arange(POINTS) + 0.5) / POINTS, np.full(POINTS, 1 / POINTS)
+
+
+def _haar() -> tuple[Any, Any]:
+    """The angle of SU(2): sin² up to a factor."""
+    angles, weights = _circle()
+    return angles, weights * 2 * np.sin(angles) ** 2
+
+
+def _at(angle: float) -> tuple[Any, Any]:
+    return np.array([angle]), np.ones(1)
+
+
+def _of_angles(first: Any, second: Any, generic: bool = False) -> Part:
+    """Independent angles, or, of USp(4), those of SU(2) with Weyl's (2cos α − 2cos β)²/2 as a density."""
+    (alpha, p), (beta, q) = first, second
+    a, b = 2 * np.cos(alpha)[:, None], 2 * np.cos(beta)[None]
+    weights = p[:, None] * q[None] * ((a - b) ** 2 / 2 if generic else 1.0)
+    return Part(-(a + b).ravel(), (2 + a * b).ravel(), weights.ravel())
+
+
+def _about(theta: Any, phi: Any) -> Part:
+    """α, β = φ ± θ of independent angles."""
+    (t, p), (f, q) = theta, phi
+    c = 4 * np.cos(t)[:, None] * np.cos(f)[None]
+    d = 2 + 2 * (np.cos(2 * t)[:, None] + np.cos(2 * f)[None])
+    return Part(-c.ravel(), d.ravel(), (p[:, None] * q[None]).ravel())
+
+
+def _even(angle: Any) -> Part:
+    """a_1 = 0, a_2 = −2cos of an angle."""
+    values, weights = angle
+    return Part(np.zeros(len(values)), -2 * np.cos(values), weights)
+
+
+# --- the groups of genus 2
+
+
+ROTATIONS = {"T": {1: 1, 2: 3, 3: 8}, "O": {1: 1, 2: 9, 3: 8, 4: 6}}
+"""How many rotations of each order."""
+NEXT = {2: 1, 4: 2, 6: 3}
+
+
+def _rotations(name: str) -> list[float]:
+    """The angles θ, half of those of the rotations, of a group C_n, D_n, T or O."""
+    if name in ROTATIONS:
+        orders = ROTATIONS[name]
+        angles = {1: [0.0], 2: [pi / 2], 3: [pi / 3], 4: [pi / 4]}
+        return [angles[order][0] for order, count in orders.items() for _ in range(count)]
+    n = int(name[1:])
+    turns = [pi * k / n for k in range(n)]
+    return turns if name[0] == "C" else turns + [pi / 2] * n
+
+
+def _unitary() -> dict[str, list[Part]]:
+    """The 32 groups with identity component U(1)."""
+    found = {}
+
+    def parts(plain: list[float], turned: list[float]) -> list[Part]:
+        return [_about(_at(theta), _circle()) for theta in plain] + [_even(_at(2 * theta)) for theta in turned]
+
+    for name in ("C1", "C2", "C3", "C4", "C6", "D2", "D3", "D4", "D6", "T", "O"):
+        H = _rotations(name)
+        found[name], found[f"J({name})"] = parts(H, []), parts(H, H)
+    for n, half in NEXT.items():
+        odd = [pi * k / n for k in range(1, n, 2)]
+        found[f"C{n},1"] = parts(_rotations(f"C{half}"), odd)
+        # H′ has every other turn and every other rotation of order 2
+        found[f"D{n},1"] = parts(_rotations(f"C{half}") + [pi / 2] * half, odd + [pi / 2] * half)
+    for n in (3, 4, 6):
+        found[f"D{n},2"] = parts(_rotations(f"C{n}"), [pi / 2] * n)
+    # of the rotations of the octahedron those of the tetrahedron come without J
+    found["O,1"] = parts(_rotations("T"), [pi / 2] * 6 + [pi / 4] * 6)
+    return found
+
+
+def _others() -> dict[str, list[Part]]:
+    """The groups with the other identity components."""
+    circle, haar, quarter = _circle(), _haar(), _at(pi / 2)
+    found = {}
+    for n in (1, 2, 3, 4, 6):
+        plain = [_about(haar, _at(pi * k / n)) for k in range(n)]
+        found[f"E{n}"] = plain
+        found[f"J(E{n})"] = plain + [_even((2 * haar[0], haar[1]))] * n
+    # on U(1)² a and b turn one angle, c exchanges them
+    F, a, ab, ac = _of_angles(circle, circle), _of_angles(quarter, circle), _of_angles(quarter, quarter), _even(quarter)
+    found |= {"F": [F], "Fa": [F, a], "Fab": [F, ab], "Fa,b": [F, a, a, ab], "Fac": [F, ac, ab, ac]}
+    mixed, both = _of_angles(circle, haar), _of_angles(haar, haar)
+    found |= {"G1,3": [mixed], "N(G1,3)": [mixed, _of_angles(quarter, haar)]}
+    return found | {"G3,3": [both], "N(G3,3)": [both, _even(haar)], "USp(4)": [_of_angles(haar, haar, generic=True)]}
+
+
+@cache
+def groups(genus: int) -> dict[str, list[Part]]:
+    """All groups of genus 1 (three) and 2 (52) by name, with their components; a_2 = 1 in genus 1."""
+    if genus == 2:
+        return _unitary() | _others()
+    circle, haar = (Part(-2 * np.cos(angle), np.ones(POINTS), weights) for angle, weights in (_circle(), _haar()))
+    return {"U(1)": [circle], "SU(2)": [haar], "N(U(1))": [circle, Part(np.zeros(1), np.ones(1), np.ones(1))]}
+
+
+def over_the_rationals(genus: int) -> list[str]:
+    """The groups over QQ: complex conjugation acts on complex multiplication.
+
+    So J occurs with U(1). U(1)² has an element that turns both angles. It has four components: two factors with one
+    field of complex multiplication would be isogenous, and a field of degree 4 lies in that of the endomorphisms. U(1)
+    × SU(2) has two. Not all remaining groups occur.
+    """
+    never = {
+        "U(1)",
+        "F",
+        "Fa",
+        "Fab",
+        "G1,3",
+        "T",
+        "O",
+        *(f"C{n}" for n in (1, 2, 3, 4, 6)),
+        *(f"D{n}" for n in (2, 3, 4, 6)),
+    }
+    return [name for name in groups(genus) if name not in never]
+
+
+def with_endomorphisms(genus: int, geometric: int, commutative: bool, rational: int) -> list[str]:
+    """The groups over QQ of Jacobians with endomorphisms of rank ``geometric`` over ℂ, forming a commutative ring or
+    not, and ``rational`` over QQ.
+
+    The first two tell the identity component (Fité, Kedlaya, Rotger and Sutherland 2012), the last is the mean of a_1²
+    (Costa, Fité and Sutherland 2019).
+    """
+    if genus == 1:
+        return ["SU(2)"] if geometric == 1 else ["N(U(1))"]
+    known = {1: ("USp(4)",), 2: ("G3,3", "N(G3,3)"), 3: ("G1,3", "N(G1,3)")}
+    others = {*(name for names in known.values() for name in names)}
+
+    def fits(name: str) -> bool:
+        if geometric in known:
+            return name in known[geometric]
+        kind = "F" if name.startswith("F") else "E" if "E" in name else "U(1)"
+        return name not in others and kind == ("U(1)" if geometric == 8 else "F" if commutative else "E")
+
+    return [name for name in over_the_rationals(2) if fits(name) and round(moment(groups(2)[name], 2)) == rational]
+
+
+def moment(parts: list[Part], i: int, j: int = 0) -> float:
+    """The mean of a_1^i·a_2^j."""
+    return float(np.mean([np.sum(part.weights * part.a1**i * part.a2**j) for part in parts]))
+
+
+def moments_of_groups(most: int = 8) -> dict[str, list[int]]:
+    """M[a_1²], M[a_1⁴], …, M[a_1^most] and M[a_2], …, M[a_2^(most/2)] of all groups of genus 2, which are integers."""
+    powers = [(i, 0) for i in range(2, most + 1, 2)] + [(0, j) for j in range(1, most // 2 + 1)]
+    return {name: [round(moment(parts, *e)) for e in powers] for name, parts in groups(2).items()}
+
+
+# --- comparison with a curve
+
+
+def _compared(genus: int, a1: Any, a2: Any, even: Any, atom: Any) -> Any:
+    """The quantities whose means are compared, (N, …). ``even``: a_1 = 0; ``atom``: a single value may have a
+    probability.
+    """
+    columns = [a1**i * a2**j for i, j in EXPONENTS[genus]]
+    return np.stack([*columns, even, *(atom & (np.abs(a2 - c) < 1e-9) for c in ATOMS)], axis=1).astype(float)
+
+
+@cache
+def _expected(genus: int, name: str) -> tuple[Any, Any]:
+    """The means of a group, and the covariances of the quantities."""
+    parts = groups(genus)[name]
+    rows = []
+    for x in parts:
+        one = np.ones(len(x.a1), bool)
+        rows.append(_compared(genus, x.a1, x.a2, one & (np.abs(x.a1).max() < 1e-9), one & (len(x.a1) == 1)))
+    weights = np.concatenate([x.weights for x in parts]) / len(parts)
+    values = np.concatenate(rows)
+    means = weights @ values
+    return means, (values * weights[:, None]).T @ values - np.outer(means, means)
+
+
+def sato_tate_groups(L: LPolynomials) -> list[Verdict]:
+    """The groups over QQ that L is compatible with, the most probable first; genus 1 and 2.
+
+    This is evidence, not proof. It treats the L-polynomials at different primes as independent, and compares the means
+    of EXPONENTS, the frequency of a_1 = 0, and that of the values of ATOMS. Infeasible in genus 3; ArgumentError for
+    fewer than 100 primes beyond FROM.
+    """
+    genus = L.curve.genus
+    if genus not in EXPONENTS:
+        raise Infeasible(f"genus {genus}: Sato–Tate groups are identified in genus 1 and 2")
+    chosen = L.p > FROM
+    count = int(np.sum(chosen))
+    if count < 100:
+        raise ArgumentError(f"bound = {shown(L.bound)}: {count} primes beyond {FROM} are too few, 100 are needed")
+    values = L.normalised()[chosen]
+    a2 = values[:, 1] if genus == 2 else np.ones(count)
+    even = L.coefficients[chosen, 0] == 0
+    sample = _compared(genus, values[:, 0], a2, even, even)
+    found = np.mean(sample, axis=0)
+    chances = {}
+    for name in over_the_rationals(genus):
+        means, covariance = _expected(genus, name)
+        square = _square(found - means, covariance, count, float(np.mean(L.p[chosen] ** -0.5)))
+        chances[name] = _tail(square, len(found))
+    order = sorted((name for name, chance in chances.items() if chance > UNLIKELY), key=lambda name: -chances[name])
+    return [Verdict(name, chances[name], _telling(genus, order[0], name)) for name in order]
+
+
+def _square(off: Any, covariance: Any, count: int, root: float) -> float:
+    """χ² of means with these deviations; ``root``: the mean of 1/√p."""
+    slack = SLACK * np.sqrt(np.diag(covariance)) + 1e-6
+    # a generic integer a_1 is 0 with a probability of the order of 1/√p
+    slack[-len(ATOMS) - 1 :] += RARE * root
+    return float(off @ np.linalg.solve(covariance / count + np.diag(slack**2), off))
+
+
+def _telling(genus: int, first: str, other: str) -> int:
+    """About how many primes separate the second group from the first by χ² = APART; 0 for the same group, or if none
+    do.
+    """
+    (a, _), (b, covariance) = _expected(genus, first), _expected(genus, other)
+    count = 100
+    while first != other and count < 10**8:
+        if _square(a - b, covariance, count, 2 / bound_with(count) ** 0.5) > APART:
+            return count
+        count += count // 4
+    return 0
+
+
+def _tail(x: float, degrees: int) -> float:
+    """The probability of a χ² beyond x, for that many degrees of freedom."""
+    from mpmath import mp
+
+    return float(mp.gammainc(degrees / 2, x / 2, mp.inf, regularized=True))
+
+
+def bound_with(count: int) -> int:
+    """About the least bound with that many primes below it: n(log n + log log n)."""
+    n = max(count, 6)
+    return ceil(n * (log(n) + log(log(n))))

@@ -1,0 +1,211 @@
+"""The last coefficients below x^p of f^((p−1)/2), for many primes side by side, from a window before them.
+
+The recurrence of :mod:`jacobian.arithmetic.forest`, divided by 2k·f_0, is
+
+    c_k = (1/k)·Σ (i·f_i/2f_0) c_(k−i) − Σ (f_i/f_0) c_(k−i)  (mod p)
+
+on balanced residues held as floats: for p < 2^24 and d ≤ 120 every sum is an integer below 2^53. Eight primes share the
+lanes of the processor's vectors. GROUPS such groups run at once, because their operations are independent. The inverses
+of ROUND neighbouring k take one power (Montgomery 1987; Fermat).
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from jacobian.native.code import LANES
+from jacobian.numbers.threads import in_ranges
+
+MOST_PRIME, MOST_DEGREE = 1 << 24, 120
+GROUPS = 4
+TOGETHER = GROUPS * LANES
+ROUND = 256
+WHOLE = 6755399441055744.0
+"""3·2^51: a float below 2^51 in size and this have the nearest integer as their sum, less this."""
+
+
+class Walks(NamedTuple):
+    """For N primes, ascending: T translates of f, each of degree d.
+
+    ``ratios`` f_i/f_0 modulo p, i = d … 1, (N, T, d); ``start`` the index of the windows, (N, T, d), last entries last.
+    """
+
+    primes: Any
+    ratios: Any
+    start: int
+    window: Any
+
+
+def last_coefficients(walks: Walks, count: int) -> tuple[Any, Any]:
+    """(c_(p−1), …, c_(p−count)) for the window as it is given, (N, T, count), and Π_{start<k<p} k, (N,), modulo p."""
+    primes, ratios, start, window = walks
+    size, translates, d = ratios.shape
+    groups = -(-size // TOGETHER)
+    rows = np.minimum(np.arange(groups * TOGETHER), size - 1)
+    p = primes[rows]
+    halves = (p + 1) // 2
+    weights = ratios[rows] * (np.arange(d, 0, -1) * halves[:, None] % p[:, None])[:, None, :] % p[:, None, None]
+    moduli = _lanes(p[:, None].astype(float), groups)
+    plain, weighted = (_lanes(_balanced(x, p), groups) for x in (ratios[rows], weights))
+    windows = _lanes(_balanced(window[rows], p), groups)
+    length = int(p[-1]).bit_length()
+    bits = (p[:, None] - 2) >> np.arange(length - 1, -1, -1) & 1
+    power = np.ascontiguousarray(_lanes(bits.astype(float), groups).swapaxes(1, 2))
+    found, products = np.empty((groups, TOGETHER, translates, count)), np.empty((groups, TOGETHER))
+
+    def work(begin: int, end: int) -> None:
+        room = Room(_room(translates * GROUPS * (ROUND + d)), _room(ROUND * GROUPS), *(_room(GROUPS) for _ in range(3)))
+        out, total = _room(TOGETHER * translates * count), _room(TOGETHER)
+        own = np.arange(TOGETHER)
+        for i in range(begin, end):
+            ends = p[i * TOGETHER : (i + 1) * TOGETHER] - 1
+            given = moduli[i], 1 / moduli[i], power[i], plain[i], weighted[i], windows[i]
+            group = Group(*(np.ascontiguousarray(x).reshape(-1, LANES) for x in given))
+            _library().walk((start, d, count, translates), ends, group, room, out, total)
+            # row n has the values of all lanes of its group at prime n
+            found[i] = out.reshape(TOGETHER, translates, count, LANES)[own, :, :, own % LANES]
+            products[i] = total.reshape(TOGETHER, LANES)[own, own % LANES]
+
+    in_ranges(groups, max(1, groups // 64), work)
+    p = p[:, None]
+    columns = found.reshape(len(p), -1).astype(np.int64) % p
+    totals = products.reshape(-1, 1).astype(np.int64) % p
+    return columns[:size].reshape(size, translates, count), totals[:size, 0]
+
+
+def _balanced(values: Any, p: Any) -> Any:
+    """Residues as floats within ±p/2, (N, …) to (N, all others)."""
+    flat, p = values.reshape(len(p), -1), p[:, None]
+    return (flat - p * (2 * flat > p)).astype(float)
+
+
+def _lanes(values: Any, groups: int) -> Any:
+    """(N, k) to (groups, GROUPS, k, LANES)."""
+    return values.reshape(groups, GROUPS, LANES, -1).swapaxes(2, 3)
+
+
+def _room(items: int) -> Any:
+    """Memory for rows of LANES floats that do not cross a line of the cache."""
+    memory = np.zeros((items + 1) * LANES)
+    begin = -memory.ctypes.data // 8 % LANES
+    return memory[begin : begin + items * LANES].reshape(items, LANES)
+
+
+# --- compiled
+
+
+class Group(NamedTuple):
+    """GROUPS times LANES primes p: rows of LANES floats. ``inverses`` are 1/p, ``bits`` those of p − 2."""
+
+    primes: Any
+    inverses: Any
+    bits: Any
+    plain: Any
+    weighted: Any
+    window: Any
+
+
+class Room(NamedTuple):
+    """The memory of a walk: coefficients of a round, inverses of its k, and for each group their product, a power of
+    it, and the product of all rounds.
+    """
+
+    states: Any
+    reciprocals: Any
+    product: Any
+    power: Any
+    run: Any
+
+
+def walk(shape: Any, ends: Any, group: Any, room: Any, out: Any, total: Any) -> None:
+    """Walks to k = ends[n], ascending, and writes the last coefficients into rows of ``out``, the product of all k into
+    ``total``: prime by prime what all lanes of its group hold. ``shape`` = (start, d, count, translates).
+    """
+    start, d, count, translates = shape
+    states, groups = room.states, len(group.primes)
+    length = len(states) // (translates * groups)
+    for s in range(translates * groups):
+        for i in range(d):
+            states[s * length + i] = group.window[s * d + i]
+    for q in range(groups):
+        room.run[q] = group.primes[q] * 0.0 + 1.0
+    k = start
+    for n in range(len(ends)):
+        while k < ends[n]:
+            size = min(len(room.reciprocals) // groups, ends[n] - k)
+            invert(k, size, group, room)
+            steps(size, shape, group, room)
+            for s in range(translates * groups):
+                for i in range(d):
+                    states[s * length + i] = states[s * length + size + i]
+            k += size
+        q = n // LANES
+        total[n] = room.run[q]
+        for s in range(translates):
+            for i in range(count):
+                out[(n * translates + s) * count + i] = states[(q * translates + s) * length + d - 1 - i]
+
+
+def rest(x: Any, p: Any, r: Any) -> Any:
+    """x modulo p, within ±p/2 but for rounding of r = 1/p."""
+    return x - ((x * r + WHOLE) - WHOLE) * p
+
+
+def invert(k: int, size: int, group: Any, room: Any) -> None:
+    """1/(k + 1), …, 1/(k + size), group by group; the product of all rounds is multiplied by the inverted numbers."""
+    P, R, bits, groups = group.primes, group.inverses, group.bits, len(group.primes)
+    product, power = room.product, room.power
+    for q in range(groups):
+        product[q] = P[q] * 0.0 + 1.0
+        power[q] = P[q] * 0.0 + 1.0
+    for m in range(size):
+        factor = float(k + 1 + m)
+        for q in range(groups):
+            room.reciprocals[m * groups + q] = product[q]
+            product[q] = rest(product[q] * factor, P[q], R[q])
+    for b in range(len(bits) // groups):
+        for q in range(groups):
+            square = rest(power[q] * power[q], P[q], R[q])
+            power[q] = rest(square * (1.0 + bits[b * groups + q] * (product[q] - 1.0)), P[q], R[q])
+    for q in range(groups):
+        room.run[q] = rest(room.run[q] * product[q], P[q], R[q])
+    for n in range(size):
+        m = size - 1 - n
+        factor = float(k + 1 + m)
+        for q in range(groups):
+            place = m * groups + q
+            room.reciprocals[place] = rest(room.reciprocals[place] * power[q], P[q], R[q])
+            power[q] = rest(power[q] * factor, P[q], R[q])
+
+
+def steps(size: int, shape: Any, group: Any, room: Any) -> None:
+    """Steps of all walks: state m + d of each is computed from those from m on."""
+    P, R, plain, weighted, states = group.primes, group.inverses, group.plain, group.weighted, room.states
+    _, d, _, translates = shape
+    groups = len(P)
+    length = len(states) // (translates * groups)
+    for m in range(size):
+        for q in range(groups):
+            for s in range(translates):
+                at, place = (q * translates + s) * d, (q * translates + s) * length + m
+                x = states[place]
+                a, b = plain[at] * x, weighted[at] * x
+                for i in range(1, d):
+                    x = states[place + i]
+                    a += plain[at + i] * x
+                    b += weighted[at + i] * x
+                inverted = room.reciprocals[m * groups + q]
+                states[place + d] = rest(rest(b, P[q], R[q]) * inverted - a, P[q], R[q])
+
+
+@cache
+def _library() -> Any:
+    from jacobian.native.kinds import EIGHTS, INT, INTS, TupleKind, record
+    from jacobian.native.library import Library
+    from jacobian.native.special import SPECIAL
+
+    kinds = TupleKind((INT,) * 4), INTS, record(Group, *[EIGHTS] * 6), record(Room, *[EIGHTS] * 5), EIGHTS, EIGHTS
+    return Library("walks_to_p", {"walk": (walk, kinds)}, SPECIAL)

@@ -1,0 +1,64 @@
+"""Rational points of small height on a curve over QQ, by a sieve over small primes.
+
+Let F = h² + 4f. x = a/b is the abscissa of a rational point where b^(2g+2)·F(a/b), times a square that makes it
+integral, is a square. So it is a square modulo every p. For each b and each prime the admissible a are the bits of an
+int, and their common bits are tried (the sieve of Elkies 2000 and of Stoll's ratpoints, with Python's ints as rows of
+bits).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from fractions import Fraction
+from math import gcd, isqrt, lcm
+
+from jacobian.poly import Poly
+
+PRIMES = (3, 5, 7, 11, 13, 17, 19, 23, 29, 31, 37, 41, 43, 47, 53, 59, 61)
+"""About half of the a pass each of them: one of 10^5 passes all."""
+
+
+def abscissas(F: Poly, degree: int, bound: int) -> Iterator[Fraction]:
+    """The x with numerator and denominator up to ``bound`` at which F, of the even formal ``degree``, is a square.
+
+    Ascending in the denominator, then in x.
+    """
+    square = lcm(*(c.denominator for c in F)) ** 2
+    form = [int(c * square) for c in F] + [0] * (degree + 1 - len(F))
+    sieves = [_rows(form, p, bound) for p in PRIMES]
+    for b in range(1, bound + 1):
+        # bit a + bound stands for a
+        passing = (1 << 2 * bound + 1) - 1
+        for p, rows in zip(PRIMES, sieves, strict=True):
+            passing &= rows[b % p]
+        powers = [b ** (degree - i) for i in range(degree + 1)]
+        while passing:
+            last = passing & -passing
+            passing ^= last
+            a = last.bit_length() - 1 - bound
+            if gcd(a, b) == 1 and _is_square(sum(c * a**i * powers[i] for i, c in enumerate(form))):
+                yield Fraction(a, b)
+
+
+def _rows(form: list[int], p: int, bound: int) -> list[int]:
+    """For each residue of b the a in −bound … bound, as bits, where the form of even degree is a square modulo p."""
+    squares = {x * x % p for x in range(p)}
+    values = [sum(c * pow(x, i, p) for i, c in enumerate(form)) % p in squares for x in range(p)]
+    # b divided by p: the form is the leading coefficient times an even power of a
+    rows = [_repeated([form[-1] % p in squares] * p, bound)]
+    for b in range(1, p):
+        inverse = pow(b, -1, p)
+        rows.append(_repeated([values[(a - bound) * inverse % p] for a in range(p)], bound))
+    return rows
+
+
+def _repeated(pattern: list[bool], bound: int) -> int:
+    """The bits of a pattern again and again, 2·bound + 1 of them."""
+    size, count = len(pattern), 2 * bound // len(pattern) + 1
+    once = sum(1 << i for i, bit in enumerate(pattern) if bit)
+    every = ((1 << size * count) - 1) // ((1 << size) - 1)
+    return once * every & ((1 << 2 * bound + 1) - 1)
+
+
+def _is_square(n: int) -> bool:
+    return n >= 0 and isqrt(n) ** 2 == n

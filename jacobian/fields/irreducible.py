@@ -1,0 +1,93 @@
+"""Irreducible polynomials over GF(p): a test, and the default modulus of GF(p^k)."""
+
+from __future__ import annotations
+
+import ctypes
+from collections.abc import Iterator
+from contextlib import suppress
+from functools import cache
+from itertools import count
+from typing import Any
+
+from jacobian import poly
+from jacobian.errors import Infeasible, shown
+from jacobian.fields.primality import prime_factors
+from jacobian.fields.prime import PrimeField
+
+MOST_DEGREE, LOW_DEGREE = 1000, 12
+MOST_WORK = 10**10
+"""k³ log₂ p: the search for a polynomial takes minutes beyond (25 s for k = 1000, p = 3)."""
+
+
+def is_irreducible(K: PrimeField, m: poly.Poly) -> bool:
+    """Whether m is irreducible over K: by Rabin's test (1980) in low degree, where flint takes longer to load."""
+    degree = len(m) - 1
+    if degree > LOW_DEGREE:
+        return bool(prime_ring(K.p)(list(m)).is_irreducible())
+    x = poly.mod(K, (K.zero, K.one), m)
+    needed = {degree // q for q in prime_factors(degree)}
+    power = x
+    for i in range(1, degree + 1):
+        power = poly.power_mod(K, power, K.order, m)
+        if i in needed and len(poly.gcd(K, poly.sub(K, power, x), m)) > 1:
+            return False
+    return power == x
+
+
+def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
+    """The default modulus: galois's Conway polynomial, or the first irreducible polynomial where its table has none.
+
+    Infeasible for k > MOST_DEGREE, and where the search would take minutes.
+    """
+    if k > MOST_DEGREE:
+        raise Infeasible(
+            f"k = {shown(k)}: no irreducible polynomial is looked for beyond degree {MOST_DEGREE}; give a modulus"
+        )
+    # the table has no p near 64 bits, and its look-up fails there
+    if base.p.bit_length() < 64:
+        import galois
+
+        with suppress(LookupError):
+            return tuple(int(c) for c in galois.conway_poly(base.p, k).coeffs[::-1])
+    if k**3 * base.p.bit_length() > MOST_WORK:
+        raise Infeasible(
+            f"k = {k}: to look for an irreducible polynomial over GF(p), p of {base.p.bit_length()} bits, takes "
+            "minutes or hours; give a modulus"
+        )
+    return first_irreducible(base, k)
+
+
+def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
+    """The irreducible polynomial of degree k that comes first."""
+    return next(m for m in monic_polynomials(base, k) if is_irreducible(base, m))
+
+
+def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:
+    """The monic polynomials of degree k, in the order of the number whose digits are their coefficients; those x^k + c
+    only where one may be irreducible.
+    """
+    # x^k + c is irreducible for some c only where each prime factor of k divides p − 1, and 4 too if it divides k
+    # (Lidl and Niederreiter 1997, theorem 3.75): a long p is not searched for one in vain
+    hopeful = all((base.p - 1) % q == 0 for q in prime_factors(k)) and (k % 4 != 0 or base.p % 4 == 1)
+    for number in count(1 if hopeful else base.p):
+        digits = []
+        for _ in range(k):
+            number, digit = divmod(number, base.p)
+            digits.append(digit)
+        yield (*digits, 1)
+
+
+@cache
+def prime_ring(p: int) -> Any:
+    """python-flint's polynomials over GF(p)."""
+    import flint
+
+    return kept(flint.fmpz_mod_poly_ctx(p))
+
+
+def kept(ring: Any) -> Any:
+    """A ring that is never freed, nor its references: python-flint (0.9) crashes where a polynomial and its ring are
+    collected together, in a cycle or when Python ends, and the ring first.
+    """
+    ctypes.pythonapi.Py_IncRef(ctypes.py_object(ring))
+    return ring

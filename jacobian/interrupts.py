@@ -1,0 +1,127 @@
+"""Ctrl-C in a command: one line and exit code 130, at any time.
+
+A command calls :func:`stand` before it imports anything else, and ends with :func:`leave`. The interrupt is an
+exception in the main thread, which cleans up. But an exception is lost in a callback, becomes another one in an import,
+and waits for threads and for compiled code. So a thread of its own receives the signal too: it prints the line,
+silences later output, and ends the process when the main thread takes too long.
+"""
+
+from __future__ import annotations
+
+import _signal  # type: ignore[import-not-found]  # the module signal takes as long as all the rest to import
+import os
+import sys
+from _thread import allocate_lock, start_new_thread
+from time import sleep
+
+TYPE_CHECKING = False
+if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
+__all__ = ["leave", "shielded", "stand"]
+
+CODE = 130
+SAYING, MOMENT = 0.1, 0.7
+"""Seconds that the line may take, and those that the main thread has for clearing away: a sweep ends within one."""
+
+
+class _Standing:
+    """What this process prints, and whether it has; ``over``: its work is done."""
+
+    name = ""
+    over = False
+    said, silent = allocate_lock(), allocate_lock()
+
+
+def stand(name: str) -> None:
+    """From now on an interrupt ends the command ``name``, unless the caller ignores interrupts (nohup)."""
+    if _signal.getsignal(_signal.SIGINT) is not _signal.default_int_handler:
+        return
+    _Standing.name = name
+    _Standing.silent.acquire()
+    sys.excepthook = _hook
+    if os.name == "posix":
+        seen, woken = os.pipe()
+        os.set_blocking(woken, False)
+        start_new_thread(_watch, (seen,))
+        _signal.set_wakeup_fd(woken, warn_on_full_buffer=False)
+    _signal.signal(_signal.SIGINT, _interrupt)
+
+
+def leave(code: int) -> NoReturn:
+    """End the command. After an interrupt at once: threads that still compute are not awaited."""
+    _Standing.over = True
+    if code == CODE or _Standing.said.locked():
+        _say()
+        _end()
+    sys.exit(code)
+
+
+def _end() -> NoReturn:
+    """Ends without Python's own shutdown, which joins threads, but releases the resources of :mod:`multiprocessing`."""
+    import atexit
+
+    try:
+        atexit._run_exitfuncs()
+    finally:
+        os._exit(CODE)
+
+
+def _watch(seen: int) -> None:
+    while _signal.SIGINT not in os.read(seen, 64):
+        pass
+    _say()
+    if not _Standing.over:
+        sleep(MOMENT)
+    os._exit(CODE)
+
+
+def _interrupt(*_: Any) -> None:
+    _say()
+    if _Standing.over:
+        os._exit(CODE)
+    raise KeyboardInterrupt
+
+
+def _say() -> None:
+    """The line, once; afterwards no thread and no library can write."""
+    if not _Standing.name:
+        return
+    if not _Standing.said.acquire(blocking=False):
+        # until the other thread has written it
+        _Standing.silent.acquire(timeout=SAYING)
+        return
+    # over a progress bar
+    clear = "\r\x1b[K" if os.isatty(2) else ""
+    try:
+        os.write(2, f"{clear}{_Standing.name}: interrupted\n".encode())
+        nowhere = os.open(os.devnull, os.O_WRONLY)
+        os.dup2(nowhere, 1)
+        os.dup2(nowhere, 2)
+    except OSError:
+        # closed by the caller
+        pass
+    _Standing.silent.release()
+
+
+def _hook(*error: Any) -> None:
+    if _Standing.said.locked():
+        _end()
+    sys.__excepthook__(*error)
+
+
+class shielded:
+    """A block in which processes are started that never see an interrupt: it ends their parent, which ends them."""
+
+    def __enter__(self) -> None:
+        import signal
+
+        self._mask: Any = None
+        if hasattr(signal, "pthread_sigmask"):
+            self._mask = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+
+    def __exit__(self, *_: object) -> None:
+        import signal
+
+        if self._mask is not None:
+            signal.pthread_sigmask(signal.SIG_SETMASK, self._mask)

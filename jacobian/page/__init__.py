@@ -1,0 +1,1 @@
+"""What is known of a curve over QQ, on one page."""

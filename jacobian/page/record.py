@@ -1,0 +1,62 @@
+"""The page of a curve: lines of a name, a value, how sure it is, and where it comes from."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import ArgumentError, shown
+from jacobian.notebook import table
+
+PROVEN, CONJECTURAL, NOT_KNOWN = "proven", "conjectural", "not known"
+
+
+def to_digits(digits: int) -> str:
+    """The mark of what is computed."""
+    return f"computed to {digits} digits"
+
+
+class Line(NamedTuple):
+    """``text`` to read and ``value`` in plain data: ints, strings, lists and dictionaries of them; ``mark``: PROVEN,
+    CONJECTURAL, :func:`to_digits`, or NOT_KNOWN where the text says why; ``source``: the call it comes from.
+    """
+
+    name: str
+    text: str
+    value: Any
+    mark: str
+    source: str
+
+
+@dataclass(frozen=True)
+class Page:
+    """What is known of ``curve``, line by line: ``page["torsion"]``; it prints as text and is a table in notebooks."""
+
+    curve: HyperellipticCurve
+    lines: tuple[Line, ...]
+
+    def __getitem__(self, name: str) -> Line:
+        for line in self.lines:
+            if line.name == name:
+                return line
+        raise ArgumentError(f"name = {shown(name)}: one of {[line.name for line in self.lines]} is needed")
+
+    def __iter__(self) -> Iterator[Line]:
+        return iter(self.lines)
+
+    def __str__(self) -> str:
+        width = max(len(line.name) for line in self.lines)
+        return "\n".join(f"{line.name:{width}}  {line.text}  [{line.mark}]" for line in self.lines)
+
+    def to_json(self) -> str:
+        """All lines as JSON: {"curve": {"f": …, "h": …}, "lines": [{"name": …, "value": …, …}, …]}."""
+        equation = {name: [str(c) for c in getattr(self.curve, name)] for name in ("f", "h")}
+        lines = [line._asdict() for line in self.lines]
+        return json.dumps({"curve": equation, "lines": lines}, ensure_ascii=False, indent=1)
+
+    def _repr_html_(self) -> str:
+        rows = [(line.name, line.text, line.mark) for line in self.lines]
+        return table(repr(self.curve), ("", "value", "mark"), rows, len(rows))

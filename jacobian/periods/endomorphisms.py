@@ -1,0 +1,128 @@
+"""Endomorphisms of a Jacobian over the complex numbers, seen in its period matrix.
+
+An endomorphism is an integral R of 2g × 2g with A·Π = Π·R for some A of g × g, Π = (Π_1, Π_2) the periods. With τ =
+Π_1⁻¹Π_2 and R = (a, b; c, d) that is b + τd − aτ − τcτ = 0, linear in R: the small vectors of a lattice (Lenstra,
+Lenstra & Lovász 1982; as van Wamelen 1999 does). Those over QQ are the ones with a rational A, as x^k dx/Y is a
+basis over QQ; they too are small vectors of a lattice.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+from jacobian.curve.curve import HyperellipticCurve
+from jacobian.errors import FieldError, Infeasible, PrecisionLoss, shown, whole
+from jacobian.fields import QQ
+from jacobian.periods.matrix import PeriodMatrix, nearest
+from jacobian.periods.proven import period_balls
+
+Integers = tuple[tuple[int, ...], ...]
+
+LEAST_DIGITS = 40
+"""Small vectors that are no relations have entries of about 10^(digits/2)."""
+MOST_GENUS = 4
+"""LLL takes some 5 s in genus 4, cannot be interrupted, and grows like g^8 or more."""
+SMALL = 4
+"""A relation has entries below 10^(digits/SMALL)."""
+
+
+class Endomorphisms(NamedTuple):
+    """``matrices``: a ℤ-basis R_i of the ring over the complex numbers, by what they do to the cycles of ``periods``, 1
+    among its combinations; ``rational``: integral combinations c of it, Σ c_i R_i being a QQ-basis of the
+    endomorphisms over QQ; ``digits``: to which A·Π = Π·R holds.
+    """
+
+    periods: PeriodMatrix
+    matrices: tuple[Integers, ...]
+    rational: tuple[tuple[int, ...], ...]
+    digits: int
+
+    def over_the_rationals(self) -> list[Integers]:
+        """A QQ-basis of the endomorphisms over QQ, as matrices of the same kind."""
+        size = range(len(self.matrices[0]))
+        return [
+            tuple(tuple(sum(m * R[i][j] for m, R in zip(c, self.matrices, strict=True)) for j in size) for i in size)
+            for c in self.rational
+        ]
+
+
+def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
+    """The endomorphisms that the periods of a curve over QQ show, from balls with so many digits.
+
+    Numerical evidence: A·Π = Π·R holds to some 9/10 of the digits, and each R has entries of less than a quarter of
+    them. PrecisionLoss where these do not stand out; FieldError over other fields, Infeasible beyond genus 4.
+    """
+    if C.field != QQ:
+        raise FieldError(f"field = {C.field.name}: endomorphisms are looked for on curves over QQ")
+    if C.genus > MOST_GENUS:
+        raise Infeasible(f"genus {C.genus}: endomorphisms are looked for up to genus {MOST_GENUS}")
+    digits = whole(digits, "digits", f"the digits are an int, {LEAST_DIGITS} … 2000", LEAST_DIGITS, 2000)
+    P, g = period_balls(C, digits), C.genus
+    kept = digits - digits // 10
+    with P.cover.numbers.working():
+        rows = _equations(P.tau, g)
+        found = [_blocks(v, g) for v in _relations(rows, kept)]
+        tangents = [_tangent(P, R) for R in found]
+        if not all(_holds(P, A, R, kept) for A, R in zip(tangents, found, strict=True)):
+            raise PrecisionLoss(f"digits = {shown(digits)}: small relations that are none came up; use more digits")
+        entries = [[A[i][j] for i, j in product(range(g), repeat=2)] for A in tangents]
+        whole_ones = [[P.cover.numbers.convert(-int(i == j)) for j in range(g * g)] for i in range(g * g)]
+        rational = [v[: len(found)] for v in _relations([*entries, *whole_ones], kept)]
+    return Endomorphisms(P, tuple(found), tuple(map(tuple, rational)), kept)
+
+
+def _equations(tau: Any, g: int) -> list[list[Any]]:
+    """For each entry of a, b, c, d, one after the other, what it adds to the entries of b + τd − aτ − τcτ."""
+    rows = []
+    for block, i, j in product("abcd", range(g), range(g)):
+        entry = {
+            "a": lambda k, m, i=i, j=j: -tau[j][m] if k == i else 0,
+            "b": lambda k, m, i=i, j=j: int((k, m) == (i, j)),
+            "c": lambda k, m, i=i, j=j: -tau[k][i] * tau[j][m],
+            "d": lambda k, m, i=i, j=j: tau[k][i] if m == j else 0,
+        }[block]
+        rows.append([entry(k, m) + 0 * tau[0][0] for k, m in product(range(g), repeat=2)])
+    return rows
+
+
+def _relations(rows: Sequence[Sequence[Any]], digits: int) -> list[list[int]]:
+    """Small integral v with Σ v_i·rows_i = 0 to ``digits`` digits, a basis of them."""
+    from flint import arb, fmpz_mat
+
+    scale, size = arb(10) ** digits, len(rows)
+
+    def scaled(x: Any) -> list[int]:
+        return [nearest(scale * part) for part in (x.real, x.imag)]
+
+    identity = [[int(i == j) for j in range(size)] for i in range(size)]
+    matrix = fmpz_mat([[*one, *(n for x in row for n in scaled(x))] for one, row in zip(identity, rows, strict=True)])
+    bound = 10 ** (digits // SMALL)
+    reduced = [[int(x) for x in row] for row in matrix.lll().tolist()]
+    return [row[:size] for row in reduced if max(map(abs, row)) < bound]
+
+
+def _blocks(v: Sequence[int], g: int) -> Integers:
+    a, b, c, d = ([v[n * g * g + i * g : n * g * g + (i + 1) * g] for i in range(g)] for n in range(4))
+    return tuple((*x, *y) for x, y in [*zip(a, b, strict=True), *zip(c, d, strict=True)])
+
+
+def _tangent(P: PeriodMatrix, R: Integers) -> list[list[Any]]:
+    """A = Π_1·(a + τc)·Π_1⁻¹: Π·(first columns of R)·Π_1⁻¹."""
+    from flint import acb_mat, fmpz_mat
+
+    g = P.cover.genus
+    first = acb_mat(P.big) * acb_mat(fmpz_mat([list(row[:g]) for row in R]))
+    found = first * acb_mat(P.A).inv()
+    return [[found[i, j] for j in range(g)] for i in range(g)]
+
+
+def _holds(P: PeriodMatrix, A: list[list[Any]], R: Integers, digits: int) -> bool:
+    """Whether A·Π = Π·R to so many digits but the last tenth of them."""
+    from flint import acb_mat, fmpz_mat
+
+    big = acb_mat(P.big)
+    off = acb_mat(A) * big - big * acb_mat(fmpz_mat([list(row) for row in R]))
+    size = P.cover.numbers.ten(-(digits - digits // 10) + digits // SMALL)
+    return all(abs(x) < size for x in off.entries())

@@ -1,0 +1,192 @@
+"""Kleinian functions of genus 2: ℘_ij and ζ_i as symmetric functions of the divisor that a point of ℂ² inverts to.
+
+On Y² = F(x) let u = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, e a branch point (its Y is 0) or infinity, and for two x, z of
+e, x_1, x_2 the polar F(x, z) = Σ x^i z^i (2F_2i + F_2i+1 (x + z)). Then ℘_11 + ℘_12 (x + z) + ℘_22 xz = (F(x, z) −
+2YZ)/(4(x − z)²) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the differentials ρ_j of
+:mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1 − x_2 and c_2 = 1
+(after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's u, where nothing is 0/0 when P_1 and
+P_2 come together: with F = V² + u·w the right side for them is −(w_0 + u_0 w_2 + u_0² w_4)/4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any, NamedTuple
+
+from jacobian.errors import ArgumentError, PrecisionLoss, shown, whole
+from jacobian.immutable import Immutable
+from jacobian.periods.abel import AbelMap
+from jacobian.periods.abel_balls import AbelBalls
+from jacobian.periods.image import AbelImage, plus
+from jacobian.periods.matrix import nearest
+from jacobian.periods.quadrature import Vector, from_branch_point
+from jacobian.periods.roots import horner
+from jacobian.periods.second_kind import SecondKind, moments, second_kind
+
+
+class Wp(NamedTuple):
+    """℘_ij = −∂²(log σ)/∂u_i∂u_j."""
+
+    p11: Any
+    p12: Any
+    p22: Any
+
+
+class KleinianFunctions(Immutable):
+    """℘_ij and ζ_i of a curve of genus 2, by its AbelMap or AbelBalls, whose kind of numbers they take and return.
+
+    Their poles are the classes [P − e], e being infinity on a ramified model, where ℘_22 = F_5 (x_1 + x_2)/4, and on
+    others the branch point of number ``branch_point`` in ``abel.periods.cover.roots``. ArgumentError for another genus.
+    """
+
+    def __init__(self, abel: AbelMap | AbelBalls, branch_point: int | None = None) -> None:
+        if not isinstance(abel, (AbelMap, AbelBalls)) or abel.curve.genus != 2:
+            raise ArgumentError(f"abel = {shown(abel)}: the AbelMap or AbelBalls of a curve of genus 2 is needed")
+        ramified = abel.curve.model == "ramified"
+        if ramified != (branch_point is None):
+            wanted = "none, infinity being it" if ramified else "the number of one, 0 … 5"
+            raise ArgumentError(f"branch_point = {shown(branch_point)}: on a {abel.curve.model} model {wanted}")
+        if branch_point is not None:
+            branch_point = whole(branch_point, "branch_point", "the number of a branch point is an int, 0 … 5", 0, 5)
+        self.abel, self.branch_point = abel, branch_point
+
+    def wp(self, z: Sequence[Any]) -> Wp:
+        """℘ at z, two numbers of any size. Errors as those of ``abel.inverse``; PrecisionLoss near the poles."""
+        with self._image.cover.numbers.working():
+            return Wp(*self._out(self._wp(self._divisor(z))))
+
+    def zeta(self, z: Sequence[Any]) -> tuple[Any, Any]:
+        """(ζ_1, ζ_2) at z: odd, ∂ζ_i/∂z_j = −℘_ij, and ζ falls by the periods of the second kind where z grows by those
+        of the first. Infeasible where a branch point is too near to all paths.
+        """
+        image, numbers = self._image, self._image.cover.numbers
+        with numbers.working():
+            at, given = self._divisor(z), [numbers.convert(x) for x in image.check_image(z)]
+            first, second = self._integrals(at)
+            rows = [[*a, *b] for a, b in zip(self._second.A, self._second.B, strict=True)]
+            lattice = [nearest(c) for c in image.periods.coordinates(plus(given, first, -1))]
+            whole_periods = [sum(n * numbers.convert(x) for n, x in zip(lattice, row, strict=True)) for row in rows]
+            found = [c - r - h for c, r, h in zip(self._algebraic(at), second, whole_periods, strict=True)]
+            one, two = self._out(found)
+            return one, two
+
+    @property
+    def _image(self) -> AbelImage:
+        return self.abel if isinstance(self.abel, AbelImage) else self.abel._images[-1]
+
+    @cached_property
+    def _second(self) -> SecondKind:
+        return second_kind(self._image.periods)
+
+    def _out(self, values: Vector) -> Vector:
+        return [self.abel.field.coerce(x) for x in values] if isinstance(self.abel, AbelMap) else values
+
+    def _divisor(self, z: Sequence[Any]) -> _Divisor:
+        numbers = self._image.cover.numbers
+        found = self.abel.inverse(z)
+        u, v = ([numbers.convert(c) for c in row] for row in (found.u, found.v))
+        if len(u) < 3:
+            raise PrecisionLoss(f"z = {shown(z)}: the functions have poles there, or nearly")
+        half_h = [numbers.convert(c) / 2 for c in self.abel.curve.h]
+        quotient = _Quotient(u)
+        V = plus([*v, 0, 0][:2], quotient.reduced(half_h))
+        return _Divisor(quotient, V, [numbers.convert(c) for c in self._image.cover.coefficients])
+
+    def _wp(self, at: _Divisor) -> Vector:
+        Q, F = at.quotient, [*at.F, *[0] * (7 - len(at.F))]
+        s, p = Q.s, Q.p
+        w = Q.divided([c - d for c, d in zip(F, [*_square(at.V), *[0] * 4], strict=True)])
+        both = -(w[0] + p * w[2] + p * p * w[4]) / 4
+        if self.branch_point is None:
+            return [both, -F[5] * p / 4, F[5] * s / 4]
+        e = self._image.cover.roots[self.branch_point]
+        odd, even = [0, *F[1::2], 0], F[::2]
+        polar = [2 * even[i] * e**i + odd[i + 1] * e ** (i + 1) + (odd[i] * e ** (i - 1) if i else 0) for i in range(4)]
+        inverse = Q.inverse(e)
+        b, a = Q.times(Q.reduced([c / 4 for c in polar]), Q.times(inverse, inverse))
+        p22 = (both - b + (e - s) * a) / Q.value(e)
+        return [b - e * a + e * e * p22, a - e * p22, p22]
+
+    def _algebraic(self, at: _Divisor) -> Vector:
+        """½ Σ Y_k·c_j(x_k)/Π′(x_k)."""
+        if self.branch_point is None:
+            return [at.V[1] / 2, 0]
+        Q, e = at.quotient, self._image.cover.roots[self.branch_point]
+        over = Q.times(at.V, Q.inverse(e))
+        return [Q.times(over, [-e - Q.s, 2])[1] / 2, over[1] / 2]
+
+    def _integrals(self, at: _Divisor) -> tuple[Vector, Vector]:
+        """Σ ∫ of x^k dx/Y, k < 2, and of ρ_1, ρ_2 from branch point 0 to both points, along the same paths."""
+        cover = self._image.cover
+        powers: Vector = [0] * 5
+        middle = at.quotient.s / 2
+        beside = cover.numbers.sqrt(middle * middle - at.quotient.p)
+        for x in (middle + beside, middle - beside):
+            i, values = from_branch_point(
+                cover.numbers, cover.roots, cover.lead, (x, horner(at.V, x)), lambda t: [t**k for k in range(5)]
+            )
+            powers = plus(plus(powers, self._halves[i]), values)
+        second = [
+            sum(cover.numbers.convert(c) * x for c, x in zip(row, powers, strict=True))
+            for row in self._second.polynomials
+        ]
+        return powers[:2], second
+
+    @cached_property
+    def _halves(self) -> dict[int, Vector]:
+        """∫ x^k dx/Y, k < 5, from branch point 0 to each; to one that is not in the tree from its nearest."""
+        cover = self._image.cover
+        found: dict[int, Vector] = {0: [cover.numbers.convert(0)] * 5}
+        for edge in self._image.periods.edges:
+            found[edge.j] = plus(found[edge.i], moments(cover, edge.i, edge.j))
+        for last in set(range(len(cover.roots))) - set(found):
+            near = min(found, key=lambda i: float(abs(cover.roots[i] - cover.roots[last])))
+            found[last] = plus(found[near], moments(cover, near, last))
+        return found
+
+
+class _Divisor(NamedTuple):
+    """P_1 + P_2: the ring of polynomials modulo u, Y modulo u, and F."""
+
+    quotient: _Quotient
+    V: Vector
+    F: Vector
+
+
+class _Quotient:
+    """Polynomials modulo u = x² − s·x + p, ascending, of two coefficients."""
+
+    def __init__(self, u: Vector) -> None:
+        self.u, self.s, self.p = u, -u[1], u[0]
+
+    def times(self, a: Vector, b: Vector) -> Vector:
+        top = a[1] * b[1]
+        return [a[0] * b[0] - self.p * top, a[0] * b[1] + a[1] * b[0] + self.s * top]
+
+    def reduced(self, a: Vector) -> Vector:
+        found: Vector = [0, 0]
+        for c in reversed(a):
+            found = plus(self.times(found, [0, 1]), [c, 0])
+        return found
+
+    def divided(self, a: Vector) -> Vector:
+        """a/u without the remainder, for a of degree 6."""
+        rest, found = list(a), [0] * 5
+        for i in range(4, -1, -1):
+            found[i] = rest[i + 2]
+            rest[i + 1] += self.s * found[i]
+            rest[i] -= self.p * found[i]
+        return found
+
+    def value(self, e: Any) -> Any:
+        return horner(self.u, e)
+
+    def inverse(self, e: Any) -> Vector:
+        """1/(x − e): u = (x − e)(x + e − s) + u(e)."""
+        value = self.value(e)
+        return [(self.s - e) / value, -1 / value]
+
+
+def _square(a: Vector) -> Vector:
+    return [a[0] * a[0], 2 * a[0] * a[1], a[1] * a[1]]

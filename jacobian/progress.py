@@ -1,0 +1,36 @@
+"""What long computations say of themselves while they run: the logger ``jacobian.progress``."""
+
+from __future__ import annotations
+
+import logging
+from threading import Lock
+from time import perf_counter
+
+LOG = logging.getLogger(__name__)
+# seconds until a computation judges how long it will take, from which on that is long, and between two messages
+FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
+
+
+class Progress:
+    """Says what part of ``work`` is done and how long the rest takes, every few seconds at level INFO; at first, where
+    the rest is long, as a warning, which Python shows by itself. ``part``: how many parts are before it, of how many.
+    """
+
+    def __init__(self, name: str, work: float, part: tuple[int, int] = (0, 1)) -> None:
+        self.name, self.work, self.part = name, work, part
+        self._done, self._begun, self._lock = 0.0, perf_counter(), Lock()
+        self._next, self._judged = self._begun + FIRST, False
+
+    def add(self, work: float) -> None:
+        """Adds to the completed work."""
+        with self._lock:
+            self._done += work
+            now, (before, parts) = perf_counter(), self.part
+            if now < self._next:
+                return
+            done = self._done / self.work
+            left = (now - self._begun) / done * (parts - before - done)
+            level = logging.INFO if self._judged or left < LONG else logging.WARNING
+            self._next, self._judged = now + SAID_AGAIN, True
+            # still under the lock, so that messages of two threads keep their order
+            LOG.log(level, "%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)

@@ -1,0 +1,192 @@
+"""Classes of finite order over QQ in genus 2 from those modulo a prime, all of them.
+
+Let the class T̄ of J(GF(p)) have order m, prime to p. It is the reduction of one class T of order m over the p-adic
+numbers, so that κ(T) is the fixed point of the multiplication by m + 1 on the Kummer surface above κ(T̄). That acts
+as the number m + 1 on tangents: Newton's x − ((m + 1)x − x)/m doubles the digits. If T is rational its canonical
+height is 0, which bounds the integral coordinates of κ(T) (:mod:`jacobian.relatives.doubling_bounds`); so it is found,
+or there is none, once pᵏ exceeds twice the square of the bound. Methods as in Müller & Reitsma (2023), in genus 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import product
+from math import ceil, gcd, lcm, log
+from typing import Any
+
+from jacobian import poly
+from jacobian.errors import JacobianError
+from jacobian.fields import GF, QQ
+from jacobian.finite.structure import PrimaryGroup
+from jacobian.group import Jacobian
+from jacobian.law.divisor import Divisor
+from jacobian.relatives.doubling_bounds import bad_part, real_bounds
+from jacobian.relatives.kummer import Coordinates, KummerSurface, kummer_surface
+from jacobian.relatives.pseudo_group import Residues, equation, forms_of_surface
+from jacobian.relatives.pseudo_sums import SCRATCH, multiple_of, unit
+
+
+def grow(group: PrimaryGroup, reduced: PrimaryGroup, whole: PrimaryGroup) -> None:
+    """Enlarges a ``group`` of rational classes of ℓ-power order to all of them.
+
+    ``reduced``: the group of their reductions; ``whole``: that of all such classes modulo a prime p ≠ 2, ℓ of good
+    reduction.
+
+    For ℓ = 2 the group has all classes of order two, which are the nodes of the surface.
+    """
+    lifts = TorsionLifts(group.zero.jacobian, whole.zero.jacobian.field.characteristic)  # type: ignore[arg-type]
+    tried: set[Divisor] = set()
+    classes = _divided(reduced, whole)
+    while (T := next(classes, None)) is not None:
+        if T in tried or (whole.prime == 2 and not 2 * T):
+            continue
+        found = lifts.lifted(T, whole.prime ** max(whole.exponents))
+        if found is None:
+            tried.update(c * T + G for c in range(1, whole.prime) for G in _elements(reduced))
+        else:
+            group.insert(found)
+            reduced.insert(T)
+            classes, tried = _divided(reduced, whole), set()
+
+
+def _elements(group: PrimaryGroup) -> Iterator[Divisor]:
+    for chosen in product(*(range(group.prime**e) for e in group.exponents)):
+        yield group.combination(chosen)
+
+
+def _divided(group: PrimaryGroup, whole: PrimaryGroup) -> Iterator[Divisor]:
+    """The T of the whole group, but those of the group, with ℓT in the group: one at least of each coset."""
+    ell = whole.prime
+    socle = [ell ** (e - 1) for e in whole.exponents]
+    for chosen in product(range(ell), repeat=len(group.generators)):
+        known = whole.coordinates(group.combination(chosen)) or []
+        if any(c % ell for c in known):
+            continue
+        for digits in product(range(ell), repeat=len(socle)):
+            T = whole.combination([c // ell + d * s for c, d, s in zip(known, digits, socle, strict=True)])
+            if group.coordinates(T) is None:
+                yield T
+
+
+class TorsionLifts:
+    """The rational classes of finite order that reduce to given ones modulo a prime p ≠ 2 of good reduction."""
+
+    def __init__(self, J: Jacobian, p: int) -> None:
+        self.J, self.p = J, p
+        self.surface = kummer_surface(J.curve)
+        self.reduced = kummer_surface(J.change_ring(GF(p)).curve)
+        # ĥ = 0 lies between h(T) + low/3 − log(bad part)/3 and what is above
+        low, _ = real_bounds(self.surface)
+        self.bits = ceil((log(bad_part(self.surface)) - low) / 3 / log(2)) + 1
+        self.digits = 1
+        while p**self.digits <= 1 << (2 * self.bits + 1):
+            self.digits *= 2
+        self.forms = forms_of_surface(self.surface, p**self.digits, int)
+        self.equation = equation(self.surface.f)
+
+    def lifted(self, T: Divisor, m: int) -> Divisor | None:
+        """A rational class whose reduction is T or −T, of an order that divides m, if there is one; 2T ≠ 0, p ∤ m."""
+        x = list(self.reduced.point(T))
+        # the reduction has the equation y² = F, the surface y² = scale²·F
+        x[3] = x[3] * self.surface.scale**2 % self.p
+        i = unit(x)
+        x = self._scaled(x, i, self.p)
+        others = [k for k in range(4) if k != i]
+        dependent = next(k for k in others if self._slope(x, k) % self.p)
+        modulus = self.p
+        for _ in range(self.digits.bit_length() - 1):
+            modulus = modulus**2
+            x[dependent] = self._solved(x, dependent, modulus)
+            image = self._multiple(m + 1, x, i, modulus)
+            step = pow(m, -1, modulus)
+            for k in others:
+                if k != dependent:
+                    x[k] = (x[k] - step * (image[k] - x[k])) % modulus
+            x[dependent] = self._solved(x, dependent, modulus)
+        found = rational_class(self.surface, self.J, self._integers(x, modulus))
+        return found if found is not None and not m * found else None
+
+    def _scaled(self, x: Any, i: int, modulus: int) -> list[int]:
+        inverse = pow(x[i], -1, modulus)
+        return [c * inverse % modulus for c in x]
+
+    def _multiple(self, m: int, x: list[int], i: int, modulus: int) -> list[int]:
+        bits = [int(bit) for bit in bin(m)[2:]]
+        found = multiple_of(Residues(modulus, 1), self.forms, [0] * SCRATCH, x, i, bits)
+        return self._scaled(found, i, modulus)
+
+    def _solved(self, x: list[int], k: int, modulus: int) -> int:
+        """The coordinate k of a point of the surface with these others: one step of Newton's."""
+        value = sum(c * x[a] * x[b] * x[d] * x[e] for (a, b, d, e), c in self.equation.items())
+        return (x[k] - value * pow(self._slope(x, k), -1, modulus)) % modulus
+
+    def _slope(self, x: list[int], k: int) -> int:
+        """The derivative of the equation by the coordinate k."""
+        total = 0
+        for indices, c in self.equation.items():
+            if (power := indices.count(k)) > 0:
+                rest = list(indices)
+                rest.remove(k)
+                total += power * c * x[rest[0]] * x[rest[1]] * x[rest[2]]
+        return total
+
+    def _integers(self, x: list[int], modulus: int) -> list[int] | None:
+        """The only primitive integers of at most ``bits`` bits that could be this point."""
+        fractions = [rational_of(c, modulus, 1 << self.bits) for c in x]
+        if None in fractions:
+            return None
+        pairs: list[Any] = fractions
+        common = lcm(*(d for _, d in pairs))
+        return [n * common // d for n, d in pairs]
+
+
+def rational_of(c: int, modulus: int, bound: int) -> tuple[int, int] | None:
+    """(n, d) with n ≡ cd, |n| ≤ bound, 0 < d ≤ bound and n, d without a common divisor: Euclid's algorithm."""
+    (r, s), (d, e) = (modulus, c % modulus), (0, 1)
+    while s > bound:
+        quotient = r // s
+        (r, s), (d, e) = (s, r - quotient * s), (e, d - quotient * e)
+    if abs(e) > bound or gcd(s, e) != 1:
+        return None
+    return (s, e) if e > 0 else (-s, -e)
+
+
+def rational_class(surface: KummerSurface, J: Jacobian, x: Coordinates | list[int] | None) -> Divisor | None:
+    """D or −D of J with κ(D) = x, integers without a common divisor up to sign, if D is rational."""
+    if x is None:
+        return None
+    try:
+        candidates = list(_of_weight_two(surface, J, x) if x[0] else _of_less_weight(J, x))
+    except JacobianError:
+        # a square root that is not rational, or no point of the curve
+        return None
+    return next((D for D in candidates if surface.point(D) in (tuple(x), tuple(-c for c in x))), None)
+
+
+def _of_weight_two(surface: KummerSurface, J: Jacobian, x: Any) -> Iterator[Divisor]:
+    K, f, h = QQ, surface.f, J.curve.h
+    s, p, last = (K.div(K.coerce(c), K.coerce(x[0])) for c in x[1:])
+    u = (p, -s, K.one)
+    t = s * s - p
+    # the square of v₁ of v² = f mod u
+    square = last + f[2] + s * f[3] + s * s * f[4] + s * t * f[5] + t * t * f[6]
+    first, second = (*poly.mod(K, tuple(map(K.coerce, f)), u), K.zero, K.zero)[:2]
+    if square:
+        v1 = K.sqrt(square)
+        v0 = (second - square * s) / (2 * v1)
+    else:
+        v0, v1 = K.sqrt(first), K.zero
+    v = poly.scale(K, K.inv(K.coerce(surface.scale)), poly.trim(K, (v0, v1)))
+    yield J.from_mumford(u, poly.scale(K, K.coerce("1/2"), poly.sub(K, v, poly.mod(K, h, u))))
+
+
+def _of_less_weight(J: Jacobian, x: Any) -> Iterator[Divisor]:
+    """The classes of a point and those of ∞₊ − ∞₋ and back."""
+    K, weights = QQ, (0, 1, 2) if J.curve.model == "split" else (None,)
+    if x[1]:
+        a = K.div(K.coerce(x[2]), K.coerce(x[1]))
+        y = K.sqrt(poly.evaluate(K, J.curve.discriminant, a))
+        v = (y - poly.evaluate(K, J.curve.h, a)) / 2
+        yield from (J.from_mumford((-a, K.one), (v,), n) for n in weights[:2])
+    else:
+        yield from (J.from_mumford((K.one,), (), n) for n in weights)
