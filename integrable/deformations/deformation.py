@@ -1,4 +1,4 @@
-"""What the deformations of the ball and the top share beyond their Hamiltonians: motions, divisors and steps."""
+"""Motions, divisors and steps of the deformations of the ball and the top."""
 
 from __future__ import annotations
 
@@ -20,8 +20,8 @@ class Deformation(Hamiltonian):
 
     def flow(self, state: State) -> DeformedFlow:
         """The motion through a state as additions on two elliptic curves: the tilde, check and hat pairs without
-        potential (:mod:`integrable.deformations.separated_flow`), the tilde pair at d = 0 in repelling poles b_i > 0
-        alone (:mod:`integrable.deformations.pole_flow`). ArgumentError for the others.
+        potential (:mod:`integrable.deformations.separated_flow`), the tilde pair at d = 0 with repelling poles b_i > 0
+        only (:mod:`integrable.deformations.pole_flow`). ArgumentError for all others.
         """
         raise ArgumentError(
             f"{self!r}: no separated curves are used with this potential or gyroscopic terms; take "
@@ -29,9 +29,9 @@ class Deformation(Hamiltonian):
         )
 
     def motion_through(self, state: State) -> Motion:
-        """What gives the states at physical times, ``.at(times)``: :meth:`flow` where there is one, else the equations
-        of motion integrated (:class:`integrable.deformations.integrated.IntegratedMotion`); ``.method`` says which. RR
-        and MP(digits) only.
+        """The motion of a state, with ``.at(times)`` for physical times: :meth:`flow` where there is one, else the
+        integrated equations of motion (:class:`integrable.deformations.integrated.IntegratedMotion`); ``.method`` says
+        which. RR and MP(digits) only.
         """
         state = self._checked(state)
         if self.separates or self.repels:
@@ -54,8 +54,9 @@ class Deformation(Hamiltonian):
         return two_curves.divisors(self, self._checked(state))
 
     def from_divisor(self, D: TwoPoints, like: State | None = None) -> State:
-        """The state of two points, of the eight that share them the one with the signs of ``like``, without it with
-        those of the field's own roots of w_i², w = γ × M, and of g².
+        """The state of two points, of the eight that share them the one with the signs of ``like``.
+
+        Without ``like`` the signs are those of the field's own roots of w_i², w = γ × M, and of g².
         """
         from integrable.deformations import two_curves
 

@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 
 from integrable.deformations.enclosed import EnclosedMotion
+from integrable.deformations.equations import STEPS_TO_DIGITS, WalkFirst
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.precise import SPARE, WIDER, Carrier, ManyDigits, RoundedRows
 from integrable.motion.trajectory import Way
@@ -24,8 +25,9 @@ from integrable.moving_point.losses import NOTHING, digits_of
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from integrable.phase.state import State, onto_constraints
 from jacobian import RR
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, shown, written
 from jacobian.inexact.long_numbers import LongNumbers
+from jacobian.numbers.compiler import interpreted
 
 __all__ = ["DeformedFlow"]
 
@@ -49,12 +51,13 @@ class CurvesCarrier(Carrier):
     """The motion of a deformation at one precision: what a :class:`DeformedFlow` is made of. Its points are (γ, M).
 
     ``system`` and ``start`` are wide, of LongNumbers that were entered when it was made or of MP(digits); ``sizes``
-    those of H and K that their changes are held against.
+    those of H and K that their changes are held against, ``momentum`` what an M = 0 is.
     """
 
     system: Any
     start: State
     sizes: tuple[Any, Any]
+    momentum: Any = 1
 
     @property
     def field(self) -> Any:
@@ -100,8 +103,8 @@ class CurvesCarrier(Carrier):
     def difference(self, row: Any, truth: Any) -> int:
         """The decimal exponent of the relative difference of (γ, M) and another computation of it."""
         worst = -NOTHING
-        for found, right in zip(row, truth, strict=True):
-            size = max(map(abs, right))
+        for found, right, unit in zip(row, truth, (1, self.momentum), strict=True):
+            size = max(map(abs, right)) or unit
             gap = max(abs(self.field.coerce(x) - y) for x, y in zip(found, right, strict=True))
             worst = max(worst, digits_of(gap / size))
         return worst
@@ -118,8 +121,9 @@ class DeformedFlow(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # made here, so that what it refuses is refused at once
-        _ = self._curves
+        if not self._is_ordinary():
+            # made here, so that what it refuses is refused at once
+            _ = self._curves
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         """The motion over the wide numbers of ``system``."""
@@ -129,8 +133,22 @@ class DeformedFlow(EnclosedMotion):
     def _curves(self) -> RoundedRows:
         return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
 
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+    def _is_ordinary(self) -> bool:
+        """Whether floats show already that nothing is to be refused."""
+        return False
+
+    _steps = STEPS_TO_DIGITS
+    """Steps along series that take as long as :attr:`_any_time` does to begin."""
+
+    @property
+    def _any_time(self) -> Way:
+        """What has the states at any time."""
         return self._curves
+
+    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
+        if self.system.field != RR or interpreted():
+            return self._any_time
+        return WalkFirst(self.system, self.state, lambda: self._any_time, self._steps)
 
 
 class OnCurves(ManyDigits):
@@ -155,7 +173,9 @@ class OnCurves(ManyDigits):
             if missing <= 0:
                 return carrier
             digits += min(missing, digits) + WIDER
-        raise PrecisionLoss(f"{self._state!r}: it is not found again from its two points even with {digits} digits")
+        raise PrecisionLoss(
+            f"{shown(self._state)}: it is not found again from its two points even with {written(digits)} digits"
+        )
 
 
 def integrals_missing(

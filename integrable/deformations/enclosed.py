@@ -22,8 +22,9 @@ from integrable.phase.enclosure import Enclosure, ball_digits, exact_times, roun
 from integrable.phase.state import State, onto_constraints
 from integrable.series.recurrences import coefficients, values_at
 from integrable.series.tape import CONSTANT, ROOT, recorded
-from jacobian.errors import Infeasible, PrecisionLoss
+from jacobian.errors import Infeasible, PrecisionLoss, written
 from jacobian.numbers.long_reals import BallReals
+from jacobian.progress import Progress
 
 __all__ = ["EnclosedMotion"]
 
@@ -37,7 +38,8 @@ SPARE_BITS = 64
 MOST_ATTEMPTS = 8
 MOST_AHEAD = 16.0
 """How many times as far the next attempt may be expected to go."""
-SMALLEST_DISC = 1e-6
+SMALLEST_DISC = 1e-15
+"""Beside the largest: at a pole that repels it is b/M² of that, beside one that attracts it shrinks for ever."""
 
 
 class EnclosedMotion(Motion):
@@ -80,7 +82,8 @@ def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) ->
         # what the balls lost on their way, over the whole of it, and a part more
         bits = needed + SPARE_BITS + ceil(1.2 * (bits - needed) * min(left, MOST_AHEAD))
     raise PrecisionLoss(
-        f"times: no balls of radius 1e-{digits} were reached at t = {times[-1]} with {bits} bits; ask for fewer digits"
+        f"times: no balls of radius 1e-{written(digits)} were reached at t = {written(times[-1])} with {bits} bits; "
+        "ask for fewer digits"
     )
 
 
@@ -118,6 +121,7 @@ class _March:
         """(τ, γ, M, radius) at the times up to the first whose balls are not small enough."""
         found: list[tuple[Any, Any, Any, float]] = []
         least = self._flint.arb(10) ** -digits
+        progress = Progress(f"enclosing the motion to t = {written(times[-1])}", abs(float(times[-1])))
         around = self._around(0.0)
         for time in map(self.reals.number, times):
             while abs(time - around.now) > STEP * around.radius:
@@ -127,6 +131,7 @@ class _March:
                 if not widest((self._point[:3], 1), (self._point[3:6], self._momentum)) < least:
                     return found
                 self._check(times[-1])
+                progress.add(STEP * around.radius)
                 around = self._around(1.5 * around.radius)
             point = self._at(around, time - around.now)
             gamma, M = point[:3], point[3:6]
@@ -147,7 +152,7 @@ class _March:
         if expected > MOST_STEPS:
             within = abs(float(self._now)) * MOST_STEPS / self._steps
             raise Infeasible(
-                f"times: enclosing the motion to t = {end} takes about {expected:.3g} steps, more than "
+                f"times: enclosing the motion to t = {written(end)} takes about {expected:.3g} steps, more than "
                 f"{MOST_STEPS}; about |t| = {within:.3g} is within reach"
             )
 

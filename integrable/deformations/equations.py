@@ -1,12 +1,33 @@
-"""Equations of motion as formulas of the numbers of a state, for Taylor series."""
+"""The equations of motion of a deformation as a formula, and their walks near the start, compiled for a kind of systems
+(:mod:`integrable.series.kinds`).
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from time import perf_counter
 from typing import Any
 
-from integrable.deformations.hamiltonian import dot
-from integrable.phase.state import State
+import numpy as np
+
+from integrable.deformations.hamiltonian import Hamiltonian, Potential, dot
+from integrable.motion.trajectory import Way
+from integrable.phase.body import Body
+from integrable.phase.state import State, onto_constraints
+from integrable.series.kinds import Compiled, Formulas, Kind, kind_of
+from integrable.series.near import Near, both_ways
+from integrable.series.steps import FINE, FINEST, Steps
+from integrable.series.symbols import Symbol
+from jacobian.immutable import replaced
+
+__all__ = ["WalkFirst", "rates"]
+
+Found = tuple[np.ndarray, np.ndarray]
+# a state: γ, M, and τ (of a walk in τ: t) with two zeros
+SHAPE = 3, 3
+# standard steps of compiled walks (integrable.series.steps.weight) that take as long as theta functions do to begin,
+# and as a time by them; as many digits of two curves do to begin; the most (python -m benchmarks near)
+STEPS_TO_THETA, STEPS_A_TIME, STEPS_TO_DIGITS, MOST_STEPS = 600, 4, 8000, 200_000
 
 
 def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
@@ -24,3 +45,96 @@ def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[
         return [*moved, 1 / slow] if physical else [*(slow * x for x in moved), slow]
 
     return right_hand_side
+
+
+class WalkFirst:
+    """The :class:`integrable.motion.trajectory.Way` of one call: the walk where it has all times, else ``other``."""
+
+    def __init__(self, system: Hamiltonian, state: State, other: Callable[[], Way], most: int) -> None:
+        self._system, self._state, self._other, self._most = system, state, other, most
+        self.way = "integrated"
+
+    def at(self, times: np.ndarray) -> Found:
+        """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
+        found = self.walked(times, True)
+        return found if found is not None else self._timed(lambda way: way.at(times), True)
+
+    def at_tau(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ, shape (N, 6)."""
+        found = self.walked(tau, False)
+        return found[0] if found is not None else self._timed(lambda way: way.at_tau(tau), False)
+
+    def times(self, tau: np.ndarray) -> np.ndarray:
+        """Physical times at values of τ."""
+        found = self.walked(tau, False)
+        return found[1] if found is not None else self._timed(lambda way: way.times(tau), False)
+
+    def _timed(self, compute: Callable[[Way], Any], physical: bool) -> Any:
+        begin, other = perf_counter(), self._other()
+        found = compute(other)
+        self.way = other.way
+        kind_in(self._system, physical).pay(perf_counter() - begin)
+        return found
+
+    def walked(self, times: np.ndarray, physical: bool) -> Found | None:
+        """The rows and τ, or in τ the times, where the walk is there and has all of them."""
+        kind = kind_in(self._system, physical)
+        most = self._most + STEPS_A_TIME * len(times)
+        given = np.array([*constants_of(self._system), 0.0])
+        start = *self._state.gamma, *self._state.M, 0.0, 0.0, 0.0
+        for steps in (FINE, FINEST):
+            walk = kind.walk(steps.orders)
+            if walk is None:
+                return None
+            near = _reached(walk, given, start, times, steps, most)
+            if len(near.places) == len(times):
+                rows = np.empty((len(times), *SHAPE))
+                rows[near.places] = near.states
+                flat = rows.reshape(len(times), 9)
+                return np.ascontiguousarray(flat[:, :6]), flat[:, 6].copy() if self._system.body.rolls else times
+        return None
+
+
+def _reached(
+    walk: Compiled, given: np.ndarray, start: tuple[float, ...], times: np.ndarray, steps: Steps, most: int
+) -> Near:
+    return both_ways(SHAPE, times, steps, lambda t: walk(given, start, t, steps, most / walk.weight))
+
+
+def constants_of(system: Hamiltonian) -> tuple[float, ...]:
+    """The numbers that tell systems of a kind apart."""
+    terms = () if system.potential is None else (system.potential.a, system.potential.b, *system.potential.poles)
+    return (*system.body.inertia, system.d, *terms, *(getattr(system, name) for name in system.further))
+
+
+def of_constants(system: Hamiltonian, field: Any, values: Sequence[Any]) -> Hamiltonian:
+    """The system like this one of these numbers."""
+    moments, rest = (values[0], values[1], values[2]), list(values[4:])
+    changes: dict[str, Any] = {"rigid": replaced(system.rigid, body=Body(moments, values[3], field))}
+    if system.potential is not None:
+        a, b, *poles = rest[:5]
+        changes["potential"], rest = Potential(a, b, (poles[0], poles[1], poles[2])), rest[5:]
+    return replaced(system, **changes, **dict(zip(system.further, rest, strict=True)))
+
+
+def kind_in(system: Hamiltonian, physical: bool) -> Kind:
+    """The walks of systems like this one, in t, or in τ unless ``physical``."""
+    # terms that are not there are no terms of 0: they divide by what may vanish
+    there = tuple(x != 0 for x in constants_of(system))
+    symbols = [Symbol("constant", i) if is_there else 0.0 for i, is_there in enumerate(there)]
+
+    def start(N: Any, y: Sequence[Any]) -> list[Any]:
+        inner = onto_constraints(of_constants(system, N, symbols), State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        return [*inner.gamma, *inner.M, *y[6:]]
+
+    def moved(N: Any, y: Sequence[Any]) -> list[Any]:
+        found = rates(of_constants(system, N, symbols), physical)(y[:6])
+        return [*found, *([N.zero] * (9 - len(found)))]
+
+    def made() -> Kind:
+        name = f"{type(system).__name__}_{'t' if physical else 'tau'}"
+        return Kind(name, Formulas(moved, start, 9, 9, 3))
+
+    found = kind_of((type(system), system.potential is None, physical or not system.body.rolls, there), made)
+    assert found is not None
+    return found

@@ -17,9 +17,15 @@ class Gyroscopic(Deformation):
     η = (M, γ × Aγ), η^∨ = (M, γ × A^∨γ); ``c`` is any constant, and c = 0 is the tilde pair with K = −K̃.
     """
 
+    further = ("c",)
+
     def __init__(self, inertia: Sequence[Any], c: Any, *, field: Any = RR) -> None:
         self._build(inertia, 0, None, field)
         self.c = field.coerce(c, "c")
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {**super().arguments, "c": self.c}
 
     def over(self, field: Any) -> Self:
         return replaced(super().over(field), c=field.coerce(self.c, "c"))

@@ -11,16 +11,17 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, Self
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 from integrable.phase.body import Body, Vector
 from integrable.phase.jets import JetField
+from integrable.phase.made import Made
 from integrable.phase.space import check_state
 from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from jacobian import RR
 from jacobian.errors import ArgumentError, NotRepresentable, shown
-from jacobian.immutable import Immutable, replaced
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     import numpy as np
@@ -145,13 +146,15 @@ class Potential(NamedTuple):
     poles: tuple[Any, Any, Any]
 
 
-class Hamiltonian(Immutable):
+class Hamiltonian(Made):
     """A Hamiltonian of the family: its states, integrals and equations of motion. Base of
     :class:`integrable.deformations.deformation.Deformation`.
     """
 
     rigid: ChaplyginBall
     potential: Potential | None = None
+    further: ClassVar[tuple[str, ...]] = ()
+    """The names of constants beside those."""
 
     def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
         self.rigid = ChaplyginBall(inertia, d, field=field)
@@ -225,7 +228,14 @@ class Hamiltonian(Immutable):
 
     def vector_field(self, state: State) -> State:
         """(γ̇, Ṁ), as a State of derivatives."""
-        state = self._checked(state)
+        return self._rates(self._checked(state))
+
+    def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
+        """(γ̇, Ṁ) at y = (γ, M) in other numbers: a field whose elements have operators, expressions for instance."""
+        rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
+        return [*rate.gamma, *rate.M]
+
+    def _rates(self, state: State) -> State:
         wrap = self._constants(0)
         q = self.scalars(wrap, map(wrap, state.gamma), map(wrap, state.M))
         omega, momentum = self.motion(q)
@@ -262,6 +272,13 @@ class Hamiltonian(Immutable):
     def curves_of(self) -> Any:
         """The tilde pair whose curves the motion is on: the system itself, or the tilde pair of A⁻¹."""
         return self
+
+    degree: ClassVar[int] = 1
+    """That of H in A."""
+
+    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
+        """λ1 + λ2 and −λ1λ2."""
+        return integrals.H, integrals.K
 
     def isometry(self) -> tuple[Any, Any, Any]:
         """(B², m, system) with H = m·H̃ of that tilde pair at the lift of B: check and hat pairs."""
@@ -312,9 +329,13 @@ class Hamiltonian(Immutable):
             )
         return jets.coerce(energy).slopes
 
-    def __repr__(self) -> str:
-        extra = "" if self.potential is None else f", potential={tuple(self.potential)}"
-        return f"{type(self).__name__}(inertia={self.rigid.inertia}, d={self.d}{extra}, field={self.field.name})"
+    @property
+    def arguments(self) -> dict[str, Any]:
+        offset = {"d": self.d} if self.body.rolls else {}
+        terms = self.potential
+        return {"inertia": self.body.inertia, **offset} | (
+            {} if terms is None else {"potential": (terms.a, terms.b, *terms.poles)}
+        )
 
 
 def poles(q: Scalars, potential: Potential, term: Any) -> Any:

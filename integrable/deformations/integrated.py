@@ -10,7 +10,7 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import rates
+from integrable.deformations.equations import MOST_STEPS, WalkFirst, rates
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
@@ -19,8 +19,9 @@ from integrable.motion.trajectory import Way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.state import State
 from integrable.series.tape import recorded
-from jacobian import MP
+from jacobian import MP, RR
 from jacobian.errors import PrecisionLoss
+from jacobian.numbers.compiler import interpreted
 
 __all__ = ["IntegratedMotion"]
 
@@ -47,18 +48,22 @@ class IntegratedMotion(EnclosedMotion):
         _ = self._equations
 
     @cached_property
-    def _equations(self) -> Equations:
-        return Equations(self.system, self.state)
+    def _equations(self) -> IntegratedStates:
+        return IntegratedStates(self.system, self.state)
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        return self._equations
+        if self.system.field != RR or interpreted():
+            return self._equations
+        return WalkFirst(self.system, self.state, lambda: self._equations, MOST_STEPS)
 
     def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
+        if isinstance(way, WalkFirst) and (found := way.walked(given, physical)) is not None:
+            return Rows(*found)
         # rows that the equations have reached are not integrated again
         return self._equations.kept(given, physical, nan)
 
 
-class Equations:
+class IntegratedStates:
     """The states of an IntegratedMotion, rounded to the field of ``system``; at d ≠ 0 t or τ is integrated along."""
 
     way = IntegratedMotion.method

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformation import Deformation
-from integrable.deformations.hamiltonian import Potential, Scalars, combination, poles, product
+from integrable.deformations.hamiltonian import DeformedIntegrals, Potential, Scalars, combination, poles, product
 from integrable.phase.state import State
 from jacobian import RR
 
@@ -20,6 +20,8 @@ class IsometricDeformation(Deformation):
 
     def __init__(self, inertia: Sequence[Any], *, potential: Sequence[Any] | None = None, field: Any = RR) -> None:
         self._build(inertia, 0, potential, field)
+
+    degree = 2
 
     @property
     def separates(self) -> bool:
@@ -115,6 +117,10 @@ class Hat(IsometricDeformation):
     ``potential`` = (a, b, β_1, β_2, β_3), which adds aS + b(S³ − tr A⁻¹·S²) + Σβ_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²),
     S = e2/e3 − τ/σ. Isometric to the tilde pair of A⁻¹ (:func:`integrable.phase.isometry.lift`).
     """
+
+    def eigenvalue_sums(self, integrals: DeformedIntegrals) -> tuple[Any, Any]:
+        K, (a1, a2, a3) = self.field, self.a
+        return integrals.H, K.div(integrals.K, K.mul(a1, K.mul(a2, a3)))
 
     def isometry(self) -> tuple[Any, Any, Any]:
         """(B², m, system): B² = A^∨, m = e3 and the tilde pair of A⁻¹, with H = m·H̃ at the lift of B."""

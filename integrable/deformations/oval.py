@@ -4,9 +4,9 @@ The signs of γ come from the roots R_i = √|Z − e_i|, which the addition mov
 
     R_i(u + v) = (s_i(v)R_i'(u) + R_i(u)s_j(v)s_k(v))/(℘(v) − Z(u)),   s_i = √(℘ − e_i),   R_i' = ±R_jR_k.
 
-τ is taken modulo the real period, π over an arithmetic-geometric mean (Gauss), so that what an addition costs in digits
-does not grow with the time: the doublings that lead to s_i(v) multiply every error by up to 16 each, and only those of
-half a period are made. (The addition: Weierstrass.)
+τ is taken modulo the real period, π over an arithmetic-geometric mean (Gauss), so the digits lost in an addition do not
+grow with the time. Each doubling on the way to s_i(v) multiplies every error by up to 16, and only those within half a
+period are needed. (The addition: Weierstrass.)
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from math import ceil
 from typing import Any
 
 
-class Oval:
+class SeparatedOval:
     """The curve with e_i = μ/I_i, from the roots |R_i| of a point, in any order, and the sign of Z' there.
 
     The indices of the least, middle and largest e_i are ``low``, ``middle`` and ``high``, ``period`` is the real
@@ -45,7 +45,7 @@ class Oval:
         self.series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
 
     def height(self, r: Sequence[Any], among: Sequence[int] = (0, 1, 2)) -> Any:
-        """z = Z/μ at the roots R_i, from the root that is least of some of them."""
+        """z = Z/μ at the roots R_i, computed from the root with the least terms."""
         i = min(among, key=lambda n: abs(r[n]))
         return (self.e[i] + self.signs[i] * r[i] * r[i]) / self.mu
 
@@ -88,7 +88,7 @@ class Oval:
         return [sign * x for x in s]
 
     def _doubled(self, s: Sequence[Any]) -> list[Any]:
-        """s_i(2v), without a difference but that of s_high, which vanishes at half a period."""
+        """s_i(2v), without a difference except that of s_high, which vanishes at half a period."""
         below, above = self.height_of_oval, self.above
         down = 2 * s[0] * s[1] * s[2]
         result = [self.field.zero] * 3
@@ -121,7 +121,7 @@ class Oval:
 
 
 def root(K: Any, x: Any) -> Any:
-    """√x of a number that is positive but for rounding."""
+    """√x of a number that is positive up to rounding."""
     return K.context.sqrt(abs(x))
 
 
@@ -130,7 +130,7 @@ def laurent(K: Any, g2: Any, g3: Any) -> list[Any]:
     count = ceil(0.5 * K.dps + 10)
     c = [K.zero, K.zero, g2 / 20, g3 / 28]
     for n in range(4, count + 2):
-        # the products c_m·c_(n−m) come twice
+        # the products c_m·c_(n−m) occur twice
         middle = (n + 1) // 2
         total = 2 * K.dot(c[2:middle], c[n - 2 : n - middle : -1])
         if n % 2 == 0:

@@ -1,10 +1,13 @@
 """The flow of the tilde pair at d = 0 in repelling poles Σb_i(a_j + a_k − 2s)/γ_i², b_i > 0: two elliptic curves again.
 
-With h1 = m1 + Σb_i(a_j + a_k − s)/γ_i² and h2 = m2 + Σb_i/γ_i² the state is a divisor (U, V) of y² = f(x) = φ(x)(h1 −
-xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i); the other roots ũ_k of f − V² separate: λ_k = h1 − ũ_kh2 are
-constant, H = λ1 + λ2, K = −λ1λ2, and ũ_k' = −V(ũ_k), where ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic: Z
-= λ_kũ_k + const moves by the addition of (℘(t), ℘'(t)) on Y² = 4Z³ − g2Z − g3. Since V(a_i)² = −4b_ic_i² < 0 where γ_i
-= 0, no γ_i changes its sign. (The tilde pair's 2-torsion map, taken on the curve with poles;
+Let h1 = m1 + Σb_i(a_j + a_k − s)/γ_i² and h2 = m2 + Σb_i/γ_i². The state is a divisor (U, V) of y² = f(x) = φ(x)(h1 −
+xh2 − Σb_ic_i/(x − a_i)), c_i = (a_j − a_i)(a_k − a_i). The other roots ũ_k of f − V² separate: λ_k = h1 − ũ_kh2 are
+constant, H = λ1 + λ2, K = −λ1λ2, and ũ_k' = −V(ũ_k), where ũ_k'² = φ(ũ_k)λ_k − 4Σb_ic_iΠ_{j≠i}(a_j − ũ_k) is a cubic.
+So Z = λ_kũ_k + const moves by the addition of (℘(t), ℘'(t)) on Y² = 4Z³ − g2Z − g3.
+
+Since V(a_i)² = −4b_ic_i² < 0 where γ_i = 0, no γ_i changes its sign. ũ_k are the roots of ΣE_i²(x − a_j)(x − a_k), E_i²
+= (b_i/γ_i² + w_i²)/h2 > 0, w = γ × M. One lies on each side of the middle a_i, so the ovals never meet, and the motion
+continues for all time. (The tilde pair's 2-torsion map on the curve with poles;
 tests/integrable/deformations/test_separations.py has the exact identities.)
 """
 
@@ -14,21 +17,19 @@ from typing import Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
 from integrable.deformations.oval import laurent
+from integrable.deformations.separated_flow import interlaced
 from integrable.phase.body import cross
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.errors import NotRepresentable
+from jacobian.errors import NotRepresentable, shown
 
 __all__ = ["PoleFlow"]
-
-OVAL = 1e-9
 
 
 class PoleFlow(DeformedFlow):
     """The motion through a state, over RR or MP(digits): get it from ``system.flow``.
 
-    NotRepresentable where moments are equal, a λ_k vanishes, or the ovals of ũ1 and ũ2 meet (|M| is infinite where ũ1 =
-    ũ2: the motion ends in finite time).
+    NotRepresentable where moments are equal or a λ_k vanishes.
     """
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
@@ -56,13 +57,9 @@ class CubicCarrier(CurvesCarrier):
         self._signs = [1 if x > 0 else -1 for x in state.gamma]
         u, rate, self._lambdas = self._separated(state)
         one, two = self._lambdas
+        self.momentum = ((one - two) / (u[1] - u[0])) ** (K.one / 2)
         self.sizes = abs(one) + abs(two), abs(one * two)
         self._curves = [self._curve(*row) for row in zip(u, rate, self._lambdas, strict=True)]
-        low, high = self._curves[0].oval, self._curves[1].oval
-        if min(low[1], high[1]) - max(low[0], high[0]) > -OVAL * abs(u[0] - u[1]):
-            raise NotRepresentable(
-                f"the ovals of ũ1 and ũ2, {_interval(low)} and {_interval(high)}, meet: the motion ends where they do"
-            )
 
     @at_its_precision
     def turns(self, tau: Any) -> Any:
@@ -81,11 +78,11 @@ class CubicCarrier(CurvesCarrier):
         h1 = h1 + sum(b * (a[i - 2] + a[i - 1] - s) / squares[i] for i, b in enumerate(self._poles))
         h2 = K.dot(state.M, state.M) + sum(b / x for b, x in zip(self._poles, squares, strict=True))
         w = cross(K, state.gamma, state.M)
-        U, V = (K.zero,) * 3, (K.zero,) * 3
+        V: poly.Poly = (K.zero,) * 3
         for x, y, pair in zip(state.gamma, w, self._pairs, strict=True):
-            U, V = poly.add(K, U, poly.scale(K, x * x, pair)), poly.add(K, V, poly.scale(K, 2 * x * y, pair))
-        quotient = self._cofactor(h1, h2, U, V[:2])
-        u = _quadratic_roots(K, quotient)
+            V = poly.add(K, V, poly.scale(K, 2 * x * y, pair))
+        images = [(b / x + y * y) / h2 for b, x, y in zip(self._poles, squares, w, strict=True)]
+        u = [a[0] + gap[0] for gap in interlaced(self.system.body, images)]
         return u, [-(V[0] + V[1] * x) for x in u], [h1 - x * h2 for x in u]
 
     def _cofactor(self, h1: Any, h2: Any, U: poly.Poly, V: poly.Poly) -> poly.Poly:
@@ -97,7 +94,7 @@ class CubicCarrier(CurvesCarrier):
     def _curve(self, u: Any, rate: Any, value: Any) -> _Cubic:
         K = self.system.field
         if abs(value) <= 64 * K.eps * max(map(abs, self._lambdas)):
-            raise NotRepresentable(f"λ = {self._lambdas}: K vanishes, and one of the two curves degenerates")
+            raise NotRepresentable(f"λ = {shown(self._lambdas)}: K vanishes, and one of the two curves degenerates")
         cubic = poly.sub(K, poly.scale(K, value, self._phi), self._well)
         return _Cubic(K, cubic, value, u, rate)
 
@@ -121,7 +118,7 @@ class CubicCarrier(CurvesCarrier):
 class _Cubic:
     """The motion u' = y on y² = q(u), q of degree 3, leading coefficient 4λ, along the bounded oval of its start.
 
-    ``oval`` are the ends of the oval, ``period`` is that of the motion.
+    ``period`` is that of the motion.
     """
 
     def __init__(self, K: Any, q: poly.Poly, scale: Any, u: Any, rate: Any) -> None:
@@ -133,27 +130,17 @@ class _Cubic:
         self._g3 = (4 * self._shift * self._shift - self._g2) * self._shift - scale * scale * q[0]
         self._start = scale * u + self._shift, scale * rate
         self._series = laurent(K, self._g2, self._g3)
-        z = self._roots(u)
-        first, second = sorted((x - self._shift) / scale for x in z[:2])
-        self.oval = first, second
-        if not first - abs(u) * OVAL <= u <= second + abs(u) * OVAL:
-            raise self._unbounded(u)
+        z = self._roots()
         self.period = K.context.pi / K.context.agm((z[2] - z[0]) ** (K.one / 2), (z[2] - z[1]) ** (K.one / 2))
 
-    def _roots(self, u: Any) -> list[Any]:
+    def _roots(self) -> list[Any]:
         """The real roots of 4Z³ − g2Z − g3, ascending: by cos 3θ (Viète)."""
         K = self._field
-        if self._g2 <= 0 or 27 * self._g3 * self._g3 >= self._g2**3:
-            raise self._unbounded(u)
-        turn = K.context.acos(self._g3 * (27 / self._g2**3) ** (K.one / 2)) / 3
+        # beyond 1 by rounding where the oval is a point, at an equilibrium
+        cosine = max(-K.one, min(K.one, self._g3 * (27 / self._g2**3) ** (K.one / 2)))
+        turn = K.context.acos(cosine) / 3
         radius = (self._g2 / 3) ** (K.one / 2)
         return [radius * K.context.cos(turn + 2 * K.context.pi * k / 3) for k in (1, 2, 0)]
-
-    @staticmethod
-    def _unbounded(u: Any) -> NotRepresentable:
-        return NotRepresentable(
-            f"ũ = {float(u):g} is not on a bounded oval of its curve: the motion ends in finite time"
-        )
 
     def moved(self, t: Any) -> tuple[Any, Any]:
         """(u, u') a time t later."""
@@ -190,17 +177,3 @@ class _Cubic:
             double = half * half / 4 - 2 * x
             x, y = double, -(y + half * (double - x))
         return x, y
-
-
-def _interval(oval: tuple[Any, Any]) -> str:
-    return f"[{float(oval[0]):.6g}, {float(oval[1]):.6g}]"
-
-
-def _quadratic_roots(K: Any, quotient: poly.Poly) -> list[Any]:
-    """The roots of a quadratic, ascending."""
-    half, last = -quotient[1] / (2 * quotient[2]), quotient[0] / quotient[2]
-    square = half * half - last
-    if square <= 0:
-        raise NotRepresentable("ũ1 = ũ2: the two curves are one")
-    gap = square ** (K.one / 2)
-    return [half - gap, half + gap]

@@ -1,40 +1,55 @@
-"""States of the tilde, check and hat pairs in floats: the additions compiled for double-double numbers.
+"""States of the tilde, check and hat pairs in floats: theta functions on either curve, compiled for double-double
+numbers, and the clock of :mod:`integrable.torus.access` on the torus of both.
 
-What they have lost is measured on every call, by H and K of all states in double-doubles and by the farthest state of a
-carrier of more digits; where that is more than floats show, or τ is too many periods away, that carrier computes them.
-So is the clock at d ≠ 0: by the farthest time, and by 1/g of that carrier.
+The loss is measured on every call: by H and K of all states in double-doubles, by the farthest state of a carrier of
+more digits, by the time that the clock returns there, and by 1/g of that carrier. Where it exceeds the rounding of
+floats, or τ is too many periods away, that carrier computes the states.
 """
 
 from __future__ import annotations
 
-from math import frexp
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from integrable.deformations.oval_loops import LIBRARY, Frame, Modes, Track, Waves
-from integrable.deformations.separated_clock import extremes, grown, series_sizes
-from integrable.moving_point.newton import step_inside
+from integrable.deformations.oval_loops import LIBRARY, Frame, Track
+from integrable.mumford.columns import Column
+from integrable.mumford.elliptic_torus import half_turn, inverse_factorials, part_of_round, row_of, theta_table
+from integrable.torus.access import TorusClock, resolved_spectrum
+from integrable.torus.corners import FIRST_SIZE, resolved
+from integrable.torus.loops import CompiledLoops
 from jacobian import RR
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
-from jacobian.numbers.double_double import exact_product, split
 
 if TYPE_CHECKING:
     from integrable.motion.precise import RoundedRows
 
 # periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# what H and K, relative to their sizes, and the farthest state may be off by
+# the largest error of H and K, relative to their sizes, and of the farthest state
 MOST_LOST = 1e-20
-# what 1/g may be off by: a part of a physical time
-MOST_OFF = 1e-18
-# the digits of 1/g, how often a series that lacks them grows, and beyond what the tables of another way are cheaper
-DIGITS, GROWTHS, MOST_WORK = 24, 4, 1 << 25
-# modes of 1/g, over its mean, that τ does not show
-MODES = 1e-22
-# where Newton's steps in floats end, and when they are given up
-CLOSE, ROUNDS = 1e-13, 60
+# the largest error of 1/g, and of a time of the clock: some roundings of floats
+MOST_OFF = 4e-14
+# modes of 1/g, relative to its mean, that physical times may lack: larger ones would affect the last bit of τ
+NOISE = 4e-18
+# how much faster than its phases a heavy body may turn
+SWIFT = 100
+# samples of 1/g beyond which the tables of another way are cheaper
+MOST_SAMPLES = 1 << 14
+
+
+class Packed(NamedTuple):
+    """The arguments of :func:`integrable.deformations.oval_loops.states` for a motion; ``order`` are its axes there,
+    ``rates`` the turns of either phase per unit of τ.
+    """
+
+    first: Track
+    second: Track
+    frame: Frame
+    order: list[int]
+    rates: tuple[Column, Column]
 
 
 class QuickStates:
@@ -42,8 +57,8 @@ class QuickStates:
 
     def __init__(self, rows: RoundedRows) -> None:
         self._rows, self.way = rows, rows.way
-        self._packed: tuple[Any, Any] = (None, None)
-        self._clock: tuple[Any, Any] = (None, None)
+        self._packed: tuple[Any, Packed | None] = (None, None)
+        self._clock: tuple[Any, QuickClock | None] = (None, None)
 
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
@@ -53,69 +68,76 @@ class QuickStates:
             return self._rows.at(times)
         carrier: Any = self._rows.many.carrier
         with carrier.precision:
-            tau = self._tau(times)
-            rows = None if tau is None else self._quick(tau)
-        return self._rows.at(times) if tau is None or rows is None else (rows, tau[:, 0])
+            found = self._timed(carrier, times)
+        return self._rows.at(times) if found is None else found
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
         if interpreted() or not len(tau):
             return self._rows.at_tau(tau)
         carrier: Any = self._rows.many.carrier
+        found = None
         with carrier.precision:
-            found = self._quick(np.stack([tau, 0 * tau], axis=-1))
+            if carrier.turns(carrier.field.coerce(float(np.abs(tau).max()))) < MOST_TURNS:
+                packed = self._compiled(carrier)
+                if packed is not None:
+                    phases = _pairs(*(Column(tau) * rate for rate in packed.rates))
+                    far = int(np.argmax(np.abs(tau)))
+                    truth = carrier.point(carrier.field.coerce(float(tau[far])))
+                    found = self._quick(carrier, packed, phases, far, truth)
         return self._rows.at_tau(tau) if found is None else found
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         return self._rows.times(tau)
 
-    def _tau(self, times: np.ndarray) -> np.ndarray | None:
-        """τ at physical times as double-doubles, shape (N, 2)."""
-        carrier: Any = self._rows.many.carrier
-        far = carrier.field.coerce(float(times[np.argmax(np.abs(times))]))
-        if not carrier.turns(abs(carrier.most_tau(far))) < MOST_TURNS:
+    def _timed(self, carrier: Any, times: np.ndarray) -> tuple[np.ndarray, np.ndarray] | None:
+        """:meth:`at` by the clock in floats."""
+        far = int(np.argmax(np.abs(times)))
+        if not carrier.turns(abs(carrier.most_tau(carrier.field.coerce(float(times[far]))))) < MOST_TURNS:
             return None
         packed = self._compiled(carrier)
         if packed is None:
             return None
         # one for all times
         if self._clock[0] is not carrier:
-            self._clock = carrier, QuickClock.of(carrier, packed[:2])
-        clock: QuickClock | None = self._clock[1]
-        found = None if clock is None else clock.tau(times)
-        if clock is None or found is None:
+            try:
+                self._clock = carrier, QuickClock(carrier, packed)
+            except PrecisionLoss:
+                # 1/g needs too many samples, or its modes are resonant
+                self._clock = carrier, None
+        clock = self._clock[1]
+        if clock is None:
             return None
-        n = int(np.argmax(np.abs(times)))
-        return found if clock.holds(found[n : n + 1], times[n : n + 1]) else None
+        phases, tau = clock.phases(times)
+        turns = [sum(map(carrier.field.coerce, pair)) for pair in phases[2 * far : 2 * far + 2].tolist()]
+        moved = [turn * curve.period for turn, curve in zip(turns, carrier.curves, strict=True)]
+        if not clock.holds(carrier, moved, turns, tau[far : far + 1], times[far]):
+            return None
+        rows = self._quick(carrier, packed, phases, far, carrier.moved(moved))
+        return None if rows is None else (rows, tau)
 
-    def _compiled(self, carrier: Any) -> Any:
-        """What :func:`packed` makes of a carrier, once."""
+    def _compiled(self, carrier: Any) -> Packed | None:
+        """The result of :func:`packed` for a carrier, cached."""
         if self._packed[0] is not carrier:
             try:
                 self._packed = carrier, packed(carrier)
-            except ArgumentError:
+            except (ArgumentError, PrecisionLoss):
                 # numbers like |M|² beyond the range of floats
                 self._packed = carrier, None
         return self._packed[1]
 
-    def _quick(self, tau: np.ndarray) -> np.ndarray | None:
-        carrier: Any = self._rows.many.carrier
-        far = int(np.argmax(np.abs(tau[:, 0])))
-        if not carrier.turns(carrier.field.coerce(float(tau[far, 0]))) < MOST_TURNS:
+    def _quick(self, carrier: Any, packed: Packed, phases: np.ndarray, far: int, truth: Any) -> np.ndarray | None:
+        """γ and M at phases since the start; those in the row ``far`` are compared with a carrier's."""
+        count = len(phases) // 2
+        out, rest, room = np.empty(6 * count), np.empty(6 * count), np.empty((6 * count, 2))
+        lost = LIBRARY.states(packed.first, packed.second, packed.frame, phases, (out, rest, room))
+        if not lost <= MOST_LOST:
             return None
-        compiled = self._compiled(carrier)
-        if compiled is None:
-            return None
-        *tracks, frame, order = compiled
-        out, rest = np.empty(6 * len(tau)), np.empty(6 * len(tau))
-        if not LIBRARY.states(*tracks, frame, tau, out, rest) <= MOST_LOST:
-            return None
-        places = np.argsort(order)
+        places = np.argsort(packed.order)
         columns = np.concatenate([places, 3 + places])
         rows: np.ndarray = out.reshape(-1, 6)[:, columns]
         left = rest.reshape(-1, 6)[far, columns]
-        truth = carrier.point(sum(map(carrier.field.coerce, tau[far].tolist())))
         for part, true in zip((slice(3), slice(3, 6)), truth, strict=True):
             size = max(map(abs, true))
             for high, low, x in zip(rows[far, part].tolist(), left[part].tolist(), true, strict=True):
@@ -125,137 +147,53 @@ class QuickStates:
 
 
 class QuickClock:
-    """τ(t) by a series like that of :class:`integrable.deformations.separated_clock.SeparatedClock`, made and summed in
-    double-doubles: Newton in floats, and a last step. What 1/g is there is compared with the curves of the carrier.
+    """The :class:`~integrable.torus.access.TorusClock` of a tilde motion whose body rolls.
+
+    PrecisionLoss where 1/g takes too many samples, or a mode is in resonance.
     """
 
-    @classmethod
-    def of(cls, carrier: Any, tracks: tuple[Track, Track]) -> QuickClock | None:
-        """That of a carrier; None where the series is long, or modes are resonant."""
-        sizes: tuple[int, ...] = series_sizes(carrier, DIGITS)
-        for _ in range(GROWTHS):
-            rows, columns = sizes
-            if rows * columns * (rows + columns) > MOST_WORK:
-                break
-            modes = expanded(carrier, tracks, rows, columns)
-            table = modes.table[:, 0].reshape(rows + 1, columns + 1)
-            if not np.isfinite(table).all():
-                break
-            sizes = grown(table, 10.0**-DIGITS * table[0, 0])
-            if sizes == (rows, columns):
-                return cls._of_modes(carrier, modes)
-        return None
+    def __init__(self, carrier: Any, packed: Packed) -> None:
+        loops, self._rates = CompiledLoops(), packed.rates
+        turns = [float(rate.hi) for rate in packed.rates]
+        scale = SWIFT * 2 * np.pi * max(turns)
+        resolve = partial(resolved, partial(samples, carrier, packed), sizes=(FIRST_SIZE,) * 2, most=MOST_SAMPLES)
+        self._spectrum = resolved_spectrum(loops, lambda transform: resolve(transformed=transform), turns, scale, NOISE)
+        mean = Column(*self._spectrum.values[0])
+        nu = packed.rates
+        self._pace = 1 / mean
+        rates = [nu[0] / mean, nu[1] / mean, *nu, self._pace, mean, *nu, mean, Column.of(2 * half_turn())]
+        row = np.array([(x.hi, x.lo) for x in rates])
+        self._clock = TorusClock(loops, self._spectrum, row, scale, NOISE / 64)
 
-    @classmethod
-    def _of_modes(cls, carrier: Any, modes: Modes) -> QuickClock | None:
-        mean, (rows, columns) = modes.table[0].copy(), (modes.rows + 1, modes.columns + 1)
-        K, periods = carrier.field, [curve.period for curve in carrier.curves]
-        # time is counted in the faster one's radians
-        unit = 2 * K.context.pi / min(periods)
-        speeds = _wide([min(periods) / period for period in periods])
-        even, odd = np.empty_like(modes.table), np.empty_like(modes.table)
-        least = 10.0**-DIGITS * mean[0] / 16
-        if not LIBRARY.integrate(modes, speeds, least, even, odd):
-            return None
-        tables = [x.reshape(rows, columns, 2) for x in (even, odd, modes.table)]
-        # modes below do not change double-doubles' first 20 digits
-        loud = np.max([np.abs(x[..., 0]) for x in tables], axis=0) > MODES * mean[0]
-        rows, columns = (int(np.flatnonzero(loud.any(axis=1 - k))[-1]) + 1 for k in range(2))
-        numbers = [K.zero, K.zero, 2 * K.context.pi]
-        for curve, period in zip(carrier.curves, periods, strict=True):
-            numbers += [1 / (unit * period), curve.since_low() / period]
-        wide = _wide(numbers)
-        wide[0] = mean
-        return cls(carrier, unit, wide, [np.ascontiguousarray(x[:rows, :columns]) for x in tables])
+    def phases(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """(the phases since the start in turns, one pair after the other, τ) at physical times."""
+        phases, delays = self._clock.phases(times)
+        return phases, (Column(times) * self._pace + Column(delays)).hi
 
-    def __init__(self, carrier: Any, unit: Any, numbers: np.ndarray, tables: list[np.ndarray]) -> None:
-        self._carrier, self._unit, self._inverse = carrier, _wide([unit])[0], _wide([1 / unit])[0]
-        self._even, self._odd, self._rates = (x[..., 0] for x in tables)
-        even, odd, self._rates_wide = (x.reshape(-1, 2) for x in tables)
-        columns = tables[0].shape[1]
-        self._waves = Waves(numbers, even, odd, columns, np.zeros((2 * columns, 2)))
-        # dt/dτ = 1/g lies between these
-        self._bounds = [float(x) / numbers[0, 0] for x in extremes(carrier)]
-        start = np.zeros((1, 2))
-        LIBRARY.misses(self._waves, start, start, numbers[1:2])
-
-    def tau(self, times: np.ndarray) -> np.ndarray | None:
-        """τ as double-doubles, shape (N, 2); None where floats do not converge."""
-        t = _times(times, self._unit)
-        mean, origin = self._waves.numbers[:2, 0].tolist()
-        goal = t[:, 0]
-        low, high = np.sort([goal / (mean * bound) for bound in self._bounds], axis=0)
-        x = goal / mean
-        for _ in range(ROUNDS):
-            swing, rate = self._swing(x)
-            miss = mean * x + swing - origin - goal
-            following, low, high = step_inside(x, miss, rate, low, high)
-            steps, x = np.abs(following - x), following
-            if (steps <= CLOSE * (1 + np.abs(x))).all():
-                break
-        else:
-            return None
-        tau = np.stack([x, 0 * x], axis=-1)
-        left = np.empty_like(tau)
-        LIBRARY.misses(self._waves, tau, t, left)
-        tau[:, 1] = -left[:, 0] / self._swing(x)[1]
-        return _product(tau, self._inverse)
-
-    def holds(self, tau: np.ndarray, times: np.ndarray) -> bool:
-        """Whether the clock shows a time at τ, shapes (1,) and (1, 2), and 1/g is there and at the start what the
-        curves say.
+    def holds(self, carrier: Any, moved: list[Any], turns: list[Any], tau: np.ndarray, time: float) -> bool:
+        """Whether the clock returns a time at its τ, and its dt/dτ at ``turns`` of the phases agrees with the carrier's
+        curves, which have ``moved`` so far.
         """
-        x, t, left = _product(tau, self._unit), _times(times, self._unit), np.empty_like(tau)
-        LIBRARY.misses(self._waves, x, t, left)
-        if not abs(left[0, 0]) <= MOST_LOST * (2 * np.pi + abs(t[0, 0])):
+        if not abs(float(self._clock.times(tau)[0]) - time) <= MOST_OFF * abs(time):
             return False
-        both = np.concatenate([0 * x, x])
-        found = np.empty_like(both)
-        LIBRARY.paces(self._waves, self._rates_wide, both, found)
-        K, curves = self._carrier.field, self._carrier.curves
-        for place, pair in zip((0 * tau, tau), found.tolist(), strict=True):
-            wide = sum(map(K.coerce, place[0].tolist()))
-            rate = self._carrier.pace(*(curve.height(curve.moved(wide)) for curve in curves))
-            if not abs(sum(map(K.coerce, pair)) / rate - 1) <= MOST_OFF:
-                return False
-        return True
-
-    def _swing(self, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The sum of sines, and 1/g."""
-        _, _, _, a1, b1, a2, b2 = self._waves.numbers[:, 0].tolist()
-        first, second = (
-            2j * np.pi * np.outer(turns - np.rint(turns), np.arange(size))
-            for turns, size in zip((a1 * x + b1, a2 * x + b2), self._even.shape, strict=True)
-        )
-        one, other = np.exp(first), np.exp(second)
-        swing = ((one.imag @ self._even) * other.real + (one.real @ self._odd) * other.imag).sum(axis=1)
-        return swing, ((one.real @ self._rates) * other.real).sum(axis=1)
+        values, (rows, columns) = self._spectrum
+        half = values[:, 0].reshape(-1, 2)[: (rows // 2 + 1) * columns].reshape(-1, columns, 2) @ np.array([1, 1j])
+        first, second = (2j * np.pi * float(x - round(x)) for x in turns)
+        ahead, across = np.arange(rows // 2 + 1), np.fft.fftfreq(columns, 1 / columns)
+        weights = np.where(ahead % (rows // 2) == 0, 1, 2) * np.exp(first * ahead)
+        shown = float((weights @ half @ np.exp(second * across)).real)
+        rate = carrier.pace(*(curve.height(curve.moved(x)) for curve, x in zip(carrier.curves, moved, strict=True)))
+        return abs(shown / float(rate) - 1) <= MOST_OFF
 
 
-def expanded(carrier: Any, tracks: tuple[Track, Track], rows: int, columns: int) -> Modes:
-    """The modes of 1/g."""
-    K = carrier.field
-    numbers = [carrier.system.d, *carrier.weights, *(curve.mu for curve in carrier.curves)]
-    for count in (rows, columns):
-        numbers += [K.context.cospi(K.one / count), K.context.sinpi(K.one / count)]
-    table, room = (np.empty((size, 2)) for size in ((rows + 1) * (columns + 1), 3 * (rows + columns)))
-    modes = Modes(_wide(numbers), rows, columns, table, room)
-    LIBRARY.expand(*tracks, modes)
-    return modes
-
-
-def _times(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Floats times a double-double."""
-    return _product(np.stack([x, 0 * x], axis=-1), scale)
-
-
-def _product(x: np.ndarray, scale: np.ndarray) -> np.ndarray:
-    """Double-doubles times one (Dekker 1971)."""
-    a, b = scale.tolist()
-    high, low = exact_product(x[:, 0], a)
-    low = low + x[:, 0] * b + x[:, 1] * a
-    total = high + low
-    return np.stack([total, low - (total - high)], axis=-1)
+def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+    """1/g at the phases (i/rows, j/columns) since the start, as double-doubles: those ``known`` are made again."""
+    rows, columns = sizes
+    table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
+    # powers of 2: fractions without rounding
+    places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
+    LIBRARY.paces(packed.first, packed.second, row_of((carrier.system.d, *carrier.weights)), places, table, room)
+    return table.reshape(rows, columns, 2)
 
 
 def quick_way(rows: RoundedRows) -> RoundedRows | QuickStates:
@@ -263,8 +201,11 @@ def quick_way(rows: RoundedRows) -> RoundedRows | QuickStates:
     return QuickStates(rows) if rows.field == RR else rows
 
 
-def packed(carrier: Any) -> tuple[Track, Track, Frame, list[int]]:
-    """What :func:`integrable.deformations.oval_loops.states` takes, and which axis is which there."""
+def packed(carrier: Any) -> Packed:
+    """The data from which states of a carrier are computed.
+
+    ArgumentError for numbers beyond the range of floats, PrecisionLoss next to a separatrix.
+    """
     lifted = hasattr(carrier, "tilde")
     tilde, one_to_one = carrier.tilde if lifted else carrier, (carrier.field.one,) * 3
     back, speed = (carrier.back, carrier.speed) if lifted else (one_to_one, carrier.field.one)
@@ -280,29 +221,30 @@ def packed(carrier: Any) -> tuple[Track, Track, Frame, list[int]]:
         one.mu,
         two.mu,
         *tilde.lambdas,
-        speed,
         -1 if odd else 1,
         tilde.side,
     ]
     frame = Frame(
-        _wide(numbers),
-        _wide([back[i] for i in order]),
-        lifted,
-        (float(tilde.sizes[0]), float(tilde.sizes[1])),
+        row_of(numbers), row_of([back[i] for i in order]), lifted, (float(tilde.sizes[0]), float(tilde.sizes[1]))
     )
-    return _track(one), _track(two), frame, order
+    rates = Column.of(speed / one.period), Column.of(speed / two.period)
+    return Packed(_track(one), _track(two), frame, order, rates)
 
 
 def _track(curve: Any) -> Track:
-    order = (curve.low, curve.middle, curve.high)
-    numbers = [curve.period, curve.height_of_oval, curve.breadth, curve.above]
-    for row in (curve.centred, curve.e, curve.start):
-        numbers += [row[i] for i in order]
-    _, exponent = frexp(max(abs(float(x)) for x in curve.centred))
-    ldexp = curve.field.context.ldexp
-    series = [ldexp(c, -exponent * n) for n, c in enumerate(curve.series, 2)]
-    return Track(_wide(numbers), _wide(series), 2.0**exponent)
+    """R_low = ±√(e_middle − e_low)·sn, R_middle = √(e_middle − e_low)·cn and R_high = ±√(e_high − e_low)·dn."""
+    N, (low, middle, high) = curve.field, (curve.low, curve.middle, curve.high)
+    swing, breadth = N.sqrt(curve.height_of_oval), N.sqrt(curve.breadth)
+    side = 1 if curve.start[high] > 0 else -1
+    theta = theta_table(N, swing / breadth, N.sqrt(curve.above) / breadth)
+    phase = part_of_round(N, theta.levels, side * curve.start[low] / swing, curve.start[middle] / swing)
+    two, three, four = theta.at_zero
+    numbers = [side * swing * three / two, swing * four / two, side * breadth * four / three, phase / half_turn()]
+    numbers += [curve.e[i] / curve.mu for i in (low, middle, high)]
+    return Track(row_of([*numbers, 1 / curve.mu]), row_of(theta.table), inverse_factorials())
 
 
-def _wide(values: Any) -> np.ndarray:
-    return np.array([split(x) for x in values])
+def _pairs(first: Column, second: Column) -> np.ndarray:
+    """Two columns of phases as rows of double-doubles, one pair after the other."""
+    both = np.stack([np.stack([x.hi, x.lo], axis=-1) for x in (first, second)], axis=1)
+    return both.reshape(-1, 2)

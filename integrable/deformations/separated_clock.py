@@ -2,7 +2,7 @@
 
 g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k| depends on z_k(θ_k) alone, even and periodic in the phases θ_k = 2π(τ + since_k)/T_k. With
 1/g = Σ c_mn cos mθ1 cos nθ2, t(τ) is a mean rate times τ and a sum of sines, and τ(t) a Newton iteration. Where mΩ1 +
-nΩ2 almost vanishes (a resonance) a mode is integrated as one that grows with τ, so that no small divisor is met.
+nΩ2 almost vanishes (a resonance) a mode is integrated as one that grows with τ, which avoids small divisors.
 Coefficients are integers in units of 2^−bits: numpy multiplies matrices of them.
 """
 
@@ -16,15 +16,15 @@ import numpy as np
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.deformations.oval import Oval
+    from integrable.deformations.oval import SeparatedOval
 
 GUARD_BITS = 30
 MOST_MODES = 1 << 16
 """Of a series of USUAL_BITS, fewer where they are longer: a second of set-up."""
 USUAL_BITS = 256
-# modes beyond those that their decay alone leads to expect
+# modes in excess of the number that their decay suggests
 MARGIN = 6
-# transforms that are sums as they stand
+# sizes up to which transforms are direct sums
 SHORT = 8
 # modes that are slower than this part of their terms are resonant
 RESONANT = 10
@@ -33,10 +33,10 @@ ROUGH_ROUNDS = 20
 
 
 class OnTwoCurves(Protocol):
-    """A motion on two curves, as its clock sees it."""
+    """A motion on two curves, in the interface of its clock."""
 
     system: Any
-    curves: list[Oval]
+    curves: list[SeparatedOval]
 
     @property
     def field(self) -> Any:
@@ -63,7 +63,7 @@ class SeparatedClock:
         curves = motion.curves
         self._since = [curve.since_low() for curve in curves]
         self._periods = [curve.period for curve in curves]
-        # time is counted in the faster one's radians
+        # time is measured in radians of the faster phase
         self._unit = 2 * K.context.pi / min(self._periods)
         self._slow = [min(self._periods) / period for period in self._periods]
         least, most = extremes(motion)
@@ -109,7 +109,7 @@ class SeparatedClock:
                 x = (low + high) / 2
             if rough:
                 if k >= ROUGH_ROUNDS or (inside and abs(step) <= 1e-7):
-                    # floats may have taken the wrong side
+                    # floats may have chosen the wrong side
                     rough, (low, high) = False, bounds
             # the rate is that of a float, and its own change smaller than the step
             elif (inside and abs(step) * 1e-6 <= small) or high - low <= small:
@@ -141,7 +141,7 @@ class SeparatedClock:
         return float(c1 @ self._float_rate @ c2)
 
     def _swing(self, phases: list[Any]) -> float:
-        """The sum of sines less its value at the start, in floats."""
+        """The sum of sines minus its value at the start, in floats."""
         (c1, s1), (c2, s2) = (_turns(float(x), n) for x, n in zip(phases, self._shape, strict=True))
         return float(s1 @ self._float_even @ c2 + c1 @ self._float_odd @ s2) - float(self._origin)
 
@@ -270,16 +270,16 @@ def _turns(turns: float, count: int) -> tuple[np.ndarray, np.ndarray]:
 
 
 def extremes(motion: OnTwoCurves) -> tuple[Any, Any]:
-    """Between what 1/g lies."""
+    """Bounds of 1/g."""
     ends = [[curve.e[i] / curve.mu for i in (curve.low, curve.middle)] for curve in motion.curves]
     return motion.pace(*map(max, ends)), motion.pace(*map(min, ends))
 
 
 def series_sizes(motion: OnTwoCurves, digits: int) -> tuple[int, int]:
-    """How many modes either phase takes: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
+    """The number of modes of either phase: c_mn decay like e^(−m·strip) where 1/g has no singularity in the strip.
 
-    z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does: on the
-    second curve, z < 0 is as far as the pole; on the first one, it is between that and the real axis.
+    z has a pole at the imaginary half period of either curve. g² vanishes where Σ|λ_k|(1 + dz_k) does. On the second
+    curve, z < 0, that is as far as the pole; on the first one it is between the pole and the real axis.
     """
     d = motion.system.d
     one, two = motion.curves
@@ -303,8 +303,8 @@ def grown(table: np.ndarray, noise: Any) -> tuple[int, int]:
     return rows, columns
 
 
-def _heights(curve: Oval, count: int) -> list[Any]:
-    """z at the phases πj/count, j = 0 … count, wide: half a period in that many additions."""
+def _heights(curve: SeparatedOval, count: int) -> list[Any]:
+    """z at the phases πj/count, j = 0 … count, wide: half a period in ``count`` additions."""
     K = curve.field
     step, r = curve.translation(curve.period / (2 * count)), curve.at_low()
     heights = []

@@ -8,36 +8,48 @@ da_i), brings each curve to Z'² = 4Π(Z − e_i), e_i = μ_k/I_i, on which the 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
-from integrable.deformations.oval import Oval, root
+from integrable.deformations.equations import STEPS_TO_THETA
+from integrable.deformations.oval import SeparatedOval, root
 from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
 from integrable.phase.isometry import lift, roots
 from integrable.phase.state import State
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian import RR
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 
 __all__ = ["IsometricFlow", "SeparatedFlow"]
 
-if TYPE_CHECKING:
-    import numpy as np
+# of the sizes of λ_k and of the terms that they are sums of: those are not lost in floats
+ORDINARY = 1e-6
 
+if TYPE_CHECKING:
     from integrable.deformations.separated_clock import SeparatedClock
     from integrable.motion.trajectory import Way
 
 
 class _QuickFlow(DeformedFlow):
-    """A motion whose additions are compiled for floats."""
+    """A motion whose theta functions are compiled for floats."""
+
+    _steps = STEPS_TO_THETA
+
+    def _is_ordinary(self) -> bool:
+        system, state = self.system, self.state
+        if system.field != RR or 0 in system.body.differences or min(system.body.contact) < ORDINARY:
+            return False
+        H, product = (abs(x) for x in system.eigenvalue_sums(system.integrals(state)))
+        large = (H + (H * H + 4 * product) ** 0.5) / 2
+        size = system.body.field.dot(state.M, state.M) * max(system.a) ** system.degree
+        return product > ORDINARY * large * large and large > ORDINARY * size and size < 1 / ORDINARY
 
     @cached_property
-    def _quick(self) -> Way:
+    def _any_time(self) -> Way:
         return quick_way(self._curves)
-
-    def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        return self._quick
 
 
 class SeparatedFlow(_QuickFlow):
@@ -50,14 +62,18 @@ class SeparatedFlow(_QuickFlow):
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
         return OvalCarrier(system, state)
 
-    def translated(self, roots_of: Any) -> State:
-        """The state with the points ``roots_of(k, field, μ_k, μ_k/I_i)`` added on the curves k = 0, 1: roots √(Z' −
-        μ_k/I_i) and how many times, or None.
+    def translated(self, time_of: Any) -> State:
+        """The state with points added on the curves k = 0, 1: what their motion for times ``time_of(k, field, μ_k,
+        μ_k/I_i)`` adds.
         """
         many = self._curves.many
         while True:
             carrier: Any = many.carrier
-            moved = carrier.translated(roots_of)
+            times = carrier.times_of(time_of)
+            # as many digits as there are of periods
+            if many.enough(max(map(abs, times))) is None:
+                continue
+            moved = carrier.moved(times)
             missing = carrier.drift([moved]) + many.digits
             if missing <= 0:
                 break
@@ -91,7 +107,7 @@ class OvalCarrier(CurvesCarrier):
         self.lambdas = _eigenvalues(K, H, second)
         if any(abs(x) <= 64 * K.eps * h2 * max(system.a) for x in self.lambdas):
             raise NotRepresentable(
-                f"λ = {self.lambdas}: K vanishes, and one of the two curves degenerates; "
+                f"λ = {shown(self.lambdas)}: K vanishes, and one of the two curves degenerates; "
                 "motion_through(state) integrates"
             )
         self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
@@ -158,19 +174,17 @@ class OvalCarrier(CurvesCarrier):
 
     @at_its_precision
     def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
-        return self._state(*(curve.moved(tau) for curve in self.curves))
+        return self.moved([tau, tau])
 
     @at_its_precision
-    def translated(self, roots_of: Any) -> tuple[list[Any], list[Any]]:
-        """The row of :meth:`SeparatedFlow.translated`."""
-        moved = []
-        for k, curve in enumerate(self.curves):
-            found = roots_of(k, self.field, curve.mu, curve.e)
-            point = curve.start
-            for _ in range(0 if found is None else found[1]):
-                point = curve.added(point, found[0])
-            moved.append(point)
-        return self._state(*moved)
+    def times_of(self, time_of: Any) -> list[Any]:
+        """The times of :meth:`SeparatedFlow.translated`."""
+        return [time_of(k, self.field, curve.mu, curve.e) for k, curve in enumerate(self.curves)]
+
+    @at_its_precision
+    def moved(self, times: list[Any]) -> tuple[list[Any], list[Any]]:
+        """The row whose points have moved for a time of each curve."""
+        return self._state(*(curve.moved(time) for curve, time in zip(self.curves, times, strict=True)))
 
     def _state(self, first: Any, second: Any) -> tuple[list[Any], list[Any]]:
         """(γ, M) from the roots R_i on both curves."""
@@ -250,28 +264,8 @@ def _image(K: Any, state: State, rate: State, h2: Any) -> tuple[list[Any], list[
 
 
 def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int]]:
-    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'.
-
-    From roots in x − a_middle and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_ie_i²: differences of near numbers would cost
-    half the digits of √|ũ_k − a_i| at a turning point.
-    """
-    K, c = body.field, body.differences
-    low, middle, high = sorted(range(3), key=lambda i: body.a[i])
-
-    def apart(i: int, j: int) -> Any:
-        return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
-
-    below, above = apart(middle, low), apart(high, middle)
-    total = e[high] ** 2 * below - e[low] ** 2 * above + e[middle] ** 2 * (below - above)
-    product = abs(c[middle]) * e[middle] ** 2
-    larger = (abs(total) + root(K, total * total + 4 * product)) / 2
-    smaller = product / larger if larger else larger
-    first, second = (larger, smaller) if total >= 0 else (smaller, larger)
-    gaps = [[K.zero] * 3, [K.zero] * 3]
-    gaps[0][middle], gaps[1][middle] = -first, second
-    gaps[0][high], gaps[1][low] = -first - above, second + below
-    gaps[0][low] = c[low] * e[low] ** 2 / gaps[1][low]
-    gaps[1][high] = c[high] * e[high] ** 2 / gaps[0][high]
+    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σe_i²(x − a_j)(x − a_k), and the signs of ũ_k'."""
+    gaps = interlaced(body, [x * x for x in e])
     turns = []
     for k in range(2):
         change = sum(x * y * gaps[k][i - 2] * gaps[k][i - 1] for i, (x, y) in enumerate(zip(e, slope, strict=True)))
@@ -280,24 +274,49 @@ def _separated(body: Any, e: Any, slope: Any) -> tuple[list[list[Any]], list[int
     return gaps, turns
 
 
-def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> Oval:
+def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
+    """ũ_k − a_i of both roots ũ1 < ũ2 of U(x) = Σ squares_i(x − a_j)(x − a_k), squares ≥ 0 with the sum 1.
+
+    From roots in x − a_middle and from (ũ1 − a_i)(ũ2 − a_i) = U(a_i) = c_i·squares_i: differences of near numbers would
+    cost half the digits of √|ũ_k − a_i| at a turning point.
+    """
+    K, c = body.field, body.differences
+    low, middle, high = sorted(range(3), key=lambda i: body.a[i])
+
+    def apart(i: int, j: int) -> Any:
+        return (body.inertia[j] - body.inertia[i]) * body.a[i] * body.a[j]
+
+    below, above = apart(middle, low), apart(high, middle)
+    total = squares[high] * below - squares[low] * above + squares[middle] * (below - above)
+    product = abs(c[middle]) * squares[middle]
+    larger = (abs(total) + root(K, total * total + 4 * product)) / 2
+    smaller = product / larger if larger else larger
+    first, second = (larger, smaller) if total >= 0 else (smaller, larger)
+    gaps = [[K.zero] * 3, [K.zero] * 3]
+    gaps[0][middle], gaps[1][middle] = -first, second
+    gaps[0][high], gaps[1][low] = -first - above, second + below
+    gaps[0][low] = c[low] * squares[low] / gaps[1][low]
+    gaps[1][high] = c[high] * squares[high] / gaps[0][high]
+    return gaps
+
+
+def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
     """The curve through the point with ũ − a_i = ``gaps``: Z − e_i = μ(ũ − a_i)/((1 − dũ)(1 − da_i))."""
     K = body.field
     # from the least of them: 1 − dũ = (1 − da_i) − d(ũ − a_i)
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
     sizes = [root(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
-    return Oval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
+    return SeparatedOval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
 
 
-def _signs(curves: list[Oval], e: Any, slope: Any) -> list[int]:
-    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i or, where that may be rounding, from its derivative."""
+def _signs(curves: list[SeparatedOval], e: Any, slope: Any) -> list[int]:
+    """The signs with e_i ∝ ±R_iR_i of the two curves, from e_i and its derivative: one of both is not rounding."""
     one, two = curves
     result = []
     for i in range(3):
         j, k = i - 2, i - 1
         p, q = one.start, two.start
-        match = p[i] * q[i] * e[i]
-        if abs(e[i]) < 1e-10:
-            match = (one.signs[i] * p[j] * p[k] * q[i] + two.signs[i] * q[j] * q[k] * p[i]) * slope[i]
+        rate = one.signs[i] * p[j] * p[k] * q[i] + two.signs[i] * q[j] * q[k] * p[i]
+        match = p[i] * q[i] * e[i] * (one.breadth + two.breadth) + rate * slope[i]
         result.append(1 if match > 0 else -1)
     return result

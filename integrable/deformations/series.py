@@ -11,18 +11,20 @@ from integrable.series.recurrences import coefficients, values_at
 
 __all__ = ["Room", "evaluated", "march"]
 
-SMALLEST_STEP = 1e-6
-# steps from which on what is left is judged from what is done, and the factor by which they may differ
+# the number of steps after which the remaining ones are estimated from those done, and the factor by which they may
+# differ
 KNOWN_FROM = 4
 UNEVEN = 4
-# why a march ends before its last time: its steps shrink to nothing, or would be too many
+# why a march ends before its last time: its steps shrink to nothing, or are too many
 ENDS, FAR = 1, 2
-# places in what a march tells: its steps, the first and the present one's length, times that were reached
+# indices of a march's report: its steps, the lengths of the first and the current one, the times reached
 STEPS, LONGEST, STEP, REACHED = range(4)
 
 
 class Room(NamedTuple):
-    """What a march works in: the value of every node where its series are, that time, the series, and what it tells."""
+    """The memory of a march: the value of every node at the centre of its series, that time, the series, and its
+    report.
+    """
 
     middles: Any
     now: Any
@@ -34,16 +36,19 @@ def march(
     tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: Room, times: Any,
     out: Any,
 ) -> int:  # fmt: skip
-    """The variables at ``times``, ascending from 0 or descending, into ``out``, row by row: 0, or why the last of them
-    were not reached. ``tolerance`` is the logarithm of what a step may neglect, ``most`` how many there may be until
-    the last time if ``strict``, else until each.
+    """Writes the variables at ``times``, ascending from 0 or descending, into ``out``, row by row; 0, or why the last
+    of them were not reached.
+
+    ``tolerance`` is the logarithm of the error allowed in a step, ``most`` the largest number of steps until the last
+    time if ``strict``, else until each.
     """
     count, told, now = len(tape[3]), room.told, room.now
     expand(tape, order, tolerance, room)
     for i in range(len(times)):
         told[REACHED] = i
         while abs(float(times[i] - now[0])) > told[STEP]:
-            if not told[STEP] > SMALLEST_STEP * told[LONGEST]:
+            # as small relative to the time reached as the error allowed in a step
+            if not told[STEP] > exp(tolerance) * max(told[LONGEST], abs(float(now[0]))):
                 return ENDS
             if too_long(told, most, float(now[0]), float(times[len(times) - 1 if strict else i])):
                 return FAR
@@ -57,7 +62,7 @@ def march(
 
 
 def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: Any, out: Any) -> None:
-    """What a tape of as many results as variables says of rows of them; ``series`` has room for two of every node."""
+    """The results of a tape, as many as variables, for rows of variables; ``series`` has room for two of every node."""
     kinds, left, right, results = tape
     count = len(results)
     for row in range(len(rows) // count):
@@ -72,7 +77,7 @@ def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: 
 
 
 def expand(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: Room) -> None:
-    """The series about the state that is in ``room.middles``, and how far it reaches."""
+    """Expands the series about the state in ``room.middles``; the step that it allows."""
     kinds, left, right, rates = tape
     for n in range(len(room.middles)):
         room.series[n * (order + 1)] = room.middles[n]
@@ -84,7 +89,7 @@ def expand(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: 
 
 
 def reach(order: int, tolerance: float, count: int, series: Any) -> float:
-    """The step after which the last two coefficients are as small as asked for; 0 where they are no numbers."""
+    """The step after which the last two coefficients are below the tolerance; 0 where they are not numbers."""
     width, found, most = order + 1, 1e300, abs(series[0])
     for n in range(1, count):
         most = max(most, abs(series[n * width]))
@@ -92,7 +97,7 @@ def reach(order: int, tolerance: float, count: int, series: Any) -> float:
         last, size = min(first + 3, count), abs(series[first * width])
         for n in range(first + 1, last):
             size = max(size, abs(series[n * width]))
-        # what is at rest is measured by the others
+        # components at rest are measured by the others
         size = size if size > 0 else most
         for k in range(order - 1, order + 1):
             part = 0.0
@@ -107,7 +112,7 @@ def reach(order: int, tolerance: float, count: int, series: Any) -> float:
 
 
 def too_long(told: Any, most: float, now: float, end: float) -> bool:
-    """Whether the steps done, or what they lead to expect until ``end``, are more than ``most``."""
+    """Whether the steps done, or those expected until ``end``, are more than ``most``."""
     part = abs(now / end)
     expected = told[STEPS] / part if told[STEPS] >= KNOWN_FROM and part > 0 else 0.0
     return told[STEPS] > most or expected > UNEVEN * most

@@ -103,11 +103,11 @@ def integrate(
     digits: int,
     refused: dict[int, str] | None = None,
 ) -> list[list[Any]]:
-    """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of MP field.
+    """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of an MP field.
 
-    What a step neglects is below 10^−digits of the largest variable of its third of them. PrecisionLoss where the steps
-    shrink to a millionth of the first, as at a singularity; Infeasible where they would be too many; into ``refused``,
-    if given, the index of each such time and the reason.
+    A step neglects less than 10^−digits of the largest variable in its third of them. PrecisionLoss where the steps
+    shrink to 10^−digits of the first or of the time, as at a singularity; Infeasible where there would be too many.
+    ``refused``, if given, receives the index of each such time and the reason instead.
     """
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
@@ -126,7 +126,9 @@ def integrate(
 
 
 def evaluate(field: Any, tape: Tape, rows: Sequence[Sequence[Any]], digits: int, wanted: int) -> list[list[Any]]:
-    """The first ``wanted`` results of a tape, which has as many as variables, of rows of these, to so many digits."""
+    """The first ``wanted`` results of a tape, which has as many results as variables, for rows of these, to that many
+    digits.
+    """
     return _on_loops(_evaluated, digits, field, tape, rows, wanted)
 
 
@@ -142,7 +144,7 @@ def _on_loops(compute: Callable[..., Any], digits: int, field: Any, *problem: An
 
 
 def _middles(loops: _Loops, field: Any, tape: Tape, values: Sequence[Any]) -> tuple[Any, Any]:
-    """(the tape, the values of its variables and constants) as loops take them."""
+    """(the tape, the values of its variables and constants) in the form of the loops."""
     constants = [field.coerce(x) if k == CONSTANT else 0 for k, x in zip(tape.kinds, tape.constants, strict=True)]
     packed = loops.tape((tape.kinds, tape.left, tape.right, tape.results))
     return packed, loops.row([*values, *constants[len(values) :]])

@@ -1,4 +1,4 @@
-"""The tilde pair: what the 2-torsion map makes of the ball's integrals, with its five-parameter potentials."""
+"""The tilde pair: the image of the ball's integrals under the 2-torsion map, with its five-parameter potentials."""
 
 from __future__ import annotations
 

@@ -1,9 +1,9 @@
 """A state of the tilde pair as two points, one on each of its elliptic curves, and the maps that add points there.
 
 ũ_k are the roots of Σ w_i²(x − a_j)(x − a_k), w = γ × M; λ_k = H1 − ũ_kH2; y_k = dũ_k/dτ along the flow of H̃. With μ_k
-= λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are
-ordered by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. Roots that are needed: those of the
-quadratic of ũ, and back from the points the signs of w_i and of g. (Tsiganov's separation.)
+= λ_kΠ(1 − da_i) the point (Z, Y) = (μ_kũ/(1 − dũ), μ_ky/(1 − dũ)²) lies on Y² = 4Π(Z − μ_k/I_i). The curves are ordered
+by λ: over the reals ũ1 < ũ2, over an exact field by the field's numbering. The map needs the roots of the quadratic of
+ũ; its inverse needs those of w_i² and of g². (Tsiganov's separation.)
 """
 
 from __future__ import annotations
@@ -17,10 +17,11 @@ from integrable.phase import coordinates
 from integrable.phase.body import cross, square_root
 from integrable.phase.isometry import lift, roots
 from integrable.phase.jets import Jet
+from integrable.phase.space import check_moving
 from integrable.phase.state import State
 from integrable.steps.step import Step, checked_multiple, checked_signs
 from jacobian import HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, shown
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss, shown, written
 from jacobian.fields.quadratic import quadratic_roots
 
 if TYPE_CHECKING:
@@ -61,8 +62,10 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
 
 
 def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = None) -> State:
-    """The state of two points, with the signs of ``like`` (without it, and over an exact field: the field's roots, or
-    those of ``like`` where it is the same state up to signs). Raises as :func:`divisors`.
+    """The state of two points, with the signs of ``like``. Raises as :func:`divisors`.
+
+    Without ``like``, and over an exact field, the signs are those of the field's roots, or of ``like`` where it is the
+    same state up to signs.
     """
     if not isinstance(points, TwoPoints):
         raise ArgumentError(f"D = {shown(points)}: give TwoPoints, as the system's divisor(state)")
@@ -75,11 +78,15 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
         mu = _mu_of(system, D.jacobian.curve.f)
         z, v = K.neg(D.u[0]), poly.evaluate(K, D.v, K.zero)
         rest = K.add(mu, K.mul(system.d, z))
+        if rest == K.zero:
+            raise NotRepresentable(f"{name} = {D!r}: ũ is infinite there, and no state has it")
         u.append(K.div(z, rest))
         slow = K.div(mu, rest)
         y.append(K.div(K.mul(v, K.mul(slow, slow)), mu))
         lambdas.append(K.div(mu, _contact(system)))
     gap = K.sub(u[1], u[0])
+    if gap == K.zero:
+        raise NotRepresentable(f"ũ1 = ũ2 = {written(u[0])}: M is infinite there, and no state has both points")
     h2 = K.div(K.sub(lambdas[0], lambdas[1]), gap)
     if h2 == K.zero:
         raise NotRepresentable("λ1 = λ2: the two curves are one, and M is not determined")
@@ -121,17 +128,16 @@ def _mu_of(system: Hamiltonian, f: poly.Poly) -> Any:
     if not K.is_zero(total):
         return K.neg(K.div(f[2], K.mul(four, total)))
     if len(f) < 2 or K.is_zero(f[1]):
-        raise NotRepresentable(f"Σ1/I and ΣI vanish in {K.name}: the curve does not tell its μ")
+        raise NotRepresentable(f"Σ1/I and ΣI vanish in {K.name}: the curve does not determine its μ")
     return K.neg(K.mul(K.div(f[0], f[1]), K.dot(inertia, (K.one,) * 3)))
 
 
 def _image(system: Hamiltonian, state: State) -> _Image:
     K, body, a = system.field, system.body, system.a
     if any(c == K.zero for c in body.differences):
-        raise NotRepresentable("two moments of inertia are equal: the separated variables do not tell how γ turns")
+        raise NotRepresentable("two moments of inertia are equal: the separated variables do not determine γ")
     h1, h2 = body.integrals(state.gamma, state.M)[2:]
-    if h2 == K.zero:
-        raise ArgumentError("M = (0, 0, 0): at rest; the curves need M ≠ 0")
+    check_moving(K, h2)
     w = cross(K, state.gamma, state.M)
     squares = [K.div(K.mul(x, x), h2) for x in w]
     total = K.dot(squares, [K.add(a[i - 2], a[i - 1]) for i in range(3)])
@@ -180,6 +186,8 @@ def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: Stat
     if body.rolls:
         above = K.sub(h2, K.mul(body.d, h1))
         below = K.mul(h2, K.mul(*(K.sub(K.one, K.mul(body.d, x)) for x in u)))
+        if above == K.zero:
+            raise NotRepresentable("H2 = d·H1: g vanishes at these points, and no state has them")
         g = square_root(K, K.div(above, below), "g²")
         if like is not None and like.g is not None and K.neg(g) == like.g:
             g = K.neg(g)
@@ -191,12 +199,12 @@ def _state(system: Hamiltonian, pairs: Any, u: Any, h1: Any, h2: Any, like: Stat
 
 class CurveTranslation(Step):
     """The map that adds [multiple](x_k, ±) to the point of each curve: ``points`` = (x1, x2), abscissas on the line of
-    ũ, None for a curve that is left alone.
+    ũ, None for a curve without addition.
 
-    It preserves λ1 and λ2, so H and K, and the bracket, for it is the time-2F'(λ) map of F = δ√λ on each curve, δ
+    It preserves λ1 and λ2, so H and K, and the bracket, because it is the time-2F'(λ) map of F = δ√λ on each curve, δ
     fixed. It commutes with the flow in τ. Over RR and MP the signs of γ are those of the continuous family from the
     identity; over exact fields they are the field's. NotASquare where the image is not over the field: over the reals
-    take x_k with μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
+    choose x_k with μ_kx_k/(1 − dx_k) ≥ every μ_k/I_i.
     """
 
     def __init__(
@@ -232,7 +240,10 @@ class CurveTranslation(Step):
         if self.system.field.exact:
             here = self.system.divisor(state)
             return self.system.from_divisor(TwoPoints(*map(self._sum, range(2), here)), like=state)
-        return self.system.flow(state).translated(self._roots)
+        try:
+            return self.system.flow(state).translated(self._time)
+        except PrecisionLoss as error:
+            raise PrecisionLoss(f"multiple = {written(self.multiple)}: as of a motion for so long, {error}") from None
 
     def divisor(self, state: State) -> TwoPoints:
         """The divisors that are added on the curves of a state."""
@@ -249,29 +260,29 @@ class CurveTranslation(Step):
     def _height(self, K: Any, mu: Any, x: Any) -> Any:
         below = K.sub(K.one, K.mul(K.coerce(self.system.d), x))
         if below == K.zero:
-            raise ArgumentError(f"points: x = {x} = 1/d is the point at infinity, which adds nothing; give None")
+            raise ArgumentError(
+                f"points: x = {written(x)} = 1/d is the point at infinity, which adds nothing; give None"
+            )
         return K.div(K.mul(mu, x), below)
 
-    def _roots(self, k: int, K: Any, mu: Any, e: Sequence[Any]) -> tuple[list[Any], int] | None:
-        """The roots √(Z' − e_i) of the point of curve k in wide numbers, the first with the sign of the sheet, and how
-        many times it is added; None where nothing is.
+    def _time(self, k: int, K: Any, mu: Any, e: Sequence[Any]) -> Any:
+        """The time v in which the motion of curve k in wide numbers adds its points: multiple·∫dZ/Y from Z' to ∞, by
+        Carlson's R_F; a positive sheet is a negative time.
         """
         x = self.points[k]
         if x is None:
-            return None
+            return K.zero
         z = self._height(K, mu, K.coerce(x))
         if any(z < value for value in e):
             raise NotASquare(
-                f"points[{k}] = {x}: the image of a state is not real; take x with Z = μx/(1 − dx) ≥ μ/I_i, here Z = "
-                f"{float(z):g} and the largest μ/I_i = {float(max(e)):g}"
+                f"points[{k}] = {written(x)}: the image of a state is not real; take x with Z = μx/(1 − dx) ≥ μ/I_i, "
+                f"here Z = {float(z):g} and the largest μ/I_i = {float(max(e)):g}"
             )
-        turn = self.sheets[k] * (1 if self.multiple > 0 else -1)
-        # all three change sign with the ordinate, as for the translation by a negative time
-        return [-turn * (z - value) ** (K.one / 2) for value in e], abs(self.multiple)
+        return -self.sheets[k] * self.multiple * K.context.elliprf(*(z - value for value in e))
 
 
 class IsometricStep(Step):
-    """A step of the tilde pair of A⁻¹ taken over to a check or hat pair by the lift of B."""
+    """A step of the tilde pair of A⁻¹, transferred to a check or hat pair by the lift of B."""
 
     def __init__(self, system: Hamiltonian, step: CurveTranslation) -> None:
         self.system = system

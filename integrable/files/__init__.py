@@ -1,1 +1,1 @@
-"""Arrays with names and units, as xarray, pandas and files have them; each file complete or not there."""
+"""Arrays with names and units, for xarray, pandas and files; each file is complete or absent."""

@@ -1,4 +1,4 @@
-"""Results that give themselves to xarray and pandas and write themselves to files."""
+"""Results that convert themselves to xarray and pandas and write themselves to files."""
 
 from __future__ import annotations
 
@@ -16,26 +16,27 @@ USUAL = ("gamma", "M", "omega")
 
 
 class Exported(Record):
-    """Base of results that are arrays with names and units. ``quantities`` are those that
-    :data:`integrable.files.quantities.QUANTITIES` names: "gamma", "M", "omega", "quaternion", "contact" (in the
-    laboratory :data:`integrable.laboratory.in_files.QUANTITIES`), by default the usual ones. Libraries are those of the
-    extra ``io``; ArgumentError names one that is not installed.
+    """Base of results that are arrays with names and units.
+
+    ``quantities`` are names of :data:`integrable.files.quantities.QUANTITIES`: "gamma", "M", "omega", "quaternion",
+    "contact" (in the laboratory :data:`integrable.laboratory.in_files.QUANTITIES`), by default the usual ones.
+    Libraries are those of the extra ``io``; ArgumentError names one that is not installed.
     """
 
     @property
     def _usual(self) -> tuple[str, ...]:
-        """What is written where nothing else is said."""
+        """The quantities written by default."""
         return USUAL
 
     def _asked(self, quantities: Any) -> Frame:
         return self._frame(self._usual if quantities is None else quantities)
 
     def _frame(self, quantities: Any) -> Frame:
-        """What is written."""
+        """The frame to write."""
         raise NotImplementedError
 
     def to_xarray(self, quantities: Any = None) -> Any:
-        """An ``xarray.Dataset`` with dimensions, units and, as attributes, what the motion is."""
+        """An ``xarray.Dataset`` with dimensions, units and a description of the motion as attributes."""
         from integrable.files.frame import dataset
 
         return dataset(self._asked(quantities))

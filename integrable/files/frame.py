@@ -1,4 +1,4 @@
-"""Arrays with names, dimensions and units: what is written of a result, and what xarray and pandas make of it."""
+"""Arrays with names, dimensions and units: the content of files, xarray Datasets and pandas tables."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ __all__ = ["Column", "Frame", "dataframe", "dataset", "version"]
 
 @dataclass(frozen=True)
 class Column:
-    """One array: its dimensions, its unit and what it is. ``parts`` are the names of what lies along the last
-    dimension, where that is no dimension of the frame: "gamma" has the parts 1, 2, 3.
+    """One array: its dimensions, its unit and its description. ``parts`` names the entries along the last dimension,
+    where that is no dimension of the frame: "gamma" has the parts 1, 2, 3.
     """
 
     dims: tuple[str, ...]
@@ -28,7 +28,7 @@ class Column:
     """What the numbers 0, 1, … mean, where they are no quantities."""
 
     def attributes(self) -> dict[str, Any]:
-        """As the conventions of netCDF have them."""
+        """Attributes by the conventions of netCDF."""
         said: dict[str, Any] = {"units": self.units, "long_name": self.long_name}
         if self.flags:
             said["flag_meanings"] = "; ".join(self.flags)
@@ -39,8 +39,8 @@ class Column:
 
 @dataclass(frozen=True)
 class Frame:
-    """``dims`` are the rows' dimensions, ("time",) or ("member", "time"); ``coordinates`` and ``variables`` lie along
-    them; ``attributes`` say what it is all about, in numbers, strings and lists of numbers.
+    """``dims`` are the rows' dimensions, ("time",) or ("member", "time"). ``coordinates`` and ``variables`` lie along
+    them; ``attributes`` describe the whole, in numbers, strings and lists of numbers.
     """
 
     dims: tuple[str, ...]
@@ -93,7 +93,7 @@ def dataframe(frame: Frame) -> Any:
     shape = shape[: len(frame.dims)]
     found, units = {}, {}
     for name, column in frame.columns.items():
-        # what lies along some of the dimensions is repeated along the others
+        # arrays along some of the dimensions are repeated along the others
         had = [dim in column.dims for dim in frame.dims]
         tail = column.values.shape[sum(had) :]
         rows = column.values.reshape(*(n if there else 1 for n, there in zip(shape, had, strict=True)), *tail)

@@ -1,4 +1,4 @@
-"""What files hold of states: quantities with their parts and units, and what is said of the motion they belong to."""
+"""The content of files about states: quantities with their parts and units, and a description of their motion."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ __all__ = [
     "about",
     "checked",
     "columns",
+    "made_of",
     "number",
-    "provenance",
     "reasons_text",
+    "stamp",
     "status_column",
     "trajectory_frame",
 ]
@@ -58,21 +59,30 @@ def checked(quantities: Any, among: Mapping[str, Quantity] = QUANTITIES) -> tupl
 
 
 def about(system: Any, **more: Any) -> dict[str, Any]:
-    """What is said of a motion: numbers, strings and lists of numbers."""
+    """A description of a motion: numbers, strings and lists of numbers."""
     return {
-        "title": f"motion of {system!r}",
-        "system": type(system).__name__,
-        "inertia": [number(x) for x in system.body.inertia],
-        "d": number(system.body.d),
+        **made_of(system, {"inertia": system.body.inertia, "d": system.body.d, **system.arguments}),
         "units_note": UNITS,
-        **provenance(system.field),
         **more,
     }
 
 
-def provenance(field: Any) -> dict[str, Any]:
-    """In which numbers something was computed, and by what."""
-    return {"field": field.name, "source": f"jacobian-integrable {version()}", "version": version()}
+def made_of(system: Any, parameters: Mapping[str, Any]) -> dict[str, Any]:
+    """The description of a system or a body: its ``parameters``, its numbers, and the software that computed it."""
+    return {
+        "title": f"motion of {system!r}",
+        "system": type(system).__name__,
+        "system_stamp": stamp(system),
+        **{name: number(x) if np.ndim(x) == 0 else [number(y) for y in x] for name, x in parameters.items()},
+        "field": system.field.name,
+        "source": f"jacobian-integrable {version()}",
+        "version": version(),
+    }
+
+
+def stamp(system: Any) -> str:
+    """The identity of a system: by value, with the version of this package."""
+    return json.dumps({**system.identity, "version": version()}, ensure_ascii=False)
 
 
 def columns(
@@ -87,7 +97,7 @@ def columns(
 
 
 def status_column(dims: tuple[str, ...], status: np.ndarray, reasons: Sequence[str]) -> Column:
-    """0 where a state was had."""
+    """0 where a state was computed."""
     flags = ("had", *reasons[1:])
     return Column(dims, status.astype(np.int32), "1", "0: state was had, else the number of a reason", (), flags)
 
@@ -114,7 +124,7 @@ def trajectory_frame(run: Any, quantities: Any) -> Frame:
 
 
 def _values(run: Any, name: str) -> np.ndarray:
-    """A quantity of all rows, not-a-number in those that were refused."""
+    """A quantity of all rows, NaN in refused ones."""
     if name in ("gamma", "M") or not run.status.any():
         values: np.ndarray = getattr(run, name)
         return values
@@ -125,5 +135,5 @@ def _values(run: Any, name: str) -> np.ndarray:
 
 
 def number(x: Any) -> Any:
-    """A float, or the digits of a number of more."""
+    """A float, or the digits of a number with more."""
     return float(x) if isinstance(x, float) or not hasattr(x, "context") else str(x)

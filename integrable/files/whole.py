@@ -1,18 +1,27 @@
-"""Files that are complete or not there: written under another name in the same folder, then moved."""
+"""Files that are complete or absent: written under another name in the same folder, then moved."""
 
 from __future__ import annotations
 
+import errno
+import io
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 from jacobian.errors import ArgumentError, shown
 
-__all__ = ["replacing", "said", "target_of", "whole_file"]
+__all__ = ["Patient", "reason", "replacing", "said", "target_of", "whole_file"]
+
+FULL = {
+    errno.ENOSPC: "the disk is full",
+    errno.EDQUOT: "the quota of the disk is used up",
+    errno.EFBIG: "the file would be larger than the limit that the system sets (ulimit -f)",
+}
+"""What the system means where there is no room."""
 
 
 def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
@@ -21,22 +30,24 @@ def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
-        # refused here: a name too long for the file system
+        # checked here: a name too long for the file system
         target.exists()
         there = target.parent.is_dir()
     if not there:
         raise ArgumentError(
-            f"{argument} = {str(path)!r}: give a file in a folder that exists; {str(target.parent)!r} does not"
+            f"{argument} = {shown(str(path))}: give a file in a folder that exists; {shown(str(target.parent))} does "
+            "not"
         )
     return target
 
 
 @contextmanager
-def replacing(target: Path) -> Iterator[Path]:
-    """A name beside ``target``, with its suffix, for a file or folder that becomes ``target`` when the block ends, and
-    goes when it is left by an exception.
+def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
+    """A temporary name with the suffix of ``target``, beside it or in another ``folder`` of its disk.
+
+    When the block ends, its file or folder becomes ``target``; if an exception leaves the block, it is removed.
     """
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(4)}{target.suffix}")
+    temporary = (folder or target.parent) / f".{target.stem}.{secrets.token_hex(4)}{target.suffix}"
     try:
         yield temporary
         if target.is_dir() and temporary.is_dir():
@@ -55,7 +66,7 @@ def replacing(target: Path) -> Iterator[Path]:
 
 @contextmanager
 def whole_file(path: Any, wanted: str) -> Iterator[Path]:
-    """:func:`replacing` for a file that a user has named; what the system refuses is one line, an ArgumentError."""
+    """:func:`replacing` for a file named by the user; errors of the system become an ArgumentError of one line."""
     target = target_of(path, wanted)
     if target.is_dir():
         raise ArgumentError(f"path = {shown(path)}: give {wanted}")
@@ -65,12 +76,58 @@ def whole_file(path: Any, wanted: str) -> Iterator[Path]:
 
 @contextmanager
 def said(target: Path, argument: str = "path") -> Iterator[None]:
-    """What the system refuses (a full disk, a folder that cannot be written to), as one line."""
+    """The system's refusal (a full disk, a folder that cannot be written to), as one line."""
     try:
         yield
     except OSError as error:
-        why = error.strerror or " ".join(str(error).split())
-        raise ArgumentError(f"{argument} = {str(target)!r} cannot be written: {why}") from error
+        raise ArgumentError(f"{argument} = {str(target)!r} cannot be written: {reason(error)}") from error
+
+
+def reason(error: OSError) -> str:
+    """The reason of an OSError, in one line; a full disk, quota or limit is named."""
+    why = error.strerror or " ".join(str(error).split())
+    return f"{why}: {FULL[error.errno]}" if error.errno in FULL else why
+
+
+class Patient(io.FileIO):
+    """A file that accepts everything, for libraries that crash where they cannot write (HDF5's).
+
+    The first error of the system is stored in ``error``; from then on nothing is written.
+    """
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(path, "w+")
+        self.error: BaseException | None = None
+
+    def write(self, content: Any) -> int:
+        view, begin = memoryview(content).cast("B"), self.tell()
+        self._try(lambda: self._write_all(view))
+        self.seek(begin + len(view))
+        return len(view)
+
+    def readinto(self, place: Any) -> int:
+        view, begin = memoryview(place).cast("B"), self.tell()
+        found = super().readinto(view) or 0
+        view[found:] = bytes(len(view) - found)
+        self.seek(begin + len(view))
+        return len(view)
+
+    def truncate(self, size: int | None = None) -> int:
+        wanted = self.tell() if size is None else size
+        self._try(lambda: super(Patient, self).truncate(wanted))
+        return wanted
+
+    def _write_all(self, view: memoryview) -> None:
+        while len(view):
+            # fewer than requested, near a limit
+            view = view[super().write(view) :]
+
+    def _try(self, act: Callable[[], object]) -> None:
+        if self.error is None:
+            try:
+                act()
+            except (OSError, KeyboardInterrupt) as error:
+                self.error = error
 
 
 def _is_a_name(path: Any) -> bool:

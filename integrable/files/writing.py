@@ -1,6 +1,6 @@
-"""A frame as a file, in the format that its name's suffix says, written by the library that people read it with.
+"""A frame as a file, in the format of its name's suffix, written by the library with which people read it.
 
-HDF5 files are made in memory: its library ends the process where the disk is full.
+HDF5 files are made in memory: the library ends the process where the disk is full.
 """
 
 from __future__ import annotations
@@ -22,11 +22,10 @@ __all__ = ["FORMATS", "save", "scaled"]
 
 
 def save(frame: Callable[[], Frame], path: Any) -> None:
-    """Write a frame, made when all else is right: .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat.
+    """Write a frame, which is made only after all checks: .nc (netCDF 4), .h5 (HDF5), .zarr, .parquet, .csv or .mat.
 
-    The file, for .zarr the folder, appears when it is complete, in the place of what was there. ArgumentError for
-    another suffix, a library that is not installed, a disk that is full, and numbers of MP(digits) in other formats
-    than .csv.
+    The file, for .zarr the folder, appears when it is complete, and replaces an older one. ArgumentError for another
+    suffix, a library that is not installed, a full disk, and numbers of MP(digits) in formats other than .csv.
     """
     known = ", ".join(FORMATS)
     target = target_of(path, f"the path of a file that ends with one of {known}")
@@ -75,7 +74,7 @@ def _hdf5(frame: Frame, path: Path) -> None:
 
 
 def scaled(file: Any, columns: dict[str, Column]) -> None:
-    """Give every dimension of an HDF5 file its scale: what has its name and lies along it, or the numbers from 1 on."""
+    """Gives every dimension of an HDF5 file its scale: the array of its name along it, or the numbers from 1 on."""
     for name, column in columns.items():
         for i, dim in enumerate(column.dims):
             if dim not in file:

@@ -1,1 +1,1 @@
-"""Bäcklund maps: translations, moves and their compositions, with as many guard digits as they need."""
+"""Bäcklund maps: translations, moves and their compositions, with the guard digits they need."""

@@ -1,8 +1,8 @@
-"""Steps in more digits than those of their field: for maps that lose digits on the way, though their images are sound.
+"""Steps in more digits than those of their field, for maps whose intermediate results lose digits.
 
-A translation next to the identity has coefficients 1/η, one next to a branch point an ordinate y = √f(x') that f's
-rounding reaches, a multiple loses digits at every doubling. The map itself is none the worse for it: computed with
-guard digits and rounded once, its image is right to rounding × the map's own conditioning.
+A translation near the identity has coefficients 1/η. One near a branch point has an ordinate y = √f(x') of the size of
+f's rounding. A multiple loses digits at every doubling. The map itself is well conditioned: computed with guard digits
+and rounded once, its image is right to rounding × the map's own conditioning.
 """
 
 from __future__ import annotations
@@ -51,15 +51,17 @@ def check_integrals(step: Step, state: State, lost: Any) -> None:
 
 
 def with_enough_digits(step: Step, state: State) -> State:
-    """The image of a state under ``step.plain``: in the numbers of the field where :meth:`Step.condition` says that
-    they are enough and H1 and H2 agree, else with guard digits; PrecisionLoss where H1 or H2 is not that of the state.
+    """The image of a state under ``step.plain``, with guard digits where needed.
+
+    The numbers of the field are used where :meth:`Step.condition` allows it and H1 and H2 agree. PrecisionLoss where H1
+    or H2 is not that of the state.
     """
     K = step.system.field
     if step.guarded or not isinstance(K, InexactField):
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # next to a double point of the curve the sum loses more than the map
+        # near a double point of the curve the sum loses more digits than the map
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)
@@ -67,7 +69,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
-            # in the numbers of the field where they refuse it too: those are the user's
+            # in the numbers of the field if they refuse it too, since those are the user's
             step.plain(state)
             raise
         lost = drift(step.system, image, state)
@@ -76,7 +78,7 @@ def with_enough_digits(step: Step, state: State) -> State:
 
 
 def body_condition(system: PhaseSpace) -> float:
-    """What is lost where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
+    """The loss where the a_i hardly differ (heavy bodies): |a| over their spread; at most 1/eps."""
     K: Any = system.field
     body = system.body
     low, _, high = sorted(range(3), key=lambda i: body.inertia[i])
@@ -85,7 +87,7 @@ def body_condition(system: PhaseSpace) -> float:
 
 
 def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
-    """What Chaplygin's transformation of a state and back may lose to cancellation."""
+    """The possible cancellation in Chaplygin's transformation of a state and back."""
     K = change.body.field
     M = change.apply_vectors(state.gamma, state.M)[1]
     size, upright = (K.sqrt(K.dot(v, v)) for v in (state.M, M))
@@ -95,9 +97,9 @@ def tilt_condition(change: ChaplyginTransformation, state: State) -> float:
 
 
 def in_wider_numbers(step: Step, state: State, count: int = 1) -> list[State]:
-    """The states after 1, …, ``count`` steps, rounded to the field of the step at the end only.
+    """The states after 1, …, ``count`` steps, rounded to the field of the step only at the end.
 
-    The digits are chosen from :meth:`Step.condition`, and doubled where H1 and H2 say that they were too few;
+    :meth:`Step.condition` chooses the digits, which are doubled where H1 and H2 show that they were too few;
     PrecisionLoss where that does not help either.
     """
     K, condition = step.system.field, step.condition(state)
@@ -129,8 +131,10 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
 
 
 def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
-    """The axis along which M is, to eps², with γ across it: the body rotates about it, and the double point that its
-    curve has there is a point of its divisor."""
+    """The axis along which M lies, to eps², with γ orthogonal to it; else None.
+
+    The body then rotates about it, and the double point of its curve is a point of its divisor.
+    """
     K: Any = system.field
     x, m = state.gamma, state.M
     i = max(range(3), key=lambda k: abs(m[k]))
@@ -139,9 +143,9 @@ def on_principal_axis(system: PhaseSpace, state: State) -> int | None:
 
 
 def _beside_rotation(step: Step, state: State, count: int, condition: float) -> list[State]:
-    """The images of a rotation about a principal axis as limits: its divisor passes the double point of its curve,
-    where sums are not defined, those of motions beside it do not.
+    """The images of a rotation about a principal axis as limits.
 
+    The divisor passes the double point of its curve, where sums are not defined, but those of nearby motions do not.
     NotRepresentable where the images of two such motions, one with γ and one with M off the axis, differ.
     """
     K = step.system.field
@@ -172,7 +176,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
     gamma, M = (list(map(K.coerce, v)) for v in (state.gamma, state.M))
     small = K.context.mpf(10) ** -distance
     if by_momentum:
-        # across γ, which is across the axis
+        # orthogonal to γ, which is orthogonal to the axis
         gamma[i], M[i - 2], M[i - 1] = K.zero, -small * M[i] * gamma[i - 1], small * M[i] * gamma[i - 2]
     else:
         gamma[i], M[i - 2], M[i - 1] = small, -small * M[i] * gamma[i - 2], -small * M[i] * gamma[i - 1]
@@ -180,7 +184,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 
 def _without_dust(field: Any, image: State) -> State:
-    """A rotation about an axis again, not to what it has been turned off."""
+    """A rotation about an axis again, without the deviation that was added."""
     size = max(map(abs, image.M))
     (g1, g2, g3), (m1, m2, m3) = (
         tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)
@@ -190,7 +194,7 @@ def _without_dust(field: Any, image: State) -> State:
 
 
 def widened(system: PhaseSpace, field: Any) -> PhaseSpace:
-    """The same system, the numbers of its body taken exactly, over a field of more digits."""
+    """The same system, with exactly the numbers of its body, over a field of more digits."""
     body = system.body
     return replaced(system, body=Body(tuple(map(field.coerce, body.inertia)), field.coerce(body.d), field))
 
@@ -201,7 +205,7 @@ def _rounded(field: Any, state: State) -> State:
 
 
 def _digits(field: Any, condition: float) -> list[int]:
-    """Those of the field and those that the condition costs, twice, 4 and 8 times."""
+    """The digits of the field plus those that the condition costs, and 2, 4 and 8 times that."""
     own = getattr(field, "dps", EPS_DIGITS)
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))

@@ -1,7 +1,7 @@
-"""Maps that add no divisor of points that are chosen: multiples of the state's own divisor, the branch point 1/d, and
-the walk along a conic's pencil; time shifts are in :mod:`integrable.steps.time_shift`.
+"""Maps that add no chosen points: multiples of the state's own divisor, the branch point 1/d, and the walk along a
+conic's pencil; time shifts are in :mod:`integrable.steps.time_shift`.
 
-Each preserves H1 and H2; what it does to the bracket of :meth:`System.poisson` is said with each, and tested by
+Each preserves H1 and H2. Its effect on the bracket of :meth:`System.poisson` is given with each, and tested by
 :func:`integrable.phase.brackets.image_brackets`.
 """
 
@@ -22,9 +22,9 @@ from integrable.steps.guard_digits import (
     tilt_condition,
     with_enough_digits,
 )
-from integrable.steps.step import Step, checked_signs
+from integrable.steps.step import Step, check_doublings, checked_signs
 from jacobian import poly
-from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole
+from jacobian.errors import ArgumentError, NotRepresentable, one_of, whole, written
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup, reflected, sheared
@@ -34,9 +34,9 @@ class Move(Step):
     """A step that is defined at (γ, M) = 0; a tilted state goes through Chaplygin's transformation and back."""
 
     def __call__(self, state: State) -> State:
-        """The image of a state; over RR and MP with guard digits where :meth:`condition` or its H1 and H2 ask for them.
+        """The image of a state; over RR and MP with guard digits where :meth:`condition` or its H1 and H2 require them.
 
-        PrecisionLoss where those are not the state's (to 10⁻⁹ in floats).
+        PrecisionLoss where H1 or H2 are not the state's (to 10⁻⁹ in floats).
         """
         return with_enough_digits(self, self.system._checked(state))
 
@@ -45,7 +45,7 @@ class Move(Step):
         return replaced(self, system=system)
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever they lose."""
+        """The image in the numbers of the field, whatever the loss."""
         if not self.system._checked(state).tilted:
             return self._image(state)
         system, plain, change = self.system.upright(state)
@@ -53,7 +53,7 @@ class Move(Step):
         return image
 
     def condition(self, state: State) -> float:
-        """By how much rounding grows: what the map itself loses, times that of Chaplygin's transformation."""
+        """The growth of rounding: the map's own loss times that of Chaplygin's transformation."""
         state = self.system._checked(state)
         if not state.tilted:
             return self._condition(state)
@@ -71,14 +71,15 @@ class Multiplication(Move):
     """D ↦ [ℓ]D, ℓ times the state's own divisor: it multiplies the bracket by ℓ.
 
     An odd ℓ has its image over the same field. An even one needs the roots of κ_i = (1 − d·a_i)(a_i − a_j)(a_i − a_k),
-    whose product is −1 times a square if the 1 − d·a_i are squares: never over the reals (NotASquare), where
-    :meth:`System.divisor` is what can be multiplied.
+    whose product is −1 times a square if the 1 − d·a_i are squares: never over the reals (NotASquare); multiply
+    :meth:`System.divisor` there.
     """
 
     def __init__(self, system: PhaseSpace, factor: int) -> None:
         self.factor = whole(factor, "factor", "a divisor is multiplied by an int")
         if self.factor == 0:
             raise ArgumentError("factor = 0: the zero divisor belongs to no state")
+        check_doublings(system.field, self.factor, "factor")
         self.system = system
 
     def _condition(self, state: State) -> float:
@@ -89,7 +90,7 @@ class Multiplication(Move):
                 f"M = {state.M} is along a principal axis and γ across it: a point of the divisor is the double point "
                 "of its curve, and has no multiples; give another state"
             )
-        # a divisor is added to itself: partial sums are anywhere
+        # a divisor is added to itself: partial sums may be anywhere
         return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
 
     def __repr__(self) -> str:
@@ -101,12 +102,14 @@ class Multiplication(Move):
         kappas = coordinates.kappas(body)
         if any(kappa == K.zero for kappa in kappas):
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
+        # these refuse every even factor over the reals
+        even = self.factor % 2 == 0
+        roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)
         u, v = coordinates.to_mumford(body, pairs)
         group = SignedGroup(system.curve(*system.integrals(state)[2:]), coordinates.branch_points(body))
         image = group.multiple(self.factor, SignedDivisor(u, v, pairs, kappas)).pairs
-        if self.factor % 2 == 0:
-            roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)]
+        if roots:
             image = tuple((K.div(x, r), K.div(y, r)) for (x, y), r in zip(image, roots, strict=True))
         return coordinates.from_pairs(body, image)
 
@@ -114,7 +117,7 @@ class Multiplication(Move):
 class Keyless(Move):
     """D ↦ D + (1/d, 0) − ∞, at d = 0 the element of order two of the pencil: Tsiganov's map chap-keyless.
 
-    The parabola P = V − λU passes through D and (1/d, 0); what y − P leaves beside them is D's image, turned over
+    The parabola P = V − λU passes through D and (1/d, 0); the other zeros of y − P are D's image, reflected
     (:func:`jacobian.relatives.signed.reflected`), with ρ_i = 2σ_i|M|√(1 − d·a_i). So (gγ_i, 2w_i), w = γ × M, goes to
     (2w_i/ρ_i, −ρ_igγ_i): the same divisor as by :meth:`System.torsion`, whose lift is the one to −γ, and real for every
     body. It preserves the bracket and has B² = (−γ, M).
@@ -176,7 +179,7 @@ class ConicStep(Move):
         return f"<conic step through ({self.x0}, {self.y0}) on {self.system!r}>"
 
     def _condition(self, state: State) -> float:
-        """Of c, as far as it matters beside √H2."""
+        """The condition of c, relative to √H2."""
         system, K = self.system, self.system.field
         if self.x0 is None or not isinstance(K, InexactField):
             return 1.0
@@ -191,7 +194,7 @@ class ConicStep(Move):
         return float((lost_above + lost_below / abs(below)) / size) if below and size else LARGEST
 
     def _image(self, state: State) -> State:
-        """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) = 0."""
+        """The image; NotASquare where s is not in the field, NotRepresentable where U(x0) or s is 0."""
         from jacobian.relatives.conic import parameter
 
         system, K = self.system, self.system.field
@@ -201,6 +204,10 @@ class ConicStep(Move):
         y0 = apply(K, self.y0, h1, h2) if callable(self.y0) else self.y0
         c = parameter(K, coordinates.to_mumford(system.body, pairs), self.x0, y0)
         s = square_root(K, K.add(K.mul(c, c), K.mul(poly.integer(K, 4), h2)), "c² + 4H2")
+        if s == K.zero:
+            raise NotRepresentable(
+                f"c² + 4H2 = 0 at c = {written(c)}: the image's divisor has a point at infinity, no state has it"
+            )
         (x1, _), (x2, _), (x3, _) = reflected(K, sheared(K, pairs, c), (s if self.sign > 0 else K.neg(s),) * 3)
-        # M as it was: every member of the pencil has it
+        # M unchanged: every member of the pencil has it
         return State((x1, x2, x3), state.M)

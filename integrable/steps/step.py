@@ -1,15 +1,20 @@
-"""What every map of states is: it is called on a state, moves to another field, and composes with ``@``."""
+"""The interface of a map of states: it is called on a state, changes to another field, and composes with ``@``."""
 
 from __future__ import annotations
 
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from jacobian.errors import ArgumentError, entries, shown, whole
+from jacobian.errors import ArgumentError, Infeasible, entries, shown, whole, written
+from jacobian.fields.inexact import InexactField
 from jacobian.immutable import Immutable, replaced
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
+
+
+MOST_MULTIPLE = 10**100
+"""Over RR and MP: some seconds of doublings, in about 500 digits."""
 
 
 class Step(Immutable):
@@ -24,7 +29,7 @@ class Step(Immutable):
         raise NotImplementedError
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever they lose."""
+        """The image in the numbers of the field, whatever the loss."""
         raise NotImplementedError
 
     def over(self, system: Any) -> Step:
@@ -32,11 +37,11 @@ class Step(Immutable):
         return replaced(self, system=system)
 
     def wider(self, system: Any) -> Step:
-        """The same map over a field of more digits, its own numbers taken for what they stand for, such as 1/d."""
+        """The same map over a field of more digits; numbers such as 1/d are recomputed there."""
         return replaced(self.over(system), guarded=True)
 
     def condition(self, state: State) -> float:
-        """By how much rounding in the arithmetic of a step may grow; digits are added where it is large."""
+        """The possible growth of rounding in the arithmetic of a step; digits are added where it is large."""
         return 1.0
 
     def __matmul__(self, first: Any) -> Composition:
@@ -46,7 +51,7 @@ class Step(Immutable):
 
 
 class Composition(Step):
-    """``second`` after ``first``: it preserves what both preserve, and the factors of their brackets multiply."""
+    """``second`` after ``first``: it preserves whatever both preserve, and the factors of their brackets multiply."""
 
     def __init__(self, second: Step, first: Step) -> None:
         if second.system != first.system:
@@ -84,6 +89,15 @@ def checked_signs(values: Any, count: int, argument: str) -> tuple[int, ...]:
     if len(given) != count or not all(isinstance(x, Real) and x in (1, -1) for x in given):
         raise ArgumentError(f"{argument} = {shown(given)}: {wanted} is needed")
     return tuple(given)
+
+
+def check_doublings(K: Any, m: int, argument: str) -> None:
+    """Infeasible where a multiple takes too many doublings in numbers that lose digits at each."""
+    if isinstance(K, InexactField) and abs(m) > MOST_MULTIPLE:
+        raise Infeasible(
+            f"{argument} = {written(m)}: over {K.name} digits are lost at every doubling; multiples up to 1e100 are "
+            "within reach, over an exact field all are"
+        )
 
 
 def checked_multiple(m: Any) -> int:

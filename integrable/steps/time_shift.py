@@ -18,7 +18,7 @@ from integrable.steps.moves import Move
 from jacobian import poly
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
-# digits beside those of the field, for which a w of moderate size needs no second set-up
+# digits beyond those of the field, with which a w of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
 """In units of the flow's own time; as many halvings and digits as this takes still make a call of milliseconds."""
@@ -30,7 +30,7 @@ class Shift(Move):
     F is written with operators: ``lambda h1, h2: h1 * h2``; its derivatives are taken by jets. F = H1/2 is the motion
     for τ = 1. It is the addition of T(w), the translation with (Σ∫dx/y, Σ∫x dx/y) = w = (2∂F/∂H1, −2∂F/∂H2), preserves
     the bracket and commutes with the motion in τ and with every other shift. Over RR and MP only; the inputs count as
-    exact, and the digits of the image are right however large w is. A tilted state moves by F of the integrals of
+    exact, and the digits of the image are right for any w. A tilted state moves by F of the integrals of
     :meth:`System.upright`.
     """
 
@@ -52,7 +52,7 @@ class Shift(Move):
         """The image of a state, rounded once."""
         K, state = self.system.field, self.system._checked(state)
         if not any(state.M):
-            # at rest it stays
+            # a state at rest stays
             return state
         setup, step = self._translation(state)
         if step is None:
@@ -63,7 +63,7 @@ class Shift(Move):
         return State((x1, x2, x3), (m1, m2, m3), tilted=state.tilted)
 
     def condition(self, state: State) -> float:
-        """1: :meth:`plain` has digits of its own."""
+        """1: :meth:`plain` chooses its own digits."""
         return 1.0
 
     def divisor(self, state: State) -> Any:
@@ -108,7 +108,7 @@ class Shift(Move):
         return 2 * slopes[0] * problem.time_scale, -2 * slopes[1] * problem.time_scale / _top(setup)
 
     def _finite(self, setup: Setup, function: Any, *rows: Row) -> tuple[Any, ...]:
-        """The numbers of a row made by a function of rows of bare reals; PrecisionLoss where there are none."""
+        """The numbers of a row computed by a function of rows of bare reals; PrecisionLoss where one is not finite."""
         with setup.reals:
             found = setup.reals.elements(setup.wide, function(*rows))
         if not all(map(setup.wide.context.isfinite, found)):

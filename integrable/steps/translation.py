@@ -1,7 +1,7 @@
 """Bäcklund maps as additions: D ↦ D + D' with D' on the current curve.
 
 Every D' preserves H1 and H2. The map is canonical for points of fixed abscissa, the point at infinity, branch points,
-and sums of these (Tsiganov, Proposition 1, made precise: D' must not depend on the integrals but through y' = √f(x')).
+and sums of these (Tsiganov, Proposition 1, made precise: D' may depend on the integrals only through y' = √f(x')).
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from integrable.phase import coordinates
 from integrable.phase.jets import apply
 from integrable.phase.space import PhaseSpace
 from integrable.steps.guard_digits import LARGEST, MOST_CONDITION, body_condition, tilt_condition, with_enough_digits
-from integrable.steps.step import Step, checked_multiple, checked_signs
+from integrable.steps.step import Step, check_doublings, checked_multiple, checked_signs
 from jacobian import poly
-from jacobian.errors import ArgumentError, NotASquare, entries, shown
+from jacobian.errors import ArgumentError, NotASquare, entries, shown, written
 from jacobian.fields.inexact import InexactField
 from jacobian.immutable import replaced
 from jacobian.relatives.signed import SignedDivisor, SignedGroup
@@ -56,6 +56,7 @@ class Translation(Step):
         self.sheets = checked_signs(sheets, len(self.points), "sheets")
         self.signs = checked_signs(signs, 3, "signs")
         self.multiple = checked_multiple(multiple)
+        check_doublings(system.field, self.multiple, "multiple")
         K: Any = system.field
         self._rounding: Any = None if K.exact else K.eps
 
@@ -77,14 +78,14 @@ class Translation(Step):
     def __call__(self, state: State) -> State:
         """The image of a state.
 
-        Over RR and MP with guard digits where :meth:`condition` asks for them, or H1 and H2 of the image. Raises
+        Over RR and MP with guard digits where :meth:`condition` or H1 and H2 of the image require them. Raises
         NotASquare where the image is not real (or not over the field), NotRepresentable where it has no representative,
         PrecisionLoss where its H1 or H2 are not those of the state (to 10⁻⁹ in floats).
         """
         return with_enough_digits(self, self.system._checked(state))
 
     def plain(self, state: State) -> State:
-        """The image in the numbers of the field, whatever they lose."""
+        """The image in the numbers of the field, whatever the loss."""
         if not self.system._checked(state).tilted:
             return self._image(state)
         step, plain, change = self._transformed(state)
@@ -101,8 +102,8 @@ class Translation(Step):
         return replaced(moved, _rounding=self._rounding, guarded=True)
 
     def condition(self, state: State) -> float:
-        """By how much rounding grows: 1/δ for D' at a distance δ from zero, what cancels in f(x') and between two
-        points, and the multiple. inf where floats do not reach.
+        """The growth of rounding: 1/δ for D' at a distance δ from zero, the cancellation in f(x') and between two
+        points, and the multiple. inf beyond the range of floats.
         """
         state = self.system._checked(state)
         if state.tilted:
@@ -117,7 +118,7 @@ class Translation(Step):
             found = float(min(1 / self.system.field.eps, LARGEST))
         except (OverflowError, ZeroDivisionError):
             found = inf
-        # partial multiples come near special positions: one digit and more are lost at every doubling
+        # partial multiples come near special positions: a digit or more is lost at every doubling
         times = min(abs(self.multiple), LARGEST)
         return found if times <= 2 else max(found, 1.0) * MOST_CONDITION * times * times
 
@@ -137,7 +138,7 @@ class Translation(Step):
             for value in (poly.evaluate(K, u, e),)
         )
         worst = max(worst, near * float(radius**2 / _size_at(f, radius) ** 0.5))
-        # what cancels in U'(a_i); a branch point far out; and what cancels where the a_i are close together
+        # the cancellation in U'(a_i); a branch point far out; the cancellation where the a_i are close together
         values = [(_size_at(u, e), abs(poly.evaluate(K, u, e))) for e in self.system.a]
         worst = max([worst, *(float(size / value) for size, value in values if value)])
         worst = max([worst, *(float(abs(y) / radius) for y in x if self._is_branch(y, h1, h2))])
@@ -163,7 +164,7 @@ class Translation(Step):
         return self.multiple * self.system.group(h1, h2).from_mumford(u, v)
 
     def _transformed(self, state: State) -> tuple[Translation, State, ChaplyginTransformation]:
-        """The same step on the body of :meth:`System.upright`, the branch point 1/d taken along."""
+        """The same step on the body of :meth:`System.upright`, including the branch point 1/d."""
         system, plain, change = self.system.upright(state)
         if self._upright is None or self._upright[0] != system:
             points = self.points
@@ -177,7 +178,7 @@ class Translation(Step):
         return self._upright[1], plain, change
 
     def _move(self, h1: Any, h2: Any) -> tuple[SignedGroup, SignedDivisor]:
-        """The sign-resolved [multiple]D' on the curve of (h1, h2); kept, because an orbit stays on one curve."""
+        """The sign-resolved [multiple]D' on the curve of (h1, h2); cached, because an orbit stays on one curve."""
         group, u, v = self._class(h1, h2)
         assert self._last is not None
         if len(self._last) == 5:
@@ -185,7 +186,7 @@ class Translation(Step):
         return group, self._last[5]
 
     def _class(self, h1: Any, h2: Any) -> tuple[SignedGroup, poly.Poly, poly.Poly]:
-        """The group of the curve of (h1, h2) and (u, v) of D' before it is multiplied; kept like the multiple."""
+        """The group of the curve of (h1, h2) and (u, v) of D' before the multiplication; cached like the multiple."""
         if not self._is_last(h1, h2):
             system = self.system
             group = SignedGroup(system.curve(h1, h2), coordinates.branch_points(system.body))
@@ -194,7 +195,7 @@ class Translation(Step):
         return self._last[2], self._last[3], self._last[4]
 
     def _is_last(self, h1: Any, h2: Any) -> bool:
-        """Whether D' is known on this curve; guard digits are there to let an orbit stay on that of its start."""
+        """Whether D' is cached for this curve; guard digits are there to let an orbit stay on that of its start."""
         if self._last is None:
             return False
         K = self.system.field
@@ -223,7 +224,8 @@ class Translation(Step):
             return group.lift(u, v, (*self.signs, 1)[: len(group.branch_points)])
         except NotASquare:
             raise NotASquare(
-                f"points = ({', '.join(map(str, self.points))}): the image of a state is not over {group.field.name}, "
+                f"points = ({', '.join(map(written, self.points))}): the image of a state is not over "
+                f"{group.field.name}, "
                 "because a root √U'(a_i) is not; over the reals take both points on one oval, both beyond 1/d, or a "
                 "conjugate pair; or an even multiple"
             ) from None
@@ -264,7 +266,8 @@ class Translation(Step):
             y = K.sqrt(value)
         except NotASquare:
             raise NotASquare(
-                f"points: f({x}) = {value} has no square root in {K.name}: no point of the curve lies there"
+                f"points: f({written(x)}) = {written(value)} has no square root in {K.name}: no point of the curve "
+                "lies there"
             ) from None
         return y if sheet > 0 else K.neg(y)
 
@@ -309,10 +312,10 @@ def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa in the numbers of K: a complex brings only its own digits, but they are taken exactly."""
+    """An abscissa in the numbers of K: a complex has only its own digits, but they count as exact."""
     return K.context.mpc(x) if hasattr(K, "context") and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
 
 
 def _size_at(f: poly.Poly, x: Any) -> Any:
-    """Σ |f_i||x|^i: what rounding in f(x) is relative to."""
+    """Σ |f_i||x|^i: the scale of rounding in f(x)."""
     return sum(abs(c) * abs(x) ** i for i, c in enumerate(f))

@@ -1,1 +1,1 @@
-"""Sweeps: motions over a grid of what a scene gives, or of an ensemble, chunk by chunk on any executor, to one file."""
+"""Sweeps: motions over a grid of a scene's numbers, or of an ensemble, in chunks on any executor, to one file."""

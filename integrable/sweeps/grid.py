@@ -1,4 +1,4 @@
-"""The grid of a sweep: which numbers of a scene are varied, through which values, and what each member is given."""
+"""The grid of a sweep: the varied numbers of a scene, their values, and the numbers of each member."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ __all__ = ["MASS", "Grid", "from_words"]
 
 MOST_VALUES = 10**7
 MOST_MEMBERS = 10**8
-# places in a row: moments, d, γ, M as an ensemble has them, then c, the potential, mass and radius
+# columns of a row: moments, d, γ, M as in an ensemble, then c, the potential, mass and radius
 MEMBER, C, POTENTIAL, MASS, RADIUS, PLACES = 10, 10, slice(11, 16), 16, 17, 18
 D, INERTIA, M = 3, slice(0, 3), slice(7, 10)
 NAMES = {
@@ -60,7 +60,7 @@ class Grid:
         return {name: values[at] for (name, values), at in zip(self.axes.items(), places, strict=True)}
 
     def rows(self, begin: int, end: int) -> np.ndarray:
-        """What those members are given, shape (end − begin, PLACES); NaN where the scene has nothing."""
+        """The numbers of those members, shape (end − begin, PLACES); NaN where the scene has none."""
         rows, values = np.tile(self._base, (end - begin, 1)), self.values(begin, end)
         for name, given in values.items():
             if name in NAMES:
@@ -90,7 +90,7 @@ def _base(scene: Scene) -> np.ndarray:
 
 
 def from_words(words: Iterable[str]) -> dict[str, str]:
-    """``name=values`` as the command has them."""
+    """``name=values`` as the command writes them."""
     vary: dict[str, str] = {}
     for word in words:
         name, equals, values = word.partition("=")
@@ -129,7 +129,7 @@ def _parsed(name: str, text: str) -> list[float]:
     steps = max(1, count - 1)
     if log:
         return [*(float(first) * ratio ** (k / steps) for k in range(count - 1)), float(last)]
-    # ints over an int: rounded once
+    # a quotient of ints: rounded once
     below = first.denominator * last.denominator
     begin, end = int(first * below), int(last * below)
     return [(begin * steps + (end - begin) * k) / (below * steps) for k in range(count)]

@@ -1,4 +1,4 @@
-"""What a worker of a sweep does: the states of the members of one chunk. Everything here can be pickled."""
+"""The work of a sweep's worker: the states of the members of one chunk. Everything here can be pickled."""
 
 from __future__ import annotations
 
@@ -27,7 +27,9 @@ class BodyJob(NamedTuple):
 
 
 class SceneJob(NamedTuple):
-    """Any system: a scene, and what each member is given instead (:meth:`integrable.sweeps.grid.Grid.rows`)."""
+    """Any system: a scene, and the numbers that replace its own for each member
+    (:meth:`integrable.sweeps.grid.Grid.rows`).
+    """
 
     scene: Scene
     rows: np.ndarray
@@ -44,7 +46,7 @@ class Part(NamedTuple):
 
 
 def done(job: BodyJob | SceneJob) -> Part:
-    """The states, on one thread: other chunks have the others."""
+    """The states, on one thread: other workers compute the other chunks."""
     if isinstance(job, BodyJob):
         out = np.empty((len(job.members), len(job.times), COLUMNS))
         return _part(out, computed(job.system, job.members, job.tilted, job.times[None], out, most=1))
@@ -58,7 +60,7 @@ def _part(out: np.ndarray, found: Outcome) -> Part:
 
 
 def _motion(scene: Scene, row: np.ndarray) -> Motion:
-    """The motion of one member; raises what refuses it."""
+    """The motion of one member; raises its refusal."""
     exact: list[Any] = [None if np.isnan(x) else Fraction(float(x)) for x in row]
     own: Any = dataclasses.replace(
         scene,

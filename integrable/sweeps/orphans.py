@@ -1,22 +1,51 @@
-"""What keeps worker processes from outliving the process that has started them.
+"""Worker processes, and protection against their outliving the process that started them.
 
-One that is ended by a signal tells its workers nothing: those of a pool would wait for work for ever, and others finish
-what they are at first.
+A process ended by a signal does not tell its workers: those of a pool would wait for work for ever, and others would
+first finish their task.
 """
 
 from __future__ import annotations
 
 import os
 import signal
-from multiprocessing import parent_process
+from collections.abc import Iterator
+from concurrent.futures import Future, ProcessPoolExecutor
+from contextlib import contextmanager
+from multiprocessing import get_context, parent_process
 from multiprocessing.connection import wait
 from threading import Thread
+from typing import Any
 
-__all__ = ["end_with_parent"]
+from jacobian.interrupts import shielded
+
+__all__ = ["end_with_parent", "processes"]
+
+
+class _Processes(ProcessPoolExecutor):
+    """Processes are started when there is work; an interrupt of this process does not reach them."""
+
+    def submit(self, *arguments: Any, **options: Any) -> Future[Any]:
+        with shielded():
+            return super().submit(*arguments, **options)
+
+
+@contextmanager
+def processes(count: int) -> Iterator[ProcessPoolExecutor]:
+    """That many worker processes; they are killed if an exception, such as an interrupt, leaves the block."""
+    # a fork would copy the locks of this process's threads
+    pool = _Processes(count, mp_context=get_context("spawn"), initializer=end_with_parent)
+    try:
+        yield pool
+    except BaseException:
+        for worker in list((getattr(pool, "_processes", None) or {}).values()):
+            worker.kill()
+        raise
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
 
 
 def end_with_parent() -> None:
-    """In a process of :mod:`multiprocessing`: from now on it ends as soon as its parent has, with its group if it
+    """In a process of :mod:`multiprocessing`: it now ends as soon as its parent does, with its process group if it
     leads one.
     """
     parent = parent_process()

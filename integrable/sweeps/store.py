@@ -1,16 +1,18 @@
-"""Where a sweep is kept: a folder beside its file while it lasts, with every chunk that is done, then the file itself.
+"""The storage of a sweep: a folder beside its file while it runs, with every finished chunk, then the file itself.
 
-One process writes, the one that called; workers hand their parts over. A chunk is first written and then noted in the
-journal, which is replaced as a whole: what the journal knows is there, however the process ends.
+Only the calling process writes; workers return their parts. A chunk is first written and then noted in the journal,
+which is replaced as a whole. So every chunk in the journal is complete, however the process ends.
 """
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+from zipfile import BadZipFile
 
 import numpy as np
 from filelock import FileLock, Timeout
@@ -19,7 +21,7 @@ from integrable.ensembles.computing import WORDS
 from integrable.extras import needed
 from integrable.files.frame import Column
 from integrable.files.quantities import columns, reasons_text, status_column
-from integrable.files.whole import replacing, said, target_of
+from integrable.files.whole import Patient, replacing, said, target_of
 from integrable.files.writing import scaled
 from integrable.sweeps.jobs import Part
 from jacobian.errors import ArgumentError, shown
@@ -28,12 +30,17 @@ __all__ = ["SUFFIXES", "Layout", "Store"]
 
 SUFFIXES = {".zarr": ("zarr",), ".h5": ("h5py",)}
 """The formats, and the libraries of the extra ``io`` that they need."""
+JOURNAL, STATES = "journal", "states.zarr"
+OWN = {"lock", STATES}
+"""What a sweep makes in its folder before the journal."""
+DAMAGED = (OSError, EOFError, KeyError, ValueError, TypeError, BadZipFile, RuntimeError)
+"""What libraries raise where a file is cut short, or holds something else."""
 
 
 @dataclass(frozen=True)
 class Layout:
-    """What a sweep is: how many members at which times in chunks of how many, what is known of the members, what is
-    said of all, and the ``stamp`` of everything that the states depend on.
+    """A sweep: the number of members, times and chunk size, the parameters of the members, common attributes, and the
+    ``stamp`` of everything that the states depend on.
     """
 
     count: int
@@ -45,17 +52,17 @@ class Layout:
 
     @property
     def chunks(self) -> int:
-        """How many."""
+        """The number of chunks."""
         return -(-self.count // self.chunk)
 
     def ends(self, chunk: int) -> tuple[int, int]:
-        """The members of a chunk."""
+        """The range of members of a chunk."""
         return chunk * self.chunk, min(self.count, (chunk + 1) * self.chunk)
 
 
 class Store:
-    """The folder and the file of a sweep. ``done`` are the chunks that are there, ``refused`` how many members have
-    rows that were refused; ``complete``: the file was there already.
+    """The folder and the file of a sweep. ``done`` are the finished chunks, ``refused`` the number of members with
+    refused rows; ``complete``: the file existed already.
     """
 
     def __init__(self, out: Any, layout: Layout) -> None:
@@ -68,7 +75,7 @@ class Store:
         self.layout, self.folder = layout, self.path.with_name(f"{self.path.name}.part")
         self.done: set[int] = set()
         self.reasons: list[str] = [""]
-        self.refused = 0
+        self.refused, self._own = 0, False
         self._format = (_Zarr if self.path.suffix == ".zarr" else _Hdf5)(self.folder, layout)
         self.complete = self.path.exists()
         if self.complete:
@@ -87,15 +94,24 @@ class Store:
                 self._lock.acquire(blocking=False)
             except Timeout:
                 raise ArgumentError(f"out = {str(self.path)!r}: another sweep is writing to it") from None
-            if self._journal.exists():
-                self._read()
-            else:
-                self._format.begin()
-                self._note()
+            try:
+                if self._journal.exists():
+                    self._read()
+                else:
+                    self._begin()
+            except BaseException:
+                self._leave()
+                raise
         return self
 
     def __exit__(self, *_: object) -> None:
+        self._leave()
+
+    def _leave(self) -> None:
+        """Release the folder, and remove it if it holds nothing to resume from."""
         self._lock.release()
+        if self._own and not self.done:
+            shutil.rmtree(self.folder, ignore_errors=True)
 
     def put(self, chunk: int, part: Part) -> None:
         """Keep a chunk."""
@@ -109,22 +125,22 @@ class Store:
         with said(self.path, "out"):
             self._format.put(chunk, arrays)
             self.reasons = list(numbers)
-            self.refused += int(np.count_nonzero(status.any(axis=1)))
+            self.refused += refused(status)
             self.done.add(chunk)
             self._note()
 
     def finish(self) -> None:
-        """Make the file of all chunks."""
+        """Make the file from all chunks."""
         reasons = reasons_text(self.reasons)
         attributes = {**self.layout.attributes, "reasons": reasons, "refused": self.refused, "stamp": self.layout.stamp}
         with said(self.path, "out"):
             self._format.finish(self.path, attributes, described(self.layout, self.reasons))
-            self._lock.release()
-            shutil.rmtree(self.folder)
+        self._lock.release()
+        shutil.rmtree(self.folder, ignore_errors=True)
 
     @property
     def _journal(self) -> Path:
-        return self.folder / "journal.json"
+        return self.folder / f"{JOURNAL}.json"
 
     def _note(self) -> None:
         content = {
@@ -133,14 +149,38 @@ class Store:
         with replacing(self._journal) as temporary:
             temporary.write_text(json.dumps(content), encoding="utf-8")
 
+    def _begin(self) -> None:
+        """Start a folder without a journal: a new one, or one of a sweep that was killed before its first chunk."""
+        for item in self.folder.iterdir():
+            if item.name not in OWN and not item.name.startswith(f".{JOURNAL}."):
+                raise self._refusal(f"has no journal, but {item.name!r}")
+        self._own = True
+        self._format.begin()
+        self._note()
+
     def _read(self) -> None:
-        content = json.loads(self._journal.read_text(encoding="utf-8"))
-        if content["stamp"] != self.layout.stamp:
-            raise ArgumentError(
-                f"out = {str(self.path)!r}: {str(self.folder)!r} has the chunks of another sweep, or of another "
-                "version; give another name, or remove it"
-            )
-        self.done, self.reasons, self.refused = set(content["done"]), content["reasons"], content["refused"]
+        """Resume from the folder; a chunk that is missing or damaged is computed again."""
+        try:
+            content = json.loads(self._journal.read_text(encoding="utf-8"))
+            stamp, noted, reasons = content["stamp"], set(content["done"]), [str(x) for x in content["reasons"]]
+        except (OSError, ValueError, KeyError, TypeError):
+            raise self._refusal("has a journal that is damaged") from None
+        if stamp != self.layout.stamp:
+            raise self._refusal("has the chunks of another sweep, or of another version")
+        self._own, self.reasons = True, reasons
+        for chunk in noted & set(range(self.layout.chunks)):
+            status = self._format.status(chunk)
+            if status is not None and 0 <= status.min() <= status.max() < len(reasons):
+                self.done.add(chunk)
+                self.refused += refused(status)
+
+    def _refusal(self, why: str) -> ArgumentError:
+        return ArgumentError(f"out = {str(self.path)!r}: {str(self.folder)!r} {why}; give another name, or remove it")
+
+
+def refused(status: np.ndarray) -> int:
+    """The number of members with refused rows."""
+    return int(np.count_nonzero(status.any(axis=1)))
 
 
 def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
@@ -157,9 +197,9 @@ def described(layout: Layout, reasons: list[str]) -> dict[str, Column]:
     }
 
 
-def shapes(layout: Layout) -> dict[str, tuple[tuple[int, ...], type]]:
-    """Shape and kind of what is written in chunks."""
-    rows = (layout.count, len(layout.times))
+def shapes(layout: Layout, count: int) -> dict[str, tuple[tuple[int, ...], type]]:
+    """Shapes and kinds of the arrays that are written in chunks, for that many members."""
+    rows = (count, len(layout.times))
     return {
         "gamma": ((*rows, 3), np.float64), "M": ((*rows, 3), np.float64), "tau": (rows, np.float64),
         "status": (rows, np.int32), "way": (rows[:1], np.int32),
@@ -170,7 +210,7 @@ class _Zarr:
     """Chunks are those of the arrays of a zarr store, which is moved when it is complete."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
-        self._states, self._layout = folder / "states.zarr", layout
+        self._states, self._layout = folder / STATES, layout
         self._group: Any = None
 
     def begin(self) -> None:
@@ -178,25 +218,46 @@ class _Zarr:
 
         group = zarr.open_group(self._states, mode="w", zarr_format=3)
         made = described(self._layout, [""])
-        for name, (shape, kind) in shapes(self._layout).items():
+        for name, (shape, kind) in shapes(self._layout, self._layout.count).items():
             group.create_array(
                 name, shape=shape, chunks=(self._layout.chunk, *(max(1, n) for n in shape[1:])), dtype=kind,
                 dimension_names=made[name].dims,
+                # a chunk of zeros too: a missing one would be read as zeros
+                config={"write_empty_chunks": True},
             )  # fmt: skip
 
     def put(self, chunk: int, arrays: dict[str, np.ndarray]) -> None:
         import zarr
 
-        self._group = self._group or zarr.open_group(self._states, mode="a")
         begin, end = self._layout.ends(chunk)
-        for name, values in arrays.items():
-            self._group[name][begin:end] = values
+        with zarr.config.set({"array.write_empty_chunks": True}):
+            self._group = self._group or zarr.open_group(self._states, mode="a")
+            for name, values in arrays.items():
+                self._group[name][begin:end] = values
+
+    def status(self, chunk: int) -> np.ndarray | None:
+        """The status of each row of a chunk, None where one of its arrays cannot be read."""
+        import zarr
+
+        begin, end = self._layout.ends(chunk)
+        try:
+            group = zarr.open_group(self._states, mode="r")
+            for name, (shape, _) in shapes(self._layout, self._layout.count).items():
+                place = "/".join(map(str, [name, "c", chunk, *[0] * (len(shape) - 1)]))
+                if not (self._states / place).is_file():
+                    return None
+                found = np.asarray(group[name][begin:end])
+                if name == "status":
+                    status = found
+        except DAMAGED:
+            return None
+        return status
 
     def finish(self, path: Path, attributes: dict[str, Any], made: dict[str, Column]) -> None:
         import zarr
 
         group = zarr.open_group(self._states, mode="a")
-        written = shapes(self._layout)
+        written = shapes(self._layout, self._layout.count)
         for name, column in made.items():
             if name not in written:
                 array = group.create_array(
@@ -218,7 +279,7 @@ class _Zarr:
 
 
 class _Hdf5:
-    """Chunks are files of their own until all are there: an HDF5 file that is cut short cannot be read any more."""
+    """Chunks are files of their own until all are finished: a truncated HDF5 file cannot be read."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
         self._folder, self._layout = folder, layout
@@ -227,33 +288,59 @@ class _Hdf5:
         return self._folder / f"{chunk:08d}.npz"
 
     def begin(self) -> None:
-        """Nothing is there."""
+        """Nothing to begin with."""
 
     def put(self, chunk: int, arrays: dict[str, np.ndarray]) -> None:
+        content = io.BytesIO()
+        np.savez(content, allow_pickle=False, **arrays)
         with replacing(self._part(chunk)) as temporary:
-            np.savez(temporary, allow_pickle=False, **arrays)
+            temporary.write_bytes(content.getbuffer())
+
+    def status(self, chunk: int) -> np.ndarray | None:
+        """The status of each row of a chunk, None where one of its arrays cannot be read."""
+        begin, end = self._layout.ends(chunk)
+        try:
+            with np.load(io.BytesIO(self._part(chunk).read_bytes())) as arrays:
+                found = {name: arrays[name] for name in arrays}
+        except DAMAGED:
+            return None
+        wanted = shapes(self._layout, end - begin)
+        same = {name: (x.shape, x.dtype) for name, x in found.items()} == wanted
+        return found["status"] if same else None
 
     def finish(self, path: Path, attributes: dict[str, Any], made: dict[str, Column]) -> None:
         import h5py
 
-        room = shutil.disk_usage(self._folder).free
-        wanted = sum(item.stat().st_size for item in self._folder.iterdir())
-        if room < wanted + (1 << 20):
-            raise OSError(28, f"No space left on device ({wanted / 1e6:.0f} MB are needed to join all chunks)")
-        with replacing(path) as temporary, h5py.File(temporary, "w") as file:
-            file.attrs.update(attributes)
-            for name, column in made.items():
-                shape, kind = shapes(self._layout).get(name, (column.values.shape, column.values.dtype))
-                array = file.create_dataset(name, shape=shape, dtype=kind)
-                array.attrs.update({**column.attributes(), "dimensions": " ".join(column.dims)})
-                if name not in shapes(self._layout):
-                    array[()] = column.values
-            for chunk in range(self._layout.chunks):
-                begin, end = self._layout.ends(chunk)
-                with np.load(self._part(chunk)) as arrays:
-                    for name in arrays:
-                        file[name][begin:end] = arrays[name]
-            scaled(file, made)
+        # in the folder, which is removed with any remains of a killed process
+        with replacing(path, self._folder) as temporary:
+            with Patient(temporary) as target:
+                try:
+                    with h5py.File(target, "w") as file:
+                        file.attrs.update(attributes)
+                        self._join(file, made, target)
+                        scaled(file, made)
+                except Exception:
+                    # of a file that was not written
+                    if target.error is None:
+                        raise
+            if target.error is not None:
+                raise target.error
+
+    def _join(self, file: Any, made: dict[str, Column], target: Patient) -> None:
+        written = shapes(self._layout, self._layout.count)
+        for name, column in made.items():
+            shape, kind = written.get(name, (column.values.shape, column.values.dtype))
+            array = file.create_dataset(name, shape=shape, dtype=kind)
+            array.attrs.update({**column.attributes(), "dimensions": " ".join(column.dims)})
+            if name not in written:
+                array[()] = column.values
+        for chunk in range(self._layout.chunks):
+            begin, end = self._layout.ends(chunk)
+            with np.load(self._part(chunk)) as arrays:
+                for name in arrays:
+                    file[name][begin:end] = arrays[name]
+            if target.error is not None:
+                return
 
     def attributes(self, path: Path) -> dict[str, Any]:
         import h5py

@@ -1,16 +1,15 @@
-"""Motions over a grid of what a scene gives, or of an ensemble, on any ``concurrent.futures.Executor``."""
+"""Motions over a grid of a scene's numbers, or of an ensemble, on any ``concurrent.futures.Executor``."""
 
 from __future__ import annotations
 
 import json
 import os
 from collections.abc import Iterator
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from hashlib import sha256
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +19,13 @@ from integrable.ensembles.ensemble import Ensemble
 from integrable.ensembles.members import time_rows
 from integrable.extras import needed, without
 from integrable.files.frame import Column, version
-from integrable.files.quantities import AXES, about
+from integrable.files.quantities import AXES, about, stamp
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.sweeps.grid import Grid
 from integrable.sweeps.jobs import BodyJob, SceneJob, done
-from integrable.sweeps.orphans import end_with_parent
+from integrable.sweeps.orphans import processes
 from integrable.sweeps.store import Layout, Store
 from jacobian.errors import ArgumentError, JacobianError, flag, one_of, shown, whole
 from jacobian.numbers.threads import threads
@@ -34,18 +33,18 @@ from jacobian.numbers.threads import threads
 __all__ = ["SweepStopped", "Swept", "sweep"]
 
 CHUNK, CHUNK_STATES = 1024, 1 << 18
-# chunks that are under way, for each worker, and where an executor does not say how many it has
+# chunks in progress for each worker, and for an executor that does not tell its number of workers
 AHEAD, UNKNOWN = 3, 32
 KINDS = ("processes", "threads")
 
 
 class SweepStopped(JacobianError):
-    """An executor has died; what is written stays, and the same call goes on from there."""
+    """An executor has died; written chunks stay, and the same call resumes."""
 
 
 @dataclass(frozen=True)
 class Swept:
-    """What :func:`sweep` gives: the file, how many members it has, and how many of them have rows that were refused."""
+    """The result of :func:`sweep`: the file, the number of members, and how many of them have refused rows."""
 
     path: Path
     members: int
@@ -58,7 +57,7 @@ class Swept:
         return named("sweep", facts)
 
     def to_xarray(self) -> Any:
-        """The file as an ``xarray.Dataset`` that reads what is asked of it."""
+        """The file as an ``xarray.Dataset`` that reads only requested parts."""
         needed("xarray", "to_xarray()", "io")
         import xarray
 
@@ -77,15 +76,14 @@ def sweep(
     chunk: int | None = None,
     progress: bool = False,
 ) -> Swept:
-    """The states of many motions in one file: of a scene with all combinations of the numbers in ``vary``, at its
-    times, or of an ensemble at ``times``. ``out`` ends with .zarr or .h5; it appears when it is complete.
+    """The states of many motions in one file, ``out``, .zarr or .h5, which appears when it is complete.
 
-    ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", … (docs/many.md).
-    ``executor``: "processes" or "threads", as many as :func:`jacobian.numbers.threads.threads` says, or any
-    ``concurrent.futures.Executor``. Chunks of ``chunk`` members are kept as they come, beside ``out``; a sweep that was
-    killed goes on with the same call. A member that is refused is a row with its reason. ``progress`` draws a bar on
-    stderr. ArgumentError for wrong arguments, a disk that is full, and a file that is there; SweepStopped where the
-    executor dies.
+    They are those of a scene with all combinations of the numbers in ``vary``, at its times, or of an ensemble at
+    ``times``. ``vary`` has a list of numbers or "first:last:count" for each name: "d", "M.scale", "inertia.2", …
+    (docs/many.md). ``executor``: "processes" or "threads", as many as :func:`jacobian.numbers.threads.threads` says, or
+    any ``concurrent.futures.Executor``. Chunks of ``chunk`` members are kept beside ``out`` as they finish; the same
+    call resumes a sweep that was killed. A refused member is a row with its reason. ``progress`` draws a bar on stderr.
+    ArgumentError for wrong arguments, a full disk, and an existing file; SweepStopped where the executor dies.
     """
     source = _Source.of(what, vary, times)
     if not isinstance(executor, Executor):
@@ -103,7 +101,7 @@ def sweep(
 
 
 class _Source:
-    """What is swept: jobs for ranges of members, and what a file says of them."""
+    """The source of a sweep: jobs for ranges of members, and the attributes of the file."""
 
     name: str
     times: np.ndarray
@@ -122,36 +120,38 @@ class _Source:
 
     @property
     def usual_chunk(self) -> int:
-        """Members of a chunk, where nobody says how many."""
+        """The default number of members of a chunk."""
         return max(1, min(CHUNK, CHUNK_STATES // max(1, len(self.times)), -(-len(self) // 4)))
 
     def layout(self, chunk: int) -> Layout:
-        """What the store is told."""
-        digest = sha256(json.dumps([version(), chunk, self.identity()]).encode())
-        digest.update(np.ascontiguousarray(self.times).tobytes())
-        for column in self.parameters().values():
-            digest.update(np.ascontiguousarray(column.values).tobytes())
-        stamp = digest.hexdigest()[:32]
-        return Layout(len(self), self.times, chunk, self.parameters(), self.attributes(), stamp)
+        """The layout for the store."""
+        arrays = {"times": self.times, **{name: column.values for name, column in self.parameters().items()}}
+        known = {name: [array.shape, _digest(array.tobytes())] for name, array in arrays.items()}
+        whole = _digest(json.dumps([version(), chunk, self.identity(), known]).encode())
+        return Layout(len(self), self.times, chunk, self.parameters(), self.attributes(), whole)
 
     def __len__(self) -> int:
         raise NotImplementedError
 
     def job(self, begin: int, end: int) -> BodyJob | SceneJob:
-        """For a worker."""
+        """The job of a range for a worker."""
         raise NotImplementedError
 
     def identity(self) -> Any:
-        """What states depend on beside times and parameters."""
+        """Everything that the states depend on, except times and parameters."""
         raise NotImplementedError
 
     def parameters(self) -> dict[str, Column]:
-        """What is known of each member."""
+        """The parameters of each member."""
         raise NotImplementedError
 
     def attributes(self) -> dict[str, Any]:
-        """What is said of all members."""
+        """Common attributes of all members."""
         raise NotImplementedError
+
+
+def _digest(content: bytes) -> str:
+    return sha256(content).hexdigest()[:32]
 
 
 class _OfEnsemble(_Source):
@@ -171,7 +171,7 @@ class _OfEnsemble(_Source):
         return BodyJob(self.many.system, np.array(self.many.members[begin:end]), self.many.tilted, self.times)
 
     def identity(self) -> Any:
-        return [repr(self.many.system), self.many.tilted]
+        return [stamp(self.many.system), self.many.tilted]
 
     def parameters(self) -> dict[str, Column]:
         dims, many = ("member",), self.many
@@ -205,7 +205,11 @@ class _OfScene(_Source):
 
     def identity(self) -> Any:
         content = self.scene.describe()
-        return {key: content[key] for key in content if key not in ("title", "description", "report", "pictures")}
+        return {
+            key: content[key]
+            for key in content
+            if key not in ("title", "reference", "description", "report", "pictures")
+        }
 
     def parameters(self) -> dict[str, Column]:
         return {
@@ -219,7 +223,7 @@ class _OfScene(_Source):
 
 
 def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any) -> None:
-    """All chunks that are not there."""
+    """Computes all missing chunks."""
     left = (i for i in range(store.layout.chunks) if i not in store.done)
     under_way: dict[Future[Any], int] = {}
     try:
@@ -239,20 +243,19 @@ def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any
     except Exception as error:
         _keep_finished(store, under_way)
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        # of what may end processes at once, the one thing that a user can mend
+        # of the usual reasons why processes end at once, the one that a user can remedy
         ended = isinstance(error, BrokenProcessPool) and not store.done
         hint = "; a script starts processes under if __name__ == '__main__'" if ended else ""
-        raise SweepStopped(
-            f"executor: it has stopped ({why}{hint}); {len(store.done)} of {store.layout.chunks} chunks are kept in "
-            f"{str(store.folder)!r}, the same call goes on from there"
-        ) from error
+        kept = f"{len(store.done)} of {store.layout.chunks} chunks are kept in {str(store.folder)!r}"
+        what = f"{kept}, the same call goes on from there" if store.done else "no chunk was done, and nothing is kept"
+        raise SweepStopped(f"executor: it has stopped ({why}{hint}); {what}") from error
     finally:
         for future in under_way:
             future.cancel()
 
 
 def _keep_finished(store: Store, under_way: dict[Future[Any], int]) -> None:
-    """What was computed before the executor died."""
+    """Stores the chunks that were computed before the executor died."""
     for future, chunk in under_way.items():
         if future.done() and not future.cancelled() and future.exception() is None:
             store.put(chunk, future.result())
@@ -260,17 +263,16 @@ def _keep_finished(store: Store, under_way: dict[Future[Any], int]) -> None:
 
 @contextmanager
 def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int]]:
-    """An executor, and how many workers it has; those of others are left running."""
+    """An executor and its number of workers; an executor given by the caller is left running."""
     if isinstance(executor, Executor):
         yield executor, int(getattr(executor, "_max_workers", None) or UNKNOWN)
         return
     workers = max(1, min(chunks, threads()))
-    pool: Executor
-    if executor == "threads" or workers == 1:
-        pool = ThreadPoolExecutor(workers)
-    else:
-        # a fork would copy the locks of this process's threads
-        pool = ProcessPoolExecutor(workers, mp_context=get_context("spawn"), initializer=end_with_parent)
+    if executor == "processes" and workers > 1:
+        with processes(workers) as several:
+            yield several, workers
+        return
+    pool = ThreadPoolExecutor(workers)
     try:
         yield pool, workers
     finally:
@@ -279,7 +281,7 @@ def _pool(executor: Executor | str, chunks: int) -> Iterator[tuple[Executor, int
 
 @contextmanager
 def _bar(progress: bool, name: str, store: Store) -> Iterator[Any]:
-    """A function to call with the number of members that are done; it moves a bar that shows the time left."""
+    """A function to call with the number of finished members; it moves a bar that shows the time left."""
     if not progress:
         yield lambda _count: None
         return

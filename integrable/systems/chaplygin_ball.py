@@ -6,39 +6,61 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.phase.body import Body
+from integrable.phase.state import State
 from integrable.systems.system import System
 from jacobian import RR
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, shown, written
 from jacobian.immutable import at_once
 
 
 class ChaplyginBall(System):
     """A ball of principal moments ``inertia``, rolling, with d = m r².
 
-    Give ``d`` in the unit of the moments (kg·m²), or ``mass`` (kg) and ``radius`` (m). The motion is γ̇ = γ×ω, Ṁ = M×ω
-    with ω = A M + d·g²(γ, A M) A γ, A = diag 1/(I_i + d), g⁻² = 1 − d(γ, Aγ).
+    Give ``d`` in the unit of the moments (kg·m²), or ``mass`` (kg) and ``radius`` (m); a ``radius`` given with ``d`` is
+    only the unit of lengths. The motion is γ̇ = γ×ω, Ṁ = M×ω with ω = A M + d·g²(γ, A M) A γ, A = diag 1/(I_i + d), g⁻²
+    = 1 − d(γ, Aγ).
     """
 
     @at_once
     def __init__(
         self, inertia: Sequence[Any], d: Any = None, *, mass: Any = None, radius: Any = None, field: Any = RR
     ) -> None:
-        if (d is None) == (mass is None and radius is None):
+        if (d is None) == (mass is None) and (d is not None or radius is None):
             raise ArgumentError(
                 f"d = {shown(d)}, mass = {shown(mass)}, radius = {shown(radius)}: give either d or both mass and radius"
             )
-        length = None if radius is None else field.coerce(radius, "radius")
+        length = None if radius is None else _not_negative(field, radius, "radius")
         if d is None:
             d = _rolling_offset(field, mass, radius)
         vars(self).update(radius=length, body=Body.make(inertia, d, field))
+
+    @classmethod
+    def example(cls) -> tuple[ChaplyginBall, State]:
+        """A ball of moments (1, 2, 3) with d = 0.7, and a state of it: the scene ``chaplygin``.
+
+        >>> ball, state = ChaplyginBall.example()
+        >>> ball.flow(state).at([1000.0]).gamma.round(6)
+        array([[-0.887809,  0.353736, -0.294391]])
+        """
+        ball = cls((1, 2, 3), 0.7)
+        return ball, ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        unit = {} if self.radius is None else {"radius": self.radius}
+        return {"inertia": self.inertia, "d": self.d, **unit}
 
 
 def _rolling_offset(field: Any, mass: Any, radius: Any) -> Any:
     if mass is None or radius is None:
         missing = "mass" if mass is None else "radius"
         raise ArgumentError(f"{missing} is missing: d = mass·radius² needs both")
-    m, r = field.coerce(mass, "mass"), field.coerce(radius, "radius")
-    for name, value in (("mass", m), ("radius", r)):
-        if field.characteristic == 0 and value < 0:
-            raise ArgumentError(f"{name} = {value} is negative: give {name} ≥ 0")
+    m, r = _not_negative(field, mass, "mass"), _not_negative(field, radius, "radius")
     return field.mul(m, field.mul(r, r))
+
+
+def _not_negative(field: Any, value: Any, name: str) -> Any:
+    found = field.coerce(value, name)
+    if field.characteristic == 0 and found < 0:
+        raise ArgumentError(f"{name} = {written(found)} is negative: give {name} ≥ 0")
+    return found

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.phase.body import Body
+from integrable.phase.state import State
 from integrable.systems.system import System
 from jacobian import RR
 from jacobian.immutable import at_once
@@ -17,3 +18,15 @@ class EulerTop(System):
     @at_once
     def __init__(self, inertia: Sequence[Any], *, field: Any = RR) -> None:
         vars(self).update(body=Body.make(inertia, 0, field))
+
+    @classmethod
+    def t_handle(cls) -> tuple[EulerTop, State]:
+        """A T-handle spinning nearly about its middle axis, which turns over periodically, and its state: the scene
+        ``t_handle``.
+
+        >>> top, state = EulerTop.t_handle()
+        >>> top.flow(state).at([0.0, 20.0]).M[:, 1].round(6)
+        array([ 1.5     , -1.500035])
+        """
+        top = cls((0.5, 1.5, 1.75))
+        return top, top.state((1 / 3, 2 / 3, 2 / 3), (0.015625, 1.5, 0.03125), tilted=True)

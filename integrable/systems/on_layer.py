@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
-from integrable.mumford.flow import Path, Point
-from integrable.phase.enclosure import EnclosedPath
-from jacobian import RR, Divisor
-from jacobian.errors import ArgumentError, shown
+from integrable.mumford.flow import Path, Point, long_digits
+from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
+from integrable.phase.state import State, onto_constraints
+from jacobian import MP, RR, Divisor
+from jacobian.errors import ArgumentError, shown, written
+from jacobian.immutable import Immutable
 
 if TYPE_CHECKING:
     from integrable.systems.system import System
@@ -18,7 +20,7 @@ if TYPE_CHECKING:
 class BodyOnLayer(BodySystem):
     """A ball (d ≠ 0) or a top of three different moments: a state has q = γ and p = M.
 
-    ``flow`` is the body's own, compiled where it is over RR; ``by_additions`` that of any system of genus 2 (d ≠ 0).
+    ``flow`` is the body's own, compiled over RR; ``by_additions`` is that of any system of genus 2 (d ≠ 0).
     """
 
     def __init__(self, inertia: Any, d: Any = 0, field: Any = RR) -> None:
@@ -26,10 +28,9 @@ class BodyOnLayer(BodySystem):
         K, d = self.field, self.field.coerce(d, "d")
         self.parameters = (d,)
         if any(K.add(moment, d) == K.zero for moment in self.constants):
-            raise ArgumentError(f"d = {d}: with inertia = {shown(inertia)} one of I_i + d is 0, and must not be")
-
-    def __repr__(self) -> str:
-        return f"BodyOnLayer({self.constants}, {self.parameters[0]}, {self.field.name})"
+            raise ArgumentError(
+                f"d = {written(d)}: with inertia = {shown(inertia)} one of I_i + d is 0, and must not be"
+            )
 
     @property
     def body(self) -> System:
@@ -43,11 +44,14 @@ class BodyOnLayer(BodySystem):
         body = self.body
         return body.divisor(body.state(*state))
 
-    def flow(self, state: Point) -> Any:
-        """The motion of a state as the body computes it; ``at(times)``."""
+    def flow(self, state: Point, tolerance: float | None = None) -> Any:
+        """The motion of a state by the body's own flow; ``at(times)``. ArgumentError for a tolerance."""
+        if tolerance is not None:
+            raise ArgumentError(
+                f"tolerance = {shown(tolerance)}: the flow of a body is right to its last bits; give none"
+            )
         self._check(state)
-        body = self.body
-        return _Flow(body.flow(body.state(*state)))
+        return BodyPath(self, state)
 
     def by_additions(self, state: Point) -> Any:
         """The motion of a state by additions in long numbers; ArgumentError at d = 0, and over RR where
@@ -55,14 +59,14 @@ class BodyOnLayer(BodySystem):
         """
         (d,) = self.parameters
         if d == self.field.zero:
-            raise ArgumentError("d = 0: the curve of a top has genus 1, and its pair is none of degree 1; give d ≠ 0")
+            raise ArgumentError("d = 0: the curve of a top has genus 1, and its pair has degree 2; give d ≠ 0")
         self._check(state)
         if self.field == RR and d > 0:
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # the body's own flow is the fast one near its start too
-    _equations = None
+    # the body's own flow is faster near its start too
+    _kind = None
 
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
         (d,) = self._parameters_in(N)
@@ -75,11 +79,18 @@ class BodyOnLayer(BodySystem):
         return tuple(N.coerce(moment) * e for moment, e in zip(self.constants, self._constants_in(N), strict=True))
 
 
-class _Flow:
-    """A body's flow with q and p for γ and M."""
+class BodyPath(Immutable):
+    """A body's flow with q and p for γ and M, and the methods of every flow of the layer
+    (:class:`integrable.mumford.flow.MumfordFlow`).
+    """
 
-    def __init__(self, flow: Any) -> None:
-        self._flow = flow
+    def __init__(self, system: BodyOnLayer, state: Point) -> None:
+        self.digits, self.system, self.start = long_digits(system.field), system, state
+        body = system.body
+        self._flow = body.flow(body.state(*state))
+
+    def _value(self) -> tuple[Any, ...]:
+        return self.system, self.start
 
     def at(self, times: Any) -> Path:
         """The states at times."""
@@ -88,5 +99,20 @@ class _Flow:
 
     def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
         """Proven bounds of the states at times."""
-        found = self._flow.enclosure(times, digits)
-        return EnclosedPath(found.times, list(zip(found.tau, found.gamma, found.M, found.radius, strict=True)))
+        return _enclosed(self._flow.enclosure(times, digits))
+
+    def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> EnclosedPath:
+        """:meth:`enclosure` at values of τ."""
+        return _enclosed(self._flow.enclosure_at_tau(tau, digits))
+
+    def tau_near(self, time: Any, digits: int) -> Any:
+        """τ at a time, a long number of about that many digits."""
+        wide = MP(max(ball_digits(self.system.field, digits), self.digits))
+        body = BodyOnLayer(self.system.constants, self.system.parameters[0], wide).body
+        gamma, M = (list(map(wide.coerce, part)) for part in self.start)
+        exact = onto_constraints(body, State((gamma[0], gamma[1], gamma[2]), (M[0], M[1], M[2])))
+        return body.flow(exact).at([wide.coerce(time, "time")]).tau[0]
+
+
+def _enclosed(found: Enclosure) -> EnclosedPath:
+    return EnclosedPath(found.times, list(zip(found.tau, found.gamma, found.M, found.radius, strict=True)))

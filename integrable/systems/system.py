@@ -1,4 +1,4 @@
-"""What every system on the ball's phase space offers: steps and the flow."""
+"""Steps and the flow of every system on the ball's phase space."""
 
 from __future__ import annotations
 
@@ -99,5 +99,5 @@ class System(PhaseSpace):
         return Diagram(self)
 
     def motion_through(self, state: State) -> Flow:
-        """What gives the states at physical times, ``.at(times)``: :meth:`flow`; every system has it."""
+        """The motion of a state, with ``.at(times)`` for physical times: :meth:`flow`; every system has it."""
         return self.flow(state)

@@ -376,9 +376,9 @@ def test_an_integration_that_loses_the_integrals_is_refused(monkeypatch) -> None
 
     right = integrated.integrate
     monkeypatch.setattr(integrated, "integrate", lambda *a: [[x * (1 + 1e-12) for x in row] for row in right(*a)])
-    system = Gyroscopic((1, 2, 4), 1.0)
+    system = Gyroscopic((1, 2, 4), 1, field=MP(20))
     with pytest.raises(PrecisionLoss, match="H and K"):
-        system.motion_through(system.state(*START)).at([0.1])
+        system.motion_through(system.state(*(tuple(map(str, x)) for x in START))).at([0.1])
 
 
 def test_steps_on_the_curves_keep_the_integrals_too() -> None:

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from integrable.deformations.oval import Oval
+from integrable.deformations.oval import SeparatedOval
 from integrable.phase.jets import JetField
 from jacobian import GF, MP, HyperellipticCurve, NotASquare, NotRepresentable, poly
 from jacobian.relatives.signed import SignedDivisor, SignedGroup
@@ -52,7 +52,10 @@ def test_exactly(K):
             continue
 
         def added(roots, steps, oval=oval):
-            return [x.value for x in Oval.added(oval, [N.constant(x) for x in roots], [N.constant(x) for x in steps])]
+            return [
+                x.value
+                for x in SeparatedOval.added(oval, [N.constant(x) for x in roots], [N.constant(x) for x in steps])
+            ]
 
         assert added(r, s) == [sigma for sigma, _ in total.pairs]
         assert added(added(r, s), s) == [sigma for sigma, _ in again.pairs]
@@ -62,7 +65,9 @@ def test_exactly(K):
 
 def test_in_many_digits():
     K = MP(40)
-    curve = Oval(K, [K.coerce(x) for x in (1, 2, 4)], K.coerce("3"), [K.coerce(x) for x in ("0.9", "0.4", "0.3")], 1)
+    curve = SeparatedOval(
+        K, [K.coerce(x) for x in (1, 2, 4)], K.coerce("3"), [K.coerce(x) for x in ("0.9", "0.4", "0.3")], 1
+    )
     # a point of the oval: Z between the least two of e = 3, 3/2, 3/4
     z = K.one
     r = [abs(z - x) ** (K.one / 2) for x in curve.e]

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from integrable import Check, Tilde
+from integrable.deformations.integrated import IntegratedMotion
 from integrable.deformations.pole_flow import PoleFlow
 from integrable.phase.state import State
 from jacobian import GF, MP, RR
@@ -63,6 +64,49 @@ def test_random_starts_and_moments_keep_the_integrals_far_out() -> None:
             assert after == pytest.approx(before, rel=1e-9, abs=1e-9)
         assert np.abs(run.gamma[2] - x).max() < 1e-14
         assert np.abs(run.M[2] - m).max() < 1e-13
+
+
+@pytest.mark.parametrize("size", [10**4, 10**5, 10**7])
+def test_ovals_that_nearly_touch_do_not_end_the_motion(size) -> None:
+    """Ovals b/M² apart: at t = 5/size beside an integration in the unit of time 1/size, ≤ 1e-18 and a rounding."""
+    K = MP(20)
+    poles, M = [K.coerce(b) for b in ("0.02", "0.04", "0.06")], [K.coerce(m) for m in START[1]]
+    scaled, start = case([b / size / size for b in poles], K)
+    truth = IntegratedMotion(scaled, start).at([5])
+    system, fast = case(poles, K, start=(START[0], [size * m for m in M]))
+    run = system.flow(fast).at([K.coerce(5) / size])
+    assert abs(run.gamma - truth.gamma).max() <= 1e-18
+    assert abs(run.M / size - truth.M).max() <= 1e-18
+    floats, same = case((0.02, 0.04, 0.06), RR, start=(START[0], [size * m for m in M]))
+    again = floats.flow(same).at([5 / size])
+    assert np.abs(again.gamma - truth.gamma.astype(float)).max() < 1e-14
+
+
+@pytest.mark.parametrize("digits", [15, 40, 80])
+def test_the_motion_of_large_momenta_that_was_refused(digits) -> None:
+    """|M| = 2e5 at t = 5e-5, at 15, 40 and 80 digits: H and K to the last digits."""
+    K = RR if digits == 15 else MP(digits)
+    system, start = case(("0.02", "0.04", "0.06"), K, start=(START[0], ("38400", "128000", "-148800")))
+    run = system.flow(start).at([5e-5])
+    (before, after) = (system.integrals(x)[2:] for x in (start, State(tuple(run.gamma[0]), tuple(run.M[0]))))
+    assert all(abs(x - y) <= 10 ** (3 - digits) * abs(x) for x, y in zip(before, after, strict=True))
+
+
+def test_an_equilibrium_is_no_end_of_the_motion() -> None:
+    """M = 0 where the potential is least: each oval is a point to rounding, and the state stays."""
+    context = K.context
+    system = Tilde((1, 2, 4), potential=[K.coerce(x) for x in (0, 0, 2, 4, 6)], field=K)
+
+    def state(x, y):
+        length = context.sqrt(1 + x * x + y * y)
+        return State((1 / length, x / length, y / length), (K.zero,) * 3)
+
+    x, y = context.findroot(lambda x, y: list(system.vector_field(state(x, y)).M[1:]), (1, 1))
+    found = state(x, y)
+    start = system.state(found.gamma, found.M)
+    run = system.motion_through(start).at([0, 1, 1e9])
+    assert run.way == "elliptic curves"
+    assert all(abs(g - e) < 1e-28 for row in run.gamma for g, e in zip(row, start.gamma, strict=True))
 
 
 def test_floats_are_the_rounded_multiprecision_run() -> None:

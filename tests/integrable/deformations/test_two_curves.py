@@ -12,7 +12,7 @@ from integrable.phase.brackets import image_brackets
 from integrable.phase.separation import lifts
 from integrable.steps.step import Step
 from jacobian import GF, MP, RR, poly
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, PrecisionLoss
 from tests.integrable.exact_states import random_state
 
 FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(7^3)": lambda: GF(7, 3, [4, 0, 6, 1])}
@@ -163,6 +163,32 @@ def test_a_real_step(name) -> None:
     assert all(isinstance(x, float) for x in found.gamma)
     assert distance(found, image) < 1e-12
     assert floats.field == RR
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_a_large_multiple_of_a_real_step(name) -> None:
+    """10⁶ + 1 times, of which floats took seconds, is the engine's sum; 1000 times is what 1000 steps lead to."""
+    system, state = real_case(name)
+    step = system.translation(REAL[name], multiple=10**6 + 1)
+    image = step(state)
+    plain = step.step if isinstance(step, IsometricStep) else step
+    inner = lifted(system, state) if isinstance(step, IsometricStep) else state
+    for p, q, r in zip(system.divisor(state), plain.divisor(inner), system.divisor(image), strict=True):
+        total, scale = p + q, max(map(abs, (*r.u, *r.v)))
+        assert max(abs(a - b) for a, b in zip((*total.u, *total.v), (*r.u, *r.v), strict=True)) < 1e-12 * scale
+    assert distance((-step)(image), state) < 1e-25
+    one, moved = system.translation(REAL[name]), state
+    for _ in range(200):
+        moved = one(moved)
+    assert distance(system.translation(REAL[name], multiple=200)(state), moved) < 1e-25
+
+
+def test_multiples_beyond_every_time_are_quick_or_refused_by_name() -> None:
+    system, state = real_case("tilde")
+    step = system.translation(REAL["tilde"], multiple=10**300)
+    assert distance((-step)(step(state)), state) < 1e-25
+    with pytest.raises(PrecisionLoss, match="multiple = 1"):
+        system.translation(REAL["tilde"], multiple=10**5000)(state)
 
 
 def _shape(system):

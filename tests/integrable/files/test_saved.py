@@ -210,6 +210,8 @@ import integrable.files.writing as writing
 made = writing.FORMATS[sys.argv[1][-len(sys.argv[2]):]]
 # what is imported and compiled is written before
 run.save(sys.argv[1] + ".first" + sys.argv[2])
+# a limit would cut short what Python keeps of imported modules as well, for every process after this one
+sys.dont_write_bytecode = True
 resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000))
 try:
     run.save(sys.argv[1])

@@ -19,6 +19,26 @@ from tests.integrable.exact_states import random_state
 from tests.integrable.steps.equations_of_pairs import shifted
 
 
+@pytest.mark.parametrize("factor", [10**400, -(10**5000)], ids=["10^400", "-10^5000"])
+@pytest.mark.parametrize("K", [None, MP(30)], ids=["RR", "MP(30)"])
+def test_multiples_without_end_are_refused_at_once_over_the_reals(factor, K) -> None:
+    """10**400 was an OverflowError, and a larger one was computed without end."""
+    ball = ChaplyginBall((1, 2, 3), 1) if K is None else ChaplyginBall((1, 2, 3), 1, field=K)
+    with pytest.raises(Infeasible, match="factor = "):
+        ball.multiplication(factor)
+    with pytest.raises(Infeasible, match="multiple = "):
+        ball.translation([1.8, 2.5], multiple=factor)
+    with pytest.raises(Infeasible, match="multiple = "):
+        factor * ball.translation([1.8, 2.5])
+
+
+def test_a_multiple_of_four_hundred_digits_over_a_finite_field() -> None:
+    # a field of 10⁴ elements has special positions among so many doublings
+    exact, factor = ChaplyginBall((1, 2, 3), 1, field=GF(2**61 - 1)), 10**400 + 1
+    start = random_state(exact, Random(1))
+    assert exact.divisor(exact.multiplication(factor)(start)) == factor * exact.divisor(start)
+
+
 def test_time_shifts() -> None:
     """Shifts of any F(h1, h2) are the flow for F = H1/2, commute, and are undone by −F."""
     for system in (

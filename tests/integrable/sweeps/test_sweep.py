@@ -213,6 +213,8 @@ from jacobian.errors import ArgumentError
 vary = {"d": "0:2:40"}
 # what is compiled and imported is written before
 integrable.sweep(sys.argv[1], vary=vary, out=sys.argv[2] + ".first" + sys.argv[3], executor="threads", chunk=40)
+# a limit would cut short what Python keeps of imported modules as well, for every process after this one
+sys.dont_write_bytecode = True
 resource.setrlimit(resource.RLIMIT_FSIZE, (1500, 1500))
 try:
     integrable.sweep(sys.argv[1], vary=vary, out=sys.argv[2], executor="threads", chunk=40)

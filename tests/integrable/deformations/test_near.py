@@ -1,0 +1,114 @@
+"""Motions of deformations near their start by compiled walks: beside many digits, in t and in τ, and where they end."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from integrable import Check, Gyroscopic, Hat, Tilde
+from integrable.deformations.deformed_flow import widened
+from integrable.deformations.equations import WalkFirst, kind_in
+from integrable.series.steps import FINE
+from jacobian import MP, NotRepresentable
+
+SYSTEMS = {
+    "tilde": Tilde((1, 2, 4)),
+    "rolling": Tilde((1, 2, 4), 0.7),
+    "two poles": Tilde((1, 2, 4), potential=(0, 0.2, 0.3, 0, 0.5)),
+    "repelling": Tilde((1, 2, 4), potential=(0, 0, 0.3, 0.4, 0.5)),
+    "check": Check((1, 2, 4)),
+    "hat": Hat((1, 2, 4)),
+    "gyroscopic": Gyroscopic((1, 2, 4), 0.7),
+}
+START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
+TIMES = np.array([3.0, -1.25, 0.0, 0.5, 3.0, 7.5])
+
+
+def walks(system) -> None:
+    """The walks of a kind in t and τ, compiled if need be."""
+    for physical in (True, False):
+        assert kind_in(system, physical).walk(FINE.orders, compiles=True) is not None
+
+
+def rows(run):
+    return np.hstack([run.gamma, run.M]).astype(float)
+
+
+def assert_rounded(found, true) -> None:
+    """γ and M right to the last bits of the largest of each."""
+    for part in (slice(0, 3), slice(3, 6)):
+        sizes = np.abs(true[:, part]).max(axis=1)
+        assert (np.abs(found[:, part] - true[:, part]).max(axis=1) <= 2.3e-16 * sizes).all()
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_near_times_are_those_of_thirty_digits(name) -> None:
+    system = SYSTEMS[name]
+    walks(system)
+    motion = system.motion_through(system.state(*START))
+    fine, state = widened(system, motion.state, MP(30))
+    many = fine.motion_through(state)
+    run, true = motion.at(TIMES), many.at(TIMES)
+    assert run.way == "integrated"
+    assert_rounded(rows(run), rows(true))
+    assert np.abs(run.tau - true.tau.astype(float)).max() <= 1e-15 * np.abs(run.tau).max()
+    by_tau, truly = motion.at_tau(TIMES), many.at_tau(TIMES)
+    assert_rounded(rows(by_tau), rows(truly))
+    assert np.abs(by_tau.times - truly.times.astype(float)).max() <= 1e-15 * np.abs(by_tau.times).max()
+    # what is kept of rows that may be refused is the same
+    assert np.array_equal(rows(motion.at(TIMES, strict=False)), rows(run))
+
+
+def test_far_times_are_those_of_the_curves() -> None:
+    system = SYSTEMS["rolling"]
+    walks(system)
+    motion = system.flow(system.state(*START))
+    assert motion.at([1.0, 2.0]).way == "integrated"
+    assert motion.at([1.0, 1e6]).way == "elliptic curves"
+
+
+def test_a_pole_that_attracts_is_refused_as_ever() -> None:
+    """γ_1 reaches 0 near t = 0.4: no walk goes beyond, and what is said comes from the equations integrated."""
+    system = Tilde((1, 2, 4), potential=(0, 0, -1.5, 0, 0))
+    walks(system)
+    motion = system.motion_through(system.state(*START))
+    found = motion.at([0.01, 50.0], strict=False)
+    assert found.status.tolist()[0] == 0
+    assert found.status.tolist()[1] != 0
+    assert "ends" in found.reasons[1]
+
+
+@pytest.mark.parametrize("name", ["tilde", "check", "hat"])
+def test_curves_that_degenerate_are_refused_before_a_walk(name) -> None:
+    """ξ = (γ, AM) = 0 where M is along an axis and γ across it: K = 0."""
+    system = SYSTEMS[name]
+    walks(system)
+    with pytest.raises(NotRepresentable):
+        system.flow(system.state((0.6, 0.8, 0), (0, 0, 1.5)))
+
+
+def test_what_was_asked_before_decides_nothing() -> None:
+    system = SYSTEMS["rolling"]
+    walks(system)
+    state = system.state(*START)
+    used = system.flow(state)
+    used.at([1e5])
+    assert np.array_equal(rows(used.at(TIMES)), rows(system.flow(state).at(TIMES)))
+
+
+def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
+    system = Gyroscopic((1, 2, 4), 0.7)
+    state = system.state(*START)
+    asked = []
+
+    class Other:
+        way = "other"
+
+        def at(self, times):
+            asked.append(len(times))
+            return np.zeros((len(times), 6)), times
+
+    first = WalkFirst(system, state, Other, 0)
+    assert first.at(np.array([1e9]))[0].shape == (1, 6)
+    assert first.way == "other"
+    assert asked == [1]
