@@ -11,7 +11,7 @@ Where m_k = 0 the axis can pass the vertical: there ±1 is a branch point, and i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.fields import cofactor, exponential
 from integrable.mumford.flow import Point
@@ -20,6 +20,9 @@ from integrable.mumford.system import MumfordSystem, Spectral, all_of, normalize
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.relatives.extended import Extended, Lift, PointLift
+
+if TYPE_CHECKING:
+    from integrable.classical.axial_torus import AxialFlow
 
 
 class Axis(NamedTuple):
@@ -53,10 +56,24 @@ class AxialSystem(MumfordSystem):
         """Table: the state with this axis, z and z' real, g and g' complex, in the motion of ``start``."""
         raise NotImplementedError
 
+    def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any] | None:
+        """Table: (jc, L, c) where a state ends with the angular momentum of a top; None where with a velocity."""
+        return None
+
     # --- what follows
+
+    def flow(self, state: Point, tolerance: float | None = None) -> AxialFlow:
+        """The motion of a state over RR or MP(digits), any time at once; ``tolerance`` as for other systems."""
+        from integrable.classical.axial_torus import AxialFlow
+
+        self._check_range(state)
+        return AxialFlow(self, state, self._tolerance(tolerance))
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         return (N.dot(state.q, state.q) - N.one,)
+
+    def _constraint_sizes(self, state: Point) -> list[Any]:
+        return self._surface_sizes([1] * self.size, state)[: len(self._constraint_names)]
 
     def _constrained(self, N: Any, state: Point) -> Point:
         return Point(normalized(N, state.q), state.p)
@@ -64,6 +81,9 @@ class AxialSystem(MumfordSystem):
     def _spectral(self, N: Any, state: Point) -> Spectral:
         axis = self._axis(N, state)
         return all_of(N, (self._curve(N, state), (-axis.z, N.one), (axis.rate,)), 1)
+
+    def _genus(self) -> int:
+        return 1
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return (N.one,)

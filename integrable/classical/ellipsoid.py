@@ -44,9 +44,6 @@ class Ellipsoid(MumfordSystem):
         if not field.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"a = {shown(a)}: the squares of the semi-axes are positive")
 
-    def __repr__(self) -> str:
-        return f"Ellipsoid({self.constants}, {self.field.name})"
-
     def _over_axes(self, N: Any, left: Sequence[Any], right: Sequence[Any]) -> Any:
         """Σ left_i·right_i/a_i."""
         return N.dot([x / e for x, e in zip(left, self._constants_in(N), strict=True)], right)
@@ -55,6 +52,9 @@ class Ellipsoid(MumfordSystem):
         q, p = state
         moves = N.zero if any(x != N.zero for x in p) else N.one
         return self._over_axes(N, q, q) - N.one, self._over_axes(N, q, p), moves
+
+    def _constraint_sizes(self, state: Point) -> list[Any]:
+        return self._surface_sizes([1 / a for a in self.constants], state)
 
     def _constrained(self, N: Any, state: Point) -> Point:
         size = N.sqrt(self._over_axes(N, state.q, state.q))
@@ -78,6 +78,9 @@ class Ellipsoid(MumfordSystem):
     def _momenta(self, N: Any, state: Point) -> tuple[Any, ...]:
         """The F_i."""
         return uhlenbeck(self._constants_in(N), state, [y * y for y in state.p])
+
+    def _genus(self) -> int:
+        return self.size - 1
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return (N.coerce(poly.integer(N, 2 if genus % 2 == 0 else -2)), *[N.zero] * (genus - 1))

@@ -30,9 +30,6 @@ class Garnier(QuadricSystem):
         if self.parameters[0] == self.field.zero:
             raise ArgumentError(f"alpha = {shown(alpha)}: a number other than 0 is needed")
 
-    def __repr__(self) -> str:
-        return f"Garnier({self.constants}, *{self.parameters}, {self.field.name})"
-
     def _shape(self, N: Any, state: Point) -> Shape:
         alpha, beta = self._parameters_in(N)
         return Shape((N.one,), (), (beta - alpha * N.dot(state.q, state.q), alpha))

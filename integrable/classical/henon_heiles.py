@@ -61,9 +61,10 @@ class HenonHeiles(QuadricSystem):
         a = K.sub(K.mul(poly.integer(K, 2), B), K.add(quarter, quarter))
         return cls((a,), K.div(K.neg(K.one), poly.integer(K, 2)), K.neg(quarter), field=K)
 
-    def __repr__(self) -> str:
+    @property
+    def arguments(self) -> dict[str, Any]:
         alpha, beta, gamma, *barriers = self.parameters
-        return f"HenonHeiles({self.constants}, {alpha}, {beta}, {gamma}, {tuple(barriers)}, {self.field.name})"
+        return {"a": self.constants, "alpha": alpha, "beta": beta, "gamma": gamma, "barriers": tuple(barriers)}
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         stands = any(self._stands(e) and x == N.zero for e, x in zip(self._barriers(), state.q[1:], strict=True))

@@ -18,16 +18,16 @@ from collections.abc import Callable
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from integrable.mumford.flow import GENERA_TABLED, MANY, element, long_digits
+from integrable.mumford.flow import GENERA_TABLED, element, long_digits
 from integrable.mumford.motion import MumfordMotion, Read, Start, Vectors
 from integrable.mumford.series import through
 from integrable.mumford.system import Spectral
 from integrable.phase.enclosure import ball_digits, exact_times, widest
+from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, poly
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.fields.protocol import check_field
-from jacobian.immutable import Immutable
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
 
@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 # of the pair that a profile starts from, and bits that a narrow band may take from its double-double numbers
 PROFILE_DIGITS, MOST_LOST = 60, 24
+# x of one t from which a profile pays
+MANY = 24
 
 
 class Eigenvalues(NamedTuple):
@@ -46,7 +48,7 @@ class Eigenvalues(NamedTuple):
     signs: tuple[int, ...]
 
 
-class KdV(Immutable):
+class KdV(Made):
     """Solutions of u_t = 6uu_x − u_xxx with the band ``edges`` e_1 ≤ e_2 ≤ … ≤ e_{2g+1}, over RR, MP or an exact field.
 
     ``KdV((0, 1, 2)).wave(kdv.state([1.5])).at(x, t)``. The unit of u is that of the edges, 1/length².
@@ -64,8 +66,9 @@ class KdV(Immutable):
             raise ArgumentError(f"edges = {shown(edges)}: {wanted}")
         self.gaps = len(given) // 2
 
-    def __repr__(self) -> str:
-        return f"KdV({self.edges}, {self.field.name})"
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"edges": self.edges}
 
     def state(self, gamma: Any, signs: Any = None) -> Eigenvalues:
         """The eigenvalues γ_j of the gaps at x = t = 0, and signs ±1 of their y, all 1 unless given; over an exact
@@ -152,7 +155,7 @@ class Wave:
 
         xs, ts = self._given(x, t)
         if not self._profiles_pay:
-            return self._filled(xs, ts, self._value, object if hasattr(self.kdv.field, "dps") else float)
+            return self._filled(xs, ts, self._value, float if self.kdv.field == RR else object)
         found = np.empty(xs.shape)
         times, which = np.unique(ts.astype(float).ravel(), return_inverse=True)
         places = np.split(np.argsort(which, kind="stable"), np.cumsum(np.bincount(which)))
@@ -217,8 +220,8 @@ class Wave:
     @property
     def _profiles_pay(self) -> bool:
         """Whether compiled loops in floats may take many x of one t."""
-        tabled = self._genus == 2 or self._genus in GENERA_TABLED
-        return tabled and not hasattr(self.kdv.field, "dps") and not interpreted()
+        tabled = self._genus in (1, 2) or self._genus in GENERA_TABLED
+        return bool(tabled and self.kdv.field == RR and not interpreted())
 
     def _at_one_time(self, xs: Any, t: float) -> Any:
         """u at many x and one t, in floats."""
@@ -228,7 +231,7 @@ class Wave:
                 profile = self._profile(t)
             except PrecisionLoss:
                 profile = None
-            if profile is not None and self._genus == 2:
+            if profile is not None and self._genus <= 2:
                 found = profile.from_torus(xs)
             elif profile is not None and self._lost(max(abs(xs)), t) <= MOST_LOST:
                 found = profile.from_tables(xs)
@@ -248,7 +251,9 @@ class Wave:
                 u, v = (tuple(element(K, x) if hasattr(K, "dps") else x for x in a) for a in (pair[:size], pair[size:]))
                 return Start(start.f, u, v, start.direction)
 
-            found = Profile(place, self._read, lambda x: [[*map(float, row)] for row in self._row(x, t, self._read)])
+            found = Profile(
+                place, self._read, lambda x: [[*map(float, row)] for row in self._row(x, t, self._read)], self._genus
+            )
             self._profiles = {t: found}
         return found
 

@@ -1,4 +1,4 @@
-"""Many x of a KdV solution at one time t: from the compiled torus in genus 2, from tables in genus 3 to 6.
+"""Many x of a KdV solution at one time t: from the compiled torus in genus 1 and 2, from tables in genus 3 to 6.
 
 u(x, t) at a fixed t is a motion in x from the pair at (0, t)
 (:mod:`integrable.mumford.real_torus`, :mod:`integrable.mumford.tabled`).
@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 
 from integrable.mumford.columns import Column, Columns
+from integrable.mumford.elliptic_torus import EllipticTorus
 from integrable.mumford.flow import RIGHT
 from integrable.mumford.motion import Start
 from integrable.mumford.real_torus import RealTorus
@@ -31,11 +32,13 @@ class Profile:
         place: Callable[[Any], Start],
         read: Callable[[Any, Extended], Any],
         by_additions: Callable[[float], list[list[float]]],
+        genus: int,
     ) -> None:
+        self._genus = genus
         self._place, self._by_additions, self._read_one = place, by_additions, read
 
     def from_torus(self, xs: np.ndarray) -> np.ndarray | None:
-        """u at xs in genus 2, None where there is no torus or it does not reach them."""
+        """u at xs in genus 1 and 2, None where there is no torus or it does not reach them."""
         torus = self._torus
         return None if torus is None or not torus.reaches(xs) else self._on(torus, xs)
 
@@ -49,10 +52,10 @@ class Profile:
         return TabledStates(self._place, self._read, self._by_additions)
 
     @cached_property
-    def _torus(self) -> RealTorus | None:
+    def _torus(self) -> RealTorus | EllipticTorus | None:
         """The torus, if it is there and has what additions have."""
         try:
-            torus = RealTorus(self._place)
+            torus = EllipticTorus(self._place) if self._genus == 1 else RealTorus(self._place)
             found = self._on(torus, torus.witnesses)
             true = [self._by_additions(x)[0] for x in torus.witnesses.tolist()]
         except (PrecisionLoss, ZeroDivisionError):
@@ -64,7 +67,7 @@ class Profile:
         ((u, span),) = self._read_one(Columns(), D)
         return [[u, Column(np.full(len(xs), span.hi))]]
 
-    def _on(self, torus: RealTorus, xs: np.ndarray) -> np.ndarray:
+    def _on(self, torus: RealTorus | EllipticTorus, xs: np.ndarray) -> np.ndarray:
         ((u, _),) = self._read(xs, torus.at(xs))
         found: np.ndarray = u.hi
         return found

@@ -36,9 +36,6 @@ class KowalevskiTop(MumfordSystem):
     def __init__(self, field: Any = RR) -> None:
         self.field = check_field(field, "field")
 
-    def __repr__(self) -> str:
-        return f"KowalevskiTop({self.field.name})"
-
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         return (N.dot(state.q, state.q) - N.one,)
 
@@ -89,7 +86,7 @@ class KowalevskiTop(MumfordSystem):
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return N.zero, N.coerce(poly.integer(N, -2))
 
-    def flow(self, state: Point) -> Any:
+    def flow(self, state: Point, tolerance: float | None = None) -> Any:
         """NotRepresentable: the way from a divisor to a state is not here; ``line`` has the divisors."""
         raise NotRepresentable(
             f"{self!r} has no way back from divisors to states: line(state, times) gives the divisors"

@@ -27,9 +27,6 @@ class LagrangeTop(AxialSystem):
         self.field = check_field(field, "field")
         self.parameters = (self.field.coerce(j, "j"),)
 
-    def __repr__(self) -> str:
-        return f"LagrangeTop({self.parameters[0]}, {self.field.name})"
-
     def _vector_field(self, N: Any, state: Point) -> Point:
         (x, y, z), (a, b, c) = state
         turn = self._parameters_in(N)[0] * c
@@ -56,6 +53,10 @@ class LagrangeTop(AxialSystem):
             flat = x * x + y * y
             below, above = (-flat / above, above) if z.real > 0 else (below, -flat / below)
         return along + c * below, along + c * above
+
+    def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any]:
+        c = state.p[2]
+        return self._parameters_in(N)[0] * c, N.dot(*state), c
 
     def _curve(self, N: Any, state: Point) -> tuple[Any, ...]:
         found = self._integrals(N, state)

@@ -31,11 +31,11 @@ class Neumann(QuadricSystem):
     def __init__(self, a: Any, field: Any = RR) -> None:
         self._set_up(field, a, "a", 2)
 
-    def __repr__(self) -> str:
-        return f"Neumann({self.constants}, {self.field.name})"
-
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         return N.dot(state.q, state.q) - N.one, N.dot(state.q, state.p)
+
+    def _constraint_sizes(self, state: Point) -> list[Any]:
+        return self._surface_sizes([1] * self.size, state)[:2]
 
     def _constrained(self, N: Any, state: Point) -> Point:
         return on_sphere(N, state)

@@ -28,9 +28,6 @@ class SphericalPendulum(AxialSystem):
     def __init__(self, field: Any = RR) -> None:
         self.field = check_field(field, "field")
 
-    def __repr__(self) -> str:
-        return f"SphericalPendulum({self.field.name})"
-
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         return *super()._constraints(N, state), N.dot(*state)
 

@@ -36,8 +36,9 @@ class TodaLattice(MumfordSystem):
         self.size = whole(n, "n", "the number of particles is an int ≥ 2", 2)
         self.constants = ()
 
-    def __repr__(self) -> str:
-        return f"TodaLattice({self.size}, {self.field.name})"
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"n": self.size}
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
         # an exponential is not 0
@@ -77,12 +78,23 @@ class TodaLattice(MumfordSystem):
         u = poly.monic(N, b[:size])
         return all_of(N, (f, u, poly.mod(N, poly.sub(N, a, d), u)), size - 1)
 
+    @property
+    def _ordinary_size(self) -> float:  # type: ignore[override]
+        # exponentials of sums over the ring
+        return 100 / self.size
+
+    def _genus(self) -> int:
+        return self.size - 1
+
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return (*[N.zero] * (genus - 1), N.coerce(poly.integer(N, -1)))
 
     def _vector_field(self, N: Any, state: Point) -> Point:
-        links = self._links(N, state)
-        rates = tuple(x * y for x, y in zip(state.q, state.p, strict=True)) if N.exact else state.p
+        if N.exact:  # q are exponentials
+            links, rates = self._links(N, state), tuple(x * y for x, y in zip(state.q, state.p, strict=True))
+        else:  # no quotients: each exponential is of a difference
+            q, rates = state.q, state.p
+            links = [exponential(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size)]
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
@@ -98,11 +110,15 @@ class TodaLattice(MumfordSystem):
 
     def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
         """The coefficients of Δ, ascending, and H, which is among their polynomials."""
-        (a, _), (_, d) = self._transfer(N, state)
         energy = N.dot(state.p, state.p) / 2
         for link in self._links(N, state):
             energy = energy + link
-        return {"trace": poly.add(N, a, d), "H": energy}
+        return {"trace": self._trace(N, state), "H": energy}
+
+    def _trace(self, N: Any, state: Point) -> poly.Poly:
+        """Δ."""
+        (a, _), (_, d) = self._transfer(N, state)
+        return poly.add(N, a, d)
 
     def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
         p, links = self._chain(N, start, (D.u, D.v))
@@ -118,7 +134,7 @@ class TodaLattice(MumfordSystem):
         """p_1 … p_n and e^{q_{k+1} − q_k}, k < n, of a pair on the curve of ``start``."""
         u, v = pair
         size = self.size
-        trace = self._integrals(N, start)["trace"]
+        trace = self._trace(N, start)
         beta = trace[size - 1] - (u[size - 2] if size > 1 else N.zero)
         twice = poly.add(N, poly.add(N, trace, poly.trim(N, v) if N.exact else v), poly.mul(N, (beta, N.one), u))
         half = 1 / N.coerce(poly.integer(N, 2))

@@ -32,9 +32,6 @@ class Veselova(BodySystem):
         if not K.exact and not all(isinstance(x, complex) or x > 0 for x in self.constants):
             raise ArgumentError(f"inertia = {shown(inertia)}: moments of inertia are positive")
 
-    def __repr__(self) -> str:
-        return f"Veselova({self.constants}, {self.field.name})"
-
     def omega(self, state: Point) -> tuple[Any, ...]:
         """The angular velocity ω in the body."""
         N = self.numbers

@@ -1,4 +1,4 @@
-"""A run beside the same run at more digits: how many digits of every state agree."""
+"""A run compared with the same run at more digits: how many digits of every state agree."""
 
 from __future__ import annotations
 
@@ -20,12 +20,12 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-# digits by which the second run is wider, and its least number of digits
+# extra digits of the second run, and their least number
 WIDER = 15
 LEAST = 30
-# and beyond which moments differ that count as equal
+# the relative difference beyond which two moments do not count as equal
 BESIDE = 3
-# digits that agree unless more are asked for: all but the last few bits
+# digits that must agree by default: all but the last few bits
 SLACK = 1
 FLOAT_SLACK = 3
 
@@ -39,7 +39,7 @@ def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     K = MP(more)
-    # the times of the run, not those given: they are the same numbers
+    # the times of the run, not the given ones: they are the same numbers
     finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
     for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
@@ -64,7 +64,7 @@ def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # there the clock of many digits has no torus, and would count steps
+        # there the clock of many digits has no torus and would count steps
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])
@@ -90,15 +90,17 @@ def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
 
 
 def _turns(flow: Motion, time: Any, K: Any) -> int:
-    """How many digits the turns until a time have, and some more."""
+    """The number of digits of the turns until a time, and some more."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.M) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 
 def _beside(flow: Motion, time: Any, K: Any) -> Body:
-    """The body with its equal moments so little apart that nothing is seen of it until a time, in numbers that see it:
-    additions are then what they always are, and share nothing with the closed form of equal moments.
+    """The body with its equal moments so slightly different that the states agree until a time, in numbers that see the
+    difference.
+
+    Its additions are the general ones, and share nothing with the closed form of equal moments.
     """
     apart = K.dps + _turns(flow, time, K)
     wide = MP(K.dps + apart)

@@ -1,8 +1,8 @@
-"""How an input's rounding grows: the conditioning of a motion, and the floor that it puts under every error.
+"""The conditioning of a motion: the growth of rounding in the inputs, and the floor of every error.
 
-A number that is known to its last digit only, x(1 + eps), makes the state at time t wrong by eps·|x ∂state/∂x|,
-whatever the method. :func:`conditioning` sums these over all inputs (moments of inertia, d, the parameters of a
-deformation, γ and M) by differences of the motion itself; eps times the sum is the least error that a method in that
+An input known only to its last digit, x(1 + eps), changes the state at time t by eps·|x ∂state/∂x|, for any method.
+:func:`conditioning` sums these over all inputs (moments of inertia, d, the parameters of a deformation, γ and M) by
+differences of the motion itself. The rounding unit eps times the sum is the least error that a method in that
 arithmetic can promise (Higham 2002, section 1.6: forward error ≲ condition × backward error).
 """
 
@@ -32,8 +32,8 @@ Motion = Callable[[Any, State, Any], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Σ |x ∂γ/∂x| and Σ |x ∂M/∂x|/|M| over the inputs x, the largest over the times; of a system without a body those
-    of q and p beside their largest at the start or then, whichever is larger.
+    """Σ |x ∂γ/∂x| and Σ |x ∂M/∂x|/|M| over the inputs x, the largest over the times; for a system without a body those
+    of q and p relative to their largest value at the start or at that time.
     """
 
     gamma: float
@@ -47,12 +47,12 @@ class Conditioning:
 
 
 def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion | None = None) -> Conditioning:
-    """How the states at ``times`` depend on the inputs of a motion over RR or MP(digits).
+    """The conditioning of the states at ``times`` of a motion over RR or MP(digits).
 
     ``motion(system, state, times)`` returns γ and M, shapes (N, 3); by default the system's own motion. In floats an
-    input is changed by 1e-7 of itself, or by less where the motion is that sensitive; in multiprecision by 2⁻⁵², so
-    that the figure holds for doubles where the motion is not linear in its inputs on any smaller scale. Inputs that are
-    0 are exact. Raises what the motion raises (PrecisionLoss where floats do not carry it: ask with MP(30)).
+    input is changed by 1e-7 of itself, or by less where the motion is that sensitive. In multiprecision it is changed
+    by 2⁻⁵², so the result holds for doubles even where the motion is not linear in its inputs. Inputs that are 0 are
+    exact. Raises the errors of the motion (PrecisionLoss where floats do not suffice: use MP(30)).
     """
     field = system.field
     if field.exact:
@@ -85,7 +85,7 @@ def conditioning(system: Any, state: State, times: Iterable[Any], motion: Motion
 
 
 def _sizes(system: Any, state: State, rows: tuple[np.ndarray, np.ndarray]) -> list[Any]:
-    """What changes of γ and of M are measured by, at each time."""
+    """The units for changes of γ and of M, at each time."""
     size = float(system.field.sqrt(system.field.dot(state.M, state.M))) or 1.0
     if not hasattr(system, "inputs"):
         return [1.0, size]
@@ -100,7 +100,7 @@ def flow_motion(system: Any, state: State, times: Any) -> tuple[np.ndarray, np.n
 
 
 def _inputs(system: Any, state: State) -> tuple[list[str], list[Any]]:
-    """Names and values of all that a motion is given."""
+    """Names and values of all inputs of a motion."""
     if hasattr(system, "inputs"):
         found = system.inputs(state)
         return list(found), list(found.values())

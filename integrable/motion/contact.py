@@ -6,9 +6,9 @@ The centre moves with the velocity r·ω×γ, and the point of contact stays bel
 
     ẋ = r(ω, γ×M)/m,    ẏ = −r(H1 − c·n)/m,    n = (γ, ω).
 
-On the mean ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0); the rest
-is bounded, an integral of a function with mean 0. Two equal moments make it a function of the state
-(:mod:`integrable.motion.contact_symmetric`), three make it 0.
+On average ẋ is 0, n is −kH1 and ẏ is −rH1(1 + kc)/m, with k of Chaplygin's transformation (k = 0 at c = 0); the rest is
+bounded, an integral of a function with mean 0. With two equal moments it is a function of the state
+(:mod:`integrable.motion.contact_symmetric`), with three it is 0.
 """
 
 from __future__ import annotations
@@ -34,27 +34,28 @@ from jacobian.errors import NotRepresentable, PrecisionLoss
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-# a panel is so many basic steps long
+# length of a panel in basic steps
 PANEL_STEPS = 5
-# panels from which on the torus costs less than integrating along the way
+# number of panels from which on the torus costs less than integrating along the motion
 FAR = 50
-# so many take about a second: of states that the torus gives, and of those that come one by one
+# numbers of panels that take about a second: with states from the torus, and with single states
 MOST_PANELS, MOST_PRECISE = 4000, 60
-# in multiprecision: panels from which on the torus costs less, and beyond which rules without one take minutes
+# in multiprecision: the number of panels from which on the torus costs less, and the number beyond which rules without
+# one take minutes
 FAR_GAUSS, MOST_GAUSS = 4, 40
 # digits of the bounded part beyond those of the field
 GUARD = 2
 # γ × M loses digits where it is this much smaller than M
 PARALLEL = 30
-# of that much rounding beside rotations about a principal axis, where nothing else is left of the bounded part
+# rounding of this size is all that remains of the bounded part near rotations about a principal axis
 LEAST = 1 / 16
-# what states near the start, made in floats, are good for
+# the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13
 
 
 def positions(run: Trajectory) -> np.ndarray:
-    """(x, y) of the contact point at the times of a run, shape (N, 2), (0, 0) at t = 0; in the unit of the radius where
-    the ball was given one, else in radii.
+    """(x, y) of the contact point at the times of a run, shape (N, 2), (0, 0) at t = 0; in the unit of the radius if
+    the ball has one, else in radii.
 
     NotRepresentable for a body that does not roll, PrecisionLoss where the path is neither near nor on a torus.
     """
@@ -71,10 +72,12 @@ def positions(run: Trajectory) -> np.ndarray:
 
 
 class Rolling:
-    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` how many digits γ × M has lost."""
+    """The constants of a motion: ``drift`` is minus the mean of ẏ in radii, ``loss`` the number of digits that γ × M
+    has lost.
+    """
 
     def __init__(self, flow: BodyMotion, number: Callable[[Any], Any] | None = None) -> None:
-        """``number`` makes the constants of wide ones: by default floats over RR, else they stay as they are."""
+        """``number`` converts the constants from wide numbers: by default to floats over RR, else not at all."""
         self.flow = flow
         setup = flow.setup
         number = number or (float if flow.system.field == RR else setup.wide.coerce)
@@ -159,7 +162,7 @@ class Rolling:
 
     @property
     def noise(self) -> np.ndarray:
-        """What rounding of states makes of :meth:`rates`, about: near M ∥ γ it is larger than what is left of them."""
+        """The approximate rounding error of :meth:`rates`: near M ∥ γ it exceeds the remaining rates."""
         body, (h1, h2) = self.flow.system.body, self.flow.system.integrals(self.flow.state)[2:]
         size, spread, y = h2**0.5, float(np.abs(self._different).max()), 0.0
         x = LEAST * spread * size * size / self._length
@@ -205,7 +208,7 @@ class Rolling:
 
 
 def on_torus(flow: BodyMotion) -> Any:
-    """The bounded part along the flow as a Fourier series, None where the motion is no line on a compact torus."""
+    """The bounded part along the flow as a Fourier series; None where the motion is no line on a compact torus."""
     from integrable.motion.integral import TorusIntegral
 
     try:
@@ -218,7 +221,7 @@ def on_torus(flow: BodyMotion) -> Any:
 
 
 class PreciseContact:
-    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where none is to be had."""
+    """The bounded part in multiprecision, by a Fourier series on the torus; PrecisionLoss where there is none."""
 
     def __init__(self, flow: BodyMotion) -> None:
         from integrable.torus.long_integral import LongIntegral
@@ -237,7 +240,7 @@ class PreciseContact:
         self._integral = LongIntegral(setup, flow.system.field.dps + GUARD, rates)
 
     def at(self, run: Trajectory) -> np.ndarray:
-        """At the times of a run, shape (N, 2): of given times τ is made again, to all digits."""
+        """At the times of a run, shape (N, 2): for given times τ is computed again, to all digits."""
         tau = run.tau.tolist() if run.given_in_tau else self._flow._precise.many.at(run.times.tolist())[0]
         wide, scale = self._setup.wide.coerce, self._setup.time_scale
         rows = [self._integral.at(wide(t) * scale) for t in tau]

@@ -77,7 +77,7 @@ class SymmetricPath:
         else:
             context = self._field.context
             asinh, atan2 = np.frompyfunc(context.asinh, 1, 1), np.frompyfunc(context.atan2, 2, 1)
-        # an arc whose cosine is known too: no digit is lost where it is near a right angle
+        # an arc whose cosine is known too: no digit is lost near a right angle
         arc = asinh(x * (scale / constant**0.5)) if slope > 0 else atan2(x * scale, root)
         result: np.ndarray = factor / scale * arc
         return result

@@ -1,9 +1,8 @@
-"""Which bodies and states a flow over RR takes: the one place that says so (docs/flow.md, "The domain of floats").
+"""The bodies and states that a flow over RR accepts (docs/flow.md, "The domain of floats").
 
-Inside, the torus in double-double numbers or the closed form of equal moments answers; outside, branch points are
-closer together than the digits of the set-up, or numbers leave the range of floats, and the call is refused at once.
-Over MP(digits) nothing is refused here: digits are added as they are needed, what they do not carry is a
-PrecisionLoss.
+Inside, the torus in double-double numbers or the closed form of equal moments computes the states. Outside, branch
+points are closer together than the digits of the set-up, or numbers leave the range of floats; the call is refused at
+once. Over MP(digits) nothing is refused here: digits are added as needed, with PrecisionLoss where they do not suffice.
 """
 
 from __future__ import annotations
@@ -33,14 +32,14 @@ _UNITS = "; use other units of mass, length or time, or MP(digits)"
 
 
 def check_domain(system: PhaseSpace, state: State) -> None:
-    """ArgumentError where a flow over RR does not take a body or a state: the argument, its value and what helps."""
+    """ArgumentError where a flow over RR refuses a body or a state, with the argument, its value and a remedy."""
     body, M = system.body, state.M
     inertia, d = body.inertia, body.d
     momentum = max(map(abs, M))
     if max(*inertia, d, momentum) > LARGEST:
         name, x = next(pair for pair in _named(system, state) if abs(pair[1]) > LARGEST)
         raise ArgumentError(f"{name} = {x}: floats take up to {LARGEST:.0e} here{_UNITS}")
-    # tilted, it is refused as M ∥ γ is
+    # a tilted one is refused as M ∥ γ is
     if not (momentum or state.tilted):
         raise ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
     if min(*inertia, d or 1, momentum or 1) < 1 / LARGEST:

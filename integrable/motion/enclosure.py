@@ -2,10 +2,10 @@
 bounded.
 
 At a given τ a state is one addition of T(τ), the 2^k-fold of a translation near the identity. Physical time is a sum of
-Gauss–Legendre rules on panels whose error is bounded by Trefethen (2008, theorem 4.5) from a bound of 1/g on a disc of
-complex τ; that disc comes from Picard's theorem for the differential equations of the moving point, which are
-polynomials. A given t is then inverted with dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact;
-γ is divided by |γ|, and M (of an upright state) loses its part along γ.
+Gauss–Legendre rules on panels. A bound of 1/g on a disc of complex τ bounds their error (Trefethen 2008, theorem 4.5).
+The disc comes from Picard's theorem for the differential equations of the moving point, which are polynomial. A given t
+is then inverted with dt/dτ = 1/g > 0. The body's constants, γ, M and the times count as exact; γ is divided by |γ|, and
+M (of an upright state) loses its part along γ.
 """
 
 from __future__ import annotations
@@ -26,24 +26,25 @@ from integrable.phase.body import Body
 from integrable.phase.enclosure import Enclosure, exact_times, is_bounded, rounded_up, widest
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
+from jacobian.progress import Progress
 
 if TYPE_CHECKING:
     from integrable.phase.state import State
 
 # sum of the semi-axes of the ellipse of a panel, in half panels
 ELLIPSE = 3
-# bits that balls lose in one addition, about
+# approximate number of bits that balls lose in one addition
 LOST = 14
 # bits for the complex discs, where bounds need few
 BOUND_BITS = 64
 MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
-# beyond, steps are counted in numbers that floats do not hold
+# beyond it the number of steps exceeds the range of floats
 MOST_DOUBLINGS = 1000
 
 
 def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: Any) -> Enclosure:
-    """The motion at physical times; ``clock``: how many of the flow's units a unit of time is."""
+    """The motion at physical times; ``clock``: the number of the flow's units in a unit of time."""
     farthest = max(map(abs, times), default=0)
     # half a panel is at most that of an ellipse in a unit disc, and τ is at least t
     if body.rolls and farthest * clock > MOST_PANELS:
@@ -52,13 +53,14 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
             f"{MOST_PANELS}; enclosure_at_tau has no such limit"
         )
     starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
-    # one precision for all of them, that of the farthest, so that they share the panels of one motion
+    # all use the precision of the farthest time, so that they share the panels of one motion
     bits, motions = max((_bits(body, state, digits, tau) for tau in starts), default=0), dict[int, BallMotion]()
-    rows = [
-        _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
-        for t, tau in zip(times, starts, strict=True)
-    ]
-    return Enclosure(exact_times(times), rows)
+    rows = {}
+    # the farthest first: its panels serve the others, and it determines the precision of all
+    for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
+        t, tau = times[i], starts[i]
+        rows[i] = _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
+    return Enclosure(exact_times(times), [rows[i] for i in range(len(times))])
 
 
 def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> Enclosure:
@@ -125,7 +127,7 @@ class BallMotion:
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
             self._translations = BallTranslations(problem, plain)
-            # an exact 0 would let an addition take a branch for degenerate positions that is no identity
+            # an exact 0 would make an addition take a branch for degenerate positions that is no identity
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
         # of physical time: half a panel, the sums over whole panels in either direction, the nodes of one
@@ -184,14 +186,18 @@ class BallMotion:
             self._sums.clear()
 
     def _swept(self, tau: Any, whole: int) -> Any:
-        """The integral over so many whole panels and what is left to τ; None where a disc is too small for a panel."""
+        """The integral over that many whole panels and the remainder up to τ; None where a disc is too small for a
+        panel.
+        """
         sign = 1 if tau > 0 else -1
         half, sums = self.field.one * sign * self._half, self._sums.setdefault(sign, [self.field.zero])
+        progress = Progress(f"enclosing physical time on {whole} panels", whole + 1 - len(sums))
         while len(sums) <= whole:
             piece = self._panel((2 * len(sums) - 1) * half, half)
             if piece is None:
                 return None
             sums.append(sums[-1] + piece)
+            progress.add(1)
         rest = (tau - 2 * whole * half) / 2
         piece = self._panel(2 * whole * half + rest, rest)
         return None if piece is None else sums[whole] + piece
@@ -272,7 +278,7 @@ class BallMotion:
         return velocity
 
     def _rate_bound(self, box: Any) -> Any:
-        """A bound of |1/g| on a box of complex moving points, None where none is seen."""
+        """A bound of |1/g| on a box of complex moving points, None where none is found."""
         a1, a2, a3 = self.problem.axes[:3]
         x1, x2, x3, y1, y2, y3 = box[4:]
         square = (x1 * x1 + x2 * x2 + x3 * x3).real

@@ -1,4 +1,4 @@
-"""When something happens along a motion: zeros of a function of the state, found on the flow itself."""
+"""Events along a motion: zeros of a function of the state, found on the flow itself."""
 
 from __future__ import annotations
 
@@ -20,19 +20,19 @@ if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
 Condition = Callable[[np.ndarray, np.ndarray], np.ndarray]
-# so many panels are looked at together
+# number of panels searched together
 PANELS = 512
 # a panel takes some ten microseconds
 MOST_PANELS = 10_000_000
-# what states near the start, made in floats, are good for; the zeros are polished on the flow
+# the accuracy of states near the start, computed in floats; the zeros are refined on the flow
 TOLERANCE = 1e-12
-# basic steps to a panel: nodes of a panel resolve γ and M on so many
+# basic steps per panel: the nodes of a panel resolve γ and M on that many
 PANEL_STEPS = 6
-# beyond this part of a panel between neighbouring floats, the states at rounded times make no series
+# where neighbouring floats are farther apart than this part of a panel, the states at rounded times form no series
 COARSEST = 1e-7
-# a zero found this many roundings of a panel beyond an end is that at the end
+# a zero within this many roundings of a panel beyond an end counts as at the end
 ROUNDING = 1e3
-# Newton with the slope of a float gains twelve digits a step
+# Newton's method with the slope of a float gains twelve digits a step
 MOST_STEPS = 100
 
 
@@ -101,7 +101,9 @@ def _values(flow: BodyMotion, condition: Condition, times: np.ndarray) -> np.nda
 def _polished(
     flow: BodyMotion, condition: Condition, times: Any, slopes: Any, halves: Any, first: Any, last: Any
 ) -> np.ndarray:
-    """The zeros in the precision of the flow, by Newton with the slopes of the panels; those between the two times."""
+    """The zeros in the precision of the flow, by Newton's method with the slopes of the panels; only those between the
+    two times.
+    """
     field = flow.system.field
     found = np.array([field.coerce(float(t)) for t in times], dtype=np.float64 if field == RR else object)
     rates = np.array(slopes, dtype=found.dtype)

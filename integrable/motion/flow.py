@@ -1,10 +1,9 @@
 """The exact flow: time is addition on the Jacobian.
 
-D(τ + δ) = D(τ) + T(δ), with T(δ) independent of where the motion is (Abel quadratures; Tsiganov 2017, section
-3). On a compact torus any τ and any physical time t = ∫dτ/g is two additions away from a table
-(:mod:`integrable.torus.access`); for few turns short runs do without a torus (:mod:`integrable.motion.short`); what
-floats or the torus do not carry, and multiprecision, is computed with as many digits as it takes
-(:mod:`integrable.motion.precise`).
+D(τ + δ) = D(τ) + T(δ), with T(δ) independent of the state (Abel quadratures; Tsiganov 2017, section 3). On a compact
+torus any τ and any physical time t = ∫dτ/g is two additions away from a table (:mod:`integrable.torus.access`); for few
+turns short runs need no torus (:mod:`integrable.motion.short`). Motions beyond floats or the torus, and multiprecision,
+are computed with as many digits as needed (:mod:`integrable.motion.precise`).
 """
 
 from __future__ import annotations
@@ -48,13 +47,13 @@ if TYPE_CHECKING:
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
-# states whose integrals differ from those of the start by this part are refused; so many are looked at together
+# states whose integrals differ from those of the start by this part are refused; this many are compared at a time
 DRIFT = 1e-9
 CHUNK = 8192
-# up to so many states Python is faster than arrays
+# up to this many states Python is faster than arrays
 FEW = 16
-# what floats may cost where the compiled loops do not carry a motion, half a second either: corners and samples of the
-# torus in interpreted loops, values of 1/g on the way to a time
+# limits where compiled loops fail, half a second either: corners and samples of the torus in interpreted loops, values
+# of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
 # digits of t that floats of a state ask for, as many steps away as those values reach
@@ -64,10 +63,10 @@ CLOCK_DIGITS = 24
 class Flow(BodyMotion):
     """The motion through one state. Get one from ``system.flow(state)``.
 
-    ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by
-    the amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done when it is needed, once;
-    :meth:`at` and :meth:`at_tau` may be called any number of times. What is there by then decides the cheapest way to
-    few near times, so that the same call may differ later, by rounding.
+    ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by the
+    amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
+    :meth:`at` and :meth:`at_tau` may be called any number of times. Cached parts affect which way is cheapest for few
+    near times, so a later call may differ by rounding.
     """
 
     kernel: str
@@ -81,7 +80,7 @@ class Flow(BodyMotion):
         if kernel == "compiled" and field != RR:
             raise ArgumentError(f"kernel = 'compiled' with field = {field.name}: compiled loops exist for RR only")
         vars(self).update(system=system, state=state, kernel=kernel)
-        # what a set-up would refuse is refused at once
+        # refusals of the set-up are raised at once
         if field == RR:
             check_domain(system, state)
         else:
@@ -92,33 +91,33 @@ class Flow(BodyMotion):
 
     @cached_property
     def setup(self) -> Setup:
-        """What the motion is computed from."""
+        """The set-up of the motion."""
         return Setup(self.system.body, self.state.gamma, self.state.M, self.state.tilted)
 
     @cached_property
     def portrait(self) -> Portrait:
-        """What the motion is as a whole: region, frequencies, mean rates, drift, actions and angles."""
+        """The motion as a whole: region, frequencies, mean rates, drift, actions and angles."""
         from integrable.portrait.portrait import Portrait
 
         return Portrait(self.system, self.state, self.setup)
 
     def stream(self, path: str | os.PathLike[str], start: Any, end: Any, count: int) -> None:
-        """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64
-        rows (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
+        """Write the states at ``count`` equally spaced times from start to end to ``path``, a .npy file of float64 rows
+        (t, γ1, γ2, γ3, M1, M2, M3), in bounded memory: shape (count, 7), read with ``numpy.load``.
 
-        The file appears when it is complete. Floats only (ArgumentError); otherwise raises what :meth:`at` raises.
+        The file appears when it is complete. Floats only (ArgumentError); other errors are those of :meth:`at`.
         """
         from integrable.motion.stream import stream
 
         stream(self, path, start, end, count)
 
     def certify(self, times: Any, digits: int | None = None) -> Trajectory:
-        """The states at physical times as :meth:`at` gives them, each compared with a run at more digits.
+        """The states of :meth:`at`, each compared with a run at more digits.
 
         The Trajectory has ``error``, the larger of the differences in γ and in M/|M|, and ``digits``, how many decimal
         digits agree, both of shape (N,). The inputs count as exact. PrecisionLoss where fewer than ``digits`` agree; by
-        default all but one of MP(digits), 12 of RR. This compares two computations; what bounds the error rigorously is
-        :meth:`enclosure`.
+        default all but one of MP(digits), 12 of RR. This compares two computations; :meth:`enclosure` bounds the error
+        rigorously.
         """
         from integrable.motion.certificate import certified
 
@@ -140,7 +139,7 @@ class Flow(BodyMotion):
         )
 
     def enclosure_at_tau(self, tau: Any, digits: int | None = None) -> Enclosure:
-        """:meth:`enclosure` at values of the flow's own time: a few additions, whatever τ is."""
+        """:meth:`enclosure` at values of the flow's own time: a few additions for any τ."""
         from integrable.motion.enclosure import enclosure_at_tau
         from integrable.phase.enclosure import ball_digits
 
@@ -152,20 +151,21 @@ class Flow(BodyMotion):
     ) -> Trajectory:
         """The states between two physical times at which ``condition`` changes sign, in order of time.
 
-        ``condition`` takes γ and M, both of shape (N, 3), and gives N numbers, smooth in them: ``lambda gamma, M:
-        gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 keeps its rising zeros, −1 the falling ones. Zeros without a change
-        of sign may be missed. ArgumentError for times that don't ascend and values of another shape, PrecisionLoss for
-        a condition that is not smooth. (:mod:`integrable.motion.events`)
+        ``condition`` takes γ and M, both of shape (N, 3), and returns N numbers that depend smoothly on them: ``lambda
+        gamma, M: gamma[:, 2]`` finds γ₃ = 0. ``direction`` 1 keeps its rising zeros, −1 the falling ones. Zeros without
+        a change of sign may be missed. ArgumentError for times that don't ascend and values of another shape,
+        PrecisionLoss for a condition that is not smooth. (:mod:`integrable.motion.events`)
         """
         from integrable.motion.events import events
 
         return events(self, condition, start, end, direction)
 
     def sensitivity(self, times: Any) -> Sensitivity:
-        """∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, to rounding at any time: on a torus secular and periodic part
-        apart (:mod:`integrable.portrait.sensitivity`).
+        """∂(γ, M)/∂(γ(0), M(0), I, d) at physical times, to rounding at any time
+        (:mod:`integrable.portrait.sensitivity`).
 
-        Over MP(digits), and beside a separatrix, by differences of motions in more digits: seconds.
+        On a torus the secular and periodic parts are separate. Over MP(digits), and next to a separatrix, differences
+        of motions in more digits take seconds.
         """
         from integrable.portrait.sensitivity import sensitivity
 
@@ -180,8 +180,8 @@ class Flow(BodyMotion):
         return section(self, count, axis)
 
     def spectrum(self) -> Spectrum:
-        """The lines of γ, M and ω with their complex amplitudes, to rounding (:mod:`integrable.portrait.spectrum`);
-        floats only, NotRepresentable for a motion on no torus of dimension two.
+        """The spectral lines of γ, M and ω with their complex amplitudes, to rounding
+        (:mod:`integrable.portrait.spectrum`); floats only, NotRepresentable for a motion on no torus of dimension two.
         """
         from integrable.portrait.spectrum import lines_of
 
@@ -202,7 +202,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _variations(self) -> TorusVariations | None:
-        """None where floats and a compact torus do not carry derivatives."""
+        """None where floats or a compact torus do not suffice for derivatives."""
         if self.system.field != RR or self._closed or not (self._torus and self._torus.compiled):
             return None
         from integrable.portrait.sensitivity import TorusVariations
@@ -226,7 +226,7 @@ class Flow(BodyMotion):
 
     @property
     def _far(self) -> Way:
-        """What computes the states at any times."""
+        """The way to the states at any times."""
         if self._closed:
             return self._closed
         if self._torus:
@@ -246,7 +246,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _precise(self) -> RoundedRows:
-        """The flow to as many digits as it takes."""
+        """The flow to as many digits as needed."""
         from integrable.motion.precise import RoundedRows
 
         return RoundedRows(self.system.field, self._many, "multiprecision")
@@ -254,12 +254,12 @@ class Flow(BodyMotion):
     @cached_property
     def _many(self) -> PreciseFlow:
         from integrable.motion.precise import PreciseFlow
-        from integrable.motion.precise_clock import Limits
+        from integrable.motion.precise_clock import ClockLimits
 
         field, body = self.system.field, self.system.body
         if field != RR:
             return PreciseFlow(body, self.state, field.dps, self.setup)
-        limits = Limits(MOST_RATES, CLOCK_DIGITS, self._compiled)
+        limits = ClockLimits(MOST_RATES, CLOCK_DIGITS, self._compiled)
         return PreciseFlow(body, self.state, ROUNDED_TO_FLOATS, limits=limits)
 
     @cached_property
@@ -296,7 +296,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _torus(self) -> TorusFlow | None:
-        """None where the torus is not compact, or nearly so that its corners lose too many digits."""
+        """None where the torus is not compact, or so nearly that its corners lose too many digits."""
         from integrable.torus.access import TorusFlow
         from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
@@ -311,13 +311,13 @@ class Flow(BodyMotion):
 
     @cached_property
     def contact_on_torus(self) -> TorusIntegral | None:
-        """What :attr:`Trajectory.contact` is far from the start, kept from one run to the next."""
+        """The :attr:`Trajectory.contact` far from the start, cached for later runs."""
         from integrable.motion.contact import on_torus
 
         return on_torus(self)
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """What :attr:`Trajectory.contact` is (:mod:`integrable.motion.contact`)."""
+        """The :attr:`Trajectory.contact` (:mod:`integrable.motion.contact`)."""
         from integrable.motion.contact import positions
 
         return positions(run)
@@ -335,13 +335,13 @@ class Flow(BodyMotion):
         level set.
         """
         if way.way == "short run" or rows.dtype == object:
-            # these have compared them, the precise flow with more digits
+            # these ways have compared them already, the precise flow with more digits
             return super()._off(rows, way)
         found: list[np.ndarray] = []
         why = ""
         for first in range(0, len(rows), CHUNK):
             drift = integrals_drift(self, rows[first : first + CHUNK])
-            # quick where all is well; a NaN is the largest
+            # fast where no row is off; a NaN is the largest
             if drift.max() <= DRIFT:
                 continue
             with np.errstate(invalid="ignore"):
@@ -361,7 +361,7 @@ def integrals_drift(flow: Flow, rows: np.ndarray) -> np.ndarray:
     (h1, h2), energies = flow._level, flow.system.body.energies
     if len(rows) <= FEW:
         found = [energies(row[:3], row[3:]) for row in rows.tolist()]
-        # a NaN is in H1 whenever it is in a row, and max keeps it where it comes first
+        # H1 is NaN whenever its row is, and max keeps a NaN that comes first
         return np.array([max(abs(k1 / h1 - 1), abs(k2 / h2 - 1)) for k1, k2 in found])
     found1, found2 = energies(rows[:, :3].T, rows[:, 3:].T)
     return np.maximum(abs(found2 / h2 - 1), abs(found1 / h1 - 1))

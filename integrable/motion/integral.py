@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
-# of states that cost microseconds, and of interpreted ones
+# for states that cost microseconds, and for interpreted ones
 MOST_SAMPLES, MOST_INTERPRETED = 1 << 18, 1 << 12
 # relative: modes below this are rounding
 NOISE = 1e-15

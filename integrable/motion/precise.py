@@ -1,19 +1,20 @@
-"""The exact flow to many digits: the same additions as for floats, in bare reals, at a precision chosen from inside.
+"""The exact flow to many digits: the same additions as for floats, in bare reals, at a precision that it chooses.
 
-Numbers are computed with 30 digits more than asked for, and with as many more as errors can grow by beside a separatrix
-(:func:`integrable.moving_point.losses.lost_digits`). What a motion loses is measured as well on every call, from the
-integrals of all states and from the farthest state made again with more digits; where the digits do not suffice all is
-done again with as many more as were missing.
+Numbers have 30 digits more than requested, and as many more as errors can grow by next to a separatrix
+(:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the integrals of all
+states and from the farthest state, computed again with more digits. Where the digits do not suffice, the computation is
+repeated with as many more as were missing.
 """
 
 from __future__ import annotations
 
+from functools import wraps
 from math import ceil, inf
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from integrable.motion.precise_clock import NEAR_CELLS, NONE, Limits, OneTime, PanelClock
+from integrable.motion.precise_clock import NEAR_CELLS, NONE, ClockLimits, OneTime, PanelClock
 from integrable.moving_point import addition
 from integrable.moving_point.centres import Centres
 from integrable.moving_point.losses import NOTHING, digits_of, drift, lost_digits
@@ -27,24 +28,24 @@ if TYPE_CHECKING:
     from integrable.phase.body import Body, Vector
     from integrable.phase.state import State
 
-# digits by which the second computation of the farthest state is wider, beside those that it may lose
+# extra digits of the second computation of the farthest state, beyond those that it may lose
 WIDER = 10
-# digits that a result keeps beyond those asked for
+# digits that a result keeps beyond the requested ones
 SPARE = 2
-# what a motion may lose, beyond as many digits as are asked for: half a minute of computing on the separatrix
+# the largest loss, beyond as many digits as are requested: half a minute of computing on the separatrix
 MOST_LOST = 400
 # from this many basic steps for each digit on, the torus costs less than stepping there
 TORUS_FROM = 20
-# multiplications of its tables that take as long as a step and a digit do, and as many as there is room for
+# multiplications of its tables that cost as much as a step per digit, and the largest number that fits into memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from this many digits on a first time is found alone, and by how many digits of it
+# from this many digits on a first time is computed alone, to this many digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
 class Carrier:
-    """A motion at one precision: what :class:`ManyDigits` is made of. Times and τ are wide, in units of its own.
+    """A motion at one precision: the working part of :class:`ManyDigits`. Times and τ are wide, in units of its own.
 
-    ``digits`` are those that its results may have; what guards them is not counted.
+    ``digits`` are those of its results, without guard digits.
     """
 
     digits: int
@@ -60,19 +61,19 @@ class Carrier:
         return t
 
     def lost(self, tau: Any) -> int:
-        """How many digits an error may grow by until τ ≥ 0."""
+        """The number of digits by which an error may grow until τ ≥ 0."""
         raise NotImplementedError
 
     def most_tau(self, t: Any) -> Any:
-        """About the τ of a physical time t ≥ 0, to tell from what would be lost there before there is a clock."""
+        """About the τ of a physical time t ≥ 0, to estimate the loss there before there is a clock."""
         return t
 
     def tau(self, times: list[Any], digits: int) -> list[Any]:
-        """τ at physical times, to so many digits."""
+        """τ at physical times, to that many digits."""
         return times
 
     def tau_alone(self, time: Any, digits: int) -> Any:
-        """τ at a physical time where no other is asked for."""
+        """τ at a single physical time."""
         return self.tau([time], digits)[0]
 
     def times(self, tau: list[Any], digits: int) -> list[Any]:
@@ -80,7 +81,7 @@ class Carrier:
         return tau
 
     def clock_missing(self, tau: Any, digits: int) -> int:
-        """How many of so many digits the clock lacks at a τ that it gave, where it can tell."""
+        """How many of that many digits the clock lacks at its τ, where it can tell."""
         return -digits
 
     def point(self, tau: Any) -> Any:
@@ -100,8 +101,26 @@ class Carrier:
         raise NotImplementedError
 
 
+def undone_if_interrupted(method: Any) -> Any:
+    """A method of :class:`ManyDigits` that restores the digits if Ctrl-C ends it, so that later calls are as fast as
+    before.
+    """
+
+    @wraps(method)
+    def inside(self: ManyDigits, *arguments: Any) -> Any:
+        before = self.carrier, self._witness, self._witnessed
+        try:
+            return method(self, *arguments)
+        except BaseException as error:
+            if not isinstance(error, Exception):
+                self.carrier, self._witness, self._witnessed = before
+            raise
+
+    return inside
+
+
 class ManyDigits:
-    """The states of a motion to ``digits`` digits relative to exact inputs, whatever is lost on the way."""
+    """The states of a motion to ``digits`` digits relative to exact inputs, for any loss in between."""
 
     expected = 24
     """What may be lost of the digits that guard those of a carrier."""
@@ -127,12 +146,13 @@ class ManyDigits:
         """The moving points at τ."""
         return self._good(tau, False)[1]
 
+    @undone_if_interrupted
     def times(self, tau: list[Any]) -> list[Any]:
         """Physical times at τ, in the user's units."""
         while True:
             carrier = self.carrier
             scaled = [carrier.scaled(t) for t in tau]
-            lost = self._enough(max(map(abs, scaled), default=0))
+            lost = self.enough(max(map(abs, scaled), default=0))
             if lost is None:
                 continue
             times = carrier.times(scaled, self.digits + SPARE + lost)
@@ -156,13 +176,14 @@ class ManyDigits:
             )
         self.carrier, self._witness, self._witnessed = self.carrier_of(digits), None, 0
 
+    @undone_if_interrupted
     def _good(self, times: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
         while True:
             carrier = self.carrier
             tau = [carrier.scaled(t) for t in times]
             far = max(map(abs, tau), default=0)
-            # what the time alone is too far for needs no clock
-            lost = self._enough(carrier.most_tau(far) if clock else far)
+            # a time that is too far needs no clock
+            lost = self.enough(carrier.most_tau(far) if clock else far)
             if lost is None:
                 continue
             if clock and tau:
@@ -170,11 +191,11 @@ class ManyDigits:
                 if len(tau) == 1:
                     tau = [carrier.tau_alone(tau[0], wanted)]
                 else:
-                    # the farthest says whether the digits suffice
-                    if self._enough(abs(carrier.tau([max(tau, key=abs)], wanted)[0])) is None:
+                    # the farthest shows whether the digits suffice
+                    if self.enough(abs(carrier.tau([max(tau, key=abs)], wanted)[0])) is None:
                         continue
                     tau = carrier.tau(tau, wanted)
-                if self._enough(max(map(abs, tau))) is None:
+                if self.enough(max(map(abs, tau))) is None:
                     continue
             points = [carrier.point(t) for t in tau]
             missing = self._missing(tau, points)
@@ -182,10 +203,10 @@ class ManyDigits:
                 missing = carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
             if missing <= 0:
                 return tau, points
-            # where nothing is right it is not known how much is missing
+            # where no digit is right the number of missing ones is unknown
             self.add_digits(min(missing, carrier.digits) + WIDER)
 
-    def _enough(self, tau: Any) -> int | None:
+    def enough(self, tau: Any) -> int | None:
         """The digits that errors may grow by until τ; None where there were not as many, and now there are more."""
         lost = self.carrier.lost(tau)
         missing = lost - self.expected - (self.carrier.digits - self.digits)
@@ -195,7 +216,7 @@ class ManyDigits:
         return None
 
     def _missing(self, tau: list[Any], points: list[Any]) -> int:
-        """How many of the digits asked for the points lack, 0 or less for none."""
+        """How many of the requested digits the points lack, 0 or less for none."""
         carrier, wanted = self.carrier, self.digits + SPARE
         missing = carrier.drift(points) + wanted
         far = max(range(len(tau)), key=lambda i: abs(tau[i]), default=None)
@@ -212,7 +233,7 @@ class ManyDigits:
 
 
 class RoundedRows:
-    """States to as many digits as it takes, rounded to a field: RR or MP(digits)."""
+    """States to as many digits as needed, rounded to a field: RR or MP(digits)."""
 
     def __init__(self, field: Any, many: ManyDigits, way: str) -> None:
         self.field, self.many, self.way = field, many, way
@@ -255,7 +276,7 @@ class BodyCarrier(Carrier):
         self,
         setup: Setup,
         problem: tuple[Body, Vector, Vector, bool],
-        limits: Limits = NONE,
+        limits: ClockLimits = NONE,
         scouts: Scouts | None = None,
     ) -> None:
         self.setup = setup
@@ -308,13 +329,13 @@ class BodyCarrier(Carrier):
     def tau(self, times: list[Any], digits: int = 0) -> list[Any]:
         """τ at every physical time, to the digits of the setup."""
         setup = self.setup
-        # at the first rate: a heavy ball's τ runs a thousand times faster than t
+        # at the first rate, since a heavy ball's τ runs a thousand times faster than t
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:
             return [setup.wide.coerce(t) for t in torus.tau([torus.wide.coerce(t) for t in times])]
         result = [setup.wide.zero] * len(times)
-        # the farthest first: where that is too far nothing has been computed yet
+        # the farthest first: if it is too far, nothing has been computed yet
         for i in sorted((i for i, t in enumerate(times) if t != 0), key=lambda i: -abs(times[i])):
             sign = -1 if times[i] < 0 else 1
             cell, x = self._clock(sign).place(setup.reals.number(abs(times[i])))
@@ -325,7 +346,7 @@ class BodyCarrier(Carrier):
 
     def tau_alone(self, time: Any, digits: int) -> Any:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
-        # a series of the clock is worth its making from the second time on
+        # a series of the clock pays from the second time on
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)
@@ -377,19 +398,23 @@ class BodyCarrier(Carrier):
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
-            self._torus = self._made_torus(work)
+            # at such a τ the phases have no digits left after the point
+            whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
+            self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
 
-    def _made_torus(self, work: float) -> Any:
-        """The clock on the torus, if its tables take no more multiplications; else None, and what it takes is known."""
+    def _made_torus(self, work: float, digits: int) -> Any:
+        """The clock on the torus to so many digits after the point, if its tables take no more multiplications; else
+        None, and what it takes is known.
+        """
         from integrable.torus.long_clock import MultiprecisionTorusClock
         from integrable.torus.oval_modes import TooManyModes
 
         setup, self._least_work = self.setup, inf
-        # branch points that are close together cost digits, which look like modes of 1/g
+        # branch points that are close together lose digits, which then look like modes of 1/g
         for make in (lambda: setup, lambda: Setup(*self._problem, digits=2 * setup.digits)):
             try:
-                return MultiprecisionTorusClock(make(), setup.digits, most_work=work)
+                return MultiprecisionTorusClock(make(), setup.digits, most_work=work, after=digits)
             except TooManyModes as error:
                 self._least_work = error.work
                 return None
@@ -407,11 +432,11 @@ class PreciseFlow(ManyDigits):
     carrier: BodyCarrier
 
     def __init__(
-        self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: Limits = NONE
+        self, body: Body, state: State, digits: int, setup: Setup | None = None, limits: ClockLimits = NONE
     ) -> None:
         self._problem = body, state.gamma, state.M, state.tilted
         self._limits = limits
-        # what leaves the torus in floats loses digits: a set-up of some more costs less than a second one
+        # a motion that floats refuse loses digits: a set-up with extra digits costs less than a second one
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
         self._centres: dict[int, Centres] = {}
@@ -426,7 +451,7 @@ class PreciseFlow(ManyDigits):
         while True:
             setup = self.carrier.setup
             last = setup.wide.coerce(sign * (2 * count - 1) * half)
-            if self._enough(last) is None:
+            if self.enough(last) is None:
                 continue
             found = self._centres.get(sign)
             if found is None or found.setup is not setup:

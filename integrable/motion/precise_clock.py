@@ -22,23 +22,23 @@ from jacobian.numbers.roots import root
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# cells of a long panel (odd, so that it is centred at a cell), and cells before the first of them
+# cells of a long panel (odd, so that its centre is that of a cell), and cells before the first of them
 LONG = 9
 NEAR_CELLS = 27
-# the first cells may be so many times as fast or slow as those after them
+# the first cells may be this many times faster or slower than later ones
 UNEVEN = 4
 # decimal digits a coefficient, below which long panels are not used
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1 − dα at the axes from which on 1/g is read off U(1/d): three digits of those that guard
+# 1 − dα at the axes from which on 1/g is computed from U(1/d): three guard digits
 LIGHT = 1e-3
-# the panel at the end of a way to one time has this part of it, in decimal digits: τ is to be known to more
+# the panel at the end of the way to one time has this part of it, in decimal digits: τ must be known to more
 END_DIGITS, END_STEPS = 12, 12
 # where Newton's steps in floats end, how good a place must be then, and the bits of it that are right; else so many
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
-class Limits(NamedTuple):
+class ClockLimits(NamedTuple):
     """What a clock may cost and how good it is: so many values of 1/g on the way to a time, so many digits, and whether
     double-double numbers may give them where they have those."""
 
@@ -47,7 +47,7 @@ class Limits(NamedTuple):
     compiled: bool = False
 
 
-NONE = Limits()
+NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
@@ -64,12 +64,12 @@ class Unresolved(ArithmeticError):
     """A cell whose Legendre series has not converged."""
 
 
-class Panels:
+class RatePanels:
     """1/g on panels of the flow's own time in one direction, in the units and bare reals of a setup. ``scouts`` are
     those of another clock of the motion.
     """
 
-    def __init__(self, setup: Setup, sign: int, limits: Limits = NONE, scouts: Scouts | None = None) -> None:
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
         self._setup = setup
         self._sign = sign
         self._digits = min(setup.digits, limits.digits)
@@ -108,15 +108,15 @@ class Panels:
         return self._scouts.digits_a_node(self._sign, length)
 
 
-class PanelClock(Panels):
+class PanelClock(RatePanels):
     """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
 
-    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is
-    too uneven for Legendre series of at most 6 nodes a digit, and where a way takes more values of 1/g than ``limits``
-    says.
+    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is too
+    uneven for Legendre series of at most 6 nodes a digit, and where the way takes more values of 1/g than ``limits``
+    allow.
     """
 
-    def __init__(self, setup: Setup, sign: int, limits: Limits = NONE, scouts: Scouts | None = None) -> None:
+    def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
         super().__init__(setup, sign, limits, scouts)
         self._most = limits.most
         self._use(self._node_count(self._digits_a_node(1)))
@@ -128,7 +128,7 @@ class PanelClock(Panels):
         return self._resolved(lambda: self._inverse(t))
 
     def time(self, cell: int, x: Any) -> Any:
-        """What the clock shows at a place."""
+        """The clock's time at a place."""
         return self._resolved(lambda: self._time(cell, x))
 
     def _resolved(self, compute: Any) -> Any:
@@ -192,7 +192,7 @@ class PanelClock(Panels):
         while self._end(len(self._ends) - 2) <= t and len(self._ends) <= NEAR_CELLS + 1:
             self._end(len(self._ends) - 1)
         if self._ends[-1] <= t:
-            # at the mean rate of the cells that are known
+            # at the mean rate of the known cells
             self._afford(float(t / self._ends[-1]) * len(self._ends))
         if self._ends[-1] > t or not self._far_reaches(t):
             while self._ends[-1] <= t:
@@ -224,7 +224,7 @@ class PanelClock(Panels):
             return False
         while not self._far or self._far[-1] <= t:
             self._wind(len(self._far))
-            # the first cells may have promised more than those after them keep; a mean is known the better the longer
+            # the first cells may have promised more than later ones keep; a longer mean is more accurate
             cells = NEAR_CELLS + LONG * (len(self._far) - 1)
             self._afford(float(t / self._far[-1]) * cells, 1 + UNEVEN * NEAR_CELLS / cells)
         return True
@@ -284,7 +284,7 @@ class PanelClock(Panels):
         return self._series[cell]
 
 
-class OneTime(Panels):
+class OneTime(RatePanels):
     """τ at one physical time to very many digits, without a series of the clock; ``point(τ)`` is the moving point.
 
     Where τ is known to some digits, a Gauss rule over the way gives the physical time there, in half the nodes that a

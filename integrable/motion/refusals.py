@@ -1,4 +1,4 @@
-"""Which rows of a run can be had: what ``strict=False`` keeps of it, and why the others are refused."""
+"""Refused rows of a run: which rows ``strict=False`` keeps, and why the others are refused."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Rows(NamedTuple):
 def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
     """``compute(values)``, rows and τ, without the rows that it refuses: those are ``nan``.
 
-    What is too far away is too far whatever else is asked for: the first refused distance in either direction is
-    found by bisection over single rows, and the rows before it are computed together.
+    A time that is too far stays so in any call. So bisection over single rows finds the first refused distance in
+    either direction, and the rows before it are computed together.
     """
     status, reasons = np.zeros(len(values), dtype=np.intp), [""]
     left = np.arange(len(values))
@@ -62,7 +62,7 @@ def _place(reasons: list[str], why: str) -> int:
 
 
 def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """(rows, why) of the times in either direction from the first on that is refused when it is asked for alone."""
+    """(rows, why) for the times in either direction from the first that is refused by itself."""
     for sign in (1, -1):
         chosen = left[np.array([(t < 0) == (sign < 0) for t in values[left]], dtype=bool)]
         order = chosen[np.argsort(np.abs(values[chosen]), kind="stable")]
@@ -80,8 +80,8 @@ def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable
 
 
 def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """The same where each is had alone: the first, by distance, that is refused together with those before it, and all
-    behind it.
+    """The same where each is accepted by itself: the first, by distance, that is refused together with those before it,
+    and all beyond.
     """
     order = left[np.argsort(np.abs(values[left]), kind="stable")]
     low, high, why = 0, len(order), ""
@@ -96,7 +96,7 @@ def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterabl
 
 
 def _refusal(compute: Compute, values: np.ndarray) -> str:
-    """What the rows are refused with, "" where they are had."""
+    """The reason for refusing the rows, "" where they are accepted."""
     try:
         compute(values)
     except REFUSALS as error:

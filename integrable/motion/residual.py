@@ -1,4 +1,4 @@
-"""How far a moving point is from its curve after many additions, one after the other."""
+"""The distance of a moving point from its curve after many successive additions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from jacobian.numbers.compiler import interpreted
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# from this many additions on, loading or making the compiled loop pays
+# from this many additions on it pays to load or compile the loop
 COMPILE_FROM = 100_000
 # a minute of compiled additions
 MOST_COUNT = 100_000_000

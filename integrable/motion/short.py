@@ -1,8 +1,8 @@
 """The flow in floats for few turns: short runs of one call each, which need no torus.
 
-A run does its own set-up, so that a fresh flow has nothing to wait for (:mod:`integrable.moving_point.short` says how).
-Compiled it costs some tens of microseconds and a few for every panel; the same source is interpreted, some hundred
-times slower, where nothing is to be compiled. What it is not sure of is left to the next way.
+A run does its own set-up, so a fresh flow answers at once (:mod:`integrable.moving_point.short`). Compiled it costs
+some tens of microseconds and a few for every panel. Interpreted the same source is some hundred times slower. Doubtful
+cases are left to the next way.
 """
 
 from __future__ import annotations
@@ -52,28 +52,29 @@ class TorusCost(NamedTuple):
     dense: float
 
 
-# without a clock; with one; and where 1/g has far more modes: I/(I + d) of moments so many times apart
+# without a clock; with one; and where 1/g has far more modes: moments whose I/(I + d) differ by this factor
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(4500.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
-# the states of a torus are the nearest floats, those of panels some roundings off: one run has to be so many times
-# cheaper, many as cheap
+# the states of a torus are the nearest floats, those of panels some roundings off: so one run must be this many times
+# cheaper, many runs as cheap
 WORTH, WORTH_OF_MANY = 2.0, 1.0
-# panels at most: their errors grow like their number, as those of inputs do, which are larger
+# the largest number of panels: errors grow with their number, as the larger ones of the inputs do
 MOST_PANELS = 3000
-# times at most
+# the largest number of times
 MOST_TIMES = 20_000
 # interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
-# what the clock of a run may be off by, in the units of the motion, and by what part of the way besides. Many go
-# farther than one does: a rounding of what they are given would move their clocks as much
+# the error allowed in a run's clock, in the units of the motion, and relative to the time. Many runs may go farther
+# than one: rounding their inputs moves their clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
-# centres in many digits at most, and what the panels about them may cost, in those in floats
+# the largest number of centres in many digits, and the cost of the panels around them, in panels in floats
 MOST_CENTRES, MOST_CARE = 400, 10_000
-# digits that an addition loses, twice those that errors grow by, from which on panels in floats round less than inputs
+# digits lost in an addition, twice those by which errors grow, from which on panels in floats round less than the
+# inputs
 SENSITIVE = 16
-# times of a run whose room is kept for the next
+# the number of times of a run whose memory is kept for the next
 KEPT_TIMES = 512
 # bits of the wide numbers where nothing is compiled
 BITS = 160
@@ -82,7 +83,7 @@ Found = tuple[np.ndarray, np.ndarray]
 
 
 class ShortRuns:
-    """γ and M at a few turns' times from one state, in the user's units; None where another way has to be taken.
+    """γ and M at a few turns' times from one state, in the user's units; None where another way is needed.
 
     ``kernel`` as for :class:`integrable.motion.flow.Flow`. ``torus``: whether there is one already.
     """
@@ -92,7 +93,7 @@ class ShortRuns:
         self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
         self._cost = torus_cost(min(body.inertia), max(body.inertia), body.d)
-        # panels of this flow: a torus would have been paid for by as many
+        # panels of this flow so far: that many would have paid for a torus
         self.panels = 0
 
     def at(self, times: np.ndarray, torus: bool = False) -> Found | None:
@@ -140,7 +141,7 @@ class ShortRuns:
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):
-                # compiled these are infinities, not-a-numbers, and roots of negative numbers
+                # compiled code gives infinities, NaN, and roots of negative numbers here
                 status = short.LOST
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:
@@ -162,7 +163,7 @@ class GuardedRuns(ShortRuns):
         half = short.panel_half(float(setup.problem.half_step))
         rate = float(abs(rate_at(setup.problem.axes, setup.problem.start))) if physical else 1.0
         panel = 2 * half * rate / float(setup.time_scale)
-        # the last times in either direction, in panels at the first rate; what no panels lead to may be any number
+        # the last times in either direction, in panels at the first rate; times that no panel reaches may be any number
         ways = [
             max(way) / panel if len(way) else -1 for way in (times[times >= 0].tolist(), (-times[times < 0]).tolist())
         ]
@@ -295,7 +296,7 @@ class ShortFirst:
 
 @cache
 def rule() -> Rule:
-    """The nodes of a panel and what goes with them."""
+    """The nodes of a panel with their weights."""
     places: list[float] = []
     for j, (first, second) in enumerate(SUMS):
         begin = 0.5**first if j < LOT else places[first]
@@ -330,7 +331,7 @@ def _listed() -> Rule:
 
 
 class Prepared(NamedTuple):
-    """What calls of the compiled loops have in common."""
+    """Data that calls of the compiled loops share."""
 
     call: Any
     rule: Packed

@@ -11,12 +11,14 @@ With κ² = 1 − A², of the sign of K, so K = |M|κ/√μ, the other two are a
 
     φ = φ₀ + arctan(κ tan θ) − κ√(r₃/r)·Π(A²; θ | m) − κ(a₃ − a)/(a√(r·r₃))·F(θ | m),  m = δA²/r,
 
-elliptic integrals of the third and the first kind; τ is the latter. F is its mean (2K/π)θ and a swing P(θ) about it
-of the size of m; where the moments differ by many orders φ turns that much faster than θ, so the mean goes with the
-time itself, and is taken from the start. (Chaplygin 1903 integrates the ball with theta
-functions; with equal moments his curve has a double point, and what is left is this. Derived from γ̇ = γ×ω with the
-integral gM₃; at d = 0 both integrals are elementary and this is the free symmetric top.) A tilted body is brought to
-(γ, M) = 0 by Chaplygin's transformation, whose time is t up to a function of θ: an equation like Kepler's.
+with elliptic integrals of the third and the first kind; τ is the latter. F is its mean (2K/π)θ plus an oscillation P(θ)
+of the size of m. Where the moments differ by many orders, φ turns that much faster than θ, so the mean is computed from
+the time since the start.
+
+Chaplygin (1903) integrates the ball with theta functions; with equal moments his curve has a double point, and this is
+the limit. It is derived from γ̇ = γ×ω with the integral gM₃. At d = 0 both integrals are elementary: the free symmetric
+top. Chaplygin's transformation brings a tilted body to (γ, M) = 0; its time is t up to a function of θ, an equation
+like Kepler's.
 """
 
 from __future__ import annotations
@@ -39,21 +41,21 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 Long = np.longdouble
-# more turns than this leave no digits of a float behind
+# beyond this many turns no digits of a float are left
 MOST_TURNS = 2.0**50
 # the complete integrals end where this, squared, is nothing
 NEAR = 1e-22
 # up to this θ − θ₀ is known to the last digit of itself
 NEARBY = 0.75
-# Newton's steps for the phase of a tilted body, bisections among them
+# Newton steps for the phase of a tilted body, with bisections among them
 PASSES = 80
 
 
 class SymmetricFlow:
     """γ and M at any times, in floats, from a state of a body that has a :func:`symmetry_axis`.
 
-    What is the same at all times is computed in extended precision; phases are reduced in two floats, the rest is done
-    in long doubles. PrecisionLoss beyond 2^50 turns.
+    Constants are computed in extended precision; phases are reduced in two floats, and the rest is in long doubles.
+    PrecisionLoss beyond 2^50 turns.
     """
 
     way = "closed form"
@@ -68,17 +70,17 @@ class SymmetricFlow:
         self._phases(swing, *swing.clock(upright))
 
     def _shape(self, swing: Swing) -> None:
-        """What the states take beside θ and φ, as long doubles."""
+        """The constants of the states except θ and φ, as long doubles."""
         r, r3, delta, _, momentum, kappa, size, mu = swing[:8]
         sqrt = self._wide.sqrt
         # no curve is left at d = 0 and for three equal moments: F is θ, and Π with arctan is nothing
         self._flat = bool(delta == 0)
         self._kappa, self._size, self._root3 = map(long, (kappa, size, sqrt(r3)))
         self._delta, self._bulge, self._root_mu = map(long, (delta, swing.spread / mu, sqrt(mu)))
-        # g⁻² at γ₃ = A and what γ₃ = 0 adds to it, or the reverse: a sum of two numbers ≥ 0
+        # g⁻² at γ₃ = A plus the contribution of γ₃ = 0, or the reverse: a sum of two numbers ≥ 0
         self._least, self._more = long(mu if delta > 0 else r), long(abs(swing.spread))
         self._spin, self._across = long(swing.spin), long(momentum * size / sqrt(mu))
-        # r₃/r, and what F and Π are multiplied with in φ
+        # r₃/r, and the factors of F and Π in φ
         self._thin = long(r3 / r)
         first, third = swing.factors
         self._factors = long(first), long(third)
@@ -101,7 +103,7 @@ class SymmetricFlow:
         if swing.kappa and not self._flat:
             pole = _complete(K, modulus, swing.kappa * swing.kappa)
             self._third_advance = ((pi if swing.kappa > 0 else -pi) - 2 * third * pole) / (2 * pi)
-        # where they are at time 0
+        # their values at time 0
         count = int(K.context.nint(swing.theta / pi))
         x = long(swing.theta - count * pi)
         self._start_count, self._start_x = count, x

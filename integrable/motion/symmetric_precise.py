@@ -221,7 +221,7 @@ class PreciseClosedForm:
         return np.array(rows, dtype=object).reshape(-1, 6), np.array(others, dtype=object)
 
     def _digits(self, t: Any, of_flow: bool) -> int:
-        """Digits that are enough at the farthest time: two computations of it agree."""
+        """Digits that suffice at the farthest time: two computations of it agree."""
         own = self._field.dps
         rough = self._form(own + GUARD)
         turned = rough.turns(rough.context.mpf(t), of_flow)

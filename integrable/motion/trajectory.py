@@ -1,4 +1,4 @@
-"""What a motion is, and its states at given times, whose quantities are computed when they are asked for."""
+"""Motions, and their states at given times, whose quantities are computed on request."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ WAYS = {
 
 
 class Way(Protocol):
-    """What computes the states of a motion over its field. ``way`` is the word of :attr:`Trajectory.way` for it."""
+    """A way of computing the states of a motion over its field. ``way`` is its word for :attr:`Trajectory.way`."""
 
     way: str
 
@@ -68,8 +68,8 @@ class Way(Protocol):
 
 class Motion(Immutable):
     """The motion of ``system`` through ``state``, over RR or MP(digits): base of the flows of bodies
-    (:class:`integrable.motion.flow.Flow`) and of deformations (:mod:`integrable.deformations.deformed_flow`), which say
-    which :class:`Way` leads to the states.
+    (:class:`integrable.motion.flow.Flow`) and of deformations (:mod:`integrable.deformations.deformed_flow`), which
+    choose the :class:`Way` to the states.
     """
 
     system: Any
@@ -83,8 +83,8 @@ class Motion(Immutable):
     def at(self, times: Any, *, strict: bool = True) -> Trajectory:
         """The states at physical times t, in any order, of any sign and size: a Trajectory of shape (N,).
 
-        A row that cannot be had is refused for all (PrecisionLoss, Infeasible); with ``strict=False`` the others are
-        kept, and :attr:`Trajectory.status` says which, :attr:`Trajectory.reasons` why.
+        One row that cannot be computed refuses the call (PrecisionLoss, Infeasible). With ``strict=False`` the other
+        rows are kept; see :attr:`Trajectory.status` and :attr:`Trajectory.reasons`.
         """
         return self._run(self._checked(times, "times"), flag(strict, "strict"), physical=True)
 
@@ -107,26 +107,26 @@ class Motion(Immutable):
             f"motion by {self.method}", [("system", self.system), ("γ(0)", self.state.gamma), ("M(0)", self.state.M)]
         )
 
-    # --- what a motion says of itself
+    # --- for subclasses
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        """What computes the states at these times, values of τ unless ``physical``."""
+        """The way to the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
 
     def _prepare(self, times: Any) -> None:
-        """Make what is made once on the way to states at these times, so that it can be timed by itself."""
+        """Compute the set-up for states at these times, so that it can be timed separately."""
         self._way_to(self._checked(times, "times"), physical=True)
 
     def _off(self, rows: np.ndarray, way: Way) -> tuple[np.ndarray, str]:
-        """Numbers of rows that are not where the motion is, and what is wrong with the first."""
+        """Numbers of rows that are off the motion, and the defect of the first."""
         return NO_ROWS, ""
 
     def _contact_points(self, run: Trajectory) -> np.ndarray:
-        """What :attr:`Trajectory.contact` is."""
+        """The :attr:`Trajectory.contact`."""
         raise NotRepresentable(f"{self.system!r} is no body that rolls on a plane: it has no point of contact")
 
     def _kept(self, way: Way, given: np.ndarray, physical: bool, nan: Any) -> Rows:
-        """The rows that ``way`` does not refuse."""
+        """The rows that ``way`` accepts."""
         return kept_rows(lambda times: _computed(way, times, physical), given, nan)
 
     # --- inside
@@ -166,21 +166,23 @@ def _computed(way: Way, values: np.ndarray, physical: bool) -> tuple[np.ndarray,
 
 
 class BodyMotion(Motion):
-    """The motion of a body, as contact points and events see it: base of :class:`integrable.motion.flow.Flow`."""
+    """The motion of a body in the interface of contact points and events: base of
+    :class:`integrable.motion.flow.Flow`.
+    """
 
     @cached_property
     def setup(self) -> Setup:
-        """What the motion is computed from."""
+        """The set-up of the motion."""
         raise NotImplementedError
 
     @cached_property
     def _precise(self) -> Any:
-        """What computes states with more digits than those of the field."""
+        """The way to states with more digits than those of the field."""
         raise NotImplementedError
 
     @cached_property
     def contact_on_torus(self) -> Any:
-        """The contact point far from the start, or None; kept from one run to the next."""
+        """The contact point far from the start, or None; cached for later runs."""
         raise NotImplementedError
 
     @cached_property
@@ -193,9 +195,9 @@ class Trajectory(Exported):
     """States of a motion at given times; every quantity is computed on first use.
 
     ``times`` has shape (N,), vectors (N, 3); floats give float64 arrays, multiprecision object arrays of mpf. ``tau``
-    is the time of the flow, dτ = g dt. ``way`` says what has computed the rows, a word of :data:`WAYS`. ``reasons``:
-    see :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are what
-    :meth:`integrable.motion.flow.Flow.certify` found, else None. No array can be written to: ``.copy()`` can.
+    is the time of the flow, dτ = g dt. ``way`` names what computed the rows, a word of :data:`WAYS`. ``reasons``: see
+    :attr:`status`. ``report`` is the report of a scene's run, or None; ``error`` and ``digits`` are those of
+    :meth:`integrable.motion.flow.Flow.certify`, else None. Arrays are read-only; a ``.copy()`` is not.
     """
 
     flow: Any
@@ -295,15 +297,16 @@ class Trajectory(Exported):
 
     @property
     def status(self) -> Times:
-        """0 for every row that was had, shape (N,); where ``strict=False`` has kept others, n > 0 for a row that was
-        refused, and ``reasons[n]`` says why. γ and M of such rows are NaN; what is computed from them is refused
-        (NotRepresentable), ask :attr:`kept`.
+        """0 for every computed row, shape (N,); with ``strict=False`` n > 0 for a refused row, with the reason
+        ``reasons[n]``.
+
+        γ and M of refused rows are NaN; quantities computed from them are refused (NotRepresentable): use :attr:`kept`.
         """
         return read_only(np.zeros(len(self), dtype=np.intp)) if self._status is None else self._status
 
     @property
     def kept(self) -> Trajectory:
-        """The rows with status 0 alone."""
+        """Only the rows with status 0."""
         if self._status is None:
             return self
         return self._some(np.flatnonzero(self._status == 0))
@@ -326,7 +329,7 @@ class Trajectory(Exported):
 
     @property
     def given_in_tau(self) -> bool:
-        """Whether the states were asked for at values of τ."""
+        """Whether the states were requested at values of τ."""
         return self._times is None
 
     @property
@@ -348,8 +351,8 @@ class Trajectory(Exported):
     @cached_property
     def attitude(self) -> Matrices:
         """Rotation matrices from the body frame to space, shape (N, 3, 3): rows are the axes of space in the body
-        frame, z = γ vertical, x along the horizontal part of M, which rests in space
-        (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M does not.
+        frame, z = γ vertical, x along the horizontal part of M, which is fixed in space
+        (:mod:`integrable.phase.attitude`). NotRepresentable for a deformation, whose M is not.
         """
         self._check_kept("attitude")
         return read_only(self.system._attitude_along(self.gamma, self.M))
@@ -365,8 +368,8 @@ class Trajectory(Exported):
     def contact(self) -> Vectors:
         """(x, y) of the point where the ball touches the plane, in the axes of :attr:`attitude`, shape (N, 2).
 
-        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for what
-        does not roll (:mod:`integrable.motion.contact`).
+        (0, 0) at t = 0; in the unit of the ball's radius, or in radii if d alone was given. NotRepresentable for a body
+        that does not roll (:mod:`integrable.motion.contact`).
         """
         self._check_kept("contact")
         return read_only(self.flow._contact_points(self))
@@ -381,7 +384,7 @@ class Trajectory(Exported):
         return type(values)(*map(read_only, values))
 
     def _check_kept(self, name: str) -> None:
-        """NotRepresentable where rows were refused: their NaN would go through comparisons without a word."""
+        """NotRepresentable where rows were refused: their NaN would pass comparisons silently."""
         if self.system.field.exact:
             raise NotRepresentable(f"{name}: along a run over RR or MP(digits), not over {self.system.field.name}")
         if self._status is not None:
@@ -393,7 +396,7 @@ class Trajectory(Exported):
 
 
 def joined(first: Trajectory, *others: Trajectory) -> Trajectory:
-    """What :meth:`Trajectory.concatenated` gives."""
+    """The result of :meth:`Trajectory.concatenated`."""
     every = (first, *others)
     for other in others:
         if not isinstance(other, Trajectory) or type(other.flow) is not type(first.flow):

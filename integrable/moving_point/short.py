@@ -1,13 +1,15 @@
-"""States near the start of a motion, by Chebyshev panels: written to be compiled as it stands.
+"""States near the start of a motion, by Chebyshev panels: compiled or interpreted from this text.
 
-A panel is a stretch of the flow's own time. The moving points at the centres of panels are kept in wide numbers: the
-next few are made at once, by one addition each from the last of those before, and put back on their level. A shadow of
-the motion goes along and says how errors have grown. Those at the nodes of a panel are one addition in floats from its
-centre. What is asked for is read off the interpolants: γ and w = γ × M/|M|, and for physical time
-the antiderivative of 1/g. A panel is halved where the last coefficients of its interpolants, or a step between its ends
-and those of its neighbours, say that it should; where rounding says so, its nodes are made in wide numbers. The
-neighbours share no addition but those of centres before, and γ and w cannot change sign without a step: what passes has
-the signs of the motion.
+A panel is an interval of the flow's own time. The moving points at the centres of panels are kept in wide numbers. The
+next few are computed at once, by one addition each from the last of the previous ones, and put back on their level set.
+A second motion on a slightly different level set, the shadow, shows how errors have grown. The moving points at the
+nodes of a panel are one addition in floats each from its centre. States come from the interpolants of γ and w = γ ×
+M/|M|, and physical time from the antiderivative of 1/g.
+
+A panel is halved where the last coefficients of its interpolants, or a jump between its ends and those of its
+neighbours, require it. Where rounding requires it, its nodes are computed in wide numbers. The neighbours share only
+additions of earlier centres, and γ and w cannot change sign without a jump, so a panel that passes has the signs of the
+motion.
 
 Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
 reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.

@@ -2,11 +2,12 @@
 bounded.
 
 A composition and a reduction step are identities between exact divisors, so they map balls around divisors to balls
-around results; where a resultant or a leading coefficient is a ball around 0 the result has no bound. E(τ) comes from
-the g integrals Σ∫x^k dx/y from the points of E, power series in one variable each, by the interval Newton method (Moore
-1966): what the series leave out is bounded by Cauchy's estimate on a disc where f does not vanish. Lifts and integrals
-of the second and third kind are single-valued on C^g, where all ways from 0 to cτ are one, so that they may be
-continued along the way of the points.
+around results. Where a resultant or a leading coefficient is a ball around 0 the result has no bound.
+
+E(τ) comes from the g integrals Σ∫x^k dx/y from the points of E, power series in one variable each, by the interval
+Newton method (Moore 1966). Cauchy's estimate on a disc where f does not vanish bounds the remainder of the series.
+Lifts and integrals of the second and third kind are single-valued on C^g, where all paths from 0 to cτ are equivalent,
+so they may be continued along the path of the points.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from integrable.moving_point.balls import BallField, around
 from integrable.mumford.fields import multiplier
 from integrable.mumford.motion import Placed
 from integrable.mumford.series import through
-from integrable.mumford.translations import Pair, Translations, reference
+from integrable.mumford.translations import GroupTranslations, Pair, reference
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.linear import pivoted
@@ -172,7 +173,7 @@ class EnclosedReference:
     def _moves(self, time: Any) -> list[Any]:
         middle = [(rate * time).mid() for rate in self._rates]
         step = self._newton(time, middle, middle)
-        # quadratic down to the last bits, or to what the time leaves open
+        # quadratic convergence to the last bits, or to the accuracy of the time
         for _ in range(MOST_STEPS):
             middle, before = [(x + y).mid() for x, y in zip(middle, step, strict=True)], step
             step = self._newton(time, middle, middle)
@@ -212,7 +213,7 @@ def flint_kinds(complex: bool) -> tuple[Any, Any]:
     return (flint.acb_series, flint.acb_poly) if complex else (flint.arb_series, flint.arb_poly)
 
 
-class EnclosedTranslations(Translations):
+class EnclosedTranslations(GroupTranslations):
     """T(τ) in balls."""
 
     _fraction = FRACTION
@@ -236,7 +237,7 @@ class EnclosedTranslations(Translations):
         return self.field.bits // (PART - 1) + 8
 
     def _on_curve(self, D: Extended) -> Extended:
-        # a ball is not made smaller by what is known of its middle
+        # a ball stays as wide as it is, even if its midpoint is better known
         return D
 
 

@@ -18,9 +18,9 @@ from itertools import pairwise
 from math import ceil, hypot, log10
 from typing import TYPE_CHECKING, Any
 
+from integrable.mumford.body_torus import SPARE, BodyTorus, SeriesClock, Unit, WalkedClock
 from integrable.mumford.flow import TORUS, MumfordFlow, Path, Point
 from integrable.mumford.motion import Start
-from integrable.mumford.rate_clock import SPARE, PanelClock, SeriesClock, Unit
 from integrable.mumford.system import MumfordSystem, Spectral, all_of, on_sphere
 from integrable.phase.body import cross
 from jacobian import MP, RR, poly
@@ -29,7 +29,6 @@ from jacobian.numbers.long_reals import BareReals
 from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
-    from integrable.mumford.body_torus import BodyTorus
     from integrable.phase.enclosure import EnclosedPath
 
 # digits of τ beyond those of a state; those for far times come in steps, so that few series are made
@@ -73,6 +72,9 @@ class BodySystem(MumfordSystem):
         moves = N.zero if any(x != N.zero for x in state.p) else N.one
         return N.dot(state.q, state.q) - N.one, N.dot(*state), moves
 
+    def _constraint_sizes(self, state: Point) -> list[Any]:
+        return self._surface_sizes([1] * self.size, state)
+
     def _constrained(self, N: Any, state: Point) -> Point:
         return on_sphere(N, state)
 
@@ -115,6 +117,9 @@ class BodySystem(MumfordSystem):
         f = poly.mul(N, f, light if light[1] != N.zero else light[:1])
         return all_of(N, (f, (*u[:2], N.one), v[:2]), 2)
 
+    def _genus(self) -> int:
+        return 2
+
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         return N.one, N.zero
 
@@ -139,16 +144,19 @@ class BodySystem(MumfordSystem):
         w = tuple((y - lean * x) / 2 for x, y in zip(sigma, nu, strict=True))
         return Point(gamma, cross(N, w, gamma))
 
-    def flow(self, state: Point) -> Any:
-        """The motion of a state over RR or MP(digits), any time at once; on a separatrix times near the start."""
-        self._check(state)
-        return BodyFlow(self, state)
+    def flow(self, state: Point, tolerance: float | None = None) -> Any:
+        """The motion of a state over RR or MP(digits), any time at once; on a separatrix times near the start;
+        ``tolerance`` as for other systems.
+        """
+        self._check_range(state)
+        return BodyFlow(self, state, self._tolerance(tolerance))
 
     def close_digits(self, N: Any) -> int:
-        """Digits beyond SPARE that periods lose where the c_i are close together, as those of a light ball are; 0 where
-        the numbers of N do not tell them apart.
+        """Digits beyond SPARE that periods lose where the c_i are close together, as those of a light ball are, or one
+        close to 0, as of a long body; 0 where the numbers of N do not tell them apart.
         """
-        weights = sorted(self._weights(N))
+        # the curve has a branch point where l vanishes
+        weights = [N.zero, *sorted(self._weights(N))]
         gap = min(y - x for x, y in pairwise(weights)) / weights[-1]
         return max(0, ceil(-DIGITS_A_GAP * float(N.context.log10(gap))) - SPARE) if gap else 0
 
@@ -179,10 +187,12 @@ class BodyFlow(MumfordFlow):
 
     _setting_up = 10000
 
-    def __init__(self, system: BodySystem, state: Point) -> None:
-        super().__init__(system, state)
+    _clock = None
+
+    def __init__(self, system: BodySystem, state: Point, tolerance: float | None = None) -> None:
+        super().__init__(system, state, tolerance)
         self._body = system
-        self._clock, self._clocks = None, dict[int, SeriesClock | PanelClock]()
+        self._clocks = dict[int, SeriesClock | WalkedClock]()
 
     def _places(self, times: list[Any]) -> list[Any]:
         """τ, with the digits that the states are to have at the farthest of the times."""
@@ -206,7 +216,7 @@ class BodyFlow(MumfordFlow):
             "values of τ, dt = √s dτ"
         )
 
-    def _made(self, digits: int) -> SeriesClock | PanelClock:
+    def _made(self, digits: int) -> SeriesClock | WalkedClock:
         K = MP(digits + SPARE)
         try:
             wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
@@ -216,10 +226,9 @@ class BodyFlow(MumfordFlow):
             reals = BareReals(K.context.prec)
             fastest = float(max(self._body._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)
-            return PanelClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
+            return WalkedClock(lambda t: self._motion.row(t, _rate, digits)[0][0], reals, digits, length, fastest)
 
     def _made_torus(self) -> BodyTorus:
-        from integrable.mumford.body_torus import BodyTorus
 
         K = MP(DIGITS)
         return BodyTorus(K, self._body._unit(K, self._inner(K)))

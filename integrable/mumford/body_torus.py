@@ -1,28 +1,52 @@
-"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus at the compiled speed of the ball: its corners,
-its clock and its states, along another direction.
+"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus at the compiled speed of the ball, its corners,
+clock and states along another direction; and their clocks to any digits.
 
-The real torus with a clock (:mod:`integrable.mumford.real_torus`) has these motions too, but knows the mean rate of a
-clock only as a sum over a grid, in double-double numbers, and so leaves times beyond 2²⁶ turns to additions. That of a
-body is a determinant of elliptic integrals, as the ball's is, and serves floats up to 2⁵⁰ turns.
+dt/dτ of such a body is a constant over √((1 − X₁)(1 − X₂)), X = 1 a branch point beyond both ovals. Its mean is a
+determinant of elliptic integrals, t a mean rate times τ and a Fourier series (:mod:`integrable.torus.long_clock`);
+where the ovals have met it is a quadrature along the way.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.moving_point.addition import integrate_series
 from integrable.moving_point.bare_problem import BareProblem
-from integrable.mumford.rate_clock import Unit
+from integrable.moving_point.legendre import LegendreSeries
 from integrable.torus.access import MOST_TURNS, TorusFlow
 from integrable.torus.corners import Corners
+from integrable.torus.long_clock import MultiprecisionTorusClock
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.witness import TURNS
+from integrable.torus.witness import left_open
+from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
 
+# digits of the field beyond those that a clock is good to
+SPARE = 20
+# panels of a quadrature at most, and the nodes of one for each digit
+MOST_PANELS, NODES_A_DIGIT = 64, 2
+MOST_STEPS = 100
 
-class Setup(NamedTuple):
-    """What the torus takes of a :class:`integrable.moving_point.setup.Setup`."""
+
+class Unit(NamedTuple):
+    """A body's curve as Y² = (X − ζ)Π(α_i − X)(1 − X): the α_i with the κ_i of their lifts, ζ, the start U_0, U_1, V_0,
+    V_1, σ_1, σ_2, σ_3, ν_1, ν_2, ν_3, where 1/√Σσ² is dt/dτ, (ΣdX/Y, ΣXdX/Y) in a unit of τ, and |M| over that of the
+    pairs (:func:`integrable.phase.coordinates.directions_of`).
+    """
+
+    alphas: tuple[Any, ...]
+    kappas: tuple[Any, ...]
+    zeta: Any
+    start: tuple[Any, ...]
+    direction: tuple[Any, Any]
+    momentum: Any
+
+
+class Timed(NamedTuple):
+    """A :class:`integrable.torus.lattice.TimedSource`."""
 
     bare_problem: BareProblem
     wide: Any
@@ -33,10 +57,12 @@ class Setup(NamedTuple):
 
 
 class BodyTorus(TorusFlow):
-    """γ and M at any times of a motion given in its :class:`~integrable.mumford.rate_clock.Unit` over ``wide``.
+    """γ and M at any times of a motion given in its :class:`Unit` over ``wide``.
 
     PrecisionLoss where there is no such torus.
     """
+
+    _aslant = True
 
     def __init__(self, wide: Any, unit: Unit) -> None:
         self._direction, (u0, u1, *_) = unit.direction, unit.start
@@ -46,23 +72,22 @@ class BodyTorus(TorusFlow):
         axes, start = reals.row((*unit.alphas, *unit.kappas, one, none)), reals.row(unit.start)
         zeta, d, scale_, half, momentum, slow = reals.row((unit.zeta, one, scale, none, unit.momentum, slowness))
         problem = BareProblem((half,) * 6, axes, start, zeta, d, scale_, momentum, half, None, slow)
-        super().__init__(Setup(problem, wide, reals, scale, one), CompiledLoops())  # type: ignore[arg-type]
+        super().__init__(Timed(problem, wide, reals, scale, one), CompiledLoops())
 
-    def _made_rates(self, pi: Any) -> Any:
+    def _made_rates(self, motion: Any) -> Any:
         K, (origin, length, lift) = self.setup.wide, self.units
         first, second = self._direction
-        origin, rates = self.setup.reals.element(K, origin), super()._made_rates(pi)
-        nu = self.turns_along(first * length * lift, (second - origin * first) * lift)
-        (mean,) = self.loops.wide(rates[9:10], K)
+        origin, rates = self.setup.reals.element(K, origin), super()._made_rates(motion)
+        along = first * length * lift, (second - origin * first) * lift
+        nu, (mean,) = self.turns_along(*along), self.loops.wide(rates[9:10], K)
         rates[4:12] = self.loops.row((*(x / mean for x in nu), *nu, 1 / mean, mean, *nu))
+        rates[14:] = self.loops.row(along)
         return rates
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which every sign that a period changes has been changed, in both directions."""
-        paces = self._of_rates(4, 6)
-        farthest = MOST_TURNS / 8 / max(map(abs, paces))
-        return np.clip([turns / pace for pace in paces for turns in TURNS], -farthest, farthest)
+        """Times at which it is held against another way (:func:`integrable.torus.witness.left_open`)."""
+        return left_open([*map(float, self.frequencies)], self.departs) * float(self.mean)
 
     def reaches(self, times: np.ndarray) -> bool:
         """Whether double-double numbers hold the fractions of all turns."""
@@ -72,3 +97,105 @@ class BodyTorus(TorusFlow):
     def _check_walk(self) -> None:
         # held against additions by the flow
         Corners._check_walk(self)
+
+
+class RateCurve(NamedTuple):
+    """What the series takes of a :class:`integrable.moving_point.problem.MotionProblem`."""
+
+    axes: tuple[Any, ...]
+    ratio: Any
+    d: Any
+    start: tuple[Any, ...]
+    half_step: Any
+
+
+class RateSource(NamedTuple):
+    """A :class:`integrable.torus.oval_modes.ModesSource`."""
+
+    problem: RateCurve
+    wide: Any
+    reals: BareReals
+    digits: int
+    bare: None = None
+
+
+class SeriesClock:
+    """τ(t) of a motion over ``wide`` to ``digits``.
+
+    PrecisionLoss where the torus is not compact: the ovals have met.
+    """
+
+    def __init__(self, wide: Any, unit: Unit, digits: int) -> None:
+        one, zero = wide.one, wide.zero
+        axes = (*unit.alphas, one, one, one, one, zero)
+        problem = RateCurve(axes, unit.zeta, one, unit.start, zero)
+        source = RateSource(problem, wide, BareReals(wide.context.prec), digits)
+        # Newton's method takes 1 for a time in which little turns, so t and τ are counted in such
+        first, second = unit.direction
+        self._unit = 1 / abs(first)
+        direction = first * self._unit, second * self._unit
+        self._clock = MultiprecisionTorusClock(source, direction=direction)
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every t, wide."""
+        coerce = self._clock.wide.coerce
+        return [tau * self._unit for tau in self._clock.tau([coerce(t) / self._unit for t in times])]
+
+
+class WalkedClock:
+    """τ(t) by Legendre series of dt/dτ on panels of a ``length``: ``rate(τ)`` and the result are numbers of ``reals``,
+    good to ``digits``, and nowhere above ``fastest``. PrecisionLoss for times beyond 64 panels, and where a panel is
+    not resolved.
+    """
+
+    def __init__(
+        self, rate: Callable[[Any], Any], reals: BareReals, digits: int, length: float, fastest: float
+    ) -> None:
+        self._longest = length * fastest
+        self._rate, self._reals, self._digits = rate, reals, digits
+        self._half = reals.number(length / 2)
+        self._rule = LegendreSeries(reals, NODES_A_DIGIT * digits)
+        self._panels: dict[int, tuple[list[Any], Any]] = {}
+
+    def tau(self, times: list[Any]) -> list[Any]:
+        """τ at every t."""
+        with self._reals:
+            return [self._at(self._reals.number(t)) for t in times]
+
+    def _at(self, t: Any) -> Any:
+        step = 1 if t >= 0 else -1
+        if abs(t) > MOST_PANELS * self._longest:
+            raise self._too_far(t)
+        # what the clock shows at the near end of the panel
+        panel, shown = min(step, 0), 0 * t
+        while abs(t - shown) > self._panel(panel)[1]:
+            shown += step * self._panel(panel)[1]
+            panel += step
+            if abs(panel) > MOST_PANELS:
+                raise self._too_far(t)
+        series, whole = self._panel(panel)
+        target = (t - shown if step > 0 else whole + t - shown) / self._half + integrate_series(series, -1 + 0 * t)[0]
+        x = 0 * t
+        for _ in range(MOST_STEPS):
+            angle, rate = integrate_series(series, x)
+            move = (angle - target) / rate
+            x = max(-1 + 0 * t, min(1 + 0 * t, x - move))
+            if abs(move) <= self._reals.number(10) ** (-self._digits):
+                return self._half * (2 * panel + 1 + x)
+        raise PrecisionLoss("the clock was not inverted: use more digits")
+
+    def _too_far(self, t: Any) -> PrecisionLoss:
+        return PrecisionLoss(
+            f"time {float(t)}: this motion is on a separatrix or too near one, where the way to a time is walked "
+            f"over; that is more than {MOST_PANELS} steps of {2 * float(self._half):.3g} in τ"
+        )
+
+    def _panel(self, n: int) -> tuple[list[Any], Any]:
+        """The series of dt/dτ from n to n + 1 lengths, and how long that takes."""
+        if n not in self._panels:
+            values = [self._rate(self._half * (2 * n + 1 + x)) for x in self._rule.nodes]
+            series = self._rule.coefficients(values)
+            if max(map(abs, series[-2:])) > abs(series[0]) * self._reals.number(10) ** -self._digits:
+                raise PrecisionLoss("dt/dτ is not resolved on a step: the moments differ too much for this clock")
+            self._panels[n] = series, 2 * self._half * series[0]
+        return self._panels[n]

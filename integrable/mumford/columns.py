@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from jacobian import MP
 from jacobian.fields.inexact import InexactField
 from jacobian.numbers.double_double import exact_product, split
 
 Floats = Any
+
+# of the exponential of one number
+EXP_BITS = 140
 
 
 class Column:
@@ -89,8 +91,10 @@ class _Elementary:
         if isinstance(x.hi, np.ndarray):
             high = np.exp(x.hi)
             return Column(high, high * x.lo)
-        field = MP(40)
-        return Column.of(field.context.exp(field.coerce(float(x.hi)) + field.coerce(float(x.lo))))
+        import gmpy2
+
+        with gmpy2.context(precision=EXP_BITS):
+            return Column.of(gmpy2.exp(gmpy2.mpfr(float(x.hi)) + float(x.lo)))
 
     @staticmethod
     def log(x: Column) -> Column:

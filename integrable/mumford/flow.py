@@ -1,7 +1,7 @@
 """The motion of one state of a system on a Jacobian of any genus: whichever way has its times soonest.
 
-Near times in floats come from Taylor series (:mod:`integrable.series.equations`), many from the compiled torus or from
-tables, all others by additions in long numbers (:mod:`integrable.mumford.motion`).
+Near times in floats come from Taylor series (:mod:`integrable.series.near`), others from the compiled torus, many
+from tables, all that are left by additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.motion import MumfordMotion, Start
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
+from jacobian import RR
 from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
-from jacobian.immutable import Record
+from jacobian.immutable import Record, at_once, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
 from jacobian.relatives.extended import Extended
@@ -21,16 +22,22 @@ if TYPE_CHECKING:
     import numpy as np
 
     from integrable.mumford.body_torus import BodyTorus
+    from integrable.mumford.elliptic_torus import EllipticTorus
     from integrable.mumford.real_torus import RealTorus
     from integrable.mumford.tabled import TabledStates
+    from integrable.mumford.theta_torus import ThetaTorus
     from integrable.phase.enclosure import EnclosedPath
-    from integrable.series.equations import Equations
+    from integrable.series.near import Near
 
-# from so many times on the torus of a motion of genus 2 pays, and what differs from additions by more is not it
-MANY, RIGHT = 24, 1e-12
-# standard steps of series (Equations.weight) that take as long as a point by additions, as setting up a torus and as a
-# point there, and the most that are worth trying
-STEPS_BY_ADDITIONS, STEPS_TO_TORUS, STEPS_ON_TORUS, MOST_STEPS = 500, 5000, 1, 50000
+# a torus whose states differ by more from those of the equations of motion is not that of the motion
+RIGHT = 1e-12
+# standard steps of series (integrable.series.steps.weight) that take as long as a point by additions, and as one on a
+# torus, the most that are worth trying, and those that take as long as setting up a torus, by its genus
+STEPS_BY_ADDITIONS, STEPS_ON_TORUS, MOST_STEPS, STEPS_TO_TORUS = 500, 1, 50000, {1: 100, 2: 1000}
+# times that take as long by additions as setting up theta functions of genus 2 (python -m benchmarks real_torus)
+TIMES_TO_THETA = 12
+# of floats that are right to their last bits
+ROUNDED = 2.0**-53
 # the words of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
 # where tables in double-double numbers keep what floats need
@@ -46,14 +53,19 @@ class Point(NamedTuple):
 
 class Path(Record):
     """States at ``times``: ``q`` and ``p`` of shape (N, n), floats, or objects over MP(digits). ``way`` says what has
-    computed them: "series", "torus", "additions", or several of them.
+    computed them: "series", "torus", "additions", or several of them; ``estimate`` is an estimate of the largest error
+    beside the largest q, or p, of a time, with a tolerance.
     """
 
-    def __init__(self, times: Any, q: Any, p: Any, way: str = ADDITIONS) -> None:
-        self.times = times
-        self.q = q
-        self.p = p
-        self.way = way
+    times: Any
+    q: Any
+    p: Any
+    way: str
+    estimate: float
+
+    @at_once
+    def __init__(self, times: Any, q: Any, p: Any, way: str = ADDITIONS, estimate: float = ROUNDED) -> None:
+        vars(self).update(times=read_only(times), q=read_only(q), p=read_only(p), way=way, estimate=estimate)
 
     def __len__(self) -> int:
         return len(self.times)
@@ -65,12 +77,19 @@ class MumfordFlow:
     _setting_up = 2000
     """Standard steps of series that take as long as setting up additions."""
 
-    def __init__(self, system: Any, state: Point) -> None:
+    def __init__(self, system: Any, state: Point, tolerance: float | None = None) -> None:
         self.digits = long_digits(system.field)
         self.system = system
         self.start = state
-        self._genus = len(system.spectral(state).v)
-        self._clock = system._clock if system.clocked else None
+        self.tolerance = tolerance
+
+    @cached_property
+    def _genus(self) -> int:
+        return self.system._genus() or len(self.system.spectral(self.start).v)
+
+    @property
+    def _clock(self) -> Any:
+        return self.system._clock if self.system.clocked else None
 
     @cached_property
     def _motion(self) -> MumfordMotion:
@@ -87,53 +106,71 @@ class MumfordFlow:
 
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. Floats near the start come from Taylor series
-        (:mod:`integrable.series.short`). Many others of a motion of genus 2 in floats are read off its real torus, some
-        units in the last place off; those of one of genus 3 to 6 come from tables. ArgumentError for times that are no
-        numbers.
+        (:mod:`integrable.series.near`). Others of a motion of genus 1 and 2 in floats are read off its real torus;
+        many of one of genus 3 to 6 come from tables. ArgumentError for times that are no numbers.
         """
         import numpy as np
 
+        if self.digits == ROUNDED_TO_FLOATS and (path := self._quickly(times)) is not None:
+            return path
         given = self._given(times)
-        equations = None if hasattr(self.system.field, "dps") or interpreted() else self.system._equations
-        if equations is None or not given:
+        if self.digits != ROUNDED_TO_FLOATS or not given:
             return self._far(given)
-        places, rows = self._near(equations, np.array(given))
-        if not len(places):
+        near = self._near(np.array(given))
+        if not len(near.places):
             return self._far(given)
-        left, way = np.delete(np.arange(len(given)), places), SERIES
+        left, way = np.delete(np.arange(len(given)), near.places), SERIES
         states = np.empty((len(given), 2, self.system.size))
-        states[places] = rows
+        states[near.places] = near.states
         if len(left):
             far = self._far([given[i] for i in left])
             states[left], way = np.stack([far.q, far.p], axis=1), f"{SERIES}, {far.way}"
-        return Path(np.array(given), states[:, 0], states[:, 1], way)
+        return Path(np.array(given), states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
 
-    def _near(self, equations: Equations, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The places of times that series reach in no more time than additions, and the states there."""
-        from integrable.series.equations import BITS
+    def _quickly(self, times: Any) -> Path | None:
+        """Times in order, as a compiled walk has all of them: the same as of any others, with the least around it."""
+        import numpy as np
 
-        most = 0 if "_motion" in vars(self) else self._setting_up
-        if len(times) >= MANY and self._may_have_torus:
-            most += len(times) * STEPS_ON_TORUS + (0 if "_torus" in vars(self) else STEPS_TO_TORUS)
-        else:
-            most += len(times) * STEPS_BY_ADDITIONS
-        with LongField(BITS) as N:
-            state = self._inner(N)
-            start = [*state.q, *state.p, *self.system._auxiliary(N, state)]
-        return equations.around(start, times, min(most, MOST_STEPS) / equations.weight)
+        from integrable.series.near import quickly
+        from integrable.series.steps import SPARE
+
+        given = np.array(times)
+        if given.dtype != np.float64 or given.ndim != 1 or not len(given):
+            return None
+        found = quickly(self.system, self.start, given, self._budget(len(given)), self.tolerance)
+        if found is None:
+            return None
+        return Path(given, found.states[:, 0], found.states[:, 1], SERIES, max(SPARE * found.gap, ROUNDED))
+
+    def _budget(self, count: int) -> float:
+        """Standard steps that are worth trying before what comes after them is set up."""
+        if self._may_have_torus:
+            return STEPS_TO_TORUS[self._genus] + count * STEPS_ON_TORUS
+        return min(self._setting_up + count * STEPS_BY_ADDITIONS, MOST_STEPS)
+
+    def _near(self, times: np.ndarray) -> Near:
+        """What series reach in no more time than what comes after them."""
+        from integrable.series.near import finished, walked
+
+        near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
+        if len(near.places) == len(times) or self._torus_for(len(times)) is not None:
+            return near
+        most = min(self._setting_up + len(times) * STEPS_BY_ADDITIONS, MOST_STEPS)
+        return finished(self.system, self.start, times, near, most)
 
     def _far(self, given: list[Any]) -> Path:
         """The states at times, by additions, however they are made."""
         import numpy as np
 
         K = self.system.field
-        if len(given) >= MANY and self._torus is not None and self._torus.reaches(np.array(given)):
-            return self._path(self._torus, np.array(given))
+        torus = self._torus_for(len(given))
+        if torus is not None and torus.reaches(np.array(given)):
+            return self._path(torus, np.array(given))
         if given and self._tabled is not None:
             q, p = self._tabled.at(np.array(given))
             return Path(np.array(given), q, p)
         rows = [self._row(t) for t in self._places(given)]
-        kind = object if hasattr(K, "dps") else float
+        kind = float if K == RR else object
         q, p = (
             np.array([[element(K, x) for x in row[i]] for row in rows], dtype=kind).reshape(len(rows), self.system.size)
             for i in (0, 1)
@@ -145,9 +182,14 @@ class MumfordFlow:
         return self._motion.row(time, self._reader(time), self.digits, self._clock)
 
     @property
+    def _in_floats(self) -> bool:
+        """Whether compiled loops may take the motion."""
+        return bool(self.system.field == RR and not interpreted())
+
+    @property
     def _compiles(self) -> bool:
-        """Whether compiled loops in floats may take the motion."""
-        return not (hasattr(self.system.field, "dps") or self.system.complex_data or interpreted())
+        """Whether compiled loops in floats may take the pairs of the motion."""
+        return self._in_floats and not self.system.complex_data
 
     @cached_property
     def _tabled(self) -> TabledStates | None:
@@ -191,12 +233,26 @@ class MumfordFlow:
 
     @property
     def _may_have_torus(self) -> bool:
-        """Whether there may be one, and none was looked for in vain."""
-        return self._genus == 2 and self._compiles and vars(self).get("_torus", self) is not None
+        """Whether there may be one."""
+        return self._compiles and (self._genus == 2 or (self._genus == 1 and not self.system.clocked))
+
+    def _torus_for(self, count: int) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
+        """The torus, where so many times pay its set-up."""
+        return self._torus if count >= TIMES_TO_THETA or (count and not self._takes_theta) else None
 
     @cached_property
-    def _torus(self) -> RealTorus | BodyTorus | None:
-        """The compiled torus of a motion of genus 2 in floats, where there is one."""
+    def _takes_theta(self) -> bool:
+        """Whether a torus would be one of theta functions of genus 2, whose set-up is as long as some additions."""
+        if self._genus != 2 or not self._may_have_torus:
+            return False
+        import numpy as np
+
+        f = [float(c) for c in reversed(self.system.spectral(self.start).f)]
+        return bool(np.isfinite(f).all() and np.roots(f).imag.any())
+
+    @cached_property
+    def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
+        """The compiled torus of a motion of genus 1 or 2 in floats, where there is one."""
         if not self._may_have_torus:
             return None
         try:
@@ -205,23 +261,38 @@ class MumfordFlow:
         except (PrecisionLoss, ZeroDivisionError):
             return None
 
-    def _made_torus(self) -> RealTorus | BodyTorus:
-        from integrable.mumford.real_torus import RealTorus
+    def _made_torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus:
+        if self._genus == 1:
+            from integrable.mumford.elliptic_torus import EllipticTorus
 
-        return RealTorus(self._place, self.system._time_rate if self.system.clocked else None)
+            return EllipticTorus(self._place)
+        from integrable.mumford.real_torus import OtherOvals, RealTorus
+        from integrable.mumford.theta_torus import ThetaTorus
+
+        try:
+            return RealTorus(self._place)
+        except OtherOvals:
+            return ThetaTorus(self._place)
 
     def _confirmed(self, torus: Any) -> bool:
-        """Whether a torus has the states that additions in long numbers lead to, signs included."""
+        """Whether a torus has the states that the equations of motion lead to, signs included; where series of these do
+        not reach or lose digits, those that additions in long numbers lead to.
+        """
         import numpy as np
 
-        path = self._path(torus, torus.witnesses)
-        for time, *rows in zip(self._places(torus.witnesses.tolist()), path.q, path.p, strict=True):
-            true = self._row(time)
-            for row, other in zip(rows, true, strict=True):
-                expected = np.array([float(x) for x in other])
-                if not np.abs(row - expected).max() <= RIGHT * np.abs(expected).max():
-                    return False
-        return True
+        from integrable.series.near import finished, walked
+
+        times = torus.witnesses
+        path, true = self._path(torus, times), np.empty((len(times), 2, self.system.size))
+        most = len(times) * STEPS_BY_ADDITIONS
+        near = walked(self.system, self.start, times, most)
+        places, rows, _ = finished(self.system, self.start, times, near, most)
+        true[places] = rows
+        for i in np.setdiff1d(np.arange(len(times)), places):
+            (place,) = self._places([float(times[i])])
+            true[i] = [[*map(float, x)] for x in self._row(place)]
+        gaps = np.abs(np.stack([path.q, path.p], axis=1) - true).max(axis=2)
+        return bool((gaps <= RIGHT * np.abs(true).max(axis=2)).all())
 
     def _path(self, torus: Any, times: Any) -> Path:
         """The states at times from a torus."""
@@ -246,13 +317,13 @@ def long_digits(K: Any) -> int:
     """How many digits long numbers need for results in K; ArgumentError but for RR and MP(digits)."""
     if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
         raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
-    return getattr(K, "dps", ROUNDED_TO_FLOATS)
+    return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 
 
 def element(K: Any, x: Any) -> Any:
     """A long number as an element of RR or MP(digits)."""
     from jacobian.numbers.long_reals import BareReals
 
-    if not hasattr(K, "dps"):
+    if K == RR:
         return float(x)
     return BareReals(64).element(K, x)

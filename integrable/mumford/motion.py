@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, NamedTuple
 
 from integrable.mumford.fields import cofactor, exponential, multiplier, rates
-from integrable.mumford.translations import Translations, part_at
+from integrable.mumford.translations import GroupTranslations, part_at
 from jacobian import poly
 from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
@@ -50,7 +50,7 @@ Read = Callable[[LongField, Extended], Vectors]
 class Placed:
     """A motion in the numbers of one field."""
 
-    _kind: type[Translations] = Translations
+    _kind: type[GroupTranslations] = GroupTranslations
 
     def __init__(self, field: Any, place: Callable[[Any], Start]) -> None:
         self.field, self._place = field, place
@@ -58,7 +58,7 @@ class Placed:
         self.start = Extended(start.u, start.v, start.data)
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
-        self._translations: dict[int, Translations] = {}
+        self._translations: dict[int, GroupTranslations] = {}
         # many τ come with the same further times
         self._carried: tuple[tuple[Any, ...], Extended] = ((), self.start)
 
@@ -67,7 +67,7 @@ class Placed:
         """That of τ."""
         return self._directions[0]
 
-    def translations(self, which: int = 0) -> Translations:
+    def translations(self, which: int = 0) -> GroupTranslations:
         """Those of one direction, made when its first time other than 0 is asked for."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)

@@ -17,7 +17,7 @@ Row = Any
 Rows = Any
 
 
-class Problem(NamedTuple):
+class TabledCurve(NamedTuple):
     """f ascending, the roots of f where there are lifts, the κ of what is added, and A, B, h of x = A + Bξ, y = hη, the
     numbers that results are in.
     """
@@ -40,7 +40,7 @@ class Space(NamedTuple):
     weights: Row
 
 
-def carried(problem: Problem, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows) -> None:
+def carried(problem: TabledCurve, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows) -> None:
     """To each row of ``out`` the value of a power series at ``near`` and the sum with the rows ``which`` of a table."""
     for i in range(near.shape[0]):
         row = out[i]
@@ -61,7 +61,7 @@ def place(terms: Rows, time: Real, row: Row) -> None:
         row[j] = total
 
 
-def add(problem: Problem, row: Row, other: Row, space: Space) -> None:
+def add(problem: TabledCurve, row: Row, other: Row, space: Space) -> None:
     """``row`` becomes the reduced sum of both."""
     f, ends, u, v = problem.f, problem.ends, space.u, space.v
     genus = (f.shape[0] - 2) // 2
@@ -131,7 +131,7 @@ def multiply(genus: int, row: Row, other: Row, factor: Row, u: Row, v: Row) -> N
             v[i + j] = v[i + j] + row[i] * factor[j]
 
 
-def reduce(problem: Problem, degree: int, row: Row, space: Space) -> int:
+def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
     """One step from (u, v), deg u = ``degree``, in place, with the lifts of ``row``; the new degree."""
     f, ends, u, v, w = problem.f, problem.ends, space.u, space.v, space.other
     genus = (f.shape[0] - 2) // 2
@@ -190,7 +190,7 @@ def value(a: Row, count: int, x: Real) -> Real:
     return total
 
 
-def retract(problem: Problem, row: Row, space: Space) -> None:
+def retract(problem: TabledCurve, row: Row, space: Space) -> None:
     """A row, whose pair a sum has left in ``space``, moved onto the curve by the shortest (δu, δv) with
     wδu + 2vδv ≡ f − v² modulo u.
     """

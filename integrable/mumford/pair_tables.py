@@ -1,10 +1,10 @@
 """Motions of genus 3 and more in floats: many times by sums of tabled translations, in double-double numbers, compiled.
 
 D(τ) = D(a + r) + ΣT(w_k + c): D(a + r) is a power series in a small r, and the w_k are one of each table k, whose steps
-are 16 times those of the table before. The c keep translations away from 0, where they have points near infinity, and
-of several w next to each other the one with small coefficients is taken, which costs the fewest digits. x and y are
-taken to units in which the branch points lie around 0. Tables are made in long numbers. There are several starts a,
-from which the same time takes other rows of the tables.
+are 16 times those of the table before. The c keep translations away from 0, where they have points near infinity. Of
+several neighbouring w the one with the smallest coefficients is chosen, which loses the fewest digits. The units of x
+and y place the branch points around 0. Tables are computed in long numbers. There are several starts a, from which the
+same time uses different rows of the tables.
 """
 
 from __future__ import annotations
@@ -19,9 +19,9 @@ import numpy as np
 from integrable.mumford import pair_sums
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import OF_GENUS, Placed, Start
-from integrable.mumford.pair_sums import Problem, Space
-from integrable.mumford.series import Series, taylor
-from integrable.mumford.translations import Translations
+from integrable.mumford.pair_sums import Space, TabledCurve
+from integrable.mumford.series import MotionSeries, taylor
+from integrable.mumford.translations import GroupTranslations
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
@@ -48,7 +48,7 @@ LIBRARY = Library(
         "carried": (
             pair_sums.carried,
             (
-                record(Problem, WIDES, WIDES, FLOAT, WIDES),
+                record(TabledCurve, WIDES, WIDES, FLOAT, WIDES),
                 _TABLE,
                 WIDES,
                 _TABLE,
@@ -62,7 +62,7 @@ LIBRARY = Library(
 )
 
 
-class Units:
+class DiscUnits:
     """The motion that ``place`` starts in ξ and η, x = A + Bξ, y = hη: the roots of f in the unit circle around 0, its
     leading coefficient ±1.
     """
@@ -116,7 +116,7 @@ class PairTables:
             if not odd and (self.genus % 2 or start.f[-1] < 0):
                 raise PrecisionLoss("even genus and f > 0 near infinity are needed on a model of even degree")
             self._kappas = [Column.of(data[0]) for data in start.data]
-            units = Units(place)
+            units = DiscUnits(place)
             placed = Placed(K, units.start)
             if placed.rests:
                 raise PrecisionLoss("the state rests")
@@ -184,7 +184,7 @@ class PairTables:
             pack(np.delete(np.array(series_of(placed, placed.at(K.coerce(a))).rows), 2 * self.genus, axis=0).T)
             for a in anchors
         ]
-        self._problem = Problem(
+        self._problem = TabledCurve(
             pack(np.array(group.f)),
             pack(np.array(ends_of(group), dtype=object)).reshape(-1, 2),
             -float(group.f[-1]) if group.odd and self.genus % 2 else 1.0,
@@ -193,8 +193,8 @@ class PairTables:
         self._rows, self._times, self._places = pack(np.array(rows)), np.array(times), places
         self._near, self._shifts = series, shifts
 
-    def _chosen(self, translations: Translations, D: Extended, k: int) -> tuple[int, list[Any], Extended]:
-        """The quarter of a step after D that a row is taken at, the row, and what is a whole step after D."""
+    def _chosen(self, translations: GroupTranslations, D: Extended, k: int) -> tuple[int, list[Any], Extended]:
+        """The start of a row as a quarter of a step after D, the row, and the whole steps after D."""
         found: list[tuple[float, int, list[Any]]] = []
         for quarter in range(4):
             if quarter < QUARTERS and not (found and min(found)[0] < SMALL):
@@ -211,7 +211,7 @@ class PairTables:
         return [*D.u[:-1], *D.v, *(x * sign for _, *pair in D.data for x in pair)]
 
 
-def series_of(placed: Placed, D: Extended) -> Series:
+def series_of(placed: Placed, D: Extended) -> MotionSeries:
     """The motion from D, with its lifts."""
     lifts = [(e, sigma, nu) for e, (_, sigma, nu) in zip(ends_of(placed.group), D.data, strict=True)]
     return taylor(placed.field, placed.group.f, D[:2], placed.direction, TERMS, lifts=lifts)

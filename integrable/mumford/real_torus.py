@@ -4,46 +4,57 @@ A real curve y² = f(x) whose roots are all real has two ovals that the points o
 x = A + Bξ, takes it to the curve that :mod:`integrable.torus` knows, (ξ − ζ)Π(α_i − ξ)(1 − ξ) with the ovals before
 ξ = 1; on models of even degree the largest root E has been sent to infinity before, by 1/(E − x). Corners, periods and
 translations are those of the ball there; what is another is the direction, and what is read: the pair and its lifts.
-Data of the second and third kind, and time where it is not linear, are integrals of functions of U along the motion
-(:mod:`integrable.mumford.torus_integrals`).
+
+Of geodesics dt/dτ is |U| at the root beyond the ovals, as it is 1/√U there of a body: their clock is that of a body,
+its mean a determinant of integrals over the ovals.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
+from itertools import pairwise
 from math import pi
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from integrable.moving_point.bare_problem import BareProblem
-from integrable.mumford.columns import Column, Columns
-from integrable.mumford.fields import cofactor, second_kind_rate
+from integrable.mumford.columns import Column
+from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
-from integrable.mumford.torus_integrals import GridRate, TorusIntegral, datum_after
-from integrable.torus.access import MOST_TURNS, TorusClock
+from integrable.torus.access import MOST_TURNS, TorusClock, resolved_spectrum
 from integrable.torus.corners import Corners
+from integrable.torus.lattice import GivenSource
 from integrable.torus.loops import CompiledLoops
-from integrable.torus.witness import TURNS
+from integrable.torus.survey import SPACING
+from integrable.torus.witness import left_open
 from jacobian import MP, RR, poly
 from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
 from jacobian.numbers.long_reals import BareReals
-from jacobian.periods.quadrature import Numbers
-from jacobian.periods.roots import check_separated, conjugated, simple_roots
-from jacobian.relatives.extended import Extended, Lift, SecondKind, ThirdKind
+from jacobian.periods.quadrature import working_numbers
+from jacobian.periods.roots import conjugated, simple_roots
+from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-DIGITS = 50
+# bits of the numbers that a torus is made from, and digits of those that its periods are read as
+BITS, DIGITS = 200, 50
 # U at a branch point, beside x², where σ is not read off it
 SMALL = 1e-20
 MOST_CELLS, MOST_SAMPLES = 1 << 12, 1 << 16
-# turns to the witness of a clock's mean rate, and those up to which it serves floats
-FAR, CLOCKED = 2.0**40, 2.0**26
 # numbers of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
 COLUMNS = 12
 APART = "the points of the pair are not one in each oval"
+# steps of Newton's method to a root, and what the area of a torus may differ by from that of its periods: 4e-31 was the
+# most of 147 random geodesics
+MOST_STEPS, SAME = 20, 1e-27
 
 
-class Model(NamedTuple):
+class OtherOvals(PrecisionLoss):
+    """Branch points are not all real, or the points of a pair not one in each bounded oval."""
+
+
+class OvalModel(NamedTuple):
     """A curve, its pair u₀, u₁ and v₀, v₁, the direction, and the roots, ascending on even models."""
 
     lead: Any
@@ -53,82 +64,71 @@ class Model(NamedTuple):
     roots: Sequence[Any]
 
 
-class Setup(NamedTuple):
-    """What :class:`Corners` takes of a motion: α_i, κ_i, the moving point, ζ and d in ξ, and the kinds of numbers."""
-
-    bare_problem: BareProblem
-    wide: Any
-    reals: BareReals
-    floats_given: None = None
-
-
 class RealTorus(Corners):
     """D of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
 
-    ``place(K)`` makes the start in the numbers of K; ``rate(K, u)`` is dt/dτ > 0 at a pair where time is not linear.
-    PrecisionLoss where there is no such torus: branch points that are not real or too close, points that are not one in
-    each oval, lifts at other points or on a model of even degree.
+    ``place(K)`` makes the start in the numbers of K; a datum of the second kind is what the motion carries as its time:
+    there dt/dτ is |U| at the root beyond the ovals. PrecisionLoss where there is no such torus: branch points that are
+    not real or too close, points that are not one in each oval, lifts at other points or on a model of even degree.
     """
 
-    def __init__(self, place: Callable[[Any], Start], rate: Callable[..., Any] | None = None) -> None:
-        K, start = MP(DIGITS), place(MP(DIGITS))
-        if len(start.v) != 2 or not all(isinstance(kind, (Lift, SecondKind, ThirdKind)) for kind in start.kinds):
-            raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
-        ends = [kind.e for kind in start.kinds if isinstance(kind, Lift)]
-        roots = real_roots(K, start.f, ends)
-        # what is sent to infinity
-        self._pole = roots[-1] if len(roots) == 6 else None
-        lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
-        if self._pole is not None and lifts:
-            raise PrecisionLoss("lifts on a model of even degree")
-        odd = Model(start.f[-1], start.u[:2], start.v, start.direction, roots)
-        model = odd if self._pole is None else without_root(odd)
-        super().__init__(self._set_up(K, model, lifts), CompiledLoops(), MOST_CELLS)  # type: ignore[arg-type]
-        self._place_in_units(K, model.direction)
-        self._kinds, self._first = start.kinds, start.data
-        self._integrals(start, rate)
+    _aslant = True
+
+    def __init__(self, place: Callable[[Any], Start]) -> None:
+        with LongField(BITS) as K:
+            start = place(K)
+            if len(start.v) != 2 or not all(isinstance(kind, (Lift, SecondKind)) for kind in start.kinds):
+                raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
+            lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
+            roots = real_roots(K, start.f, list(lifts))
+            # what is sent to infinity
+            self._pole = Column.of(roots[-1]) if len(roots) == 6 else None
+            if self._pole is not None and lifts:
+                raise PrecisionLoss("lifts on a model of even degree")
+            odd = OvalModel(start.f[-1], start.u[:2], start.v, start.direction, roots)
+            model = odd if self._pole is None else without_root(odd)
+            self._direction = model.direction
+            super().__init__(self._given(K, model, lifts), CompiledLoops(), MOST_CELLS)
+            self._kinds, self._first = start.kinds, start.data
+            self.clock: TorusClock | None = None
+            if not all(isinstance(kind, Lift) for kind in start.kinds):
+                self._pace = Column.of(-start.direction[0])
+                self._make_clock(K, model)
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which every sign that a period changes has been changed, in both directions; by a clock a far one
-        too, which its mean rate decides.
-        """
-        farthest = MOST_TURNS / 8 / self._fastest
-        tau = np.clip([turns / float(nu) for nu in self.frequencies for turns in TURNS], -farthest, farthest)
-        return tau if self.clock is None else np.append(tau, FAR / self._fastest) * float(self.mean)
+        """Times at which it is held against another way (:func:`integrable.torus.witness.left_open`)."""
+        return left_open([*map(float, self.frequencies)], self.departs) * (
+            1.0 if self.clock is None else float(self._mean)
+        )
 
     def at(self, times: np.ndarray) -> Extended:
         """The pairs with their data, of columns of N numbers."""
         turns = self._turns(times)
         if turns > MOST_TURNS:
             raise PrecisionLoss(f"{turns:.1e} turns of a phase are more than double-double numbers hold")
-        tau, phases = self._phases(times)
-        u, v, lifts = self.pairs(phases)
-        if self._second_kind is None:
-            return Extended(u, v, tuple(lifts))
-        omega, read = self._second_kind.at(times, tau, phases), iter(lifts)
+        u, v, lifts = self.pairs(self._phases(times))
+        read = iter(lifts)
         data = [
-            next(read) if isinstance(kind, Lift) else datum_after(kind, Column.of(first), omega)
+            next(read) if isinstance(kind, Lift) else Column.of(first) + self._pace * Column(times)
             for kind, first in zip(self._kinds, self._first, strict=True)
         ]
         return Extended(u, v, tuple(data))
 
     def reaches(self, times: np.ndarray) -> bool:
-        """Whether what the witnesses are right to makes these times right to the last bits of floats."""
-        return self._turns(times) <= (MOST_TURNS if self.clock is None else CLOCKED)
+        """Whether double-double numbers hold the fractions of all turns."""
+        return self._turns(times) <= MOST_TURNS
 
     def _turns(self, times: np.ndarray) -> float:
-        rate = 1.0 if self.clock is None else float(self.mean)
+        rate = 1.0 if self.clock is None else float(self._mean)
         return float(np.abs(times).max(initial=0)) / rate * self._fastest
 
-    def _phases(self, times: np.ndarray) -> tuple[Column, np.ndarray]:
-        """τ, and both phases in turns, shape (2N, 2)."""
-        if self.clock is None:
-            tau = Column(times, np.zeros(len(times)))
-            turned = [tau * Column.of(nu) for nu in self.frequencies]
-            return tau, np.stack([np.stack([x.hi, x.lo], axis=-1) for x in turned], axis=1).reshape(-1, 2)
-        phases, delays = self.clock.phases(times)
-        return Column(times) / Column.of(self.mean) + Column(delays), phases
+    def _phases(self, times: np.ndarray) -> np.ndarray:
+        """Both phases in turns, shape (2N, 2)."""
+        if self.clock is not None:
+            return self.clock.phases(times)[0]
+        turned = [Column(times) * nu for nu in map(Column.of, self.frequencies)]
+        return np.stack([np.stack([x.hi, x.lo], axis=-1) for x in turned], axis=1).reshape(-1, 2)
 
     def pairs(self, phases: np.ndarray) -> tuple[tuple[Any, ...], tuple[Any, ...], list[tuple[Any, ...]]]:
         """U, V and the lifts at pairs of phases in turns, shape (2N, 2), as columns."""
@@ -141,34 +141,47 @@ class RealTorus(Corners):
         u: Sequence[Any] = (b * b * u0 - a * b * u1 + a * a, b * u1 - 2 * a)
         v: Sequence[Any] = (height * v0 - a * slope, slope)
         if self._pole is not None:
-            u, v = with_root(Column.of(self._pole), u, v)
+            u, v = with_root(self._pole, u, v)
         lifts = [
             (kappa, size * pairs[place], size * height / (b * b) * pairs[place + 4])
             for kappa, size, place in self._read
         ]
         return (*u, Column(1.0)), tuple(v), lifts
 
-    def _integrals(self, start: Start, rate: Callable[..., Any] | None) -> None:
-        """The clock, and Ω where a datum needs it."""
-        self._most, scale, clock = MOST_SAMPLES, 2 * pi * self._fastest, None
-        self.clock: TorusClock | None = None
-        self._second_kind: TorusIntegral | None = None
-        if rate is not None:
-            clock = GridRate(self, lambda phases: rate(Columns(), self.pairs(phases)[0]), scale)
-            if not clock.values.hi.min() > 0:
-                raise PrecisionLoss("time does not grow along this motion")
-            self.mean = mean = clock.mean
-            nu1, nu2 = self.frequencies
-            rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * self.setup.wide.context.pi)
-            self.clock = TorusClock(self, *clock.spectrum, self.loops.row(rates), scale)
-        if not all(isinstance(kind, Lift) for kind in start.kinds):
-            direction = tuple(map(Column.of, start.direction))
-            of_omega = GridRate(
-                self, lambda phases: second_kind_rate(Columns(), self.pairs(phases)[0], direction), scale
-            )
-            self._second_kind = TorusIntegral(of_omega, clock, self.frequencies)
+    def _make_clock(self, K: LongField, model: OvalModel) -> None:
+        """t of a motion whose dt/dτ is |U| at the root beyond the ovals, where x = 0."""
+        first, second, _ = self._affine
+        if model.direction[1] != 0 or abs(first + second) > SMALL * abs(second):
+            raise PrecisionLoss("a datum of the second kind that is not the time")
+        wide, loops, element = self.setup.wide, self.loops, self.setup.reals.element
+        sums = loops.room(2)
+        loops.mean_height(self._motion, loops.row((wide.context.exp(-wide.coerce(SPACING) / 2),)), sums)
+        mean, area = loops.wide(sums, wide)
+        (a1, b1), (a2, b2) = (loops.wide(period, wide) for period in self.lattice.periods)
+        if not abs(area / abs(a1 * b2 - b1 * a2) - 1) <= SAME:
+            raise PrecisionLoss("integrals over the ovals are not those of the periods")
+        size = element(wide, second**2)
+        self._mean = mean = mean * size * self.units.lift**4
+        scale, (nu1, nu2) = 2 * pi * self._fastest, self.frequencies
+        # Σσ² is U(1)/Π(1 − α_i)
+        heights = float(second**2 * self._beyond)
+        self._most = MOST_SAMPLES
+        tables: dict[int, np.ndarray] = {}
 
-    def _set_up(self, K: Any, model: Model, lifts: dict[Any, tuple[Any, ...]]) -> Setup:
+        def samples(sizes: tuple[int, int], known: np.ndarray | None) -> np.ndarray:
+            rates = self.samples(sizes, None if known is None else tables[known.size])
+            slow = Column(rates[..., 0], rates[..., 1])
+            found = heights / (slow * slow)
+            table = np.stack([found.hi, found.lo], axis=-1)
+            tables[table.size] = rates
+            return table
+
+        resolve = partial(self.resolved, samples=samples)
+        spectrum = resolved_spectrum(loops, resolve, list(map(float, self.frequencies)), scale, loops.noise)
+        rates = (nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean, nu1, nu2, mean, 2 * wide.context.pi)
+        self.clock = TorusClock(loops, spectrum, loops.row(rates), scale, max(self.closure, loops.noise / 64))
+
+    def _given(self, K: LongField, model: OvalModel, lifts: dict[Any, tuple[Any, ...]]) -> GivenSource:
         """The motion in ξ: x = first + second·ξ, y = height·η; and where and by what factor lifts are read."""
         sign = 1 if model.lead > 0 else -1
         e1, e2, e3, e4, far = sorted(model.roots, key=lambda e: sign * e)
@@ -178,57 +191,74 @@ class RealTorus(Corners):
         # of the inner ends of the ovals the one without a lift is ζ
         middle, zeta = (e2, e3) if e2 in lifts else (e3, e2)
         axes, sizes, sigmas, nus = (e1, middle, e4), [], [], []
-        for e, sense in zip(axes, (1, -1, 1), strict=True):
+        alphas = [(e - first) / second for e in axes]
+        slopes = poly.derivative(K, poly.from_roots(K, alphas))
+        # with these Σσ² is U(1)/Π(1 − α_i), as it is of a body
+        kappas = [poly.evaluate(K, slopes, e) * (1 - e) for e in alphas]
+        self._beyond = (1 - alphas[0]) * (1 - alphas[1]) * (1 - alphas[2])
+        for e, sense, own in zip(axes, (1, -1, 1), kappas, strict=True):
             kappa, sigma, nu = lifts.get(e) or standard(K, model, e, sense)
             if kappa * sense <= 0:
-                raise PrecisionLoss(APART)
-            sizes.append(abs(second) * K.sqrt(sense / kappa))
+                raise OtherOvals(APART)
+            sizes.append(abs(second) * K.sqrt(own / kappa))
             sigmas.append(sigma / sizes[-1])
             nus.append(nu * second**2 / (height * sizes[-1]))
         if far in lifts:
             sizes.append(abs(second) / K.sqrt(lifts[far][0]) * (1 if lifts[far][1] > 0 else -1))
         order = [(*axes, far).index(e) for e in lifts]
         self._read = [(Column.of(data[0]), sizes[i], i) for data, i in zip(lifts.values(), order, strict=True)]
-        xi = tuple((e - first) / second for e in (*axes, zeta, far))
         (u0, u1), (v0, v1) = model.u, model.v
         u = (((first + u1) * first + u0) / second**2, (u1 + 2 * first) / second)
         v = ((v0 + v1 * first) / height, v1 * second / height)
-        row = (*xi[:3], K.one, -K.one, K.one, K.one, K.zero)
-        reals = BareReals(K.context.prec)
-        axes, point = reals.row(row), reals.row((*u, *v, *sigmas, *nus))
-        zeta, one, none = reals.number(xi[3]), reals.number(1), reals.number(0)
-        return Setup(BareProblem((none,) * 6, axes, point, zeta, one, one, one, none, None, one), K, reals)
+        one, none = K.one, K.zero
+        row, point = (*alphas, *kappas, one, none), (*u, *v, *sigmas, *nus)
+        problem = BareProblem((none,) * 6, row, point, (zeta - first) / second, one, one, one, none, None, one)
+        return GivenSource(problem, MP(DIGITS), BareReals(K.bits))
 
-    def _place_in_units(self, K: Any, direction: Sequence[Any]) -> None:
-        """x and y in the units of the torus, and how fast the phases go."""
-        origin, length, lift = self.setup.reals.element(K, self.units.origin), self.units.length, self.units.lift
+    def _made_rates(self, motion: Any) -> Any:
+        """Those along the motion's own direction, with x and y in the units of the torus."""
+        (origin, length, lift), direction = self.units, self._direction
         first, second, height = self._affine
         a, b, height = first + second * origin, second * length, height * length**2 * lift
         self._numbers = tuple(map(Column.of, (a, b, height)))
         self._read = [(k, Column.of(size * (length if i == 3 else 1)), i) for k, size, i in self._read]
-        self.frequencies = self.turns_along(
-            direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2
-        )
+        element, wide = self.setup.reals.element, self.setup.wide
+        along = direction[0] * height / b, (direction[1] - a * direction[0]) * height / b**2
+        self.frequencies = self.turns_along(*(element(wide, x) for x in along))
+        rates = super()._made_rates(motion)
+        rates[6:8], rates[14:] = self.loops.row(self.frequencies), self.loops.row(along)
         self._fastest = max(abs(float(nu)) for nu in self.frequencies)
         self._row = self.loops.row(((1 - origin) / length,))
+        return rates
 
 
-def real_roots(K: Any, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
     """The roots of f, ascending, some of them ``known``; PrecisionLoss where one is not real, or two are not told
-    apart.
+    apart by floats.
     """
     rest = poly.quotient(K, f, poly.from_roots(K, known))
-    # in floats first, where double roots are told soonest
-    for numbers in (Numbers(RR), Numbers(K)):
-        roots = conjugated(numbers, simple_roots(numbers, [numbers.convert(c) for c in rest]))
-        if any(x.imag for x in roots):
-            raise PrecisionLoss("branch points are not real")
-    roots = sorted([*known, *(K.coerce(x.real) for x in roots)])
-    check_separated(Numbers(K), roots)
-    return roots
+    numbers, slope = working_numbers(RR), poly.derivative(K, rest)
+    rough = simple_roots(numbers, [*map(complex, rest)])
+    if len(rough) > 1:
+        rough = conjugated(numbers, rough)
+    if any(x.imag for x in rough):
+        raise OtherOvals("branch points are not real")
+    found = list(known)
+    for x in (K.coerce(e.real) for e in rough):
+        for _ in range(MOST_STEPS):
+            move = poly.evaluate(K, rest, x) / poly.evaluate(K, slope, x)
+            x -= move
+            if not abs(move) > K.root_of_eps * abs(x):
+                break
+        found.append(x)
+    found.sort()
+    size = max(map(abs, found))
+    if not all(y - x > K.root_of_eps * size for x, y in pairwise(found)):
+        raise PrecisionLoss(f"two of the branch points {[*map(float, found)]} are not told apart")
+    return found
 
 
-def standard(K: Any, model: Model, e: Any, kappa: int) -> tuple[Any, Any, Any]:
+def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, Any]:
     """(κ, σ, ν) at a branch point e where nothing is carried: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
     whole, v = (*model.u, K.one), tuple(model.v)
     height, slope = kappa * poly.evaluate(K, whole, e), kappa * poly.evaluate(K, v, e)
@@ -239,12 +269,12 @@ def standard(K: Any, model: Model, e: Any, kappa: int) -> tuple[Any, Any, Any]:
     f = poly.scale(K, model.lead, poly.from_roots(K, model.roots))
     square = -kappa * poly.evaluate(K, cofactor(K, f, whole, v), e)
     if square <= 0:
-        raise PrecisionLoss(APART)
+        raise OtherOvals(APART)
     nu = K.sqrt(square)
     return kappa, slope / nu, nu
 
 
-def without_root(even: Model) -> Model:
+def without_root(even: OvalModel) -> OvalModel:
     """The motion in X = 1/(E − x), E the largest root of a model of even degree, y = y_X/X³."""
     (u0, u1), (v0, v1), (*roots, pole) = even.u, even.v, even.roots
     lead = -even.lead
@@ -255,7 +285,7 @@ def without_root(even: Model) -> Model:
     s, p = a / b, 1 / b
     v = (-m * s * p + v1 * p, m * (s * s - p) - v1 * s)
     c0, c1 = even.direction
-    return Model(lead, (p, -s), v, (pole * c0 - c1, c0), [1 / (pole - e) for e in roots])
+    return OvalModel(lead, (p, -s), v, (pole * c0 - c1, c0), [1 / (pole - e) for e in roots])
 
 
 def with_root(pole: Any, u: Sequence[Any], v: Sequence[Any]) -> tuple[Sequence[Any], Sequence[Any]]:

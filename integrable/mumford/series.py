@@ -49,7 +49,7 @@ class SeriesField(InexactField):
         return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
 
 
-class Series:
+class MotionSeries:
     """A motion near a pair: coefficients of U, V, of the second-kind datum Ω, of the third-kind integrals
     ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair) and of the σ and ν of lifts, ascending in time.
 
@@ -102,7 +102,7 @@ def taylor(
     order: int,
     points: Sequence[Any] = (),
     lifts: Sequence[tuple[Any, Any, Any]] = (),
-) -> Series:
+) -> MotionSeries:
     """``order`` coefficients of the motion from a pair along a direction, with the third-kind integrals of points, and
     with ``lifts``, (e, σ, ν) at branch points e.
     """
@@ -122,7 +122,7 @@ def taylor(
                 _extend(SeriesField(field.complex), rows, size, curve, turning, places, ends)
         finally:
             ctx.cap = cap
-    return Series(field, rows, size)
+    return MotionSeries(field, rows, size)
 
 
 def _extend(

@@ -12,12 +12,14 @@ import cmath
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property
+from inspect import signature
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
 from integrable.mumford.motion import Start, settled
 from integrable.phase.jets import JetField
+from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
 from jacobian import RR, Divisor, HyperellipticCurve, poly
 from jacobian.errors import (
@@ -31,15 +33,19 @@ from jacobian.errors import (
     whole,
 )
 from jacobian.fields.protocol import check_field
-from jacobian.immutable import Immutable, replaced
+from jacobian.immutable import replaced
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended
 
 if TYPE_CHECKING:
-    from integrable.series.equations import Equations
+    import numpy as np
+
+    from integrable.series.kinds import Kind
 
 # how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
 OFF = 2.0**24
+# a tolerance that plain steps in floats may still meet
+LEAST = 2.0**-50
 
 
 class Spectral(NamedTuple):
@@ -50,7 +56,7 @@ class Spectral(NamedTuple):
     v: poly.Poly
 
 
-class MumfordSystem(Immutable):
+class MumfordSystem(Made):
     """The base of systems: ``field``, ``constants`` (elements of it), which are different where they are axes, other
     ``parameters`` and ``size``, how many q there are.
     """
@@ -83,6 +89,10 @@ class MumfordSystem(Immutable):
     def _spectral(self, N: Any, state: Point) -> Spectral:
         """Table: the curve and the pair of a state."""
         raise NotImplementedError
+
+    def _genus(self) -> int:
+        """Table: the degree of U; 0 where it depends on the state."""
+        return 0
 
     def _direction(self, N: Any, genus: int) -> Sequence[Any]:
         """Table: the direction of the motion."""
@@ -136,6 +146,12 @@ class MumfordSystem(Immutable):
         K = self.field
         return JetField(K, 0) if K.exact and not isinstance(K, JetField) else K
 
+    @property
+    def arguments(self) -> dict[str, Any]:
+        names = [name for name in signature(type(self)).parameters if name != "field"]
+        given = (self.constants, *self.parameters) if self.constants else self.parameters
+        return dict(zip(names, given, strict=True))
+
     def over(self, field: Any) -> Any:
         """The same system over another field, its constants and parameters as elements of that."""
         own = {
@@ -146,6 +162,10 @@ class MumfordSystem(Immutable):
 
     def state(self, q: Any, p: Any) -> Point:
         """The state with these q and p; ArgumentError where it does not meet the constraints of the system."""
+        state = self._floats(q, p)
+        if state is not None:
+            self._check(state)
+            return state
         parts = []
         for name, values in (("q", q), ("p", p)):
             wanted = f"a sequence of {self.size} numbers"
@@ -157,18 +177,36 @@ class MumfordSystem(Immutable):
         self._check(state)
         return state
 
+    def _floats(self, q: Any, p: Any) -> Point | None:
+        """The state over RR whose q and p are given as tuples of finite floats."""
+        if not (type(q) is type(p) is tuple and len(q) == len(p) == self.size and self.field == RR):
+            return None
+        for x in q + p:
+            if type(x) is not float or x - x != 0:
+                return None
+        return Point(q, p)
+
     def _check(self, state: Point) -> None:
+        if self._checked and self._checked[0] is state:
+            return
         N = self.numbers
         inside = self._inside(N, state)
         # a constraint that is infinite is off
         values = self._formula(self._constraints, state, finite=False)
-        sizes = [None] * len(values) if N.exact else self._constraint_sizes(inside)
+        right = all(value == N.zero for value in values)
+        sizes = [None] * len(values) if N.exact or right else self._constraint_sizes(inside)
         for name, value, size in zip(self._constraint_names, values, sizes, strict=True):
             if value != N.zero and (size is None or not abs(value) < OFF * N.eps * size):
                 raise ArgumentError(
                     f"q, p = {shown(tuple(state))} are no state: {name} is needed, "
                     f"and is off by {shown(self._bare(value))}"
                 )
+        self._checked[:] = [state]
+
+    @cached_property
+    def _checked(self) -> list[Point]:
+        """The last state that was checked."""
+        return []
 
     def _constraint_sizes(self, state: Point) -> list[Any]:
         """How much each constraint would change if all q changed by the largest of them, and all p likewise."""
@@ -179,6 +217,12 @@ class MumfordSystem(Immutable):
             sum(abs(slope) * size for slope, size in zip(jets.coerce(value).slopes, sizes, strict=True))
             for value in self._constraints(jets, Point(both[:n], both[n:]))
         ]
+
+    def _surface_sizes(self, weights: Sequence[Any], state: Point) -> list[Any]:
+        """The same for Σw_iq_i² = 1, Σw_iq_ip_i = 0 and a p other than 0."""
+        q, p = ([abs(w * x) for w, x in zip(weights, part, strict=True)] for part in state)
+        widest, fastest = (max(map(abs, part)) for part in state)
+        return [2 * widest * sum(q), widest * sum(p) + fastest * sum(q), 0]
 
     _constraint_names: tuple[str, ...] = ()
 
@@ -224,27 +268,91 @@ class MumfordSystem(Immutable):
         genus = whole(genus, "genus", wanted, 1, self.size)
         return tuple(map(self._bare, self._direction(self.numbers, genus)))
 
+    def _with_symbols(self) -> MumfordSystem:
+        """The system with symbols for its constants, and for its parameters that are not 0."""
+        from integrable.series.symbols import Symbol, SymbolField
+
+        count = len(self.constants)
+        symbols = tuple(Symbol("constant", i) for i in range(count))
+        # terms that are not there are no terms of 0: they divide by what may vanish
+        further = tuple(Symbol("constant", count + i) if x else 0.0 for i, x in enumerate(self._standing))
+        return replaced(self, field=SymbolField(), constants=symbols, parameters=further)
+
+    @property
+    def _standing(self) -> tuple[bool, ...]:
+        """Which parameters are not 0."""
+        return tuple(x != self.field.zero for x in self.parameters)
+
     @cached_property
-    def _equations(self) -> Equations | None:
-        """The equations of motion for compiled series; None where they are no formula of the four operations."""
-        from integrable.series.equations import Equations
+    def _kind(self) -> Kind | None:
+        """The compiled walks of systems like this one; None where their equations are no formula."""
+        from integrable.series.kinds import Formulas, Kind, kind_of
 
-        n = self.size
+        def made() -> Kind | None:
+            n, system = self.size, self._with_symbols()
 
-        def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
-            return self._rational_rates(N, Point(tuple(y[:n]), tuple(y[n : 2 * n])), tuple(y[2 * n :]))
+            def point(y: Sequence[Any]) -> Point:
+                return Point(tuple(y[:n]), tuple(y[n : 2 * n]))
 
-        rest = Point((RR.zero,) * n, (RR.zero,) * n)
-        try:
-            return Equations(rates, n, 2 * n + len(self._auxiliary(RR, rest)))
-        except (TypeError, ArgumentError):
-            # a function of another library's, constants beyond floats
-            return None
+            def start(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+                inner = system._constrained(N, point(y))
+                return *inner.q, *inner.p, *system._auxiliary(N, inner)
 
-    def flow(self, state: Point) -> MumfordFlow:
-        """The motion of a state over RR or MP(digits), any time at once."""
+            def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
+                return system._rational_rates(N, point(y), tuple(y[2 * n :]))
+
+            rest = Point((RR.zero,) * n, (RR.zero,) * n)
+            try:
+                count = 2 * n + len(self._auxiliary(RR, rest))
+                return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
+            except (TypeError, ArgumentError):
+                # a function of another library's
+                return None
+
+        return kind_of((type(self), self.size, len(self.constants), self._standing), made)
+
+    @cached_property
+    def _walk_constants(self) -> np.ndarray:
+        """The constants and parameters, floats, and one more number."""
+        import numpy as np
+
+        return np.array([*map(float, self.constants), *map(float, self.parameters), 0.0])
+
+    def flow(self, state: Point, tolerance: float | None = None) -> MumfordFlow:
+        """The motion of a state over RR or MP(digits), any time at once.
+
+        ``tolerance``: what states near the start may be off by, beside the largest q, or p, in RR; they come in half
+        the time, and ``estimate`` of the path says by how much they are. ArgumentError where it is not between 2^−50
+        and 1.
+        """
+        self._check_range(state)
+        return MumfordFlow(self, state, self._tolerance(tolerance))
+
+    def _check_range(self, state: Point) -> None:
+        """:meth:`_check`, and PrecisionLoss where the formulas go beyond the range of floats."""
         self._check(state)
-        return MumfordFlow(self, state)
+        if not self._is_ordinary(state):
+            self.spectral(state)
+
+    _ordinary_size = 1e9
+    """Formulas of numbers up to it, and of constants down to its inverse, stay among the floats."""
+
+    @cached_property
+    def _ordinary_constants(self) -> bool:
+        given = (*self.constants, *self.parameters)
+        return self.field == RR and all(x == 0 or 1e-9 < abs(x) < 1e9 for x in given)
+
+    def _is_ordinary(self, state: Point) -> bool:
+        size = self._ordinary_size
+        return self._ordinary_constants and -size < min(map(min, state)) and max(map(max, state)) < size
+
+    def _tolerance(self, tolerance: float | None) -> float | None:
+        if tolerance is None:
+            return None
+        wanted = "a number between 2^-50 and 1 is needed, of a flow over RR"
+        if self.field != RR or not isinstance(tolerance, int | float) or not LEAST <= tolerance < 1:
+            raise ArgumentError(f"tolerance = {shown(tolerance)}: {wanted}")
+        return float(tolerance)
 
     def curve_point(self, state: Point, x: Any, sign: int = 1) -> tuple[Any, Any]:
         """(x, ±√f(x)) on the curve of a state, for its steps; NotASquare where f(x) has no root in the field."""

@@ -1,8 +1,8 @@
 """States of a motion of genus 3 and more at many times in floats: from tables, or from sums in long numbers.
 
-How many digits a sum of double-doubles has lost is found out: every time is computed from two starts, with other rows
-of the tables, and counts where both agree to more than a float holds; else from two more. The tables are held against
-sums in long numbers whenever they are made.
+The digits lost in a sum of double-doubles are measured. Every time is computed from two starts, with different rows of
+the tables, and accepted where both agree to more digits than a float has; otherwise from two more. New tables are
+compared with sums in long numbers.
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ NEAR = 4
 Pair = tuple[poly.Poly, poly.Poly]
 
 
-class Translations:
+class GroupTranslations:
     """T(τ) along ``direction`` on the curve of ``group``, a group over a :class:`LongField` that has been entered.
 
     On a model of even degree and odd genus two divisors of degree g leave one of degree g + 1, which its class does not
@@ -61,7 +61,7 @@ class Translations:
 
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
-        as a :class:`Series` has. Sets the ``unit`` h.
+        as a :class:`~integrable.mumford.series.MotionSeries` has. Sets the ``unit`` h.
         """
         order = self.field.bits // (FRACTION - 1) + 8
         found = PointMotion(self.field, self.group.f, points, direction, others, order)

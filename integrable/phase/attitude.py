@@ -1,7 +1,8 @@
-"""The orientation of a body in space, read off the two vectors that are fixed there, and how fast it turns.
+"""The orientation of a body in space, from the two vectors that are fixed there, and its angular velocity.
 
-γ̇ = γ×ω and Ṁ = M×ω say that the vertical γ and the angular momentum M about the contact point rest in space. They give
-the orientation without any integration: z is the vertical, x the direction of the horizontal part of M, y = z × x.
+γ̇ = γ×ω and Ṁ = M×ω mean that the vertical γ and the angular momentum M about the contact point are fixed in space.
+They give the orientation without any integration: z is the vertical, x the direction of the horizontal part of M, y = z
+× x.
 """
 
 from __future__ import annotations
@@ -33,7 +34,7 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(M² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
-    # twice is enough (Parlett 1980): once leaves the rounding of M along γ, where the horizontal part is short
+    # twice is enough (Parlett 1980): once leaves the rounding of M along γ where the horizontal part is short
     for _ in range(2):
         horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]

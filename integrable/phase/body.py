@@ -13,7 +13,7 @@ from math import isfinite
 from typing import Any, NamedTuple
 
 from jacobian import RR
-from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown
+from jacobian.errors import ArgumentError, FieldError, NotASquare, entries, shown, written
 from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import check_field
 
@@ -49,7 +49,7 @@ class Body:
         offset = field.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
-        # over the reals a sum of what is positive does not vanish
+        # over the reals a sum of positive terms does not vanish
         if field.characteristic != 0 or not min(moments) > 0:
             for i, moment in enumerate(moments):
                 _check_moment(field, moment, offset, i)
@@ -129,7 +129,7 @@ class Body:
 
 
 def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:
-    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², with operators."""
+    """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², by operators."""
     # written out: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
@@ -141,7 +141,7 @@ def triple(field: Any, values: Any, argument: str) -> Vector:
     """Three field elements, or an ArgumentError that names ``argument``."""
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
-        # a short run takes few times as long as names for what may be wrong
+        # building the messages' names would cost a large part of a short run
         if type(x) is type(y) is type(z) is float and isfinite(x + y + z):
             return x, y, z
     items = entries(values, argument, "a sequence of three numbers")
@@ -166,10 +166,12 @@ def cross(field: Any, x: Vector, y: Vector) -> Vector:
 
 def _check_moment(field: Any, moment: Any, d: Any, i: int) -> None:
     if field.characteristic == 0 and moment <= 0:
-        raise ArgumentError(f"inertia[{i}] = {moment} is not positive: a moment of inertia is > 0, so that d·a_i < 1")
+        raise ArgumentError(
+            f"inertia[{i}] = {written(moment)} is not positive: a moment of inertia is > 0, so that d·a_i < 1"
+        )
     if moment == field.zero or field.add(moment, d) == field.zero:
         raise ArgumentError(
-            f"inertia[{i}] = {moment} over {field.name}: inertia[{i}] and inertia[{i}] + d must not vanish"
+            f"inertia[{i}] = {written(moment)} over {field.name}: inertia[{i}] and inertia[{i}] + d must not vanish"
         )
 
 
@@ -178,4 +180,6 @@ def square_root(field: Any, x: Any, name: str) -> Any:
     try:
         return field.sqrt(x)
     except NotASquare:
-        raise NotASquare(f"{name} = {x} has no square root in {field.name}: the point has no image there") from None
+        raise NotASquare(
+            f"{name} = {written(x)} has no square root in {field.name}: the point has no image there"
+        ) from None

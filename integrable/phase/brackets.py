@@ -1,16 +1,16 @@
 """Poisson structures of the ball and the top, and how to test them.
 
-The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov's chap-br have the
-opposite ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
+The signs are those of the motion: ẋ = g{x, H1/2} (Borisov and Mamaev 2001 and Tsiganov's chap-br have the opposite
+ones: docs/errata.md, item 1). On (γ, M), with cyclic (i, j, k),
 
     {M_i, M_j} = −(M_k/g − d·g(M, Aγ)γ_k),   {M_i, γ_j} = {γ_i, M_j} = −γ_k/g,   {γ_i, γ_j} = 0,
 
 at d = 0 the Lie–Poisson bracket of e*(3) reversed. On (u1, u2, p1, p2) a bracket is {u_i, p_j} = w_iδ_ij: w = 1 the
 canonical one, w = u the bracket W, w = λ the second bracket Π' of a Poisson–Nijenhuis pair.
 
-Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. Functions
-of a state are taken as f(system, state), functions of a tuple of coordinates as f(field, point): they must compute with
-the field or system that they are given.
+Derivatives are exact over exact fields, by :mod:`integrable.phase.jets`, and difference quotients elsewhere. A function
+of a state is f(system, state), a function of a tuple of coordinates f(field, point). They must compute with the given
+field or system.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from integrable.phase.body import Body, Vector, cross
 from integrable.phase.jets import JetField
 from integrable.phase.space import PhaseSpace
 from integrable.phase.state import State
-from jacobian.errors import ArgumentError, shown
+from jacobian.errors import ArgumentError, NotRepresentable, shown
 from jacobian.immutable import replaced
 
 Matrix = tuple[tuple[Any, ...], ...]
@@ -80,7 +80,13 @@ def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[
     """The rows ∂f_i/∂x_k at ``point`` of f(field, x): exact over an exact field, else of sixth order in eps^(1/7)."""
     if K.exact:
         jets = JetField(K, len(point))
-        return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
+        try:
+            return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
+        except ZeroDivisionError:
+            # zero here but not nearby
+            raise NotRepresentable(
+                f"the function passes a special position over {K.name}: no derivative there"
+            ) from None
     step = K.coerce(K.eps) ** K.div(K.one, K.coerce(7))
     columns = [_difference(lambda x: function(K, x), tuple(point), k, step) for k in range(len(point))]
     return tuple(zip(*columns, strict=True))
@@ -108,7 +114,7 @@ def over(system: PhaseSpace, field: Any) -> Any:
 def on_leaf(system: PhaseSpace, like: State, gamma: Vector, M: Vector) -> State:
     """(γ, M) moved to the values of C1 and C2 of ``like``, to first order, with the root g on the side of ``like``.
 
-    A function extended off its symplectic leaf by this map has the same brackets as before, for C1 and C2 are Casimirs.
+    A function extended off its symplectic leaf by this map has the same brackets, because C1 and C2 are Casimirs.
     """
     K = system.field
     base = K.base if isinstance(K, JetField) else K
@@ -143,7 +149,7 @@ def bracket(system: PhaseSpace, F: Callable[[Any, State], Any], G: Callable[[Any
 
 
 def pushed(K: Any, rows: Matrix, matrix: Matrix) -> Matrix:
-    """J Π Jᵀ for the rows of J: the brackets of the functions that the rows are differentials of."""
+    """J Π Jᵀ: the brackets of the functions whose differentials are the rows of J."""
     left = [[K.dot(row, column) for column in zip(*matrix, strict=True)] for row in rows]
     return tuple(tuple(K.dot(first, second) for second in rows) for first in left)
 
@@ -205,7 +211,7 @@ def root(system: PhaseSpace, state: State) -> Any:
 
 
 def measure_divergence(body: Body, gamma: Vector, M: Vector) -> Any:
-    """div(g·(γ × ω, M × ω))/g at any (γ, M): zero, for g dγ dM is an invariant measure (Chaplygin 1903).
+    """div(g·(γ × ω, M × ω))/g at any (γ, M): zero, because g dγ dM is an invariant measure (Chaplygin 1903).
 
     Rational in (γ, M): the derivative of g enters as −½g²·∂(g⁻²), g⁻² = 1 − d(γ, Aγ).
     """

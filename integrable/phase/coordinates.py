@@ -76,8 +76,8 @@ def to_pairs(body: Body, state: State) -> tuple[Pair, ...]:
 
 
 def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
-    """The state of the pairs; g is taken from the pair at 1/d where there is one, else it is the positive root of
-    Σγ̂_i².
+    """The state of the pairs; g comes from the pair at 1/d if there is one, else it is the positive root of Σγ̂_i².
+    NotRepresentable where g vanishes, over a finite field.
     """
     K = body.field
     sigma, nu = (tuple(column) for column in zip(*pairs[:3], strict=True))
@@ -86,6 +86,8 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
         return State(sigma, cross(K, tuple(K.mul(half, y) for y in nu), sigma))
     square = K.dot(sigma, sigma)
     g = pairs[3][0] if len(pairs) == 4 else K.sqrt(square)
+    if K.exact and g == K.zero:
+        raise NotRepresentable(f"g = 0 over {K.name}: the divisor contains the branch point 1/d, and no state has it")
     lean = K.div(K.dot(sigma, nu), square)
     gamma = tuple(K.div(x, g) for x in sigma)
     w = tuple(K.mul(half, K.sub(y, K.mul(lean, x))) for x, y in zip(sigma, nu, strict=True))
@@ -94,7 +96,7 @@ def from_pairs(body: Body, pairs: tuple[Pair, ...]) -> State:
 
 def directions_of(point: Any) -> tuple[tuple[Any, Any, Any], tuple[Any, Any, Any]]:
     """γ and M/|M| of a moving point whose last six numbers are σ = γ̂ and ν = n̂/(2|M|): :func:`from_pairs` on bare
-    reals, floats, mpf, balls, or double-doubles where it is compiled.
+    reals: floats, mpf, balls, or double-doubles when compiled.
     """
     s1, s2, s3, n1, n2, n3 = point[4], point[5], point[6], point[7], point[8], point[9]
     square = s1 * s1 + s2 * s2 + s3 * s3
@@ -122,11 +124,11 @@ def to_mumford(body: Body, pairs: tuple[Pair, ...]) -> tuple[poly.Poly, poly.Pol
 def pairs_of(
     body: Body, f: poly.Poly, u: poly.Poly, v: poly.Poly, like: tuple[Pair, ...] | None = None
 ) -> tuple[Pair, ...]:
-    """The pairs of a divisor; of the two signs on every axis the one on the side of ``like``, without it the field's
-    own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
+    """The pairs of a divisor, on every axis the one of two signs on the side of ``like``.
 
-    NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not know how
-    γ turns then.
+    Without ``like`` the sign is that of the field's own root of γ̂², or of n̂² where γ̂ = 0: over the reals γ_i > 0.
+    NotASquare where a γ̂_i² has no root in the field, NotRepresentable where moments coincide: (U, V) does not
+    determine γ then.
     """
     K = body.field
     cofactor = poly.quotient(K, poly.sub(K, f, poly.mul(K, v, v)), u)
@@ -145,8 +147,8 @@ def pairs_of(
 
 
 def integrals_of(body: Body, D: Divisor) -> tuple[Any, Any]:
-    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that a divisor is on; CurveMismatch where it is on no curve
-    of the body, to half the digits.
+    """(H1, H2) of the curve 4(1 − dx)Π(a_i − x)(x·H2 − H1) that contains a divisor; CurveMismatch where no curve of the
+    body does, to half the digits.
     """
     K, curve = body.field, D.jacobian.curve
     if curve.field == K and not curve.h:
@@ -165,6 +167,9 @@ def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None 
     """(σ, ν) with σ² = square, σν = product, ν² = other, on the side of ``model``; without it as in
     :func:`pairs_of`.
     """
+    if square == other == K.zero:
+        # σν = 0 too: M along the axis and γ across it, where the curve has a double point
+        return K.zero, K.zero
     if (square == K.zero) if K.exact else (abs(square) < abs(other)):
         nu = square_root(K, other, "n̂²")
         pair = (K.div(product, nu), nu)
@@ -173,7 +178,7 @@ def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None 
         pair = (sigma, K.div(product, sigma))
     opposite = (K.neg(pair[0]), K.neg(pair[1]))
     if model is None:
-        # a γ̂ that is rounding decides nothing
+        # a γ̂ that is rounding does not decide the sign
         return opposite if not K.exact and pair[0] < -64 * K.eps * abs(pair[1]) else pair
     if K.exact:
         return opposite if opposite == model else pair

@@ -1,4 +1,4 @@
-"""States with proven bounds: what enclosures return, and what those of all motions share."""
+"""States with proven bounds: the results of enclosures, and functions shared by all motions."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class BallRows(Record):
     """States at ``times`` in balls (``flint.arb``): the base of those of bodies and of systems of any genus.
 
     ``tau`` and ``times`` have shape (N,); ``radius``, shape (N,), is the largest radius of every row, each vector
-    relative to a size; a float, rounded up (2.2e-308 for all below).
+    relative to a size: a float, rounded up, at least 2.2e-308.
     """
 
     _names: ClassVar[tuple[str, str]]
@@ -41,7 +41,7 @@ class BallRows(Record):
         return len(self.tau)
 
     def _value(self) -> tuple[Any, ...]:
-        # balls are equal for flint where they are points, and flint does not pickle them
+        # flint compares balls as equal only where they are points, and cannot pickle them
         columns = (self.times, self.tau, *(getattr(self, name) for name in self._names))
         balls = (None if a is None else tuple(map(_ends, a.ravel())) for a in columns)
         return (self.size, *balls, tuple(self.radius.tolist()))
@@ -73,7 +73,7 @@ class EnclosedPath(BallRows):
 
 
 def ball_digits(field: Any, digits: int | None) -> int:
-    """The digits that balls are asked to have: by default those of the field, 15 for RR."""
+    """The digits requested of balls: by default those of the field, 15 for RR."""
     if digits is None:
         return FLOAT_DIGITS if field == RR else int(field.dps)
     return whole(digits, "digits", f"the balls' digits are an int ≥ 1, {MOST_DIGITS} at most", 1, MOST_DIGITS)
@@ -90,7 +90,7 @@ def is_bounded(values: Sequence[Any]) -> bool:
 
 
 def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
-    """The largest radius of balls in (vector, size), each relative to its size, as an upper bound; NaN where one has no
+    """An upper bound of the largest radius of balls in (vector, size), each relative to its size; NaN where one has no
     bound.
     """
     from flint import arb
@@ -100,7 +100,7 @@ def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
 
 
 def rounded_up(radius: Any) -> float:
-    """A float that is no smaller than a radius."""
+    """A float not smaller than a radius."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 
@@ -110,7 +110,7 @@ def _ends(ball: Any) -> tuple[Any, ...]:
 
 
 def _ball(flint: Any, middle: Any, radius: Any) -> Any:
-    """The ball of :func:`_ends`. flint rounds a radius that it is given up to 30 bits, exact or not."""
+    """The ball of :func:`_ends`. flint rounds a given radius up to 30 bits, exact or not."""
     mantissa, exponent = radius
     shift = 30 - mantissa.bit_length()
     for less in (1, 0):

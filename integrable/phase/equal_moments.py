@@ -17,13 +17,13 @@ if TYPE_CHECKING:
 
 def symmetry_axis(inertia: Vector) -> int | None:
     """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
-    # written out: a fresh flow asks twice
+    # written out, since every fresh flow asks twice
     x, y, z = inertia
     return 0 if y == z else 1 if z == x else 2 if x == y else None
 
 
 class Swing(NamedTuple):
-    """The numbers of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
+    """The data of the module's formulas, wide: r, r₃, δ, (a₃ − a)/a, |M|, κ, A, μ, Ω, θ and φ at the start."""
 
     r: Any
     r3: Any
@@ -53,11 +53,11 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # γ₃ and its rate, not the difference above, which a motion about the axis leaves no digits of
+        # γ₃ and its rate, not the difference above, in which a motion about the axis has no digits left
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
-        # the ellipse before it turns, of γ and of M/|M|: the larger tells φ
+        # the ellipse before the turn, of γ and of M/|M|: the larger one gives φ
         c, s = K.context.cos(theta), K.context.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         found, before = ((g1, g2), before_gamma) if c * c + kappa2 * s * s >= 0.5 else ((m1, m2), before_M)
@@ -65,7 +65,7 @@ class Swing(NamedTuple):
 
     @property
     def spread(self) -> Any:
-        """δA², the swing of g⁻²."""
+        """δA², the amplitude of g⁻²."""
         return self.delta * self.size * self.size
 
     @property
@@ -75,7 +75,7 @@ class Swing(NamedTuple):
 
     @property
     def factors(self) -> tuple[Any, Any]:
-        """What F and Π are multiplied with in −φ."""
+        """The factors of F and Π in −φ."""
         first = self.kappa * self.ratio / _sqrt(self.r * self.r3)
         return first, self.kappa * _sqrt(self.r3 / self.r)
 
@@ -85,7 +85,7 @@ class Swing(NamedTuple):
         return self.rate / alpha, beta * self.spin * upright.body.a[0] * self.ratio * self.size / alpha
 
     def ellipse(self, c: Any, s: Any) -> tuple[list[Any], list[Any]]:
-        """γ and M at θ with the cosine c and the sine s, before they turn by φ."""
+        """γ and M at θ with the cosine c and the sine s, before the turn by φ."""
         root3, spread = _sqrt(self.r3), self.spread
         slow = _sqrt(self.mu + spread * c * c if self.delta > 0 else self.r - spread * s * s)
         lean, scale = self.kappa * self.delta * s / (slow + root3), self.momentum / _sqrt(self.mu)
@@ -95,15 +95,15 @@ class Swing(NamedTuple):
 
 
 def _sqrt(x: Any) -> Any:
-    """Of an mpf, to the digits that it was computed with."""
+    """Of an mpf, to the digits of its computation."""
     return x.context.sqrt(x)
 
 
 class Upright(NamedTuple):
     """A body with (γ, M) = 0 in the numbers of K, |γ| = 1 to the last digit; axes in the order (equal, equal, other).
 
-    ``columns`` are those of the user's axes in it, ``clock`` (α, β) of dt/dt̃ = α + βñ, and ``matrix`` leads back to the
-    tilted body.
+    ``columns`` are the positions of the user's axes, ``clock`` (α, β) of dt/dt̃ = α + βñ, and ``matrix`` maps back to
+    the tilted body.
     """
 
     body: Body

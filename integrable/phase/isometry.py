@@ -15,7 +15,7 @@ from jacobian.errors import NotRepresentable
 
 def lift(field: Any, B: Sequence[Any], gamma: Vector, M: Vector) -> tuple[Vector, Vector]:
     """(γ', M') under the diagonal matrix B, undone by the lift of B⁻¹. NotASquare where |Bγ| is not in the field,
-    NotRepresentable where it is zero there.
+    NotRepresentable where it is zero.
     """
     K = field
     turned = (K.mul(B[0], gamma[0]), K.mul(B[1], gamma[1]), K.mul(B[2], gamma[2]))

@@ -1,9 +1,8 @@
 """First-order jets x + Σ x_k ε_k, ε_iε_j = 0, over any field: derivatives without differences and without rounding.
 
-:class:`JetField` meets the protocol of :class:`jacobian.fields.protocol.Field`, so that polynomials, divisor sums and
-everything else that asks its field for its operations run on jets unchanged; the slopes of what comes out are exact
-derivatives (forward-mode differentiation; Wengert 1964). A jet also has operators, which make formulas readable over
-fields of bare elements.
+:class:`JetField` meets the protocol of :class:`jacobian.fields.protocol.Field`, so polynomials, divisor sums and all
+other code over a field run on jets unchanged. The slopes of the results are exact derivatives (forward-mode
+differentiation; Wengert 1964). A jet also has operators, which make formulas readable over fields of bare elements.
 """
 
 from __future__ import annotations
@@ -12,7 +11,7 @@ from collections.abc import Hashable, Sequence
 from typing import Any
 
 from jacobian import poly
-from jacobian.errors import FieldError, NotRepresentable
+from jacobian.errors import FieldError, NotRepresentable, shown, written
 
 
 class Jet:
@@ -137,11 +136,11 @@ class JetField:
         return self.constant(poly.integer(self.base, m))
 
     def coerce(self, value: Any, argument: str = "value") -> Jet:
-        """A jet of this field as it is, anything that the base takes as a constant; else FieldError."""
+        """A jet of this field unchanged, anything else as a constant of the base; else FieldError."""
         if not isinstance(value, Jet):
             return self.constant(self.base.coerce(value, argument))
         if len(value.slopes) != self.directions:
-            raise FieldError(f"{argument} = {value!r} has {len(value.slopes)} slopes, not {self.directions}")
+            raise FieldError(f"{argument} = {shown(value)} has {len(value.slopes)} slopes, not {self.directions}")
         return value
 
     def _jet(self, x: Any) -> Jet:
@@ -214,8 +213,17 @@ class JetField:
 
 
 def apply(field: Any, function: Any, *values: Any) -> Any:
-    """``function`` of elements of a field, written with operators: it is given jets, and its result is an element."""
-    if isinstance(field, JetField):
-        return field.coerce(function(*map(field.coerce, values)))
-    numbers = JetField(field, 0)
-    return numbers.coerce(function(*map(numbers.constant, values))).value
+    """The value of ``function`` at elements of a field; it is written with operators and receives jets.
+
+    NotRepresentable where it divides by zero.
+    """
+    jets = isinstance(field, JetField)
+    numbers = field if jets else JetField(field, 0)
+    try:
+        found = numbers.coerce(function(*map(numbers.coerce if jets else numbers.constant, values)))
+    except ZeroDivisionError:
+        where = ", ".join(map(written, values))
+        raise NotRepresentable(
+            f"a given function of (h1, h2) divides by zero at ({where}): no point is there"
+        ) from None
+    return found if jets else found.value

@@ -1,4 +1,4 @@
-"""How many decimal digits floats have, and are computed with."""
+"""The number of decimal digits of floats."""
 
 FLOAT_DIGITS = 15
 """Those of a float that count: up to so many a scene runs in floats, and a certificate of floats can confirm."""

@@ -2,8 +2,8 @@
 
 On (u1, u2, p1, p2), {u_i, p_j} = δ_ij, the eigenvalues λ_k = φ(u_k)p_k² = H1 − u_kH2 make a second bracket Π', {u_i,
 p_j}' = λ_iδ_ij, compatible with the canonical Π, and the recursion operator N = Π'Π⁻¹ = diag(λ1, λ2, λ1, λ2). Its
-torsion is 0 and its traces J_m = tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). At the image of a state under
-the 2-torsion map J_1 and −λ1λ2 are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov,
+torsion is 0 and its traces J_m = tr N^m/(2m) obey Lenard's relations Π'dJ_m = ΠdJ_(m+1). J_1 and −λ1λ2 at the image of
+a state under the 2-torsion map are the integrals of the tilde pair (:mod:`integrable.deformations.tilde`). (Tsiganov,
 section 4; Magri and Morosi 1984.) Points are tuples (u1, u2, p1, p2), ``body`` may be over jets.
 """
 
@@ -17,7 +17,7 @@ from integrable.phase.body import Body
 from integrable.phase.brackets import Matrix, jacobian_matrix, weighted_matrix
 from integrable.phase.separation import phi
 from jacobian import poly
-from jacobian.errors import ArgumentError, FieldError, PrecisionLoss, entries, shown, whole
+from jacobian.errors import ArgumentError, FieldError, PrecisionLoss, entries, shown, whole, written
 from jacobian.fields.protocol import check_field
 
 MOST_INDEX = 10**6
@@ -52,10 +52,10 @@ def trace_hamiltonian(body: Body, point: Sequence[Any], m: int) -> Any:
     K = body.field
     below = poly.integer(K, m)
     if K.is_zero(below):
-        raise ArgumentError(f"m = {m} vanishes in {K.name}: J_m does not exist there")
+        raise ArgumentError(f"m = {written(m)} vanishes in {K.name}: J_m does not exist there")
     total = K.div(K.add(*(_power(K, value, m) for value in values)), below)
     if not K.exact and not abs(total) < inf:
-        raise PrecisionLoss(f"m = {m}: J_m is beyond the numbers of {K.name}")
+        raise PrecisionLoss(f"m = {written(m)}: J_m is beyond the numbers of {K.name}")
     return total
 
 
@@ -83,7 +83,7 @@ def nijenhuis_torsion(
 
 def rank(K: Any, matrix: Sequence[Sequence[Any]]) -> int:
     """The rank of a matrix over an exact field, by elimination: 4 for the bracket of (γ, M) at every state, 2 for Π'
-    where one λ_k vanishes. FieldError over an inexact field, where rounding decides no rank.
+    where one λ_k vanishes. FieldError over an inexact field, where rounding leaves the rank undecided.
     """
     if not check_field(K, "K").exact:
         raise FieldError(f"K = {K.name}: a rank is not decided over an inexact field")

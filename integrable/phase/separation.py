@@ -14,7 +14,7 @@ from integrable.phase import coordinates
 from integrable.phase.body import Body
 from integrable.phase.state import State
 from jacobian import poly
-from jacobian.errors import ArgumentError, NotASquare, NotRepresentable
+from jacobian.errors import ArgumentError, NotASquare, NotRepresentable, written
 from jacobian.fields.quadratic import quadratic_roots
 
 Two = tuple[Any, Any]
@@ -82,7 +82,7 @@ def to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
     """(U, V) with roots u_k and V(u_k) = φ(u_k)p_k; NotRepresentable where u1 = u2."""
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
-        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there; use the divisor")
+        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
     u, v = poly.through(K, [(x, K.mul(phi(body, x), p)) for x, p in zip(*point, strict=True)])
     return u, poly.trim(K, v) if K.exact else v
 
@@ -91,14 +91,14 @@ def integrals(body: Body, point: Separated) -> Two:
     """(H1, H2) of (u, p): the solution of φ(u_k)p_k² = H1 − u_k H2."""
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
-        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there; use the divisor")
+        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there; use the divisor")
     first, second = (K.mul(phi(body, x), K.mul(p, p)) for x, p in zip(*point, strict=True))
     h2 = K.div(K.sub(second, first), K.sub(u1, u2))
     return K.add(first, K.mul(u1, h2)), h2
 
 
 def from_separated(body: Body, point: Separated, like: State | None = None) -> State:
-    """The state of (u, p): of the eight that share it the one with the signs of ``like``, or with the field's roots.
+    """The state of (u, p), of the eight that share it the one with the signs of ``like`` or the field's roots.
 
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from integrable.phase.body import Body, Integrals, Vector, cross, triple
+from integrable.phase.made import Made
 from integrable.phase.state import State
 from jacobian import Field
 from jacobian.errors import (
@@ -17,8 +18,9 @@ from jacobian.errors import (
     entries,
     flag,
     shown,
+    written,
 )
-from jacobian.immutable import Immutable, replaced
+from jacobian.immutable import replaced
 
 if TYPE_CHECKING:
     import numpy as np
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from jacobian import Divisor, HyperellipticCurve, Jacobian
 
 
-class PhaseSpace(Immutable):
+class PhaseSpace(Made):
     """The states of a rigid body, by default with (γ, M) = 0. Base of :class:`integrable.systems.system.System`."""
 
     body: Body
@@ -57,27 +59,30 @@ class PhaseSpace(Immutable):
 
     def state(self, gamma: Sequence[Any], M: Sequence[Any], g: Any = None, *, tilted: bool = False) -> State:
         """The State (γ, M), with |γ| = 1 and (γ, M) = 0 checked: exactly over exact fields, to eps^0.6 over inexact
-        ones. ``tilted=True`` allows (γ, M) ≠ 0: divisors, steps and the flow then go through Chaplygin's
-        transformation, which M ∥ γ alone has not.
+        ones. ``tilted=True`` allows (γ, M) ≠ 0: divisors, steps and the flow then use Chaplygin's transformation, which
+        exists except for M ∥ γ.
 
         ``g`` chooses the root of g² over an exact field with d ≠ 0 (by default the field's own; NotASquare where there
-        is none). Raises ArgumentError that names the argument, its value and what would be right.
+        is none). ArgumentError names the argument, its value and what is accepted.
         """
         K: Any = self.field
         tilted = flag(tilted, "tilted")
         gamma, M = triple(K, gamma, "gamma"), triple(K, M, "M")
         tolerance, square = 0 if K.exact else K.eps**0.6, K.dot(gamma, gamma)
         if _distance(K, square, K.one) > tolerance:
-            raise ArgumentError(f"gamma = {_show(gamma)} has (γ, γ) = {square}: γ is a unit vector{_precision(K)}")
+            raise ArgumentError(
+                f"gamma = {_show(gamma)} has (γ, γ) = {written(square)}: γ is a unit vector{_precision(K)}"
+            )
         if K.exact and self.body.rolls and self.body.conformal(gamma) == K.zero:
             raise NotASquare(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
         if not tilted:
             tilt = K.dot(gamma, M)
-            # |M|, whose square may be below the floats
+            # |M|, because its square may underflow
             size = 1 if K.exact else max(K.dot(M, M) ** 0.5, *map(abs, M))
             if _distance(K, tilt, K.zero) > tolerance * size:
                 raise ArgumentError(
-                    f"M = {_show(M)} has (γ, M) = {tilt}: this system needs (γ, M) = 0{_precision(K)}, or tilted=True"
+                    f"M = {_show(M)} has (γ, M) = {written(tilt)}: this system needs (γ, M) = 0{_precision(K)}, "
+                    "or tilted=True"
                 )
         return State(gamma, M, self._root(gamma, g), tilted=tilted)
 
@@ -96,7 +101,9 @@ class PhaseSpace(Immutable):
             return coordinates.root_of_g(self.body, gamma)
         g = K.coerce(g, "g")
         if K.mul(K.mul(g, g), self.body.conformal(gamma)) != K.one:
-            raise ArgumentError(f"g = {g}: g² must be 1/(1 − d(γ, Aγ)) = {K.inv(self.body.conformal(gamma))}")
+            raise ArgumentError(
+                f"g = {written(g)}: g² must be 1/(1 − d(γ, Aγ)) = {written(K.inv(self.body.conformal(gamma)))}"
+            )
         return g
 
     def integrals(self, state: State) -> Integrals:
@@ -138,7 +145,7 @@ class PhaseSpace(Immutable):
     def upright(self, state: State) -> tuple[PhaseSpace, State, ChaplyginTransformation]:
         """(system, state, transformation): the motion of a tilted state as one with (γ̃, M̃) = 0 on another body.
 
-        ``transformation.invert`` leads back. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
+        ``transformation.invert`` is the inverse. Raises NotRepresentable at M ∥ γ, NotASquare over a field without the
         roots.
         """
         from integrable.phase.upright import ChaplyginTransformation
@@ -161,7 +168,7 @@ class PhaseSpace(Immutable):
         return HyperellipticCurve(K, self.body.polynomial(h1, h2))
 
     def group(self, h1: Any, h2: Any) -> Jacobian:
-        """The group that the system moves on: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
+        """The group of the motion: the Jacobian of :meth:`curve`, or for d = 0 its generalized Jacobian."""
         curve = self.curve(h1, h2)
         if self.body.rolls:
             jacobian: Jacobian = curve.jacobian()
@@ -187,11 +194,13 @@ class PhaseSpace(Immutable):
     def from_divisor(self, D: Divisor, like: State | None = None) -> State:
         """The state with divisor D, of the eight that share it the one with the signs of ``like``.
 
-        Over an exact field ``like`` decides only where D is its own divisor up to signs; elsewhere, and without it, the
-        signs are those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0): over the reals γ_i > 0.
-        A tilted ``like`` gives the transformation that D's state is taken back by. NotASquare where a root is not in
-        the field, NotRepresentable for another weight than two or equal moments, CurveMismatch where D is on no curve
-        of this system, PrecisionLoss where H1 or H2 of the state are not the curve's (to 10⁻⁹ in floats).
+        Over an exact field ``like`` decides only where D is its own divisor up to signs. Elsewhere, and without it, the
+        signs are those of the field's own roots of g² and γ_i² (of (γ × M)_i² where γ_i = 0): over the reals γ_i > 0. A
+        tilted ``like`` supplies the transformation of D's state.
+
+        NotASquare where a root is not in the field, NotRepresentable for another weight than two or equal moments.
+        CurveMismatch where D is on no curve of this system, PrecisionLoss where H1 or H2 of the state are not the
+        curve's (to 10⁻⁹ in floats).
         """
         from integrable.phase import coordinates
         from jacobian.law.divisor import check_divisor
@@ -247,12 +256,9 @@ class PhaseSpace(Immutable):
     def _checked(self, state: Any) -> State:
         return check_state(self, state)
 
-    def __repr__(self) -> str:
-        K = self.field
-        numbers = ", ".join(map(str, self.inertia))
-        offset = f", d={self.d}" if self.body.rolls else ""
-        field = "" if K.name == "RR" else f", field={K.name}"
-        return f"{type(self).__name__}(inertia=({numbers}){offset}{field})"
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"inertia": self.inertia}
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
@@ -260,23 +266,22 @@ class PhaseSpace(Immutable):
         facts = [("principal moments", self.inertia), ("1/(I + d)", self.a), ("field", self.field.name)]
         return named(type(self).__name__, [*facts, ("d", self.d)] if self.body.rolls else facts)
 
-    def _value(self) -> tuple[Any, ...]:
-        return self.body, self.radius
-
 
 def check_state(system: Any, state: Any) -> State:
-    """``state``, or an ArgumentError that says what makes one."""
+    """``state``, or an ArgumentError that says how to make one."""
     if not isinstance(state, State):
         raise ArgumentError(f"state = {shown(state)}: give a State, made by {type(system).__name__}.state(gamma, M)")
     if system.field.exact and (isinstance(state.gamma[0], (float, complex)) or hasattr(state.gamma[0], "_mpf_")):
-        raise FieldError(f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {system!r}")
+        raise FieldError(
+            f"state = {shown(state)}: its numbers are not of {system.field.name}, the field of {shown(system)}"
+        )
     return state
 
 
 def check_moving(K: Any, h2: Any) -> None:
     """ArgumentError where H2 = (M, M) vanishes."""
     if h2 == K.zero:
-        raise ArgumentError(f"H2 = {h2}: the body is at rest and has no curve; M must not vanish")
+        raise ArgumentError(f"H2 = {written(h2)}: (M, M) must not vanish; a body at rest has no curve")
 
 
 def _pair(K: Any, values: Any, argument: str) -> list[Any]:
@@ -294,7 +299,7 @@ def _distance(K: Any, x: Any, y: Any) -> Any:
 
 
 def _show(vector: Vector) -> str:
-    return "(" + ", ".join(map(str, vector)) + ")"
+    return "(" + ", ".join(map(written, vector)) + ")"
 
 
 def _precision(K: Any) -> str:

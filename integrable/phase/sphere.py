@@ -12,7 +12,7 @@ from typing import Any
 
 from integrable.phase.separation import Separated, of_roots
 from jacobian import HyperellipticCurve, poly
-from jacobian.errors import ArgumentError, NotRepresentable
+from jacobian.errors import ArgumentError, NotRepresentable, shown, written
 from jacobian.relatives.conic import Representative
 
 Divisor = tuple[poly.Poly, poly.Poly]
@@ -30,7 +30,7 @@ def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
     """The line through (u_k, φ(u_k)p_k), of length 2; NotRepresentable where u1 = u2."""
     (u1, u2), _ = point
     if u1 == u2:
-        raise NotRepresentable(f"u1 = u2 = {u1}: (u, p) are no coordinates there")
+        raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there")
     return poly.through(K, [(x, K.mul(poly.evaluate(K, phi(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
@@ -90,7 +90,7 @@ def hat_eigenvalues(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, An
 def metric(K: Any, a: Sequence[Any], u: Sequence[Any]) -> tuple[Any, Any]:
     """The diagonal (ĝ_11, ĝ_22) of the quadratic form ν1 + ν2 = Σ ĝ_kk p_k²; ArgumentError where an a_i = 0."""
     if K.zero in a:
-        raise ArgumentError(f"a = {tuple(a)}: the metric needs a_i ≠ 0")
+        raise ArgumentError(f"a = {shown(tuple(a))}: the metric needs a_i ≠ 0")
     u1, u2 = u
     mixed = K.mul(K.mul(u1, u2), K.dot([K.inv(e) for e in a], (K.one,) * 3))
     result = []

@@ -14,7 +14,7 @@ class State:
 
     ``system.state(gamma, M)`` makes one and checks it. Over an exact field with d ≠ 0 the state carries the root ``g``
     of g², whose sign tells D from −D; over the reals g > 0 is understood and ``g`` is None. ``tilted``: (γ, M) may
-    differ from 0, and divisors, steps and the flow go through :mod:`integrable.phase.upright`.
+    differ from 0; divisors, steps and the flow then use :mod:`integrable.phase.upright`.
     """
 
     gamma: Vector
@@ -30,10 +30,10 @@ class State:
 
 
 def onto_constraints(system: Any, state: State) -> State:
-    """The state in the numbers of ``system.field``: (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0 there, not only to
-    the digits it came with. γ is divided by its length, M loses its part along γ.
+    """The state over ``system.field`` with the constraints met to all its digits, not only to those given.
 
-    A divisor that is off its curve by the rounding of a state moves by that times the condition of the step.
+    (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0: γ is divided by its length, and M loses its part along γ. A step
+    would multiply the distance of a divisor from its curve by its condition.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
@@ -45,7 +45,7 @@ def onto_constraints(system: Any, state: State) -> State:
 
 
 def rotation_axis(state: State) -> int | None:
-    """The axis i with M along it and γ_i = 0, all exactly; None where there is none."""
+    """The axis i with M along it and γ_i = 0, all exactly, or None."""
     x, m = state.gamma, state.M
     if m.count(0) != 2:
         return None

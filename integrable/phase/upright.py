@@ -5,7 +5,7 @@
 
 The a_i = 1/(I_i + d), H1 and the time τ of the flow (dτ = g dt) are the same on both sides. Over the reals k is the
 root with −1 < kc ≤ 0, continuous from k = 0 at c = 0. At d = 0, γ̃ is the unit vector of γ − (c/H2)M and M̃ = M.
-(Chaplygin 1903; the constants are checked exactly in tests/integrable/phase/test_identities_tilted.py.)
+(Chaplygin 1903; tests/integrable/phase/test_identities_tilted.py checks the constants exactly.)
 """
 
 from __future__ import annotations
@@ -48,6 +48,8 @@ class ChaplyginTransformation:
         shift = K.mul(body.d, K.mul(k, integrals.H1))
         turn = K.mul(k, integrals.C2)
         stretch = K.add(K.one, K.mul(k, shift))
+        if stretch == K.zero:
+            raise NotRepresentable(f"1 + dk²H1 = 0 over {K.name}: Chaplygin's transformation has no such body")
         s = K.inv(square_root(K, stretch, "1 + dk²H1"))
         p = K.mul(s, K.inv(square_root(K, rest, "1 + kc")))
         d = K.mul(body.d, rest)
@@ -101,7 +103,10 @@ class ChaplyginTransformation:
     def _slip(self, gamma: Vector, M: Vector) -> Any:
         """1 − dkn, n = (γ, ω)."""
         K = self.body.field
-        return K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
+        slip = K.sub(K.one, K.mul(K.mul(self.body.d, self.k), K.dot(gamma, self.body.omega(gamma, M))))
+        if K.exact and slip == K.zero:
+            raise NotRepresentable(f"1 − dk(γ, ω) = 0 over {K.name}: 1/g̃ vanishes behind this state")
+        return slip
 
 
 def leaning(K: Any, gamma: Vector, M: Vector) -> Any:
@@ -139,7 +144,7 @@ def _root(body: Body, integrals: Any, square: Any) -> tuple[Any, Any]:
 
 
 def parallel(c: Any) -> NotRepresentable:
-    """What is said of M ∥ γ."""
+    """The message about M ∥ γ."""
     return NotRepresentable(
         f"M is parallel to gamma, (γ, M) = {c}: there is no body with (γ̃, M̃) = 0 behind this motion; γ moves as the "
         "momentum of the free top of moments I_i + d instead (Ṁ = M × AM for g²M, g constant)"

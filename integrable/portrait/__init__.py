@@ -1,1 +1,1 @@
-"""What a motion is, beside its states: frequencies, actions, diagrams, sections, sensitivities."""
+"""The shape of a motion: frequencies, actions, diagrams, sections, sensitivities."""

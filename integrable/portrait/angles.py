@@ -1,7 +1,6 @@
-"""Abelian integrals along the two ovals of a curve: angles of a state, and what Poincaré sections take.
+"""Abelian integrals along the two ovals of a curve, for the angles of a state and for Poincaré sections.
 
-From the outer end of its oval (a₁ of the first, a₃ of the second) a point u of it has the integrals ∫x^k dx/|y|,
-k = 0 and 1.
+They run from the outer end of each oval (a₁ of the first, a₃ of the second) to a point u: ∫x^k dx/|y|, k = 0 and 1.
 With x = e + (e' − e)sin²φ, e the outer and e' the inner end, the integrand is smooth.
 """
 
@@ -32,7 +31,7 @@ def part_of_oval(level: Level, oval: int, x: Any) -> tuple[Any, Any]:
     def moment(angle: Any) -> Any:
         return (outer + (inner - outer) * context.sin(angle) ** 2) * integrand(angle)
 
-    # beside the separatrix the integrand has a peak at the inner end, the narrower the nearer it is
+    # next to the separatrix the integrand has a narrow peak at the inner end
     cuts = [context.zero, *(end * (1 - context.mpf(4) ** -k) for k in range(1, _cuts(level))), end]
     return context.quad(integrand, cuts), context.quad(moment, cuts)
 
@@ -60,7 +59,7 @@ def start_sums(divisor: tuple[tuple[Any, bool], tuple[Any, bool]], level: Level)
     """Σ∫dx/y and Σ∫x dx/y from (a₁, a₃) to a :func:`divisor_of` a start, along the direction of the flow."""
     total = [level.zeta.context.zero] * 2
     for oval, (x, positive) in enumerate(divisor):
-        # y has the sign of dx, but on the second oval the way to a₃ leads upwards
+        # y has the sign of dx, but on the second oval the direction to a₃ is upwards
         sign = 1 if positive == (oval == 0) else -1
         for k, value in enumerate(part_of_oval(level, oval, x)):
             total[k] += sign * value

@@ -1,9 +1,9 @@
 """The energy–momentum diagram of a body: all its motions by X = c²/H2 and Z = H1/H2, c = (γ, M).
 
-M ↦ λM changes neither, so that the diagram is a strip of the plane, 0 ≤ X ≤ 1, between the straight lines Z = a(1 +
-Xd/I) of the largest and the least moment; the line of the middle one is the separatrix, and each of the three holds the
-rotations about its axis. X = 1 is M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1 − dζ(1 − X))/(1 −
-dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
+M ↦ λM changes neither, so the diagram is a strip of the plane, 0 ≤ X ≤ 1. It lies between the straight lines Z = a(1 +
+Xd/I) of the largest and the least moment. The line of the middle moment is the separatrix, and each of the three lines
+consists of the rotations about its axis. X = 1 is M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1 −
+dζ(1 − X))/(1 − dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
 """
 
 from __future__ import annotations
@@ -24,6 +24,8 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
 
 NODES = 512
+MOST_COUNT = 300
+"""Rows of a grid of rotation numbers: as many take about half a minute."""
 
 
 class Diagram(Record):
@@ -49,8 +51,14 @@ class Diagram(Record):
 
     def height(self, X: Any, zeta: Any) -> Any:
         """Z of X and ζ: arrays that broadcast."""
-        (X, zeta), d = _reals(X=X, zeta=zeta), self.system.d
-        return zeta * (1 - d * zeta * (1 - X)) / (1 - d * zeta)
+        (X, values), d = _reals(X=X, zeta=zeta), self.system.d
+        if (d * values == 1).any():
+            raise ArgumentError(f"zeta = {shown(zeta)}: 1 − d·ζ must not vanish")
+        with np.errstate(over="ignore", invalid="ignore"):
+            found = values * (1 - d * values * (1 - X)) / (1 - d * values)
+        if not np.isfinite(found).all():
+            raise ArgumentError(f"X = {shown(X)}, zeta = {shown(zeta)}: Z is beyond the range of floats there")
+        return found
 
     def contains(self, X: Any, Z: Any) -> Any:
         """Whether there are motions with these X and Z: arrays that broadcast."""
@@ -60,7 +68,7 @@ class Diagram(Record):
         return inside
 
     def divergence(self, X: Any) -> Any:
-        """The rate, a unit of t and of √H2, at which neighbours leave the unstable rotation at X < 1; shape of X.
+        """The rate, per unit of t and of √H2, at which neighbours leave the unstable rotation at X < 1; shape of X.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         """
@@ -74,11 +82,11 @@ class Diagram(Record):
     def rotation_numbers(self, count: int = 40) -> tuple[Any, Any, Any]:
         """(X, Z, rotation number) on a grid in X and ζ, each of shape (count, 2·count), for contours.
 
-        The ζ are closer together beside the separatrix, on which there is none.
+        The ζ are denser next to the separatrix, which is left out.
         """
-        count = whole(count, "count", "an int from 2 on", 2)
+        count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)
-        # from the ends of each side to beside the separatrix
+        # from the ends of each side towards the separatrix
         part = (1 - np.cos(np.pi * (np.arange(count) + 0.5) / count)) / 2
         zeta = np.concatenate([a1 + (a2 - a1) * part, a2 + (a3 - a2) * part])
         X = (np.arange(count) + 0.5) / count
@@ -108,6 +116,9 @@ class Diagram(Record):
 def _reals(**given: Any) -> tuple[np.ndarray, ...]:
     """Arguments by name as arrays of one shape."""
     found = [floats(values, argument, "real numbers are needed") for argument, values in given.items()]
+    for argument, values in zip(given, found, strict=True):
+        if not np.isfinite(values).all():
+            raise ArgumentError(f"{argument} = {shown(given[argument])}: finite numbers are needed")
     try:
         return tuple(np.broadcast_arrays(*found))
     except ValueError:

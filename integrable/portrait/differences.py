@@ -1,5 +1,6 @@
-"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and where no torus carries
-them in floats."""
+"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and where floats have no
+torus.
+"""
 
 from __future__ import annotations
 
@@ -13,12 +14,15 @@ from integrable.phase.body import Body, cross
 from integrable.phase.state import State
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
+from jacobian.progress import Progress
 
 Motion = Callable[[Body, State], Any]
 """γ and M at the times, shape (N, 6), of a body from a state."""
 
-# digits beyond those that a step and the derivatives take, and how often these may turn out to be larger
+# digits beyond those lost to the step and to the derivatives, and how often these may turn out larger
 GUARD, ATTEMPTS = 8, 6
+# motions of a body: two for each of nine directions
+MOTIONS = 18
 # weights of the three values of a one-sided quotient of second order
 ONE_SIDED = (-3, 4, -1)
 
@@ -26,8 +30,8 @@ ONE_SIDED = (-3, 4, -1)
 def differences(motion: Motion, body: Body, state: State, digits: int, size: float) -> Any:
     """∂(γ, M)/∂(γ(0), M(0), I, d), (N, 6, 10), to ``digits``, as an array of mpf; ``size`` is about the largest.
 
-    Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives go on growing
-    beyond what was expected of them.
+    Central differences with a step that ends at that many digits. PrecisionLoss where the derivatives are much larger
+    than expected.
     """
     for _ in range(ATTEMPTS):
         large = max(0, ceil(log10(size)))
@@ -38,15 +42,18 @@ def differences(motion: Motion, body: Body, state: State, digits: int, size: flo
         if largest <= 10 * size:
             return found
         size = largest
-    raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more beside a separatrix; ask for earlier times")
+    raise PrecisionLoss(f"sensitivity: derivatives of {size:.0e} and more next to a separatrix; ask for earlier times")
 
 
 def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> Any:
     numbers = _numbers(body, state, K)
     gamma, M = numbers[:3], numbers[3:6]
+    progress = Progress(f"sensitivity, by differences of motions in {K.dps} digits", MOTIONS)
 
     def rows(shift: Any) -> Any:
-        return motion(*_inputs(numbers + shift, K))
+        found = motion(*_inputs(numbers + shift, K))
+        progress.add(1)
+        return found
 
     scales = np.array([1] * 3 + [K.sqrt(M @ M)] * 3 + [min(body.inertia) + body.d] * 4, dtype=object)
     columns = []
@@ -83,7 +90,7 @@ def _inputs(numbers: Any, K: Any) -> tuple[Body, State]:
 
 
 def _directions(K: Any, gamma: Any) -> list[Any]:
-    """Two unit vectors across γ, then those of M, I and d: nine vectors of ten numbers."""
+    """Two unit vectors orthogonal to γ, then those of M, I and d: nine vectors of ten numbers."""
     axis = min(range(3), key=lambda i: abs(gamma[i]))
     unit = [K.one * (i == axis) for i in range(3)]
     first = np.array(cross(K, tuple(gamma), (unit[0], unit[1], unit[2])), dtype=object)

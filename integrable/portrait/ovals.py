@@ -28,8 +28,8 @@ FLOAT_EPS = 2.0**-52
 
 
 class Level(NamedTuple):
-    """Where a motion is among those of its body: the sorted a_i and the axes they belong to, ζ between the first and
-    the last of them, d̃, √H̃2, s of Chaplygin's transformation; all floats, or all mpf.
+    """The place of a motion among those of its body: the sorted a_i and their axes, ζ between the first and the last of
+    them, d̃, √H̃2, s of Chaplygin's transformation; all floats, or all mpf.
     """
 
     a: tuple[Any, Any, Any]
@@ -83,7 +83,7 @@ class Level(NamedTuple):
 
     @property
     def pi(self) -> Any:
-        """π, as the numbers are."""
+        """π in these numbers."""
         return math.pi if isinstance(self.zeta, float) else +self.zeta.context.pi
 
     @property
@@ -93,7 +93,7 @@ class Level(NamedTuple):
 
     @property
     def parted(self) -> bool:
-        """Whether there is something between the ovals."""
+        """Whether the two ovals are separate."""
         ends = self.ends
         return bool(ends[2] - ends[1] > self.eps**0.75 * ends[3])
 
@@ -122,7 +122,7 @@ class Ovals(NamedTuple):
 
     @staticmethod
     def of(level: Level) -> Ovals:
-        """Those of a level; PrecisionLoss where the two ovals have met: the separatrix."""
+        """Those of a level; PrecisionLoss where the two ovals meet: the separatrix."""
         if not level.parted:
             raise PrecisionLoss(
                 f"ζ = {float(level.zeta)} is the middle 1/(I + d) to all digits: on the separatrix periods are infinite"

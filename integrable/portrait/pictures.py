@@ -13,14 +13,17 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 SIZE = (6.4, 4.8)
-COLORS = ("#1b6ca8", "#b03a2e", "#1e8449")
+COLORS = ("#0072B2", "#D55E00", "#009E73")
+"""Of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the page that moves."""
 CURVES = 9
-# lines that are drawn, beside the strongest, and lines that are named
+# the number of lines that are drawn, and of lines that are named
 FAINT, NAMED = 1e-6, 6
+APART = 0.05
+"""Of the width of the picture: names of lines that are nearer lie on each other."""
 
 
 def _axes(what: str, rows: int = 1, height: float = SIZE[1]) -> tuple[Figure, Any]:
-    """A figure and its axes: those of every row where there are more than one."""
+    """A figure and its axes: ``axes`` of every row where there are several."""
     needed("matplotlib", what)
     from matplotlib.figure import Figure
 
@@ -37,13 +40,16 @@ def diagram(of: Any, states: Any) -> Figure:
         levels = np.quantile(numbers, np.linspace(0.02, 0.98, 15))
         ax.contourf(X, Z, numbers, levels=levels, cmap="Greys", alpha=0.5, extend="both")
         lines = ax.contour(X, Z, numbers, levels=levels, colors="0.4", linewidths=0.5, linestyles="solid")
-        ax.clabel(lines, fontsize=7, fmt="%.2f")
+        # near the line of the middle axis the levels crowd: every third is labelled
+        ax.clabel(lines, levels[1::3], fontsize=7, fmt="%.2f")
     for axis, line in enumerate(of.lines):
         dashes = "--" if a[0] < of.system.a[axis] < a[2] else "-"
         ax.plot(*line.T, dashes, color=COLORS[axis], label=f"rotation about axis {axis + 1}")
-    for state in states:
-        ax.plot(*of.place(state), "ko", markersize=5)
-    ax.set(xlabel="X = (γ, M)²/H2", ylabel="Z = H1/H2", xlim=(0, 1), title=f"rotation numbers of {of.system!r}")
+    for count, state in enumerate(states):
+        ax.plot(*of.place(state), "ko", markersize=5, label="given states" if count == 0 else None)
+    body = "I = ({:g}, {:g}, {:g})".format(*map(float, of.system.inertia))
+    title = f"rotation numbers, {body}, d = {float(of.system.d):g}"
+    ax.set(xlabel="X = (γ, M)²/H2", ylabel="Z = H1/H2, 1/unit of inertia", xlim=(0, 1), title=title)
     ax.legend(fontsize=8)
     return figure
 
@@ -77,12 +83,17 @@ def spectrum(of: Any) -> Figure:
             seen = sizes[:, axis] > floor
             ax.vlines(of.frequencies[seen], floor, sizes[seen, axis], color=color, linewidth=1.2)
             ax.plot(of.frequencies[seen], sizes[seen, axis], "o", color=color, markersize=3, label=f"axis {axis + 1}")
-        for n in np.argsort(-sizes.max(axis=1))[:NAMED]:
-            text = "({}, {})".format(*of.modes[n])
+        named: list[float] = []
+        apart = APART * np.ptp(of.frequencies)
+        for n in np.argsort(-sizes.max(axis=1)):
             place = of.frequencies[n], sizes[n].max()
-            ax.annotate(text, place, xytext=(3, 3), textcoords="offset points", fontsize=7)
-        ax.set(yscale="log", ylabel=f"amplitude of {name}", ylim=(floor, 3 * sizes.max()))
+            # a name next to another would overlap it
+            if len(named) < NAMED and all(abs(place[0] - other) > apart for other in named):
+                named.append(place[0])
+                text = "({}, {})".format(*of.modes[n])
+                ax.annotate(text, place, xytext=(0, 4), textcoords="offset points", fontsize=7, ha="center")
+        ax.set(yscale="log", ylabel=f"amplitude of {name}", ylim=(floor, 6 * sizes.max()))
     every[0].legend(fontsize=8)
-    every[0].set_title("lines at ½(m₁f₁ + m₂f₂), named (m₁, m₂)")
-    every[-1].set_xlabel("turns a unit of t")
+    every[0].set_title("spectral lines at ½(m₁f₁ + m₂f₂), labelled (m₁, m₂)")
+    every[-1].set_xlabel("turns per unit time")
     return figure

@@ -1,14 +1,15 @@
-"""What a motion is: frequencies, rates, drift, actions and angles, and where it is among the motions of its body.
+"""Global quantities of a motion: frequencies, rates, drift, actions and angles, and its place among the motions of its
+body.
 
 M̃ = s(M − dkH1γ) and γ̃ ∥ γ + kM are the fixed vectors of Chaplygin's transformation (:mod:`integrable.phase.upright`),
-M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the middle
-a, that of the largest one where it is above. All means are in closed form, at any d and (γ, M), by the periods of
+M and γ themselves where (γ, M) = 0. M̃ circles the axis of the least a = 1/(I + d) where ζ = H̃1/H̃2 is below the
+middle a, otherwise that of the largest. All means are in closed form, at any d and (γ, M), by the periods of
 :mod:`integrable.portrait.ovals`: with D = A0B1 − A1B0 and N = √Π(1 − d̃a_i),
 
     ν1 = B1/(2D), ν2 = −A1/(2D), ⟨1/g⟩ = sN(K0L1 − K1L0)/D, f = ν/⟨1/g⟩, J1 = (h1A0 − h2A1)/π, J2 = (h2B1 − h1B0)/π.
 
-J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for
-(γ, M) ≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
+J are the actions of (γ, M) = 0 in :func:`integrable.phase.separation.to_separated`, J_k = (1/2π)∮|p_k|du_k; for (γ, M)
+≠ 0 those of the upright body. (Chaplygin 1903; at d = 0 Euler 1758, Jacobi 1849.)
 """
 
 from __future__ import annotations
@@ -40,18 +41,21 @@ REGIONS = {
 
 
 class Portrait(Immutable):
-    """The numbers of a motion as a whole, of the field of its system. Get one from ``flow.portrait``.
+    """The global quantities of a motion, in the field of its system. Get one from ``flow.portrait``.
 
-    ``region`` is a word of :data:`REGIONS`, ``axis`` (0, 1 or 2) that of the body which M̃ circles, None where there is
-    none. ``zeta`` is ζ = H̃1/H̃2, ``distance`` (ζ − a₂)/(a₃ − a₁) of sorted a_i: how far the separatrix is, negative on
-    its low side (0 where three moments are equal). ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns
-    of u1 and of u2 in a unit of t and of τ, signed, and ``rotation_number`` is f1/f2. Rates in radians a unit of t:
-    ``precession`` of the axis about M̃ in space, ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about it, both in the
-    body and positive in the sense of its axes; None without an axis. ``drift`` is the mean velocity of the point of
-    contact along −y of :attr:`Trajectory.attitude`, in the unit of the radius or in radii; None for what does not roll.
-    ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g = dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the
-    digits of the set-up, ``ovals`` the periods they are made of, None where the ovals have met,
-    ``level`` and ``divisor`` what the curve and the start are.
+    ``region`` is a word of :data:`REGIONS`, ``axis`` (0, 1 or 2) the axis of the body that M̃ circles, or None.
+    ``zeta`` is ζ = H̃1/H̃2. ``distance``, (ζ − a₂)/(a₃ − a₁) of sorted a_i, is the distance to the separatrix, negative
+    on its low side (0 where three moments are equal).
+
+    ``frequencies`` (f1, f2) and ``tau_frequencies`` (ν1, ν2) are turns of u1 and of u2 per unit of t and of τ, signed;
+    ``rotation_number`` is f1/f2. Rates are in radians per unit of t: ``precession`` of the axis about M̃ in space,
+    ``spin`` of γ̃ about the axis and ``polhode`` of M̃ about it. The last two are in the body and positive in the sense
+    of its axes; all are None without an axis.
+
+    ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
+    radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g =
+    dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` has the periods, None where
+    the ovals have met; ``level`` and ``divisor`` describe the curve and the start.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
@@ -91,20 +95,20 @@ class Portrait(Immutable):
     def angles(self) -> tuple[Any, Any]:
         """(θ1, θ2) of the start in turns, modulo 1: θ + ντ is the motion. θ_k are conjugate to 2πJ_k.
 
-        They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same.
-        NotRepresentable for equal moments and rotations: one point of the divisor rests, and does not know its angle.
+        They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same angles.
+        NotRepresentable for equal moments and rotations, where one point of the divisor is at rest and has no angle.
         """
         first, second = start_angles(self.divisor, self.level, self.moving("angles"))
         return self._field.coerce(first), self._field.coerce(second)
 
     @cached_property
     def periods(self) -> tuple[Any, Any]:
-        """1/|f1| and 1/|f2|; of γ̃ in the body and of the axis in space they are half a turn."""
+        """1/|f1| and 1/|f2|; for γ̃ in the body and the axis in space they are half a turn."""
         one, two = (abs(1 / f) for f in self.frequencies)
         return one, two
 
     def moving(self, name: str) -> Ovals:
-        """:attr:`ovals` where both points of the divisor move; NotRepresentable names what was asked for."""
+        """:attr:`ovals` where both points of the divisor move; NotRepresentable names the requested quantity."""
         if self.region in ("symmetric", "rotation"):
             raise NotRepresentable(
                 f"{name}: in this motion ({self.region}) a point of the divisor rests, which does not know its angle"
@@ -122,7 +126,7 @@ class Portrait(Immutable):
         """(ν1, ν2) and the mean of g, wide."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # all but rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
+            # all except rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))

@@ -1,7 +1,7 @@
 """Poincaré sections in closed form.
 
-γ̃ has no part along the axis of the largest moment where u1 = a₁, and none along that of the least where u2 = a₃:
-surfaces that every motion crosses, once a turn of u1 or of u2, transversally. From the second integral at the n-th
+γ̃ has no component along the axis of the largest moment where u1 = a₁, and none along that of the least where u2 = a₃.
+Every motion crosses these surfaces transversally, once per turn of u1 or of u2. From the second integral at the n-th
 crossing of the first, with S_k = Σ∫x^k dx/y at the start,
 
     E = ∫x dx/y of u2 = S1 − 2nA1,   τ_n = 2nA0 + F − S0,   F = ∫dx/y of u2,
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AXES = ("largest", "least")
-# nodes of an oval's series, and beyond
+# nodes of an oval's series, and the largest number
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 PASSES = 60
-# sines of a series that are taken at once
+# sines of a series that are summed at once
 SINES = 1 << 20
-# digits that floats give to begin with, and steps of an angle that are below them
+# initial digits of floats, and the size of an angle's step below them
 ROUGH_DIGITS, ROUGH = 12, 1e-13
 MOST_CROSSINGS = 10**6
 
@@ -89,7 +89,7 @@ def section(flow: Any, count: int, axis: str) -> Section:
     sums = start_sums(portrait.divisor, level)
     own, other = ((ovals.A0, ovals.A1), (ovals.B0, ovals.B1)) if first else ((ovals.B0, ovals.B1), (ovals.A0, ovals.A1))
     series = OvalSeries(level, 1 if first else 0)
-    # the first crossings are those of τ > 0: some n before are tried too; on the second oval n falls
+    # the first crossings are those of τ > 0: some n before are tried too; on the second oval n decreases
     sign = 1 if first else -1
     steps = np.array([sign * n for n in range(-3, count + 4)], dtype=object)
     rest = [sums[1] - 2 * n * own[1] for n in steps]
@@ -122,7 +122,7 @@ def tilde(flow: Any, run: Any) -> tuple[Any, Any]:
 
 
 def _refined(flow: Any, tau: Any, axis: int) -> Any:
-    """The run at the crossings, by Newton's steps on the flow: every one doubles the digits."""
+    """The run at the crossings, by Newton steps on the flow, each of which doubles the digits."""
     K = flow.system.field
     for _ in range(1 if K == RR else ceil(log2(K.dps / ROUGH_DIGITS)) + 1):
         run = flow.at_tau(tau)
@@ -134,8 +134,8 @@ def _refined(flow: Any, tau: Any, axis: int) -> Any:
 
 
 class OvalSeries:
-    """∫dx/y of a point of an oval by its ∫x dx/y, both from the outer end, in floats: Fourier series in the angle of
-    :mod:`integrable.portrait.angles`.
+    """∫dx/y of a point of an oval as a function of its ∫x dx/y, both from the outer end, in floats: Fourier series in
+    the angle of :mod:`integrable.portrait.angles`.
     """
 
     def __init__(self, level: Level, oval: int) -> None:

@@ -1,13 +1,13 @@
 """Derivatives of the states of a motion by its start and by its body, at any time: secular and periodic parts.
 
 On a compact torus :mod:`integrable.portrait.variations` leaves integrals of functions of the state, which are a mean
-rate and a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ with mean 0,
-a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
+rate and a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ with mean 0, a = a' −
+σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
-α and β the means of those two: what frequencies change by (a secular part of rank two; the third independent integral
-changes shapes alone).
+with α and β the means of these two, the changes of the frequencies. The secular part has rank two; the third
+independent integral changes only shapes.
 """
 
 from __future__ import annotations
@@ -35,7 +35,8 @@ if TYPE_CHECKING:
 FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 13
 # coefficients of the rates below this part of the largest are rounding
 NOISE = 3e-14
-# what derivatives on the torus may lose, beside their largest; beyond it motions in more digits are subtracted
+# digits that derivatives on the torus may lose, relative to the largest; beyond it motions in more digits are
+# subtracted
 MOST_LOST = 1e-12
 COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d")
 
@@ -49,13 +50,15 @@ class Sensitivity(Record):
     """
 
     def __init__(self, times: Any, matrix: Any, secular: Any, way: str, grown: Any = None) -> None:
-        """``secular`` is None where it is computed when it is asked for: ``grown`` are what :func:`_grown` takes."""
+        """``secular`` is None where it is computed on request: then ``grown`` are the arguments of :func:`_grown`."""
         self.times, self.matrix, self._secular, self.way, self._inputs = times, matrix, secular, way, grown
 
     @cached_property
     def secular(self) -> Any:
-        """The part that grows with t, (N, 6, 10). By differences it takes another motion, and for a ball the modes of
-        1/g: NotRepresentable where the motion is on no torus of dimension two, PrecisionLoss where they are too many.
+        """The part that grows with t, (N, 6, 10).
+
+        By differences it takes another motion, and for a ball the modes of 1/g. NotRepresentable where the motion is on
+        no torus of dimension two, PrecisionLoss where the modes are too many.
         """
         if self._secular is not None:
             return self._secular
@@ -87,8 +90,8 @@ class Sensitivity(Record):
 
 
 def sensitivity(flow: Any, times: Any) -> Sensitivity:
-    """That of a :class:`~integrable.motion.flow.Flow` at times of its field: on its torus where floats and a torus
-    carry it, else by differences of motions in more digits.
+    """The sensitivity of a :class:`~integrable.motion.flow.Flow` at times of its field: on its torus where floats and a
+    torus suffice, else by differences of motions in more digits.
     """
     run = flow.at(times)
     variations = flow._variations
@@ -101,7 +104,7 @@ def sensitivity(flow: Any, times: Any) -> Sensitivity:
     farthest = max((abs(float(t)) for t in run.times), default=0.0)
     size = 1 + 10 * farthest * float(max(map(abs, flow.system.omega(state))))
 
-    # where a point of the divisor rests, or the ovals have met, there are no two phases
+    # where a point of the divisor is at rest, or the ovals have met, there are no two phases
     parted = flow.portrait.region in ("low", "high")
 
     def rows(body: Body, state: State) -> Any:
@@ -130,12 +133,12 @@ def _numbers(field: Any, found: Any) -> Any:
 
 
 class TorusVariations:
-    """Sensitivities along a motion on a torus, in floats; PrecisionLoss where no grid resolves what is integrated."""
+    """Sensitivities along a motion on a torus, in floats; PrecisionLoss where no grid resolves the integrands."""
 
     def __init__(self, torus: TorusFlow, body: Body) -> None:
         # units in which the largest 1/(I + d) and |M| are 1
         self._torus, self._unit = torus, 1 / max(body.a)
-        self._size = float(torus.setup.problem.momentum)
+        self._size = float(torus.setup.bare_problem.momentum)
         self._body = type(body)(tuple(x / self._unit for x in body.inertia), body.d / self._unit, body.field)
         self._pace = self._size / self._unit
         self._doubled = [2 if (row < 0).any() else 1 for row in torus.turns]
@@ -150,7 +153,7 @@ class TorusVariations:
         self._gradient = gradient(self._body, start[0])
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
-        """In the units of the variations; M~ does not keep the length of M, its unit need not be |M|."""
+        """In the units of the variations; M~ does not have the length of M, so its unit may differ from |M|."""
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
@@ -229,8 +232,10 @@ class TorusVariations:
 
 
 def _lost(flow: Any, run: Any, matrix: Any) -> float:
-    """What floats have lost, beside the largest element at every time: a heavier body with as much more momentum moves
-    alike, and one of more momentum is there earlier. Beside a separatrix the integrals are large and nearly cancel.
+    """The digits lost in floats, relative to the largest element at every time.
+
+    A heavier body with correspondingly more momentum moves alike, and one of more momentum is earlier. Near a
+    separatrix the integrals are large and nearly cancel.
     """
     system, M = flow.system, np.array(flow.state.M)
     heavier = np.concatenate([np.zeros(3), M, system.inertia, [system.d]])

@@ -1,9 +1,9 @@
-"""The lines of a motion: γ, M and ω as sums of e^(2πift), f = ½(m₁f₁ + m₂f₂) with the two frequencies of its torus.
+"""The spectral lines of a motion: γ, M and ω as sums of e^(2πift), f = ½(m₁f₁ + m₂f₂) with the two frequencies of its
+torus.
 
-Phases that are linear in τ are θ, those linear in t are φ = θ + ν·S/⟨1/g⟩, S the bounded part of t(τ). On a grid of φ,
-θ is found by Newton's steps along the flow, the states there are the torus's own, and their discrete Fourier transform
-has the amplitudes: to rounding, from no stretch of the motion, however close two lines are (Laskar 1993 takes them from
-one).
+Phases linear in τ are θ, those linear in t are φ = θ + ν·S/⟨1/g⟩, S the bounded part of t(τ). On a grid of φ, Newton
+steps along the flow find θ, and the torus gives the states there. Their discrete Fourier transform has the amplitudes
+to rounding, without a long run, however close two lines are (Laskar 1993 estimates them from one).
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ PASSES, SOLVED = 60, 1e-13
 class Spectrum(Record):
     """The lines of a motion, the strongest first. Get one from ``flow.spectrum()``.
 
-    ``modes`` (L, 2) are (m₁, m₂), ``frequencies`` (L,) ½(m₁f₁ + m₂f₂) ≥ 0 in turns a unit of t, f of
+    ``modes`` (L, 2) are (m₁, m₂), ``frequencies`` (L,) ½(m₁f₁ + m₂f₂) ≥ 0 in turns per unit time, f of
     :class:`integrable.portrait.portrait.Portrait`; ``gamma``, ``M`` and ``omega`` (L, 3) complex amplitudes a: the
     quantity at time t is the real part of Σ a·e^(2πift). The line 0 is the mean.
     """
@@ -62,8 +62,10 @@ class Spectrum(Record):
 
 
 def lines_of(flow: Any) -> Spectrum:
-    """The spectrum of a :class:`~integrable.motion.flow.Flow` over RR. NotRepresentable over another field and where no
-    torus of dimension two carries the motion, PrecisionLoss where it takes too fine a grid.
+    """The spectrum of a :class:`~integrable.motion.flow.Flow` over RR.
+
+    NotRepresentable over another field and where the motion is on no torus of dimension two, PrecisionLoss where the
+    grid would be too fine.
     """
     if flow.system.field != RR:
         raise NotRepresentable(f"spectrum: lines are computed in floats, this flow is over {flow.system.field.name}")
@@ -71,7 +73,9 @@ def lines_of(flow: Any) -> Spectrum:
     portrait.moving("spectrum")
     torus = flow._torus
     if torus is None:
-        raise NotRepresentable("spectrum: floats do not carry the torus of this motion, beside a separatrix")
+        raise NotRepresentable(
+            "spectrum: floats have too few digits for the torus of this motion, next to a separatrix"
+        )
     periods = [2 if (row < 0).any() else 1 for row in torus.turns]
     size = FIRST_SIZE, FIRST_SIZE
     while size[0] * size[1] <= MOST_SAMPLES:
@@ -127,14 +131,14 @@ def _spectrum(torus: TorusFlow, portrait: Any, periods: list[int], parts: list[n
     strength = np.max([np.abs(x).max(axis=-1) / (np.abs(x).max() or 1.0) for x in parts], axis=0)
     places = np.argwhere(strength > NOISE)
     counted = np.where(2 * places > size, places - size, places)
-    # modes of the torus's own basis in those of both ovals, whose direction may be the other one
+    # modes of the torus's own basis in terms of those of both ovals, possibly with the other direction
     basis = np.array(torus.lattice.chart.basis)
     own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
     signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
     modes = np.rint(2 * (counted / periods) @ np.linalg.inv(basis).T * signs).astype(int)
     f1, f2 = portrait.wide_frequencies
     frequencies = np.array([float((int(m) * f1 + int(n) * f2) / 2) for m, n in modes])
-    # of two conjugate lines that with f ≥ 0, twice
+    # of two conjugate lines the one with f ≥ 0, doubled
     kept = (frequencies > 0) | (modes == 0).all(axis=1)
     order = np.flatnonzero(kept)[np.argsort(-strength[tuple(places[kept].T)], kind="stable")]
     twice = np.where(frequencies[order] > 0, 2, 1)[:, None]

@@ -11,13 +11,14 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
-VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT = range(8)
+VARIABLE, CONSTANT, SUM, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, GROWTH = range(9)
 
 
 class Tape(NamedTuple):
     """Node n is ``kinds[n]`` of the nodes ``left[n]`` and ``right[n]``. First come the variables, then the constants,
     then operations, those together by kind that may be done in any order. A MULTIPLE has a constant on the left, a ROOT
-    what it is the root of on both sides. ``constants`` are the values of the constant nodes, elsewhere 0; ``results``
+    what it is the root of on both sides, a GROWTH,
+    e^x − 1, which no series is for, the x. ``constants`` are the values of the constant nodes, elsewhere 0; ``results``
     the nodes of what the formula returned.
     """
 
@@ -145,7 +146,11 @@ class Recorded:
         if exponent == 2:
             return self * self
         assert exponent == 0.5
-        return self._recorder.node(ROOT, self.index, self.index)
+        return self.function(ROOT)
+
+    def function(self, kind: int) -> Recorded:
+        """A function of one number."""
+        return self._recorder.node(kind, self.index, self.index)
 
     def __neg__(self) -> Recorded:
         return self._recorder.operation(PRODUCT, -1, self)

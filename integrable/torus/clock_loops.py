@@ -1,4 +1,4 @@
-"""States at physical times on a torus, on bare reals compiled as they stand: the clock's series, and panels."""
+"""States at physical times on a torus, on bare reals, compiled or interpreted: the clock's series, and panels."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ Real = Any
 Row = Any
 
 
-class Series(NamedTuple):
+class ClockSeries(NamedTuple):
     """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
 
     For every first mode k = 0, 1, … three ``lines`` are the place of its first second mode, and where its coefficients
@@ -32,15 +32,17 @@ class Series(NamedTuple):
 
 
 class Clock(NamedTuple):
-    """t(τ): ``doubled`` are the periods of 1/g in turns; ``rough`` a series of its largest modes, ``series`` all of
-    them, ``quiet`` those without the largest, ``modes`` and ``loud`` these (:func:`loud_swing`); ``pace`` the turns of
-    either phase in a unit of t and in one of τ, dτ/dt and dt/dτ, all means.
+    """t(τ): ``doubled`` are the periods of 1/g in turns.
+
+    ``rough`` is a series of its largest modes, ``series`` of all, ``quiet`` of all except the largest; ``modes`` and
+    ``loud`` are these (:func:`loud_swing`). ``pace`` has the turns of either phase per unit of t and of τ, dτ/dt and
+    dt/dτ, all means.
     """
 
     doubled: tuple[int, int]
-    rough: Series
-    series: Series
-    quiet: Series
+    rough: ClockSeries
+    series: ClockSeries
+    quiet: ClockSeries
     modes: Row
     loud: Row
     pace: Row
@@ -49,8 +51,10 @@ class Clock(NamedTuple):
 def states_at_times(
     torus: Torus, clock: Clock, times: Row, found: tuple[Row, Row, Row], room: tuple[Row, Row, Row]
 ) -> None:
-    """Into ``found`` the times of the flow at physical times, how far they are from their mean, and γ and M, six floats
-    each. ``room`` is for powers, and for two phases and their turns at each time.
+    """Writes the times of the flow at physical times, their distances from the mean, and γ and M, six floats each, into
+    ``found``.
+
+    ``room`` is memory for powers, and for two phases and their turns at each time.
     """
     (tau, delays, out), (powers, phases, turns) = found, room
     for i in range(len(times)):
@@ -64,8 +68,8 @@ def states_at_times(
 
 
 def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
-    """The phases at physical times in turns, whole ones included, one pair after the other, and into ``delays`` how far
-    the times of the flow are from their mean.
+    """The phases at physical times in turns, whole ones included, one pair after the other; ``delays`` receives the
+    distances of the times of the flow from their mean.
     """
     for i in range(len(times)):
         first, second, turn1, turn2, x = phases_at_time(clock, times[i], room)
@@ -130,7 +134,7 @@ def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
     return (-c, -s) if quarters % 4 > 1 else (c, s)
 
 
-def delay(rough: Series, series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
+def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
     """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
     of x + S there: from the few largest modes, then of all.
     """
@@ -138,9 +142,11 @@ def delay(rough: Series, series: Series, a: float, b: float, room: Row) -> tuple
     return solved(series, a, b, x, 1e-9, room)
 
 
-def solved(series: Series, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
-    """:func:`delay` of one series, from x on, to the square of ``near`` its bound: x + S grows with x, and Newton's
-    steps are held inside the interval that signs leave. Where 1/g is small they lead far beyond it.
+def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
+    """:func:`delay` of one series, starting from x, to the square of ``near`` times its bound.
+
+    x + S grows with x, and Newton steps stay inside the interval given by the signs; where 1/g is small they would
+    leave it.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
     low, high, rate = -bound, bound, 1.0
@@ -160,7 +166,7 @@ def solved(series: Series, a: float, b: float, x: float, near: float, room: Row)
     return x, rate
 
 
-def swing_and_rate(series: Series, a: float, b: float, room: Row) -> tuple[float, float]:
+def swing_and_rate(series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
     """(S, mean rate + dS/dτ) at the phases (a, b) in turns; ``room`` is for twice the number of second modes."""
     lines, count, least, swing, rate = series.lines, series.width, series.least, series.origin, series.mean
     total = len(series.parts) // 4
@@ -194,7 +200,8 @@ def panel_values(middles: Row, halves: Row, coefficients: Row, times: Row, room:
     """Rows of Chebyshev series at ``times`` into ``out``: the panel p around middles[p], halves[p] to either side, has
     the series coefficients[p, k, column].
 
-    Clenshaw's recurrence, all columns at once in the two rows of ``room``; the panel of the time before is tried first.
+    Clenshaw's recurrence, all columns at once in the two rows of ``room``; the panel of the previous time is tried
+    first.
     """
     panels, terms, width = coefficients.shape
     p = 0

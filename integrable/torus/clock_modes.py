@@ -14,16 +14,18 @@ from jacobian.numbers.fourier import half_spectrum
 Real = Any
 Row = Any
 
-# modes that are small and level are rounding
+# modes that are small and of equal size are rounding
 LEVEL = 1e-8
-# so many modes at most are summed in long numbers
+# the largest number of modes summed in long numbers
 MOST_LOUD = 8
 
 
-class Limits(NamedTuple):
-    """Which modes a clock keeps: above ``rounding`` times the largest those that are above ``noise`` times it, or by
-    which τ swings more than ``least``; in its rough series those above ``rough`` of the mean rate; apart from the
-    others those by which τ swings ``loud`` or more.
+class Cutoffs(NamedTuple):
+    """Thresholds of a clock's modes.
+
+    Modes above ``noise`` times the largest (itself compared with ``rounding``) are kept, and those by which τ
+    oscillates by more than ``least``. The rough series has those above ``rough`` times the mean rate. Those by which τ
+    oscillates by ``loud`` or more are summed separately.
     """
 
     rounding: float
@@ -34,10 +36,10 @@ class Limits(NamedTuple):
 
 
 class Tables(NamedTuple):
-    """Room: four numbers for each mode in ``modes``; what a :class:`~integrable.torus.clock_loops.Series` calls lines
-    and parts, of all modes and of the largest, and the parts without the loud ones, of which ``pairs`` are (k, m).
-    ``counts``: the least second mode, how many there are, rows and modes of all, the same of the largest, and how many
-    are loud, or −1 − n where the n-th place of ``modes`` is in resonance.
+    """Room: four numbers for each mode in ``modes``; lines and parts of
+    :class:`~integrable.torus.clock_loops.ClockSeries`, of all modes and of the largest, and the parts without the loud
+    ones, of which ``pairs`` are (k, m). ``counts``: the least second mode, how many there are, rows and modes of all,
+    the same of the largest, and how many are loud, or −1 − n where the n-th place of ``modes`` is in resonance.
     """
 
     modes: Row
@@ -70,7 +72,7 @@ def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float],
         for j in range(columns):
             x, y = float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1])
             m = height + min(j, columns - j)
-            # most are below both: no root for these
+            # most are below both: no square root for these
             if abs(x) + abs(y) > min(room[k], room[m]):
                 size = size_of(x, y)
                 room[k], room[m] = max(room[k], size), max(room[m], size)
@@ -98,7 +100,7 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
     if last < noise:
         return size
     if modes[half // 2] < min(LEVEL, 8 * last):
-        # the samples' own rounding: it falls with the root of their number, and is random (hence a quarter)
+        # the samples' own rounding decreases with the square root of their number, and is random (hence a quarter)
         ratio = last / noise
         return int(max(2.0 * size, 2.0 ** ceil(log2(size * ratio * ratio / 4))))
     known = 0
@@ -115,7 +117,7 @@ def size_wanted(modes: Row, size: int, noise: float) -> int:
 
 
 def clock_series(
-    values: Row, grid: tuple[int, int], rates: Row, limits: Limits, tables: Tables, loud: Row
+    values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables, loud: Row
 ) -> tuple[float, float, float, float]:
     """S with dS/dτ = (1/g − mean)/mean from the spectrum of 1/g, into ``tables``; (a bound of S, −S at the start, the
     same of the quiet modes, the mean of the samples over that of 1/g).
@@ -162,7 +164,7 @@ def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Rea
     return values[n + 1] * factor, -values[n] * factor
 
 
-def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, tables: Tables) -> tuple[int, float, float]:
+def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
     """The coefficients of S and of its slope into the room for ``modes``, four numbers for k = 0, 1, … and m =
     −columns/2, …, zeros for what is not kept, and into ``lines`` where what is kept begins and ends, three numbers for
     each k; (−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
@@ -174,12 +176,12 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, table
     mean, pace, small = float(rates[2]), float(rates[3] * rates[2]), limits.rounding * largest
     for k in range(rows // 2):
         begin, end = columns, 0
-        # those beside k = 0 are counted with their conjugates, as is the other half of that row
+        # those outside k = 0 count with their conjugates, as does the other half of that row
         for i in range(half + 1 if k == 0 else 0, columns):
             m = i - half
             n = 2 * (k * columns + (m if m >= 0 else m + columns))
             x, y = 2 * float(values[n]), 2 * float(values[n + 1])
-            # most are far below: no root for these
+            # most are far below: no square root for these
             if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
             turns = k * rates[0] + m * rates[1]
@@ -205,7 +207,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Limits, table
 
 def packed(tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row) -> tuple[int, int, int, int]:
     """The modes that :func:`swings` left whose slope is above ``least`` as a
-    :class:`~integrable.torus.clock_loops.Series` has them: (least second mode, their number, rows, modes in all).
+    :class:`~integrable.torus.clock_loops.ClockSeries` has them: (least second mode, their number, rows, modes in all).
     """
     (height, columns), modes = (grid[0] // 2, grid[1]), tables.modes
     low, high, used, total = columns, 0, 1, 0

@@ -10,11 +10,11 @@ from typing import Any
 
 from integrable.moving_point.compiled import SPECIAL
 from integrable.torus import clock_loops, clock_modes, lattice, states, survey, tables, walks, witness
-from integrable.torus.clock_loops import Clock, Series
-from integrable.torus.clock_modes import Limits, Tables
+from integrable.torus.clock_loops import Clock, ClockSeries
+from integrable.torus.clock_modes import Cutoffs, Tables
 from integrable.torus.lattice import Chart
 from integrable.torus.states import Torus
-from integrable.torus.tables import Room, SmallSteps
+from integrable.torus.tables import SmallSteps, TableRoom
 from integrable.torus.walks import Curve, Fine, Walk
 from integrable.torus.witness import Line
 from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, ArrayKind, TupleKind, record
@@ -26,14 +26,14 @@ _FLAGS, _INTS, _FLOATS = TupleKind((BOOL, BOOL)), TupleKind((INT, INT)), TupleKi
 _SIGNS = TupleKind((FLOAT,) * 6)
 _CURVE = record(Curve, WIDES, WIDES, WIDES)
 _SMALL = record(SmallSteps, WIDES, _FLOATS, WIDES, INT, WIDES)
-_SERIES = record(Series, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
+_SERIES = record(ClockSeries, INTS, FLOATS, INT, INT, _FLOATS, FLOAT, FLOAT, FLOAT)
 KINDS: dict[Any, TupleKind] = {
     kind.named: kind
     for kind in (
         _CURVE,
         _SMALL,
         record(Chart, _FLOATS, _FLOATS, TupleKind((_INTS, _INTS)), _INTS),
-        record(Room, WIDES, WIDES, WIDES, WIDES),
+        record(TableRoom, WIDES, WIDES, WIDES, WIDES),
         record(Line, _CURVE, WIDES, WIDES, WIDES, _FLOATS, BOOL),
         record(Walk, _INTS, INT, INT, _SIGNS, WIDES, WIDES),
         record(Fine, _INTS, _INTS, _FLAGS, WIDES, INTS, _INTS, WIDES),
@@ -73,13 +73,13 @@ def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
-def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
+def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> None:
     """:func:`integrable.torus.witness.reached`."""
     numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
     torus_reached(numbers, times, room, points, out)
 
 
-def departure(torus: Torus, line: Line, times: Row, room: Room, points: Row, out: Row) -> float:
+def departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> float:
     """:func:`integrable.torus.witness.departure`."""
     numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
     return torus_departure(torus_numbered(torus), numbers, times, room, points, out)
@@ -159,15 +159,16 @@ LIBRARY = Library(
     "torus",
     {
         "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
-        "reached": (reached, (KINDS[Line], FLOATS, KINDS[Room], WIDES, FLOATS)),
-        "departure": (departure, (_TORUS, KINDS[Line], FLOATS, KINDS[Room], WIDES, FLOATS)),
+        "reached": (reached, (KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
+        "departure": (departure, (_TORUS, KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
         "seam": (seam, (_TORUS, FLOATS)),
         "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
+        "mean_height": (survey.mean_height, (WIDES, WIDES, WIDES)),
         "directions": (
             tables.directions,
-            (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[Room], WIDES, WIDES),
+            (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[TableRoom], WIDES, WIDES),
         ),
         "corners": (corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
         "gridded": (gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
@@ -184,7 +185,7 @@ LIBRARY = Library(
         "spectrum": (clock_modes.spectrum, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
         "clock_series": (
             clock_modes.clock_series,
-            (WIDES, _INTS, WIDES, record(Limits, *(FLOAT,) * 5), KINDS[Tables], WIDES),
+            (WIDES, _INTS, WIDES, record(Cutoffs, *(FLOAT,) * 5), KINDS[Tables], WIDES),
         ),
         "panel_values": (clock_loops.panel_values, (FLOATS, FLOATS, _PANELS, FLOATS, _ROWS, _ROWS)),
     },

@@ -1,4 +1,4 @@
-"""The corners of a torus, made once: from them any state, and 1/g on grids of its periods."""
+"""The corners of a torus, computed once: any state, and 1/g on grids of its periods, come from them."""
 
 from __future__ import annotations
 
@@ -12,29 +12,30 @@ import numpy as np
 from integrable.torus.lattice import TorusLattice, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed
 from integrable.torus.states import Torus
-from integrable.torus.survey import REACH
-from integrable.torus.tables import SmallSteps
+from integrable.torus.survey import RATES, REACH
+from integrable.torus.tables import SmallSteps, TableRoom
 from integrable.torus.walks import Fine, Walk
-from integrable.torus.witness import BORDERS, SEAM
+from integrable.torus.witness import BORDERS, SEAM, TERMS, Line
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS
 
 if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
+    from integrable.torus.lattice import Source
 
-# a walk over the corners of the torus is trusted where periods lead back to this, one from both sides to that
+# a walk over the corners is accepted where periods lead back to this, and one from both sides to that
 ROUND = 1e-17
 CLOSED = 1e-13
-# corners are walked over in steps of fewer cells than this
+# steps of a walk over the corners are of fewer cells than this
 MOST_AT_ONCE = 7
-# ovals so near each other, in parts of what they cover, are walked over from both sides at once
+# ovals with a relative gap below this are walked over from both sides at once
 NEAR = 2.0**-23
-# nodes on the way from there
+# nodes on the path from there
 QUADRATURE = 32
-# parts of a factor of f, at the least, that its values may be: U there has the square of the loss, the sum its cube
+# the smallest allowed values of a factor of f, relative to its parts: U there has the square of the loss, the sum its
+# cube
 LEAST_REST = 2.0**-14
-# the first grid of 1/g; of ovals so near each other, in the same parts, it has so many columns to s₁ + s₂ of their
-# period, in units in which the next branch point is at 1
+# the first grid of 1/g: for ovals with a relative gap below this, the number of columns for s₁ + s₂ of their period, in
+# units in which the next branch point is at 1
 FIRST_SIZE = 16
 PASSING = 2.0**-7
 PASSAGES = 3.1
@@ -58,7 +59,10 @@ class Corners:
     or compiled loops lose digits beside the corners.
     """
 
-    def __init__(self, setup: Setup, loops: Any, most: int) -> None:
+    _aslant = False
+    """Whether the motion has another direction than the flow of a body."""
+
+    def __init__(self, setup: Source, loops: Any, most: int) -> None:
         self.setup, self.loops, self._most = setup, loops, most
         # the motion in an abscissa of its own
         self.units, motion, self.curve, self._start, self._problem = beginning(setup, loops)
@@ -68,10 +72,10 @@ class Corners:
         self.signs = tuple(self.turns.ravel().tolist())
         odd = [signs.count(-1.0) % 2 == 1 for signs in self.turns.tolist()]
         self.odd = odd[0], odd[1]
-        # an odd number of turned γ_i is noticed by 1/g of a tilted body, whose period is then twice that of the divisor
+        # an odd number of turned γ_i shows in 1/g of a tilted body, whose period is then twice that of the divisor
         leans = loops.floats(self.curve.axes[7:])[0] != 0
         self.doubled = (1 + odd[0], 1 + odd[1]) if leans else (1, 1)
-        self.rates = self._made_rates(motion[9:10])
+        self.rates = self._made_rates(motion)
         tables, self._halves = self._translations(motion)
         self._rest = loops.room(2) if leans else rest_of(motion, loops)
         self.small = SmallSteps(self.curve.unit_axes, lattice.chart.centres, tables, loops.terms, lattice.parts)
@@ -80,14 +84,14 @@ class Corners:
         self._walk_over(motion)
         self._check_walk()
 
-    def _made_rates(self, pi: Any) -> Any:
-        """What :func:`integrable.torus.survey.rates` gives."""
-        rates, units = self.loops.room(15), (self.units.length, self.units.lift)
-        self.loops.rates(self._problem, self.lattice.found, pi, units, self.doubled, rates)
+    def _made_rates(self, motion: Any) -> Any:
+        """The result of :func:`integrable.torus.survey.rates`."""
+        rates, units = self.loops.room(RATES), (self.units.length, self.units.lift)
+        self.loops.rates(self._problem, self.lattice.found, motion, units, self.doubled, rates)
         return rates
 
     def _check_walk(self) -> None:
-        """NotClosed where the states at the corners are not to be trusted."""
+        """NotClosed where the states at the corners are not reliable."""
         if self.compiled and not self.loops.seam(self.torus, np.empty(24 * BORDERS)) <= SEAM:
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
 
@@ -110,9 +114,9 @@ class Corners:
 
     @cached_property
     def mean(self) -> Any:
-        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, whatever the samples are.
+        """The mean of 1/g over the torus, wide: a determinant of elliptic integrals, independent of samples.
 
-        That of a tilted body has no part from its lean: around an oval with one axis an odd number of γ_i are turned.
+        A tilt does not change it: around an oval with one axis an odd number of γ_i are turned.
         """
         return self.loops.wide(self.rates[9:10], self.setup.wide)[0]
 
@@ -121,6 +125,25 @@ class Corners:
         """The :class:`~integrable.torus.states.Torus`, packed for the loops."""
         curve, small = self._packed_curve, self._packed_small
         return self.loops.packed(Torus(curve, self.rates[:4], self.states, small, self.signs, self.sizes))
+
+    def reached(self, tau: np.ndarray) -> np.ndarray:
+        """γ and M at values of τ by additions to the start, without periods and corners: shape (N, 6)."""
+        out = np.empty(6 * len(tau))
+        self.loops.reached(*self._line(tau), out)
+        return out.reshape(-1, 6)
+
+    def departs(self, tau: np.ndarray) -> float:
+        """The difference between states at values of τ and those of :meth:`reached`."""
+        found: float = self.loops.departure(self.torus, *self._line(tau), np.empty(12 * len(tau)))
+        return found
+
+    def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Any]:
+        """The arguments with which the loops add to the start up to these times, with memory for that."""
+        room = self.loops.room
+        # where branch points had been close together, the flow's own centre is far from all of them
+        far = self._aslant or self.units.length < 1
+        line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
+        return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
 
     def at_phases(self, phases: np.ndarray) -> np.ndarray:
         """γ and M at points of the torus, shape (N, 6): ``phases`` in turns from the start, shape (N, 2)."""
@@ -134,19 +157,10 @@ class Corners:
         """The spectrum of 1/g, or of what has other ``samples``, on a grid of its periods that shows it:
         ``transformed(samples)`` are the spectrum and the shape of a grid that is fine enough.
         """
-        samples = samples or self.samples
-        sizes, known = self._first_grid(), None
-        while sizes[0] * sizes[1] <= self._most:
-            known = samples(sizes, known)
-            found, wanted = transformed(known)
-            shape = known.shape[:2]
-            if wanted == shape:
-                return found
-            sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
-        raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+        return resolved(samples or self.samples, transformed, self._first_grid(), self._most)
 
     def _first_grid(self) -> tuple[int, int]:
-        """A grid to begin with: where ovals nearly meet it is known what shows how a motion passes, in columns."""
+        """The first grid: where ovals nearly meet, the number of columns that resolves a passage is known."""
         (rows, columns), loops = self.sizes, self.loops
         first, low, high, last = loops.floats(self._motion[:4]).tolist()
         if high - low > PASSING * (last - first):
@@ -172,7 +186,7 @@ class Corners:
         return self.completed(whole.reshape(down * rows, across * columns, *table.shape[2:]), known)
 
     def completed(self, samples: np.ndarray, known: np.ndarray | None) -> np.ndarray:
-        """The samples with those in their places that a coarser grid knew."""
+        """The samples, completed by those of a coarser grid."""
         if known is not None:
             samples[:: samples.shape[0] // known.shape[0], :: samples.shape[1] // known.shape[1]] = known
         return samples
@@ -208,8 +222,8 @@ class Corners:
 
     def _walk_over(self, motion: Any) -> None:
         """Walk over the corners of the cells; NotClosed where the walks do not lead back."""
-        # near the separatrix a walk towards the unstable rotation forgets its errors, one away from it multiplies
-        # them: both ways to where the motion comes nearest to it
+        # near the separatrix a walk towards the unstable rotation damps its errors, one away from it amplifies them:
+        # two walks meet where the motion comes nearest to it
         motion, start, periods = map(self.loops.floats, (motion, self._start, self.lattice.found[:4]))
         first, low, high, last = motion[:4].tolist()
         self._near = bool(high - low < NEAR * (last - first))
@@ -228,6 +242,21 @@ class Corners:
         self.closure = loops.corners(self._packed_curve, self._start, loops.packed(walk), self.states, ends, known)
 
 
+def resolved(
+    samples: Samples, transformed: Callable[[Any], tuple[Any, tuple[int, int]]], sizes: tuple[int, int], most: int
+) -> Any:
+    """:meth:`Corners.resolved`, from a grid of ``sizes`` on to one of ``most`` samples."""
+    known = None
+    while sizes[0] * sizes[1] <= most:
+        known = samples(sizes, known)
+        found, wanted = transformed(known)
+        shape = known.shape[:2]
+        if wanted == shape:
+            return found
+        sizes = (sizes[0] * wanted[0] // shape[0], sizes[1] * wanted[1] // shape[1])
+    raise PrecisionLoss(f"a rate needs a grid of {sizes[0]} × {sizes[1]} on the torus of this motion")
+
+
 def rest_of(motion: Any, loops: Any) -> Any:
     """(d, r) of the factor r − dx of f, a row of the loops' numbers: 0 where it is so small at an axis, beside its
     parts, that values lose what a grid of 1/g asks for.
@@ -242,12 +271,12 @@ def rest_of(motion: Any, loops: Any) -> Any:
 def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, columns: int) -> int:
     """The column of corners at which a motion is nearest to the unstable rotation, but not near the start's.
 
-    ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). Nearest is where one
-    point of the divisor is at one of the ends that nearly meet and the other at the far end of its oval: half a period
-    of the columns from where both are at the near ends. On the way there x is end ± gap·sinh²(t), dx/y then smooth.
+    ``motion`` is a :func:`~integrable.torus.lattice.motion_row`, ``periods`` are (a₁, b₁, a₂, b₂). There one point of
+    the divisor is at one of the ends that nearly meet, and the other at the far end of its oval. That is half a period
+    of the columns from where both are at the near ends. On the path there x is end ± gap·sinh²(t), dx/y then smooth.
     """
     first, low, high, last = motion[:4].tolist()
-    # what floats do not tell apart is that near, and no end is passed by rounding
+    # ends that floats cannot separate are that near, and rounding passes no end
     gap, d, r = max(high - low, EPS * (last - first)), motion[8], motion[10]
     u0, u1, v0, v1 = start[:4].tolist()
     half, passed = sqrt(max(0.25 * u1 * u1 - u0, 0.0)), np.zeros(2)
@@ -255,7 +284,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     for sign, end in ((-1, low), (1, high)):
         x = sign * half - 0.5 * u1
         t = asinh(sqrt(abs(x - end) / gap))
-        # fewer where it ends, maybe at the far end of the oval, a branch point
+        # fewer near its end, possibly at the far end of the oval, a branch point
         xs = end + sign * gap * np.sinh(t * z * (2 - z)) ** 2
         others = np.maximum(xs - first, gap) * np.maximum(last - xs, gap) * np.maximum(r - d * xs, d * gap)
         rates = weights * (1 - z) / np.sqrt(others)
@@ -265,7 +294,7 @@ def nearest_column(motion: np.ndarray, start: np.ndarray, periods: np.ndarray, c
     if not 0 < abs(area) < inf:
         return columns // 2
     turns = 0.5 + float(a1 * passed[1] - b1 * passed[0]) / area
-    # from a start that is near there, the walk back would end in its worst
+    # from a start near there, the walk back would end where it is worst
     least = columns // 8
     return max(1, least, min(round(columns * turns) % columns, columns - least))
 

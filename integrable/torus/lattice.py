@@ -8,7 +8,7 @@ The basis is reduced and the centres are chosen so that the cells, in which the 
 from __future__ import annotations
 
 from math import floor, log2
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -20,17 +20,50 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from integrable.moving_point.bare_problem import BareProblem
     from integrable.moving_point.problem import MotionProblem
-    from integrable.moving_point.setup import Setup
+    from jacobian.numbers.long_reals import BareReals
 
 
-# branch points that are as close as this, in the unit of the largest, count from an origin and in a unit of their own
+# branch points closer than this, in the unit of the largest, get an origin and a unit of their own
 CLOSE = 2.0**-6
-# and those that are farther apart in units of either, and so M and γ, lose next to no digits where they stand
+# and those farther apart in units of either, and so M and γ, lose almost no digits where they are
 APART = 2.0**-6
 # sizes whose powers stay in the range of floats
 FAR = 1e30
 
 Row = Any
+
+
+class Source(Protocol):
+    """The source of a torus: the motion in bare reals, wide numbers for results, and the given floats, with which
+    compiled loops may start (:class:`integrable.moving_point.setup.Setup`).
+    """
+
+    @property
+    def bare_problem(self) -> BareProblem: ...
+    @property
+    def wide(self) -> Any: ...
+    @property
+    def reals(self) -> BareReals: ...
+    @property
+    def floats_given(self) -> tuple[np.ndarray, bool] | None: ...
+
+
+class TimedSource(Source, Protocol):
+    """A source with a clock: units of the flow's own time in one of τ, and a basic step in that."""
+
+    @property
+    def time_scale(self) -> Any: ...
+    @property
+    def step_length(self) -> Any: ...
+
+
+class GivenSource(NamedTuple):
+    """A :class:`Source` of given numbers."""
+
+    bare_problem: BareProblem
+    wide: Any
+    reals: BareReals
+    floats_given: tuple[np.ndarray, bool] | None = None
 
 
 class Chart(NamedTuple):
@@ -73,12 +106,12 @@ class TorusLattice:
 
 
 def signs_of_periods(points: Any, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
-    """The signs that γ1, γ2, γ3 change by in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
+    """The sign changes of γ1, γ2, γ3 in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
 
-    γ_i vanishes where u₁ or u₂ passes α_i, which is once in a round of the oval that ends there, and its sign changes:
-    that of α_min on the first round, of α_max on the second, of α_mid with the oval that ζ does not end.
+    γ_i vanishes where u₁ or u₂ passes α_i, once in a round of the oval that ends there, and its sign changes. That of
+    α_min changes on the first round, that of α_max on the second, that of α_mid with the oval that does not end at ζ.
     """
-    # axes that are one float are told apart
+    # axes that are equal as floats are distinguished by their index
     *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
     rounds = {low: 0, middle: 1 if zeta < axes[middle] else 0, high: 1}
@@ -100,10 +133,9 @@ class Units(NamedTuple):
         return self.length * self.lift
 
     @staticmethod
-    def of(setup: Setup) -> Units:
-        """Those in which branch points that all are close together, of nearly equal moments or a heavy ball, are not.
-
-        Ordinary ones are left alone.
+    def of(setup: Source) -> Units:
+        """Units for branch points that are all close together, of nearly equal moments or a heavy ball; others keep
+        theirs.
         """
         problem = setup.bare_problem
         with setup.reals:
@@ -123,11 +155,11 @@ class Units(NamedTuple):
 
 
 def _near_power(x: float) -> float:
-    """The power of two below x, but 1 for what is not small."""
+    """The power of two below x, but 1 unless x is small."""
     return 1.0 if x > CLOSE else 2.0 ** floor(log2(x))
 
 
-def motion_row(setup: Setup, units: Units) -> tuple[Any, ...]:
+def motion_row(setup: Source, units: Units) -> tuple[Any, ...]:
     """What :mod:`integrable.torus.survey` takes, in bare reals: the ends of both ovals, α1, α2, α3, ζ, d, π, r and x/ξ
     at the origin, in the given units.
 
@@ -141,9 +173,9 @@ def motion_row(setup: Setup, units: Units) -> tuple[Any, ...]:
         return (*abscissae, d * length / square, pi, (1 - d * origin) / square, origin / length)
 
 
-def best_origin(setup: Setup) -> Any:
-    """0 or the axis whose abscissa, taken as the origin, leaves branch points that are close together the most digits
-    of their distance; within ``with setup.reals``.
+def best_origin(setup: Source) -> Any:
+    """The origin, 0 or the abscissa of an axis, that keeps the most digits of the distances between close branch
+    points; within ``with setup.reals``.
     """
     points = setup.bare_problem.branch_points
     gaps = [(i, j, abs(float(points[i] - points[j]))) for i in range(len(points)) for j in range(i)]
@@ -181,8 +213,8 @@ class Beginning(NamedTuple):
     problem: Any
 
 
-def beginning(setup: Setup, loops: Any) -> Beginning:
-    """That of a motion: by the loops where branch points are well apart, else from more digits than theirs."""
+def beginning(setup: Source, loops: Any) -> Beginning:
+    """The rows of a motion: from the loops where branch points are well apart, else from more digits than theirs."""
     found: Beginning | None = loops.begun(setup)
     if found is not None:
         return found

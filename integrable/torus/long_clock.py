@@ -2,8 +2,8 @@
 series on a real torus.
 
 Its modes (:mod:`integrable.torus.oval_modes`) give t = ∫dτ/g as a mean rate times τ and a bounded oscillation, whose
-inverse is found by Newton from the mean: no step of the motion is taken. (Fedorov 2009 gives the same functions as
-theta functions.)
+inverse is found by Newton's method from the mean, without steps of the motion. (Fedorov 2009 gives the same functions
+as theta functions.)
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
 if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
+    from integrable.torus.oval_modes import ModesSource
 
-# a step of Newton whose slope is a float's leaves that part of itself; the first from floats leads to so many digits
+# a Newton step whose slope is a float's leaves that part of itself; the first one, from floats, gives this many digits
 GAIN, FIRST_GOAL = 1e-13, 28
 
 
 class MultiprecisionTorusClock:
     """t(τ) and τ(t) for any τ, in the units of a :class:`~integrable.moving_point.setup.Setup`, to ``digits``: by
-    default those of the set-up.
+    default those of the set-up; to ``after`` of them after the point where far times have no more.
 
     Raises what :func:`~integrable.torus.oval_modes.modes_of_rate` does where the torus is degenerate or nearly so: that
     is for the clock that counts steps.
@@ -36,15 +36,17 @@ class MultiprecisionTorusClock:
 
     def __init__(
         self,
-        setup: Setup,
+        setup: ModesSource,
         digits: int | None = None,
         direction: tuple[Any, Any] = (1, 0),
         most_work: float = MOST_WORK,
+        after: int | None = None,
     ) -> None:
-        digits = digits or setup.digits
+        whole = digits or setup.digits
+        digits = min(after or whole, whole)
         self.wide = setup.wide
         self._digits, self._eps = digits, self.wide.coerce(10) ** -digits
-        modes = modes_of_rate(setup, digits, direction, most_work)
+        modes = modes_of_rate(setup, digits, direction, most_work, whole)
         self.frequencies, self.mean = modes.frequencies, modes.mean
         self._series = LongSeries(modes.rows, self.frequencies, self.wide, 10.0**-digits)
 
@@ -59,7 +61,9 @@ class MultiprecisionTorusClock:
         return [start + shift for start, shift in zip(starts, self._shifts(starts), strict=True)]
 
     def _shifts(self, starts: list[Any]) -> list[Any]:
-        """s with mean·s + S(θ + νs) = 0, by Newton: the oscillation of τ about its mean value. Floats first."""
+        """s with mean·s + S(θ + νs) = 0, by Newton's method, in floats first: the oscillation of τ about its mean
+        value.
+        """
         angles = [phases(start, self.frequencies, self.wide) for start in starts]
         rough = np.array(angles, dtype=float).reshape(-1, 2)
         nu, mean = np.array(self.frequencies, dtype=float), float(self.mean)
@@ -75,7 +79,7 @@ class MultiprecisionTorusClock:
         return self._refined(angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(self, angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]) -> list[Any]:
-        """Newton in many digits; before the last step no more of them than it can bring."""
+        """Newton's method in many digits; before the last step only as many as it can gain."""
         nu1, nu2 = self.frequencies
         left, goal = list(range(len(shifts))), FIRST_GOAL
         for _ in range(100):
@@ -98,7 +102,7 @@ class MultiprecisionTorusClock:
 
 
 def phases(tau: Any, frequencies: tuple[Any, Any], field: Any) -> tuple[Any, Any]:
-    """The phases at τ in turns, without whole ones."""
+    """The phases at τ in turns, reduced modulo 1."""
     first, second = (tau * nu for nu in frequencies)
     floor = field.context.floor
     return first - floor(first), second - floor(second)

@@ -20,7 +20,7 @@ from jacobian.numbers.long_reals import BallReals
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# samples that take some seconds, and beyond them so many for the square of each digit
+# the number of samples that takes some seconds, and beyond it the number for the square of each digit
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
@@ -127,7 +127,7 @@ class _Values(Corners):
                 yield (row % sizes[0], column % sizes[1]), point
 
     def _turned(self, point: tuple[Any, ...], first: int, second: int) -> tuple[Any, ...]:
-        """The point a period further in the first direction, in the second."""
+        """The point one period further in the first direction, then in the second."""
         if first:
             point = turned(point, self.signs, 0)
         return turned(point, self.signs, 3) if second else point

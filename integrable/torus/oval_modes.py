@@ -1,4 +1,4 @@
-"""The Fourier coefficients of 1/g on a torus from integrals over either oval: no grid of states is made.
+"""The Fourier coefficients of 1/g on a torus from integrals over either oval: without a grid of states.
 
 The phases of a divisor are those of its two points added, the invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and 1/g is a
 constant over √((1 − du₁)(1 − du₂)). So a coefficient, the mean of (1/g)·e^(−2πi(kθ₁ + mθ₂)), is a determinant of
@@ -6,35 +6,32 @@ integrals over one oval each,
 
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
-P over the first oval and Q over the second. What leans in a tilted body's 1/g is alike: with A(u) = Π(α_i − u) and
-R = ±√|A|, analytic along the oval,
+P over the first oval and Q over the second. What leans in a tilted body's 1/g is alike: with A(u) = Π(α_i − u) and R =
+±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
 In an elliptic argument of u integrands are periodic and analytic, and the trapezoidal rule converges geometrically.
-Numbers are python-flint's balls: they show what closeness of the branch points costs.
+Numbers are python-flint's balls, whose radii show the loss from close branch points.
 """
 
 from __future__ import annotations
 
-from math import ceil
-from typing import TYPE_CHECKING, Any, NamedTuple
+from math import ceil, inf
+from typing import Any, NamedTuple, Protocol
 
 from integrable.torus.lattice import oval_ends
 from integrable.torus.ovals import Oval, exponent
 from integrable.torus.series import powers
 from jacobian.errors import PrecisionLoss
-from jacobian.numbers.long_reals import BallReals
-
-if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
+from jacobian.numbers.long_reals import BallReals, BareReals
 
 # multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
-# the first tables are to so many digits, with so many modes a digit in either direction; the next have so many times
-# what the fall of those asks for; their nodes hold some more, so that it is no fall to what nodes make of modes
+# digits of the first tables, with this many modes per digit in either direction; the next have this many times the
+# number suggested by their decay; their nodes hold some more, so that aliasing is not mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# steps from the start among which one is taken where no σ is small
+# steps from the start among which one has no small σ
 STEPS = 4
 
 
@@ -62,27 +59,36 @@ class TooManyModes(PrecisionLoss):
 
 
 def modes_of_rate(
-    setup: Setup, digits: int, direction: tuple[Any, Any] = (1, 0), most_work: float = MOST_WORK
+    setup: ModesSource,
+    digits: int,
+    direction: tuple[Any, Any] = (1, 0),
+    most_work: float = MOST_WORK,
+    mean_digits: int = 0,
 ) -> Modes:
-    """The modes of 1/g down to 10^(−digits) of its mean, τ being the time of ``direction``, (Σdx/y, Σx dx/y).
+    """The modes of 1/g down to 10^(−digits) of its mean, τ being the time of ``direction``, (Σdx/y, Σx dx/y);
+    frequencies and mean to ``mean_digits`` where these are more.
 
     TooManyModes where tables take more than ``most_work`` multiplications; PrecisionLoss where the torus is not
     compact, or so nearly that digits are lost.
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
-        # made first: says at once where digits are lost
-        torus, few = OvalTorus(setup, balls, digits, direction), min(SCOUT_DIGITS, digits)
+        # computed first, because it raises where digits are lost
+        whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
+        # a far time is its mean rate times τ, whose phases have no more digits than the modes
+        torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)
+        few = min(SCOUT_DIGITS, digits)
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
         begin = ceil(MODES_A_DIGIT * few)
         size = _resolved(scout, (begin, begin), few, most_work).wanted(digits, few)
-        # looked at first, so that more than these are more than those of few digits show
+        # checked first, so that the excess is relative to tables of few digits
         torus.use(size, most_work)
         try:
             found = _resolved(torus, size, digits, most_work)
         except TooManyModes:
             raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits") from None
-        return torus.modes(found.upright, found.leaning, found.size)
+        modes = torus.modes(found.upright, found.leaning, found.size)
+        return modes if torus is whole else whole.rates_of(modes)
 
 
 class Found(NamedTuple):
@@ -114,7 +120,7 @@ class Found(NamedTuple):
             last, before = (exponent(c) - lead for c in (end, largest(middle)))
             if last >= -digits and end.contains(0):
                 raise PrecisionLoss("the modes of 1/g end in lost digits: use more digits")
-            # the modes of a light ball's 1/g are all but one as small as d
+            # all modes of a light ball's 1/g except one are as small as d
             while before < -held:
                 middle -= 1
                 before = exponent(largest(middle)) - lead
@@ -139,10 +145,27 @@ def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: f
         size = wanted
 
 
+class ModesSource(Protocol):
+    """What they are made from (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide`` field, good
+    to ``digits``, and of a tilted body the moving points in ``bare`` reals.
+    """
+
+    @property
+    def problem(self) -> Any: ...
+    @property
+    def wide(self) -> Any: ...
+    @property
+    def reals(self) -> BareReals: ...
+    @property
+    def digits(self) -> int: ...
+    @property
+    def bare(self) -> Any: ...
+
+
 class OvalTorus:
     """Both ovals of a motion, and tables of e^(2πiθ) at their nodes."""
 
-    def __init__(self, setup: Setup, balls: BallReals, digits: int, direction: tuple[Any, Any]) -> None:
+    def __init__(self, setup: ModesSource, balls: BallReals, digits: int, direction: tuple[Any, Any]) -> None:
         import flint
 
         self.flint, self._setup, self._balls, self.digits = flint, setup, balls, digits
@@ -161,7 +184,7 @@ class OvalTorus:
         self._place()
 
     def ball(self, x: Any) -> Any:
-        """A number of the set-up's wide field, not known beyond its digits."""
+        """A number of the set-up's wide field as a ball, known to its digits only."""
         middle = self._balls.number(x)
         return middle + self.flint.arb(0, abs(middle) * self.flint.arb(2) ** -self._setup.wide.context.prec)
 
@@ -182,7 +205,7 @@ class OvalTorus:
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
-        # what is rounding of a double root is none
+        # the rounding of a double root counts as zero
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
         angles, blurs = zip(
             *(
@@ -191,7 +214,7 @@ class OvalTorus:
             ),
             strict=True,
         )
-        # what goes round a small oval is small with it, but for what leans between two axes
+        # integrals around a small oval are as small, except for the tilt between two axes
         if count > 1 and not blurs[self.low] < 10.0**-self.digits:
             raise PrecisionLoss("two moments of this body are equal, or all but equal, to these digits; use more")
         sums = [oval.node(angle).sums for oval, angle in zip(self.ovals, angles, strict=True)]
@@ -228,6 +251,15 @@ class OvalTorus:
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
+
+    def rates_of(self, modes: Modes) -> Modes:
+        """The same with frequencies and mean to the digits of this torus."""
+        self.use((1, 1), inf)
+        *nu, mean = self._balls.elements(
+            self._setup.wide,
+            (*(x / n for x, n in zip(self.frequencies, modes.doubled, strict=True)), self.upright()[0][1].real),
+        )
+        return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> list[list[Any]] | None:
         """The same of what leans, at k + ½ or m + ½; None for an upright body."""

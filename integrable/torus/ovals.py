@@ -13,7 +13,7 @@ from jacobian.errors import PrecisionLoss
 
 # as a decimal exponent, 0
 NOTHING = 1e9
-# of what falls so fast a few nodes are enough
+# rapidly decaying integrands need few nodes
 LARGEST_DECAY = 40.0
 
 

@@ -19,7 +19,7 @@ from integrable.moving_point.setup import Setup
 from integrable.moving_point.translations import Translations
 from jacobian.numbers.long_reals import BareReals
 
-# values made again with all digits: one in so many, and two at least
+# values computed again with all digits: one in this many, and at least two
 ONE_IN = 25
 # a rule that shows how fast Legendre coefficients fall, for a cell and for a long panel, down to that size
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
@@ -61,7 +61,9 @@ class PanelRates:
         return rates if self._right(point, steps, rates) else None
 
     def _right(self, point: Any, steps: Sequence[Any], rates: np.ndarray) -> bool:
-        """Whether some of the values are those of all digits: others from panel to panel, the ends among them."""
+        """Whether some of the values, different ones from panel to panel and always the ends, agree with those of all
+        digits.
+        """
         bare, count = self._setup.bare, len(steps)
         self._checked += 1
         places = {0, -1 % count, *(7 * self._checked + ONE_IN * k for k in range(1 + count // ONE_IN))}
@@ -103,7 +105,7 @@ class Scouts:
     def _fall(self, sign: int, length: int) -> float:
         sizes = self._sizes(sign, length, float)
         if max(sizes[1:]) < (FLATTEST if self._rates else FLAT):
-            # what floats, or double-double numbers, would not tell from rounding
+            # variations that floats, or double-double numbers, cannot separate from rounding
             sizes = self._sizes(sign, length, self._setup.reals.plain)
         most = max(sizes[1:])
         if 0 < most < FLAT:
@@ -144,7 +146,7 @@ class Scouts:
 
             def wide_sizes(point: Any) -> list[float]:
                 high, low = rates.values(point, packed).T
-                # so that the coefficients of what is nearly constant keep their digits
+                # so that the coefficients of a nearly constant function keep their digits
                 series = transform @ (high - high[0] + (low - low[0]))
                 series[0] += high[0]
                 return [abs(c) for c in series.tolist()]

@@ -15,16 +15,16 @@ from jacobian.errors import PrecisionLoss
 
 # nodes of a panel: more make panels longer and their evaluation slower
 NODES = 28
-# the last coefficients of a panel of states that the torus gives, in units of the largest value of their column
+# the last coefficients of a panel of states from the torus, in units of the largest value of their column
 TOLERANCE = 2e-15
 # rounding of the states themselves, on motions with fast passages
 NOISE = 1e-13
-# panels of a stretch whose ends show how long they may be, and halvings of one of them
+# panels of a stretch whose ends show how long they may be, and the largest number of halvings
 PROBES = 8
 MOST_HALVINGS = 12
-# what is level below this part of a column is rounding, which no halving makes smaller: so many show it
+# equal coefficients below this part of a column are rounding, which halving does not reduce: this many show it
 ROUGH, MOST_IN_VAIN = 1e-8, 4
-# coefficients of a panel below this part of its largest are none where zeros are looked for
+# coefficients of a panel below this part of its largest count as zero in the search for zeros
 LEVEL = 1e-14
 
 States = Callable[[np.ndarray], np.ndarray]
@@ -98,7 +98,7 @@ def _coefficients(states: States, middle: np.ndarray, half: np.ndarray) -> np.nd
     nodes, matrix, slopes = _rule()
     offsets = half[:, None] * nodes
     times = middle[:, None] + offsets
-    # what a rounded time is off its node (two-sum), for which the values are corrected to first order
+    # the rounding of a time at its node (two-sum), for which the values are corrected to first order
     back = times - middle[:, None]
     off = (offsets - back) + (middle[:, None] - (times - back))
     values = states(times.ravel()).reshape(len(middle), NODES, -1)
@@ -130,7 +130,7 @@ def _rounded(coefficients: np.ndarray) -> np.ndarray:
 @lru_cache(maxsize=1)
 def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Chebyshev nodes, and the matrices from values there to coefficients and to derivatives."""
-    # whole turns are taken off while the angles are integers
+    # whole turns are removed while the angles are integers
     turns = np.outer(np.arange(NODES), 2 * np.arange(NODES) + 1) % (4 * NODES)
     cosines = np.cos(np.pi / (2 * NODES) * np.arange(4 * NODES))
     matrix = 2 / NODES * cosines[turns]

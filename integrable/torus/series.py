@@ -15,14 +15,14 @@ from integrable.torus.clock_modes import size_wanted
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
-# phases that a long series is summed at together
+# phases at which a long series is summed together
 TOGETHER = 256
-# multiplications that a product of matrices does in one thread: where there are more of those, they wait in busy loops;
-# of fewer phases than these at once, large tables are read too often for that
+# multiplications that a product of matrices does in one thread: with more of them, threads wait in busy loops; with
+# fewer phases at a time, large tables are read too often
 ONE_THREAD, FEWEST = 1 << 15, 4
-# floats hold no modes below
+# floats hold no modes below this
 TINY = 1e-290
-# the error of a mode in floats, for each turn of it, and the bits that guard sums of many digits
+# the error of a mode in floats, per turn, and the guard bits of sums of many digits
 ROUNDED, SPARE_BITS = 1e-15, 40
 
 
@@ -52,7 +52,7 @@ class TorusSeries:
         half = half_plane(grid)
         self._first = -(columns // 2)
         self._slope = half.astype(complex)
-        # those beside k = 0 are counted with their conjugates
+        # those outside k = 0 count with their conjugates
         sizes = np.abs(self._slope)
         largest = max(float(sizes[0, : 1 - self._first].max()), float(sizes[1:].max(initial=0)) / 2)
         kept = sizes > rounding * largest
@@ -65,7 +65,7 @@ class TorusSeries:
         swings = np.abs(self._swing)
         kept &= sizes > noise * largest
         self._swing[~kept] = 0
-        # S + origin has the mean 0
+        # S + origin has mean 0
         self.origin = float(self._swing[kept].real.sum())
         # |S| is below
         self.bound = float(swings[kept].sum()) + abs(self.origin)
@@ -130,7 +130,7 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
     return found
 
 
-class Level(NamedTuple):
+class SeriesLevel(NamedTuple):
     """The modes of a :class:`LongSeries` that so many digits take: the large ones in balls of ``bits``, from the row 0
     and the column ``first`` on, and ``tail``, those that floats hold well enough.
     """
@@ -159,11 +159,11 @@ class LongSeries:
         self.rough = TorusSeries(grid, frequencies, noise=noise, rounding=noise)
         kept = self.rough._kept
         if noise < TINY:
-            # what floats do not hold
+            # modes that floats cannot hold
             kept = np.ones_like(kept)
             kept[0, : most + 1] = False
         self._kept, self._noise, self._size = kept, noise, float(np.abs(grid).max())
-        self._levels: dict[int | None, Level] = {}
+        self._levels: dict[int | None, SeriesLevel] = {}
         with self._balls as balls:
             nu1, nu2 = map(balls.number, frequencies)
             # the conjugate half counted with this one, over 2πi
@@ -176,7 +176,7 @@ class LongSeries:
                 for k, row in enumerate(rows)
             ]
             self._origin = sum((c.real for row in self._modes for c in row), flint.arb(0))
-            # S + origin has the mean 0
+            # S + origin has mean 0
             self.origin = balls.element(field, self._origin)
 
     def at(self, angles: list[tuple[Any, Any]], digits: int | None = None) -> list[Any]:
@@ -197,7 +197,7 @@ class LongSeries:
                     found.append(self._balls.element(self._field, total.real - self._origin + tail))
         return found
 
-    def _tails(self, angles: list[tuple[Any, Any]], level: Level) -> list[float]:
+    def _tails(self, angles: list[tuple[Any, Any]], level: SeriesLevel) -> list[float]:
         """The sums of the small modes."""
         if not level.tail.size:
             return [0.0] * len(angles)
@@ -205,7 +205,7 @@ class LongSeries:
         sums: list[float] = self.rough._sums(first, second, level.tail)[0].tolist()
         return sums
 
-    def _level(self, digits: int | None) -> Level:
+    def _level(self, digits: int | None) -> SeriesLevel:
         """Modes are left to floats, or left out, where what that costs adds up to a part of the noise."""
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail = self._kept.copy(), np.zeros((0, 0))
@@ -227,7 +227,7 @@ class LongSeries:
         bits = self._balls.bits
         if noise > TINY:
             bits = min(bits, ceil(-log2(noise)) + SPARE_BITS)
-        return Level(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
+        return SeriesLevel(least - middle, self._flint.acb_mat(modes), tail if tail.any() else np.zeros((0, 0)), bits)
 
     def _circle(self, angle: Any) -> Any:
         x = 2 * self._balls.number(angle)
@@ -260,7 +260,7 @@ def half_plane(grid: np.ndarray) -> np.ndarray:
 
 
 def in_resonance(k: int, m: int) -> PrecisionLoss:
-    """What is said of a mode with k·ν₁ + m·ν₂ = 0."""
+    """The message about a mode with k·ν₁ + m·ν₂ = 0."""
     return PrecisionLoss(f"the mode ({k}, {m}) of a function on the torus is in resonance with the motion")
 
 

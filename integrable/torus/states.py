@@ -1,4 +1,4 @@
-"""States anywhere on a torus, on bare reals compiled as they stand: a corner and two translations."""
+"""States anywhere on a torus, on bare reals, compiled or interpreted: a corner and two translations."""
 
 from __future__ import annotations
 

@@ -1,8 +1,7 @@
-"""What is known of a real torus before it is walked over, on bare reals: written to be compiled as it
-stands.
+"""Survey of a real torus before the walks, on bare reals, compiled or interpreted.
 
-The chart of two centres with the fewest cells, what its periods are, the power series about a centre. Numbers are
-floats, mpf or bare reals, or double-doubles when compiled (:mod:`integrable.torus.compiled`); what chooses a chart is
+It finds the chart of two centres with the fewest cells, its periods, and the power series about a centre. Numbers are
+floats, mpf or bare reals, or double-doubles when compiled (:mod:`integrable.torus.compiled`); the choice of a chart is
 in floats.
 """
 
@@ -13,6 +12,7 @@ from typing import Any
 
 from integrable.moving_point.bare_problem import MATRIX, MOMENTUM, SLOWNESS, TIME_SCALE
 from integrable.moving_point.elliptic_integrals import mean_slowness, oval_periods
+from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
@@ -21,24 +21,29 @@ Row = Any
 REACH = 0.4
 # a torus of more cells counts as not compact
 MOST_CELLS = 1 << 16
-# so many centres are tried, at distances from the least branch point in geometric progression up to FARTHEST·max a,
-# but not so far that the α are one point from there
+# number of candidate centres, at distances from the least branch point in geometric progression up to FARTHEST·max a,
+# but not so far that the α coincide from there
 CENTRES = 12
 FARTHEST = 2.0
 REMOTE = 1e4
-# where these leave more cells than this, branch points are close together and far from all of them (a heavy ball with
-# one large moment): then centres between branch points are tried as well, so many from either end of a gap, the first
-# at half the least distance of two branch points
+# beyond this many cells branch points are close together and far from all centres (a heavy ball with one large moment):
+# then centres between branch points are tried too, this many from either end of a gap, the first at half the least
+# distance of two branch points
 FEW_CELLS = 1 << 11
 INNER = 8
-# or at this part of all distances, and in no gap so narrow: translations about a centre lose twice the digits of its
-# distance to a branch point, which double-doubles have to spare
+# or at this part of all distances, and in no narrower gap: translations about a centre lose twice the digits of its
+# distance to a branch point, which double-doubles must spare
 NEAREST = 2.0**-30
-# but only at this one where cells are no more than so many, which costs next to no digits
+# but only at this one where cells are no more than this, which costs almost no digits
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
+# the number of results of :func:`rates`
+RATES = 16
+# nodes on either side of the middle of an oval, SPACING apart in the logarithm of how it is divided: the rule leaves
+# e^(−2π²/SPACING) = 5e-35, what it leaves off at the ends e^(−NODES·SPACING/2) = 1e-33
+NODES, SPACING = 608, 0.25
 
 
 def best_chart(
@@ -83,9 +88,10 @@ def best_chart(
 
 
 def centre_of(i: int, points: Row, ends: Row, origin: float, nearest: float) -> float:
-    """The i-th centre that is tried: below all branch points; from the lower end of the gap between the ovals to its
-    middle, from its upper end not quite; and the same in the gap behind the second, ``nearest`` in parts of all
-    distances.
+    """The i-th candidate for a centre.
+
+    Candidates are below all branch points, then in the gap between the ovals, from its lower end to its middle and from
+    near its upper end, then in the gap behind the second oval. ``nearest`` is relative to the distances.
     """
     least, low, high = points[0], float(ends[0]), float(ends[3])
     near = spread = high - low
@@ -137,7 +143,7 @@ def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, 
             m1, n1, m2, n2 = m2, n2, m1, n1
         square = s1 * s1 + t1 * t1
         if square == 0:
-            # parallel as far as floats tell: any basis will do, this one hides no cells
+            # parallel to the precision of floats: any basis will do, and this one hides no cells
             return 1, 0, 0, 1
         turns = floor((s1 * s2 + t1 * t2) / square + 0.5)
         if turns == 0:
@@ -152,7 +158,7 @@ def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
     s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
     best1, best2, first = 1 << 29, 1 << 29, 2
     while first <= MOST_CELLS:
-        # what is left of the reach in either direction
+        # the remaining reach in either direction
         left_s, left_t = 1 - s1 / first, 1 - t1 / first
         if left_s > 0 and left_t > 0:
             second = 2
@@ -199,13 +205,15 @@ def survey(
     return chart
 
 
-def rates(problem: Row, found: Row, pi: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row) -> None:
+def rates(
+    problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
+) -> None:
     """In the user's units, of a :func:`survey`: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers),
     the turns of both phases in a unit of t and of τ, dτ/dt and dt/dτ in the mean, then the turns of the ``doubled``
-    periods in a unit of τ, dt/dτ again, 2π and Σ∫dξ/η in a unit of τ.
+    periods in a unit of τ, dt/dτ again, 2π, Σ∫dξ/η and Σ∫ξ dξ/η in a unit of τ.
 
-    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`, ``units`` the length and the lift of
-    those of the survey.
+    ``problem`` is a :func:`~integrable.moving_point.bare_problem.problem_row`, ``motion`` as for
+    :func:`survey`, ``units`` the length and the lift of those of the survey.
     """
     length, lift = units
     momentum, scale = problem[MOMENTUM] * lift, problem[TIME_SCALE] * (length * lift)
@@ -214,8 +222,8 @@ def rates(problem: Row, found: Row, pi: Row, units: tuple[float, float], doubled
     out[0], out[1] = problem[MATRIX], problem[MATRIX + 1] * momentum
     out[2], out[3] = problem[MATRIX + 2], problem[MATRIX + 3] * momentum
     out[4], out[5], out[6], out[7], out[8], out[9] = nu1 / mean, nu2 / mean, nu1, nu2, 1 / mean, mean
-    out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * pi[0]
-    out[14] = scale
+    out[10], out[11], out[12], out[13] = nu1 / doubled[0], nu2 / doubled[1], mean, 2 * motion[9]
+    out[14], out[15] = scale, -(motion[11] * scale)
 
 
 def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
@@ -234,3 +242,44 @@ def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
         for k in range(i + 2, 0, -1):
             out[k] = constant * out[k] + slope * out[k - 1]
         out[0] = constant * out[0]
+
+
+def mean_height(motion: Row, step: Row, out: Row) -> None:
+    """The mean over the torus of (r − du₁)(r − du₂) into out[0], and into out[1] the area of the torus in
+    (∫dx/y, ∫x dx/y), as it comes out of the same sums.
+
+    The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and u₂ − u₁ = (u₂ − m) + (m − u₁) for an m between the ovals: both
+    are sums of positive products of integrals over one oval, whatever branch points are close. ``motion`` is as for
+    :func:`survey`, step[0] = e^(−SPACING/2).
+    """
+    middle = (motion[1] + motion[2]) / 2
+    one, apart, height, both = oval_sums(motion[1], motion[0], (motion[2], motion[3]), middle, motion, step[0])
+    one2, apart2, height2, both2 = oval_sums(motion[2], motion[3], (motion[1], motion[0]), middle, motion, step[0])
+    area = apart * one2 + one * apart2
+    out[0] = (both * height2 + height * both2) / area
+    out[1] = (4 * SPACING * SPACING) * area
+
+
+def oval_sums(near: Real, far: Real, others: Row, middle: Real, motion: Row, step: Real) -> tuple[Real, ...]:
+    """∫g dx/|y| over an oval, without the factor SPACING, for g = 1, |x − middle|, r − dx and the product of these two.
+
+    The oval ends at ``near`` and ``far`` and faces the ``others``. With x = near + v(far − near) and t = log(v/(1 − v))
+    the nearest singularities in t are ±iπ, wherever branch points are: the trapezoidal rule does not see how close.
+    """
+    d, r, length = motion[8], motion[10], abs(far - near)
+    gaps = abs(others[0] - near), abs(others[1] - near), abs(middle - near), r - d * max(near, far)
+    one, apart, height, both, s = 0 * d, 0 * d, 0 * d, 0 * d, 1 + 0 * d
+    for n in range(NODES):
+        v = 1 / (1 + s * s)
+        weight, rest = s * v, s * s * v
+        if n == 0:
+            weight = weight / 2
+        for k in range(2):
+            # the node, then its mirror image
+            place = v if k == 0 else rest
+            beyond = (rest if k == 0 else v) if far > near else place
+            x, last = gaps[2] + length * place, gaps[3] + d * length * beyond
+            term = weight / root((gaps[0] + length * place) * (gaps[1] + length * place) * last)
+            one, apart, height, both = one + term, apart + term * x, height + term * last, both + term * x * last
+        s = s * step
+    return one, apart, height, both

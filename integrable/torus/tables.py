@@ -1,4 +1,4 @@
-"""The tables of a torus, on bare reals compiled as they stand: translations near the identity, rows of points."""
+"""The tables of a torus, on bare reals, compiled or interpreted: translations near the identity, rows of points."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ Real = Any
 Row = Any
 
 
-class Room(NamedTuple):
-    """Room for two power series, for nine numbers, and for a moving point at each node and two more."""
+class TableRoom(NamedTuple):
+    """Memory for two power series, for nine numbers, and for a moving point at each node and two more."""
 
     series: Row
     roots: Row
@@ -24,7 +24,7 @@ class Room(NamedTuple):
     points: Row
 
 
-class Expansion(NamedTuple):
+class NearIdentity(NamedTuple):
     """What :func:`integrable.moving_point.addition.near_identity` takes beside eps, about a centre and in a unit."""
 
     series: Row
@@ -49,7 +49,7 @@ class SmallSteps(NamedTuple):
 
 
 def directions(
-    motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: Room, tables: Row, halves: Row
+    motion: Row, chart: Any, parts: Row, nodes: Row, passes: int, room: TableRoom, tables: Row, halves: Row
 ) -> None:
     """Polynomials of T(s) about either centre, |s| ≤ reach, one after the other into ``tables``, and into ``halves``
     the translations by half a cell in either direction, both parts of the first, then of the second.
@@ -64,7 +64,7 @@ def directions(
         centre, first = chart.centres[k], 4 * len(nodes) * k
         about = expansion(motion, centre, room, passes)
         unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
-        # those of the halves beside those of the nodes: they fill the last lanes
+        # those of the halves together with those of the nodes, to fill the last lanes
         for n in abreast(0, size + 2):
             beyond = max(0, n - size)
             x = root(nodes[min(n, size - 1)] + 0 * reach)
@@ -85,7 +85,7 @@ def directions(
         to_powers(nodes, tables, size * part)
 
 
-def expansion(motion: Row, centre: Real, room: Room, passes: int) -> Expansion:
+def expansion(motion: Row, centre: Real, room: TableRoom, passes: int) -> NearIdentity:
     """That about a centre, to as many terms as ``room`` has; its unit is near the distance to the nearest branch
     point: no power of it leaves the range of floats, no product rounds.
     """
@@ -99,10 +99,10 @@ def expansion(motion: Row, centre: Real, room: Room, passes: int) -> Expansion:
     about_centre(motion, centre, unit, numbers)
     power_series(numbers, -1, room.series)
     power_series(numbers, 1, room.roots)
-    return Expansion(room.series, room.roots, numbers[0], (numbers[6], numbers[7], numbers[8]), passes, unit)
+    return NearIdentity(room.series, room.roots, numbers[0], (numbers[6], numbers[7], numbers[8]), passes, unit)
 
 
-def near_centre(about: Expansion, eps: Real) -> Row:
+def near_centre(about: NearIdentity, eps: Real) -> Row:
     """T(eps) in the abscissa of an expansion."""
     return near_identity(about.series, about.roots, about.f0, about.axes, eps, about.passes)
 

@@ -1,6 +1,5 @@
-"""Walks over the corners of a torus, on bare reals: written to be compiled as they stand, as all
-loops of random access (:mod:`integrable.torus.tables`, :mod:`integrable.torus.states`,
-:mod:`integrable.torus.clock_loops`).
+"""Walks over the corners of a torus, on bare reals, compiled or interpreted like all loops of random access
+(:mod:`integrable.torus.tables`, :mod:`integrable.torus.states`, :mod:`integrable.torus.clock_loops`).
 
 Arrays are flat and moving points are those of :mod:`integrable.moving_point.addition`. Numbers are floats in lists, or
 double-doubles when compiled (:mod:`integrable.torus.compiled`).
@@ -28,13 +27,13 @@ from jacobian.numbers.roots import root
 Real = Any
 Row = Any
 
-# a part of a reach this small is none
+# a part of a reach this small counts as none
 IDENTITY = 1e-30
-# translations that are conditioned worse than this are made in two parts
+# translations with a worse condition than this are made in two parts
 LEAST_CONDITION = 0.02
-# a translation that is conditioned so nearly as well as the best can be is the one
+# a translation whose condition is this close to the best possible is taken
 NEARLY = 0.5
-# the count of a point of a grid that is on a coarser one already
+# the count of a point of a grid that belongs to a coarser one already
 KNOWN = -1
 
 
@@ -102,7 +101,7 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
         left = moved(curve, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
-        # in every lane: compiled, a sum of lanes is the same function as that in other loops
+        # in every lane: a compiled sum of lanes is the same function as in other loops
         step = 20 + 0 * i
         point = moving_point(states, place_of(walk, stride, i, 0))
         for j in range(walk.forward):
@@ -120,11 +119,11 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
 
 
 def closure(start: Row, ends: Row, known: Row) -> float:
-    """What ends of walks are off where they should be, in parts of the start: the most of its divisor, σ and ν. Not a
-    number where one is none.
+    """The largest distance, relative to the start, between ends of walks and their goals, in divisor, σ and ν; NaN
+    where one is NaN.
     """
     worst, rest = 0.0, 0.0
-    # the pairs with the divisor: no divisor has their signs, nor what turns where two moments are equal
+    # the pairs together with the divisor, which has neither their signs nor the angle where two moments are equal
     for first, last in ((0, 4), (4, 7), (7, 10)):
         size, gap = 0.0, 0.0
         for c in range(first, last):
@@ -152,7 +151,7 @@ def moved(curve: Curve, point: Row, steps: Row, first: int, count: int, back: bo
 
 
 def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -> None:
-    """The signs of whole periods taken off the corners, and where the walks across should end."""
+    """Removes the signs of whole periods from the corners, and from the goals of the walks across."""
     rows, columns = walk.cells
     first = walk.forward - columns
     for i in range(rows):
@@ -160,7 +159,7 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
             if (stride.down * i + stride.lower * j) // rows % 2 != 0:
                 turn(states, place_of(walk, stride, i, j), walk.turns, 0)
     for i in range(rows):
-        # a whole period away, times an odd number of cells: the walk that began, or went back, there
+        # a whole period away, times an odd number of cells: the walk that started, or turned back, there
         place = 10 * (i + 1)
         if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
             turn(ends, place, walk.turns, 0)
@@ -180,12 +179,13 @@ def turn(points: Row, place: int, turns: Row, first: int) -> None:
 
 
 def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
-    """The step over an odd number of cells in a direction into steps[20·direction …], and (that number, 1 or 0 for one
-    cell more in the first direction, where the second is asked for, number of translations): of the odd numbers up to
-    ``most`` the one that is best conditioned.
+    """The number of cells, 1 or 0 for one more cell in the first direction, and the number of translations of the best
+    conditioned step.
 
-    One translation, or both parts of one cell where every sum is badly conditioned: a direction in which an oval runs
-    through no more than a point, that of a body with two equal moments, has both points of its translations there.
+    The step is over an odd number of cells, up to ``most``, in a direction; it is written into steps[20·direction …].
+    The extra cell is for the second direction, on request. The step is one translation, or both parts of one cell where
+    every sum is badly conditioned. That happens in a direction in which an oval is a point, as for two equal moments:
+    both points of its translations are there.
     """
     f, axes, out = curve.f, curve.unit_axes, walk.steps
     first, second = moving_point(walk.halves, 20 * direction), moving_point(walk.halves, 20 * direction + 10)
@@ -212,7 +212,7 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
-        # none is better than its parts, which do not become better
+        # none is better than its parts, which cannot improve
         if best >= NEARLY * trust:
             break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)

@@ -1,14 +1,15 @@
-"""Whether the states that a torus gives are those of the motion, signs included, by a way that shares nothing with it.
+"""Checks that the states of a torus are those of the motion, signs included, by independent computations.
 
-H1 and H2 of a state do not change with the signs of its γ_i, nor with its place on the torus. What the corners of a
-torus, its periods and its signs make of a few times is compared with an addition or two to the start, of translations
-made by doublings of small ones: no period, no corner and no choice of a sign goes into that.
+H1 and H2 of a state depend neither on the signs of its γ_i nor on its place on the torus. So a few times computed from
+the corners, periods and signs of a torus are compared with the start plus one or two translations. These come from
+doublings of small translations, which use no period, no corner and no choice of a sign.
 
-What translations lose beside a corner is seen where cells meet: a state on the border is reached from either corner.
+The loss of translations near a corner shows where cells meet: a state on the border is reached from either corner.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import ceil, log2
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -20,7 +21,7 @@ from integrable.moving_point.problem import vectors
 from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
 from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau
-from integrable.torus.tables import Room, expansion, near_centre, recentred
+from integrable.torus.tables import TableRoom, expansion, near_centre, recentred
 from integrable.torus.walks import Curve
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -29,20 +30,22 @@ Real = Any
 Row = Any
 
 if TYPE_CHECKING:
-    from integrable.moving_point.setup import Setup
+    from integrable.torus.lattice import Source
 
-# turns of a phase at the times that are looked at: once round in either direction, a quarter or so beyond
+# turns of a phase at the checked times: once round in either direction, and about a quarter more
 TURNS = (1.23, -1.38)
-# no more turns than this of the faster phase
+# the largest number of turns of the faster phase
 FAR = 2.0**48
-# a difference that double-double numbers may make on the way; beyond it digits decide
+# the difference that double-double numbers may cause on the way; beyond it more digits decide
 ALIKE = 1e-6
-# and one that a right torus may: the states themselves are held to less, here it is about signs and places
+# and the one allowed for a right torus: states have stricter checks, this one is about signs and places
 RIGHT = 1e-8
-# borders that are looked at, and what both corners may differ by
+# the number of borders checked, and the difference allowed between both corners
 BORDERS = 16
 SEAM = 1e-13
-# steps are halved so often that so few terms and passes of Newton make a double-double number
+# the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
+SLOW = 8
+# the number of halvings of a step, so that these terms and Newton passes give a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
@@ -61,21 +64,34 @@ class Line(NamedTuple):
 
 
 def witnesses(rates: list[float]) -> np.ndarray:
-    """Two times of the flow for each period: by then every sign that it changes has been changed, in both directions.
-    ``rates`` are turns of the phases in a unit of τ.
+    """Two times of the flow for each period, in both directions, by which every sign that it changes has changed.
+
+    ``rates`` are turns of the phases per unit of τ.
     """
-    # a period that is not reached before the fractions of the other phase are gone changes no sign
+    # a period that is not completed before the fractions of the other phase are lost changes no sign
     farthest = FAR / max(map(abs, rates))
     return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
 
 
-def confirmed(setup: Setup, tau: np.ndarray, found: np.ndarray, by_additions: np.ndarray) -> bool:
-    """Whether the states that a torus has at the times ``tau``, shape (N, 6), are those that translations in many
-    digits lead to: where those of :func:`departure` do not suffice. The others are not looked at again.
+def left_open(paces: list[float], departs: Callable[[np.ndarray], float]) -> np.ndarray:
+    """The τ of :func:`witnesses` that the equations of motion must still check.
+
+    Where one phase is much slower than the other they are only those of the faster, if additions give the same states
+    at the others. ``departs`` is :meth:`integrable.torus.corners.Corners.departs`, ``paces`` are turns per unit of τ.
+    """
+    tau, fastest = witnesses(paces), max(map(abs, paces))
+    slow = np.repeat([SLOW * abs(nu) < fastest for nu in paces], len(TURNS))
+    return tau[~slow] if slow.any() and departs(tau[slow]) <= ALIKE else tau
+
+
+def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: np.ndarray) -> bool:
+    """Whether the states of a torus at the times ``tau``, shape (N, 6), agree with translations in many digits.
+
+    They are used where those of :func:`departure` do not suffice; other times are not checked again.
     """
     rows = [(t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not alike(x, y)]
     bare = setup.bare_problem
-    # not the set-up's own, which are made from numbers of the wide field
+    # not the set-up's own, which come from numbers of the wide field
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     for t, row in rows:
         with setup.reals:
@@ -86,13 +102,13 @@ def confirmed(setup: Setup, tau: np.ndarray, found: np.ndarray, by_additions: np
 
 
 def alike(first: np.ndarray, second: np.ndarray) -> bool:
-    """Whether a state is another but for what double-double numbers may lose."""
+    """Whether two states agree up to the loss allowed in double-double numbers."""
     return difference(first.tolist(), second.tolist()) <= ALIKE
 
 
-def departure(torus: Torus, line: Line, times: Row, room: Room, points: Row, out: Row) -> float:
-    """What states of a torus at some times of the flow differ by from those that additions lead to: both into ``out``,
-    one after the other, six floats each.
+def departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> float:
+    """The difference between states of a torus at some times of the flow and those from additions; both go into
+    ``out``, one after the other, six floats each.
     """
     count = 6 * len(times)
     states_at_tau(torus, (line.rates[6], line.rates[7]), times, out[:count])
@@ -101,7 +117,7 @@ def departure(torus: Torus, line: Line, times: Row, room: Room, points: Row, out
 
 
 def seam(torus: Torus, out: Row) -> float:
-    """What states :func:`on_borders`, which go into ``out``, differ by."""
+    """The difference between both halves of :func:`on_borders`, which go into ``out``."""
     on_borders(torus, out)
     return difference(out[: len(out) // 2], out[len(out) // 2 :])
 
@@ -120,9 +136,10 @@ def on_borders(torus: Torus, out: Row) -> None:
         put_state(other, torus.matrix, out, 6 * (n + 2 * count))
 
 
-def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
-    """γ and M at some times of the flow, six floats each; what their additions lose is not known. ``room`` is for an
-    expansion, ``points`` for a point at each time.
+def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> None:
+    """γ and M at some times of the flow by additions, six floats each, without a check of the loss.
+
+    ``room`` is memory for an expansion, ``points`` for a point at each time.
     """
     curve, rates = line.curve, line.rates
     for i in range(len(times)):
@@ -130,13 +147,13 @@ def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
     for k in range(2 if line.far else 1):
         centre, share = leg(line, k)
         about, numbers = expansion(line.motion, centre, room, NEWTON_PASSES), room.numbers
-        scale, half_step = share * rates[14] / about.unit, 2 * REACH / float(root(-about.f0))
+        scale, half_step = share / about.unit, 2 * REACH / float(root(-about.f0))
         farthest = half_step
         for time in times:
             farthest = max(farthest, abs(float(time * scale)))
         doublings = ceil(log2(farthest / half_step)) + HALVINGS
         for i in abreast(0, len(times)):
-            # doubled about its centre, where the digits of what is near the identity are
+            # doubled about its centre, where points near the identity have their digits
             step = near_centre(about, times[i] * scale / 2.0**doublings)
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
@@ -147,14 +164,13 @@ def reached(line: Line, times: Row, room: Room, points: Row, out: Row) -> None:
 
 
 def leg(line: Line, k: int) -> tuple[Real, Real]:
-    """(c, s) of the parts s·(1, c) that the direction (1, −x₀) of the flow is the sum of: itself, or about centres."""
-    own = -line.motion[11]
+    """(c, s) of the parts s·(1, c) whose sum is the direction of the flow: itself, or about centres."""
+    first, second = line.rates[14], line.rates[15]
     if not line.far:
-        return own, 1 + 0 * own
-    first, second = line.centres[0] + 0 * own, line.centres[1] + 0 * own
-    if k == 0:
-        return first, (second - own) / (second - first)
-    return second, (own - first) / (second - first)
+        return second / first, first
+    low, high = line.centres[0] + 0 * first, line.centres[1] + 0 * first
+    above = (second - low * first) / (high - low)
+    return (low, first - above) if k == 0 else (high, above)
 
 
 def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row:
@@ -164,7 +180,7 @@ def _in_digits(bare: BareProblem, translations: Translations, tau: float) -> Row
 
 
 def difference(rows: Row, states: Row) -> float:
-    """The largest difference in γ and in M/|M|, not a number where one is none; six floats to a state."""
+    """The largest difference in γ and in M/|M|, NaN where one is NaN; six floats to a state."""
     gamma, M, size, rest = 0.0, 0.0, 0.0, 0.0
     for n in range(len(rows)):
         gap = abs(rows[n] - states[n])

@@ -14,6 +14,7 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.two_gaps import TwoGaps
 from integrable.classical.veselova import Veselova
 from integrable.mumford.flow import Point, element
 from integrable.systems.on_layer import BodyOnLayer
@@ -55,6 +56,12 @@ def exact_lagrange(K, rng, n):
 def exact_kowalevski(K, rng, n):
     system = KowalevskiTop(K)
     return system, attempt(lambda: system.state(on_sphere(K, rng, n)[0], different(K, rng, n)))
+
+
+def exact_two_gaps(K, rng, n):
+    """Of any genus 2."""
+    system = TwoGaps([K.random(rng) for _ in range(3)], K)
+    return system, system.state(*([K.random(rng) for _ in range(2)] for _ in range(2)))
 
 
 def exact_toda(K, rng, n):
@@ -169,6 +176,12 @@ def neumann(K, n):
     return system, system.state(q, [(y - along * x) / 5 for x, y in zip(q, p, strict=True)])
 
 
+def two_gaps(K, n):
+    """The edges are near −2, −1, 0, 1, 2, over 16: it changes in about a unit of time."""
+    system = TwoGaps((0, "-5/256", 0), K)
+    return system, system.state(("-7/32", "9/128"), ("1/128", "1/256"))
+
+
 def toda(K, n):
     rng = Random(n)
     q, p = ([K.coerce(rng.randint(-9, 9)) / 8 for _ in range(n)] for _ in range(2))
@@ -187,6 +200,7 @@ EXACT = {
     "pendulum": exact_pendulum,
     "toda": exact_toda,
     "top": exact_body(lambda K, rng, moments: BodyOnLayer(moments, 0, K)),
+    "two_gaps": exact_two_gaps,
     "veselova": exact_body(lambda K, rng, moments: Veselova(moments, K)),
 }
 REAL = {
@@ -200,6 +214,7 @@ REAL = {
     "pendulum": pendulum,
     "toda": toda,
     "top": body(lambda K: BodyOnLayer((1, 2, 3), 0, K)),
+    "two_gaps": two_gaps,
     "veselova": body(lambda K: Veselova(("1/2", 2, "3/2"), K)),
 }
 # (system, size) with genus 1 to 4, both parities of the model and of the genus
@@ -221,6 +236,7 @@ CASES = [
     ("toda", 4),
     ("toda", 5),
     ("top", 3),
+    ("two_gaps", 2),
     ("veselova", 3),
 ]
 over_cases = pytest.mark.parametrize(("name", "n"), CASES)

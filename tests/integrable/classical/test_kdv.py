@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from integrable.classical.kdv import KdV, directions, potential
+from integrable.classical.two_gaps import TwoGaps
 from integrable.mumford.fields import rates
 from integrable.phase.jets import Jet, JetField
 from jacobian import CC, GF, MP, ArgumentError, HyperellipticCurve, PrecisionLoss, poly
@@ -128,6 +129,8 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
 @pytest.mark.parametrize(
     ("edges", "gamma", "signs", "count", "reach"),
     [
+        ((0, 1, 2), (1.5,), (1,), 24, 1e6),
+        ((-3, 0.5, 0.75), (0.5,), (1,), 24, 1e6),
         ((0, 1, 2, 3.5, 5), (1.5, 4), (1, -1), 24, 1e6),
         ((-3, -2, 0.5, 0.75, 6), (0.5, 3), (1, 1), 24, 1e6),
         ((0, 0.5, 1, 2, 3, 4, 5.5), (0.75, 2.5, 5), (1, 1, -1), 200, 20.0),
@@ -357,3 +360,22 @@ def test_bad_input_is_named(call, words) -> None:
         call()
     assert words in str(caught.value)
     assert "\n" not in str(caught.value)
+
+
+def test_a_wave_at_one_place_from_the_edges_of_its_gaps() -> None:
+    """Both γ_j at edges, u even in x and t: u, u_x at x = 0 by TwoGaps are those of the wave with these edges."""
+    K = MP(40)
+    system, wide = TwoGaps((0, -5, 0), K), wave((-2, -1, 0, 1, 2), (0, 2), (1, 1), K)
+    state = system.state((-4, 28), (0, 0))
+    assert system.integrals(state) == {"s4": 4, "s5": 0}
+    times, h = [K.coerce(t) for t in (0.1, 3, 1000)], K.coerce(10) ** -12
+    path = system.flow(state).at(times)
+    values, right, left = (wide.at(x, times) for x in (K.zero, h, -h))
+    assert np.abs(path.q[:, 0] - values).max() < 1e-37
+    assert np.abs(path.p[:, 0] - (right - left) / (2 * h)).max() < 1e-19
+
+
+@pytest.mark.parametrize("sums", [(1, 2), "abc", (1, 2, "x"), 3])
+def test_sums_of_edges_are_three_numbers(sums) -> None:
+    with pytest.raises(ArgumentError, match="sums"):
+        TwoGaps(sums)

@@ -11,7 +11,7 @@ import pytest
 from integrable import ChaplyginBall, EulerTop
 from integrable.__main__ import main
 from integrable.motion.precise import PreciseFlow
-from integrable.motion.precise_clock import Limits
+from integrable.motion.precise_clock import ClockLimits
 from integrable.oracles import reference
 from integrable.phase.state import State
 from integrable.torus.access import TorusFlow
@@ -225,7 +225,7 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
     # the same to as many digits as are asked for has no such bound
     flow = flow_from(890, (-0.304, 0.947, 0.107), np.array([-0.609, -0.138, -0.507]))
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
-        PreciseFlow(flow.system.body, flow.state, 17, limits=Limits(100)).at([1000.0])
+        PreciseFlow(flow.system.body, flow.state, 17, limits=ClockLimits(100)).at([1000.0])
     tau, _ = PreciseFlow(flow.system.body, flow.state, 17).at([10.0])
     assert float(tau[0]) == pytest.approx(flow.at([10.0]).tau[0], rel=1e-14)
 

@@ -12,7 +12,7 @@ from integrable import ChaplyginBall, EulerTop, load_scene
 from integrable.motion import precise
 from integrable.motion.flow import Flow
 from integrable.motion.precise import BodyCarrier, PreciseFlow
-from integrable.motion.precise_clock import LONG, NEAR_CELLS, Limits, OneTime, PanelClock, Panels
+from integrable.motion.precise_clock import LONG, NEAR_CELLS, ClockLimits, OneTime, PanelClock, RatePanels
 from integrable.moving_point import setup as setups
 from integrable.moving_point.addition import rate_after
 from integrable.moving_point.legendre import gauss_legendre, legendre_rule
@@ -138,7 +138,7 @@ def heavy_setup(digits: int) -> Setup:
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_clock_in_double_double_numbers_shows_what_one_of_many_digits_does(sign) -> None:
     setup = heavy_setup(41)
-    quick, slow = PanelClock(setup, sign, Limits(digits=24, compiled=True)), PanelClock(setup, sign)
+    quick, slow = PanelClock(setup, sign, ClockLimits(digits=24, compiled=True)), PanelClock(setup, sign)
     for cell in (0, 5, NEAR_CELLS + 2, NEAR_CELLS + 3 * LONG + 4):
         x = setup.reals.number(-0.375)
         assert abs(float(quick.time(cell, x) / slow.time(cell, x) - 1)) < 1e-23
@@ -157,10 +157,10 @@ def test_values_that_double_double_numbers_have_too_few_digits_for_are_made_with
         assert max(abs(x - high - low) / x for x, (high, low) in zip(truth, found.tolist(), strict=True)) < 1e-28
     # no double-double number has 40 digits
     assert PanelRates(setup, 40).around(point, steps, rates.steps(steps)) is None
-    clock = PanelClock(setup, 1, Limits(digits=24, compiled=True))
+    clock = PanelClock(setup, 1, ClockLimits(digits=24, compiled=True))
     monkeypatch.setattr(PanelRates, "around", lambda *_: None)
     x = setup.reals.number(0.25)
-    assert clock.time(3, x) == PanelClock(setup, 1, Limits(digits=24), clock._scouts).time(3, x)
+    assert clock.time(3, x) == PanelClock(setup, 1, ClockLimits(digits=24), clock._scouts).time(3, x)
 
 
 def test_what_floats_leave_to_more_digits_takes_no_second() -> None:
@@ -427,7 +427,7 @@ def test_one_time_alone_is_that_of_the_series(time, tilt) -> None:
 def test_one_time_alone_goes_another_way_where_its_rule_does_not_resolve(monkeypatch) -> None:
     system, state = ball(270)
     truth = PreciseFlow(system.body, state, 290).at([2])[0][0]
-    monkeypatch.setattr(OneTime, "_node_count", lambda panels, rate: Panels._node_count(panels, rate) // 4 * 2)
+    monkeypatch.setattr(OneTime, "_node_count", lambda panels, rate: RatePanels._node_count(panels, rate) // 4 * 2)
     flow = PreciseFlow(system.body, state, 270)
     (found,) = flow.at([2])[0]
     assert flow.carrier._clocks

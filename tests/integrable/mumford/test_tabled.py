@@ -13,12 +13,13 @@ from integrable.classical.toda import TodaLattice
 from integrable.mumford import pair_sums
 from integrable.mumford.flow import MumfordFlow
 from integrable.mumford.motion import Placed, Start
-from integrable.mumford.pair_sums import Problem, Space
-from integrable.mumford.pair_tables import PairTables, Units, series_of
+from integrable.mumford.pair_sums import Space, TabledCurve
+from integrable.mumford.pair_tables import DiscUnits, PairTables, series_of
 from integrable.mumford.tabled import MANY, TabledStates
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
+from tests.integrable.ways import forced
 
 
 def neumann() -> MumfordFlow:
@@ -30,8 +31,7 @@ def neumann() -> MumfordFlow:
 def tabled() -> MumfordFlow:
     """A motion on S³ that has tables for times below 50."""
     flow = neumann()
-    assert flow._tabled is not None
-    flow._tabled.at(np.linspace(0, 50, MANY))
+    forced(flow, "tables").at(np.linspace(0, 50, MANY))
     return flow
 
 
@@ -64,7 +64,7 @@ def memory(genus: int) -> Space:
 def test_a_sum_is_that_of_the_extended_group(name: str) -> None:
     flow = FLOWS[name]()
     with LongField(500) as K:
-        placed = Placed(K, Units(flow._place).start)
+        placed = Placed(K, DiscUnits(flow._place).start)
         group, translations, g = placed.group, placed.translations(), flow._genus
         D = placed.at(K.coerce(2.25))
         S = translations.from_reference(translations.carried(translations.reference, K.coerce(7.3)))
@@ -73,7 +73,7 @@ def test_a_sum_is_that_of_the_extended_group(name: str) -> None:
         other = np.array([*S.u[:-1], *S.v, *(x for _, *pair in S.data for x in pair)])
         ends = np.array([kind.e for kind in group.kinds], dtype=object)
         kappa = S.data[0][0] if S.data else K.one
-        pair_sums.add(Problem(np.array(group.f), ends, kappa, np.empty(0)), row, other, memory(g))
+        pair_sums.add(TabledCurve(np.array(group.f), ends, kappa, np.empty(0)), row, other, memory(g))
         expected = [*true.u[:-1], *true.v, *(x for _, *pair in true.data for x in pair)]
         assert max(abs(x - y) for x, y in zip(row, expected, strict=True)) < 1e-50 * max(map(abs, expected))
 
@@ -85,7 +85,7 @@ def test_a_pair_is_moved_onto_the_curve() -> None:
         space, (u, v, _), f = memory(3), placed.start, placed.group.f
         row = np.array([*u[:-1], *v])
         row[0] += 1e-9
-        problem = Problem(np.array(f), np.empty(0), 1.0, np.empty(0))
+        problem = TabledCurve(np.array(f), np.empty(0), 1.0, np.empty(0))
         off = []
         for _ in range(3):
             space.u[:3], space.v[:3] = row[:3], row[3:]
@@ -119,9 +119,9 @@ def test_many_times_are_those_of_additions(name: str) -> None:
     assert len(flow._tabled._from_tables(tables, times)) > 0.9 * len(times)  # type: ignore[union-attr]
     # the logarithms of the lattice are those of floats
     unit = 2.0**-51 if name.startswith("Toda") else 0.0
-    for i in range(8):
-        for found, true in zip((path.q[i], path.p[i]), flow._row(times[i]), strict=True):
-            assert np.abs(found - [float(x) for x in true]).max() <= unit * np.abs(found).max()
+    true = forced(flow, "additions").at(times[:8])
+    for found, other in (*zip(path.q, true.q, strict=False), *zip(path.p, true.p, strict=False)):
+        assert np.abs(found - other).max() <= unit * np.abs(found).max()
 
 
 def test_against_forty_digits() -> None:
@@ -142,17 +142,17 @@ def test_what_two_starts_do_not_agree_on_comes_from_additions(
     near = [row * (1 + 1e-15 * k) for k, row in enumerate(states._tables._near)]
     monkeypatch.setattr(states._tables, "_near", near)
     assert not states._from_tables(states._tables, times)
-    assert np.array_equal(states.at(times)[0], np.array([[float(x) for x in tabled._row(t)[0]] for t in times]))
+    assert np.array_equal(states.at(times)[0], forced(tabled, "additions").at(times).q)
 
 
 def test_tables_that_are_wrong_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    flow, in_units = neumann(), Units.start
+    flow, in_units = neumann(), DiscUnits.start
 
-    def other_direction(self: Units, K: Any) -> Start:
+    def other_direction(self: DiscUnits, K: Any) -> Start:
         start = in_units(self, K)
         return start._replace(direction=[c * (1 + 1e-13) for c in start.direction])
 
-    monkeypatch.setattr(Units, "start", other_direction)
+    monkeypatch.setattr(DiscUnits, "start", other_direction)
     states = flow._tabled
     assert states is not None
     assert states._made_for(np.array([29.0, 30.0])) is None
@@ -170,7 +170,7 @@ def test_few_times_and_far_ones_take_no_tables(tabled: MumfordFlow) -> None:
     assert 50 < reach < 1e3
     far = tabled.at([1.0, 1e9])
     assert states._tables.reach == reach
-    assert far.q[1].tolist() == [float(x) for x in tabled._row(1e9)[0]]
+    assert far.q[1].tolist() == forced(tabled, "additions").at([1e9]).q[0].tolist()
 
 
 def test_times_too_far_for_tables_leave_those_of_near_ones(

@@ -93,3 +93,25 @@ def test_the_picture_and_refusals():
     assert BALL.diagram().height([0, 1], 0.3).shape == (2,)
     with pytest.raises(ArgumentError, match="at rest"):
         BALL.diagram().place(BALL.state((0, 0, 1), (0, 0, 0)))
+
+
+@pytest.mark.parametrize("count", [1, 301, 2**63, 10**400], ids=["1", "301", "2^63", "10^400"])
+def test_grids_have_a_bound(count):
+    with pytest.raises(ArgumentError, match=r"count = .*an int from 2 to 300"):
+        BALL.diagram().rotation_numbers(count)
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan])
+def test_places_that_are_no_numbers_are_refused_by_name(value):
+    """inf gave NaN and a warning of NumPy's."""
+    diagram = BALL.diagram()
+    calls = {
+        "zeta": lambda: diagram.height(0.1, value),
+        "X": lambda: diagram.height([0.1, value], 0.2),
+        "Z": lambda: diagram.contains(0.1, value),
+    }
+    for name, call in calls.items():
+        with pytest.raises(ArgumentError, match=f"^{name} = .*finite"):
+            call()
+    with pytest.raises(ArgumentError, match=r"zeta = .*1 − d·ζ"):
+        diagram.height(0.1, 1 / 0.7)

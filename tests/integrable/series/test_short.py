@@ -17,13 +17,23 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.mumford.flow import Point
+from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
-from integrable.series.equations import Equations
+from integrable.series.kinds import Formulas, Kind
+from integrable.series.near import finished, walked
 from integrable.series.recurrences import coefficients, convolved, squared
+from integrable.series.steps import FINE, WIDE
 from integrable.series.tape import CONSTANT, VARIABLE, recorded
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
+from tests.integrable.ways import walks
+
+
+@pytest.fixture(params=["tape", "compiled"], autouse=True)
+def way_of_walks(request, monkeypatch) -> None:
+    """Every test runs on the interpreted tape and on the compiled walk of its kind."""
+    walks(monkeypatch, request.param)
+
 
 SERIES = [case for case in CASES if case[0] not in ("ball", "top")]
 # unsorted, of both signs, twice the same
@@ -38,8 +48,9 @@ def by_additions(system: MumfordSystem, state: Point, times):
     return path.q.astype(float), path.p.astype(float)
 
 
-def runs_short(flow) -> bool:
-    return "_motion" not in vars(flow)
+def runs_short(path) -> bool:
+    """Whether no additions in long numbers were needed."""
+    return "additions" not in path.way
 
 
 def assert_rounded(path, expected) -> None:
@@ -53,7 +64,7 @@ def test_near_times_are_those_of_forty_digits(name, n) -> None:
     system, state = REAL[name](RR, n)
     flow = system.flow(state)
     path = flow.at(TIMES)
-    assert runs_short(flow)
+    assert runs_short(path)
     assert_rounded(path, by_additions(system, state, TIMES))
     # one by one, and far ones beside near ones
     assert np.array_equal(np.concatenate([flow.at(t).q for t in TIMES[:3]]), path.q[:3])
@@ -78,14 +89,14 @@ def test_special_positions(name) -> None:
     state = system.state(q, p)
     flow, times = system.flow(state), np.linspace(-60, 90, 7)
     path = flow.at(times)
-    assert runs_short(flow)
+    assert runs_short(path)
     assert_rounded(path, by_additions(system, state, times))
 
 
 def test_what_rests_rests() -> None:
     flow = TodaLattice(3).flow(TodaLattice(3).state((0.5, 0.5, 0.5), (0, 0, 0)))
     path = flow.at([-1e9, 0, 1e100])
-    assert runs_short(flow)
+    assert runs_short(path)
     assert (path.q == 0.5).all()
     assert (path.p == 0).all()
 
@@ -96,7 +107,7 @@ def test_small_motions_of_a_lattice(size) -> None:
     system = TodaLattice(3)
     state = system.state([size * x for x in (0.3, -0.5, 0.1)], [size * x for x in (0.2, 0.1, -0.7)])
     times = np.array([0.5, -3.0, 20.0])
-    places, rows = system.flow(state)._near(system._equations, times)
+    places, rows, _ = system.flow(state)._near(times)
     expected = by_additions(system, state, times[places])
     assert sorted(places) == [0, 1, 2]
     for found, true in zip((rows[:, 0], rows[:, 1]), expected, strict=True):
@@ -121,18 +132,18 @@ def test_units_of_time_do_not_matter(size) -> None:
     times = np.linspace(1, 30, 9)
     flow = body.flow(body.state(state.q, [size * x for x in state.p]))
     assert np.array_equal(flow.at(times / size).q, body.flow(state).at(times).q)
-    assert runs_short(flow)
+    assert runs_short(flow.at(times / size))
 
 
-def test_beyond_a_pole_it_is_additions() -> None:
-    """q_0 of a star over the saddle is at infinity near t = 6.6; before that series have it."""
+def test_beyond_a_pole_it_is_no_series() -> None:
+    """q_0 of a star over the saddle is at infinity near t = 6.6; before that series have it, then theta functions."""
     star = HenonHeiles.with_frequencies(1, 1.25)
     state = star.state((0.1, 0.05), (0, 0.1))
-    flow, times = star.flow(state), [3.0, 8.0, -2.0, 1e3]
+    flow, times = star.flow(state), [3.0, 8.0, -2.0, 1e2]
     path = flow.at(times)
-    assert not runs_short(flow)
+    assert path.way != "series"
     assert_rounded(path, by_additions(star, state, times))
-    places, _ = flow._near(star._equations, np.array(times))
+    places, *_ = flow._near(np.array(times))
     assert sorted(places) == [0, 2]
 
 
@@ -141,7 +152,7 @@ def test_far_times_cost_no_walk(count) -> None:
     """Where the last of the times is far, one series says so."""
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
-    places, _ = flow._near(system._equations, np.linspace(1e5, 1e6, count))
+    places, *_ = flow._near(np.linspace(1e5, 1e6, count))
     assert len(places) == 0
 
 
@@ -149,10 +160,11 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
     """The series of this pendulum fall late and then fast: one walk is enough, whose terms in floats are small."""
     system = SphericalPendulum()
     state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0))
-    flow, times = system.flow(state), np.array([100.0, 400.0])
-    assert len(flow._near(system._equations, times)[0]) == 2
-    assert_rounded(flow.at(times), by_additions(system, state, times))
-    assert runs_short(flow)
+    times = np.array([100.0, 400.0])
+    near = finished(system, state, times, walked(system, state, times, 1e4), 1e4)
+    assert len(near.places) == 2
+    expected = by_additions(system, state, times[near.places])
+    assert_rounded(Path(times, near.states[:, 0], near.states[:, 1]), expected)
 
 
 def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:
@@ -182,7 +194,7 @@ class Foreign(Garnier):
 def test_equations_that_are_no_formula_are_left_to_additions() -> None:
     system, state = REAL["garnier"](RR, 2)
     foreign = Foreign(system.constants, *system.parameters)
-    assert foreign._equations is None
+    assert foreign._kind is None
     assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
 
 
@@ -226,13 +238,15 @@ def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
     assert series[2 * tape.results[2]] == 118
 
 
-def test_roots_and_constants_of_long_numbers() -> None:
+def test_roots_and_constants_that_are_no_floats() -> None:
     """y' = √(1 + y²)/3, y = sinh(t/3), with a third that is no float."""
-    made = Equations(lambda N, y: (N.sqrt(1 + y[0] * y[0]) / N.coerce(3), N.zero), 1, 2)
-    times = np.array([0.5, -7.0, 11.0])
-    places, rows = made.around((0.0, 1.0), times, 200)
-    expected = [float(MP(30).context.sinh(MP(30).coerce(t) / 3)) for t in times[places]]
-    assert rows[:, 0, 0].tolist() == expected
+    formulas = Formulas(lambda N, y: (N.sqrt(1 + y[0] * y[0]) / N.coerce(3), N.zero), lambda N, y: y, 2, 2, 1)
+    kind = Kind("growing", formulas)
+    for walk in (kind.on_tape, kind.walk(WIDE, compiles=True)):
+        for times in (np.array([0.5, 11.0]), np.array([-7.0])):
+            rows = walk(np.zeros(1), (0.0, 1.0), times, FINE, 200.0).states
+            expected = [float(MP(30).context.sinh(MP(30).coerce(t) / 3)) for t in times]
+            assert rows[:, 0, 0].tolist() == expected
 
 
 @pytest.mark.parametrize("k", range(12))

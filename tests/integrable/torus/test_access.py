@@ -14,7 +14,7 @@ from integrable.oracles.reference import taylor
 from integrable.torus import walks, witness
 from integrable.torus.access import TorusFlow, series_of
 from integrable.torus.clock_loops import swing_and_rate
-from integrable.torus.clock_modes import Limits
+from integrable.torus.clock_modes import Cutoffs
 from integrable.torus.corners import Corners, nearest_column
 from integrable.torus.lattice import Units, beginning
 from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
@@ -252,7 +252,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
         values, _ = loops.spectrum(rate(first, second).astype(np.longdouble), (1e-15, 1e-15))
         rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
         rough, packed, quiet, modes, _ = series_of(
-            loops, values, first.shape, rates, Limits(1e-15, 1e-15, inf, 0.3, inf)
+            loops, values, first.shape, rates, Cutoffs(1e-15, 1e-15, inf, 0.3, inf)
         )
         assert quiet is packed
         assert not len(modes)

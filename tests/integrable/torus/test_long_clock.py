@@ -357,3 +357,38 @@ def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypat
     with pytest.raises(PrecisionLoss, match="more than 64 steps"):
         flow.at(-756309.6)
     assert 100 < max(rows) < 300
+
+
+def test_a_far_time_needs_modes_for_its_digits_after_the_point_alone():
+    """At 10⁴⁵ of a set-up of 90 digits: the same τ to 1e-35 by modes to 40 digits, a quarter of those to all."""
+    body = ChaplyginBall((1, 2, 3), "0.7", field=MP(90))
+    state = body.state(*([body.field.coerce(str(x)) for x in v] for v in START))
+    setup = Setup(body.body, state.gamma, state.M, digits=90)
+    whole, short = MultiprecisionTorusClock(setup), MultiprecisionTorusClock(setup, after=40)
+    assert short.frequencies == whole.frequencies
+    assert abs(short.mean - whole.mean) < 1e-85
+    for t in ("1e45", "-3.25e42", "5"):
+        one, two = (clock.tau([setup.wide.coerce(t)])[0] for clock in (whole, short))
+        assert abs(one - two) < 1e-35
+    few, all_of_them = (len(modes_of_rate(setup, n).rows) ** 2 for n in (40, 90))
+    assert 4 * few < all_of_them
+
+
+def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
+    """Ctrl-C at t = 1e308: nearer times stayed as slow as that one."""
+    ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
+    flow = ball.flow(ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START)))
+    before = flow.at([2]).gamma[0].tolist()
+    many = flow._many
+    digits = many.carrier.digits
+    with monkeypatch.context() as patch:
+
+        def interrupted(*_):
+            assert many.carrier.digits > 300
+            raise KeyboardInterrupt
+
+        patch.setattr(BodyCarrier, "point", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            flow.at([ball.field.coerce("1e308")])
+    assert many.carrier.digits == digits
+    assert flow.at([2]).gamma[0].tolist() == before

@@ -1,0 +1,93 @@
+"""States of a heavy axis by theta functions of genus 1, on bare reals compiled as they stand.
+
+Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
+Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z
+= 1 and z = −1 where g vanishes. That holds at the vertical too, where g changes its sign (Whittaker 1904, §§ 55, 73).
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+from integrable.mumford.elliptic_torus import circle
+from jacobian.native.kinds import BOOL, FLOATS, WIDES, record
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
+
+Real = Any
+Row = Any
+
+# numbers of a row of the table of series
+SERIES = 8
+
+
+class AxialThetas(NamedTuple):
+    """A motion: ``numbers`` are half turns of v and turns of Rt in a unit of time, v at the start in half turns, C,
+    dv/dt, R, x₁, the factors of (θ₁/θ₄)² in z − x₁ and of θ₁θ₂θ₃/θ₄³ in z', and jc, L and c of a top; ``table`` are the
+    coefficients of harmonics 2n + 1 of θ₂(v − iα) and θ₁(v − iβ), two each, of θ₁ and θ₂, and of harmonics 2n of θ₃ and
+    θ₄; ``inverse`` are 2π, then 1/n! in pairs. ``top``: whether a state ends with M, else with the velocity.
+    """
+
+    numbers: Row
+    table: Row
+    inverse: Row
+    top: bool
+
+
+def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
+    """q and p at times, six floats each."""
+    numbers, table = motion.numbers, motion.table
+    zero = 0 * numbers[0]
+    for i in abreast(0, len(times)):
+        cv, sv = circle((numbers[0] * times[i] + numbers[2]) / 2, motion.inverse)
+        # cos and sin of the even harmonic, then of the odd one after it; twice v is what harmonics step by
+        ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
+        upr, upi, dupr, dupi = zero, zero, zero, zero
+        low, lowi, dlow, dlowi = zero, zero, zero, zero
+        t1, t2, t3, t4, dt4 = zero, zero, zero, zero, zero
+        for n in range(len(table) // SERIES):
+            k, odd = SERIES * n, 2 * n + 1
+            c, s = ce * cv - se * sv, ce * sv + se * cv
+            a, b, d, e = table[k] * c, table[k] * s, table[k + 1] * c, table[k + 1] * s
+            upr, upi, dupr, dupi = upr + a, upi + e, dupr - odd * b, dupi + odd * d
+            a, b, d, e = table[k + 2] * c, table[k + 2] * s, table[k + 3] * c, table[k + 3] * s
+            low, lowi, dlow, dlowi = low + d, lowi + b, dlow - odd * e, dlowi + odd * a
+            t1, t2 = t1 + table[k + 4] * s, t2 + table[k + 5] * c
+            t3, t4, dt4 = t3 + table[k + 6] * ce, t4 + table[k + 7] * ce, dt4 - (2 * n) * (table[k + 7] * se)
+            ce, se = ce * c2 - se * s2, ce * s2 + se * c2
+        # G and its derivative by v, over θ₄²
+        over = 1 / t4
+        square = over * over
+        real, imaginary = (upr * low - upi * lowi) * square, (upr * lowi + upi * low) * square
+        slope = (dupr * low - dupi * lowi + upr * dlow - upi * dlowi) * square - 2 * dt4 * over * real
+        other = (dupr * lowi + dupi * low + upr * dlowi + upi * dlow) * square - 2 * dt4 * over * imaginary
+        slope, other = numbers[5] * slope - numbers[6] * imaginary, numbers[5] * other + numbers[6] * real
+        c, s = circle(numbers[1] * times[i], motion.inverse)
+        a, b = numbers[3] * c - numbers[4] * s, numbers[3] * s + numbers[4] * c
+        x, y = a * real - b * imaginary, a * imaginary + b * real
+        dx, dy = a * slope - b * other, a * other + b * slope
+        z, dz = numbers[7] + numbers[8] * t1 * t1 * square, numbers[9] * t1 * t2 * t3 * over * square
+        put_axis(motion, (x, y, z), (dx, dy, dz), out, 6 * i)
+
+
+def put_axis(motion: AxialThetas, axis: Row, rate: Row, out: Row, place: int) -> None:
+    """The state with this axis and its rate into out[place … place + 5]."""
+    (x, y, z), (dx, dy, dz), numbers = axis, rate, motion.numbers
+    if motion.top:
+        if abs(z) > 0.5:
+            # g' = −ijcg + iz(M_1 + iM_2), regular at the vertical
+            first, second = (dy + numbers[10] * x) / z, (numbers[10] * y - dx) / z
+        else:
+            along, flat = numbers[11] - numbers[12] * z, 1 / (1 - z * z)
+            first, second = (x * along - y * dz) * flat, (x * dz + y * along) * flat
+        dx, dy, dz = first, second, numbers[12]
+    out[place], out[place + 1], out[place + 2] = float(x), float(y), float(z)
+    out[place + 3], out[place + 4], out[place + 5] = float(dx), float(dy), float(dz)
+
+
+LIBRARY = Library(
+    "axial",
+    {"axial_states": (axial_states, (record(AxialThetas, WIDES, WIDES, WIDES, BOOL), FLOATS, FLOATS))},
+    SPECIAL,
+)

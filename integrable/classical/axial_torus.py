@@ -1,0 +1,258 @@
+"""Far states of a heavy axis in closed form: what :mod:`integrable.classical.axial_loops` reads, made once in long
+numbers, and the flow that takes it.
+
+With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at
+K + is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
+turn R about the vertical is what makes g'/g right where z rests, at x₁ for one and at x₂ for the other.
+"""
+
+from __future__ import annotations
+
+from math import acos, copysign, cos
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.classical.axial_loops import LIBRARY, SERIES, AxialThetas
+from integrable.mumford.elliptic_torus import (
+    first_kind,
+    half_turn,
+    inverse_factorials,
+    long_numbers,
+    means,
+    nome_of,
+    part_of_round,
+    row_of,
+    terms_of,
+    thetas,
+)  # fmt: skip
+from integrable.mumford.flow import TORUS, MumfordFlow, Path
+from integrable.torus.access import MOST_TURNS
+from integrable.torus.witness import TURNS
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+
+# bits of the roots, which have half of them where two nearly are the same, and of what comes after them
+BITS, FEWER_BITS = 400, 180
+# steps of Newton's method from a root in floats
+NEWTON_STEPS = 8
+# what is less than this part of what it is beside has no digits left, and what is less than that part of it moves none
+LOST, NOTHING = 2.0**-130, 2.0**-90
+
+
+class Turns(NamedTuple):
+    """Coefficients e^{±ikv} of θ(v − ia), k = 2n + 1, over the largest of them: ``ahead`` those of +k, ``back`` of −k;
+    ``pace`` is iθ₂'/θ₂ at −ia, with the sign changed.
+    """
+
+    ahead: list[Any]
+    back: list[Any]
+    pace: Any
+
+
+class AxialTorus:
+    """States of a motion of :class:`~integrable.classical.axial.AxialSystem` in floats at any times.
+
+    PrecisionLoss on a separatrix and so near it, or so near to a place of rest, that double-double numbers do not tell.
+    """
+
+    def __init__(self, system: Any, state: Any) -> None:
+        with long_numbers(BITS) as N:
+            inner = system._constrained(N, system._inside(N, state))
+            axis, top = system._axis(N, inner), system._top(N, inner)
+            gaps = Gaps.of(N, system._curve(N, inner), axis)
+        with long_numbers(FEWER_BITS) as N:
+            numbers, table = _steady(N, gaps, axis) if gaps.steady else _turning(N, gaps, axis)
+            row = row_of((*numbers, *(top or (N.zero,) * 3)))
+            self._motion = AxialThetas(row, row_of(table), inverse_factorials(), top is not None)
+        self._nods, self._turns, self._place = map(float, numbers[:3])
+        self._pace = max(abs(self._nods), abs(self._turns))
+
+    @property
+    def witnesses(self) -> np.ndarray:
+        """Times a round and more away, in both directions, and those of the lowest and the highest place next to the
+        start, as tops are read in one way near the vertical and in another far from it.
+        """
+        if not self._nods:
+            return np.array(TURNS) / (self._turns or 1.0)
+        return np.array([*TURNS, -self._place, copysign(0.5, -self._place) - self._place]) / self._nods
+
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether double-double numbers hold the fractions of all turns."""
+        return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
+
+    def at(self, times: np.ndarray) -> np.ndarray:
+        """q and p at times, shape (N, 6)."""
+        out = np.empty(6 * len(times))
+        LIBRARY.axial_states(self._motion, np.ascontiguousarray(times, dtype=np.float64), out)
+        return out.reshape(-1, 6)
+
+
+class AxialFlow(MumfordFlow):
+    """The motion of a state, whose far times in floats are in closed form."""
+
+    @property
+    def _may_have_torus(self) -> bool:
+        return self._in_floats
+
+    def _made_torus(self) -> Any:
+        return AxialTorus(self.system, self.start)
+
+    def _path(self, torus: Any, times: Any) -> Path:
+        rows = torus.at(times)
+        return Path(times, rows[:, :3], rows[:, 3:], TORUS)
+
+
+class Gaps(NamedTuple):
+    """The roots x₁, x₂, x₃ of f by what they are apart: ``first`` x₁, ``swing`` x₂ − x₁, ``above`` x₃ − x₂, ``down``
+    1 − x₁ and 1 − x₂, ``beyond`` x₃ − 1, ``up`` 1 + x₁ and 1 + x₂; ``steady`` where the axis does not nod.
+    """
+
+    first: Any
+    swing: Any
+    above: Any
+    down: tuple[Any, Any]
+    beyond: Any
+    up: tuple[Any, Any]
+    steady: bool
+
+    @staticmethod
+    def of(N: LongField, f: Any, axis: Any) -> Gaps:
+        """Those of a cubic with leading coefficient 2, f(1) = −m₁², f(−1) = −m₂²."""
+        m1, m2 = axis.m
+        mean, slope = -f[2] / 6, f[1] / 2
+        square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
+        if not square > 0:
+            raise PrecisionLoss("this motion is on a separatrix")
+        # one of the outer roots is far from both others
+        size, side = N.sqrt(square), 1 if cube > 0 else -1
+        cosine = min(1.0, abs(float(cube / (size * square))))
+        x = mean + side * 2 * size * cos(acos(cosine) / 3)
+        for _ in range(NEWTON_STEPS):
+            move = (((x - 3 * mean) * x + slope) * x + f[0] / 2) / ((3 * x - 6 * mean) * x + slope)
+            x -= move
+            if abs(move) <= size * N.root_of_eps:
+                break
+        middle = (3 * mean - x) / 2
+        spread = N.sqrt(max(middle * middle - (slope - 2 * x * middle), N.zero))
+        x1, x2, x3 = (middle - spread, middle + spread, x) if side > 0 else (x, middle - spread, middle + spread)
+        # f at ±1 is known to all digits, and so is what is close to them
+        down1, down2, beyond = 1 - x1, abs(1 - x2), abs(x3 - 1)
+        if down2 > beyond:
+            beyond = m1 * m1 / (2 * down1 * down2)
+        elif beyond > 0:
+            down2 = m1 * m1 / (2 * down1 * beyond)
+        up2 = 1 + x2
+        up1 = m2 * m2 / (2 * up2 * (x3 + 1)) if up2 > 0 else N.zero
+        swing, above = abs(x2 - x1), x3 - x2
+        lost = size * LOST
+        if not min(above, down1, up2) > lost:
+            raise PrecisionLoss("this motion is on a separatrix or at rest, or too near to be told from it")
+        steady = swing < NOTHING * min(above, down1, up2)
+        if not (steady or swing > lost):
+            raise PrecisionLoss("this motion is too near to one at rest")
+        return Gaps(x1, swing, above, (down1, down2), beyond, (up1, up2), bool(steady))
+
+
+def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
+    """The numbers and the table of an axis that turns about the vertical at one height."""
+    pace, (m1, m2) = axis.w, axis.m
+    down, up = gaps.down[0] - gaps.swing / 2, gaps.up[1] - gaps.swing / 2
+    pace = pace + (m1 / (2 * down) if m1 else 0) - (m2 / (2 * up) if m2 else 0)
+    turns, none = pace / (2 * half_turn()), N.zero
+    numbers = (none, turns, none, *axis.g, none, pace, axis.z, none, none)
+    row = (N.one, none, none, N.one, none, none, none, N.one)
+    return numbers, row
+
+
+def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
+    """The same of one that nods between x₁ and x₂."""
+    (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
+    wide = swing + gaps.above
+    k, k1 = N.sqrt(swing / wide), N.sqrt(gaps.above / wide)
+    levels, others = means(N, k1), means(N, k)
+    quarter = levels[-1][0]
+    nome = nome_of(N, levels, others)
+    count = terms_of(nome)
+    m1, m2 = axis.m
+    alpha = first_kind(N, others, N.sqrt(down2 * wide), N.sqrt(swing * gaps.beyond)) * quarter
+    beta = first_kind(N, others, N.sqrt(up1), N.sqrt(swing)) * quarter
+    first, second = _turns(nome, alpha if m1 > 0 else -alpha, count), _turns(nome, -beta if m2 > 0 else beta, count)
+    pace = N.sqrt(wide / 2) * quarter
+    about = axis.w + m1 / (2 * down1) - m2 / (2 * up2) - pace * (first.pace + second.pace)
+    odd, even, (theta2, theta3, theta4) = thetas(N, nome, count)
+    table = [
+        x
+        for n, sign in zip(range(count), [1, -1] * count, strict=False)
+        for x in (
+            first.ahead[n] + first.back[n], first.ahead[n] - first.back[n],
+            sign * (second.ahead[n] + second.back[n]), sign * (second.ahead[n] - second.back[n]),
+            sign * odd[n], odd[n], even[n], sign * even[n],
+        )
+    ]  # fmt: skip
+    # sn = θ₃θ₁/(θ₂θ₄) and so on
+    height, slope = swing * (theta3 / theta2) ** 2, 2 * swing * N.sqrt(wide / 2) * (theta4 / theta2) ** 2
+    place = _start(N, levels, gaps, axis)
+    g = _placed(N, table, place, pace, about)
+    turned = _over(axis.g, g[0]) if max(map(abs, g[0])) * pace > max(map(abs, g[1])) else _over(axis.g_rate, g[1])
+    round_ = 2 * half_turn()
+    numbers = (2 * pace / round_, about / round_, 2 * place / round_, *turned, pace, about, gaps.first, height, slope)
+    return numbers, table
+
+
+def _turns(nome: Any, angle: Any, count: int) -> Turns:
+    """Of θ(v − i·angle)."""
+    import gmpy2
+
+    grown, size = gmpy2.exp(2 * abs(angle)), [nome ** (n * n + n) for n in range(count)]
+    large = [x * grown**n for n, x in enumerate(size)]
+    small = [x / grown ** (n + 1) for n, x in enumerate(size)]
+    ahead, back = (small, large) if angle < 0 else (large, small)
+    total = sum(x + y for x, y in zip(ahead, back, strict=True))
+    slope = sum((2 * n + 1) * (x - y) for n, (x, y) in enumerate(zip(ahead, back, strict=True)))
+    return Turns(ahead, back, slope / total)
+
+
+def _start(N: LongField, levels: list[tuple[Any, Any]], gaps: Gaps, axis: Any) -> Any:
+    """v of the start."""
+    low, high = max(axis.z - gaps.first, N.zero), max(gaps.first + gaps.swing - axis.z, N.zero)
+    # z'² = 2(z − x₁)(x₂ − z)(x₃ − z): the smaller of two by the larger
+    square, far = axis.rate * axis.rate / 2, gaps.swing + gaps.above
+    if low < high:
+        low = square / (high * (far - low))
+    else:
+        high = square / (low * (gaps.above + high))
+    found = part_of_round(N, levels, N.sqrt(low), N.sqrt(high))
+    return -found if axis.rate < 0 else found
+
+
+def _placed(N: LongField, table: Any, v: Any, pace: Any, about: Any) -> tuple[Any, Any]:
+    """g and its rate at the phase v, C = 1: pairs of numbers."""
+    import gmpy2
+
+    first, second, bottom, slopes = (N.zero,) * 4, (N.zero,) * 4, N.zero, N.zero
+    by_one = gmpy2.mpc(gmpy2.cos(v), gmpy2.sin(v))
+    by_two, wave = by_one * by_one, by_one / (by_one * by_one)
+    for n in range(len(table) // SERIES):
+        row, odd = table[SERIES * n : SERIES * (n + 1)], 2 * n + 1
+        even = wave * by_one
+        wave *= by_two
+        bottom += row[7] * even.real
+        slopes -= 2 * n * row[7] * even.imag
+        c, s = wave.real, wave.imag
+        waves = (row[0] * c, row[1] * s, -odd * row[0] * s, odd * row[1] * c)
+        first = tuple(x + y for x, y in zip(first, waves, strict=True))
+        waves = (row[3] * c, row[2] * s, -odd * row[3] * s, odd * row[2] * c)
+        second = tuple(x + y for x, y in zip(second, waves, strict=True))
+    (a, b, da, db), (c, d, dc, dd) = first, second
+    g = ((a * c - b * d) / bottom**2, (a * d + b * c) / bottom**2)
+    rate = (da * c - db * d + a * dc - b * dd, da * d + db * c + a * dd + b * dc)
+    along = [pace * (x / bottom**2 - 2 * slopes / bottom * y) for x, y in zip(rate, g, strict=True)]
+    return g, (along[0] - about * g[1], along[1] + about * g[0])
+
+
+def _over(first: Any, second: Any) -> tuple[Any, Any]:
+    """A quotient of complex numbers."""
+    (a, b), (c, d) = first, second
+    size = c * c + d * d
+    return (a * c + b * d) / size, (b * c - a * d) / size

@@ -1,0 +1,104 @@
+"""A wave of the Korteweg–de Vries equation u_t = 6uu_x − u_xxx with two gaps, as it passes one place (Novikov 1974;
+Dubrovin, Novikov & Matveev 1976).
+
+A potential of two gaps meets an ordinary differential equation of order four in x. With it (u, u_x, u_xx, u_xxx) at one
+place determines its own rate in t, by polynomials: the partial differential equation without a grid. In the terms of
+:mod:`integrable.classical.kdv`, s_k the elementary symmetric functions of the five edges,
+
+    U = x² + Fx + G,   V = ½∂U/∂x,   F = (u − s_1)/2,   G = 3u²/8 − s_1u/4 − u_xx/8 + s_2/2 − s_1²/8
+    ½G_xx = −s_3 − 2FG + u(F² + 2G) − ½FF_xx + ¼F_x²
+
+The equation of order four is the second line. s_1, s_2, s_3 are its constants and s_4, s_5 integrals of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+from integrable.mumford.flow import Point
+from integrable.mumford.system import MumfordSystem, Spectral, all_of
+from jacobian import RR, poly
+from jacobian.errors import ArgumentError, entries, shown
+from jacobian.fields.protocol import check_field
+from jacobian.relatives.extended import Extended
+
+
+class _Jets(NamedTuple):
+    """F and G, each with its first two derivatives in x."""
+
+    F: tuple[Any, Any, Any]
+    G: tuple[Any, Any, Any]
+
+
+class TwoGaps(MumfordSystem):
+    """A state has q = (u, u_xx) and p = (u_x, u_xxx); ``sums``: s_1, s_2, s_3 of the edges.
+
+    ``TwoGaps((0, -5, 0)).flow(system.state((-4, 28), (0, 0))).at(times)`` has the edges −2, −1, 0, 1, 2.
+    """
+
+    size = 2
+    constants = ()
+
+    def __init__(self, sums: Any, field: Any = RR) -> None:
+        self.field = check_field(field, "field")
+        wanted = "three numbers: the first three elementary symmetric functions of the five edges"
+        given = entries(sums, "sums", wanted)
+        if len(given) != 3:
+            raise ArgumentError(f"sums = {shown(sums)}: {wanted}")
+        self.parameters = tuple(self.field.coerce(x, f"sums[{i}]") for i, x in enumerate(given))
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {"sums": self.parameters}
+
+    def _jets(self, N: Any, state: Point) -> _Jets:
+        s1, s2, s3 = self._parameters_in(N)
+        (u, u2), (u1, u3) = state
+        F, F1, F2 = (u - s1) / 2, u1 / 2, u2 / 2
+        G = (3 * u * u - 2 * s1 * u - u2 - s1 * s1) / 8 + s2 / 2
+        G2 = 2 * (u * (F * F + 2 * G) - s3 - 2 * F * G) - F * F2 + F1 * F1 / 2
+        return _Jets((F, F1, F2), (G, (6 * u * u1 - 2 * s1 * u1 - u3) / 8, G2))
+
+    def _vector_field(self, N: Any, state: Point) -> Point:
+        s1, _, _ = self._parameters_in(N)
+        (u, u2), (u1, u3) = state
+        _, (G, G1, G2) = self._jets(N, state)
+        G3 = 4 * u * G1 + 2 * u1 * G
+        G4 = 6 * u1 * G1 + 4 * u * G2 + 2 * u2 * G
+        # derivatives of u_xx = 3u² − 2s_1u − 8G + const
+        u4 = 6 * (u1 * u1 + u * u2) - 2 * s1 * u2 - 8 * G2
+        u5 = 6 * (3 * u1 * u2 + u * u3) - 2 * s1 * u3 - 8 * G3
+        u6 = 6 * (3 * u2 * u2 + 4 * u1 * u3 + u * u4) - 2 * s1 * u4 - 8 * G4
+        return Point(
+            (6 * u * u1 - u3, 6 * (3 * u1 * u2 + u * u3) - u5),
+            (6 * (u1 * u1 + u * u2) - u4, 6 * (3 * u2 * u2 + 4 * u1 * u3 + u * u4) - u6),
+        )
+
+    def _integrals(self, N: Any, state: Point) -> dict[str, Any]:
+        """s_4 and s_5."""
+        u = state.q[0]
+        (F, F1, F2), (G, G1, G2) = self._jets(N, state)
+        return {
+            "s4": G * G - 2 * u * F * G + (F * G2 + G * F2 - F1 * G1) / 2,
+            "s5": u * G * G - G * G2 / 2 + G1 * G1 / 4,
+        }
+
+    def _spectral(self, N: Any, state: Point) -> Spectral:
+        s1, s2, s3 = self._parameters_in(N)
+        (F, F1, _), (G, G1, _) = self._jets(N, state)
+        found = self._integrals(N, state)
+        f = (found["s5"], -found["s4"], s3, -s2, s1, -N.one)
+        return all_of(N, (f, (G, F, N.one), (G1 / 2, F1 / 2)), 2)
+
+    def _direction(self, N: Any, genus: int) -> Sequence[Any]:
+        s1, _, _ = self._parameters_in(N)
+        return (N.coerce(poly.integer(N, -8)), -4 * s1)
+
+    def _back(self, N: Any, start: Point, D: Extended, time: Any) -> Point:
+        s1, s2, _ = self._parameters_in(N)
+        G, F = D.u[:2]
+        G1, F1 = (2 * x for x in D.v)
+        u, u1 = 2 * F + s1, 2 * F1
+        u2 = 3 * u * u - 2 * s1 * u - s1 * s1 + 4 * s2 - 8 * G
+        return Point((u, u2), (u1, 6 * u * u1 - 2 * s1 * u1 - 8 * G1))

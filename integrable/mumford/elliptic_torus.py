@@ -1,0 +1,310 @@
+"""Far times of motions of genus 1 with real data: sn, cn and dn of a phase linear in time, by theta functions.
+
+On y² = ℓ(x − x₁)(x − x₂)(x − x₃), ℓ > 0, the point moves between x₁ and x₂. There x = x₁ + (x₂ − x₁)sn², x₂ − x = (x₂ −
+x₁)cn² and x₃ − x = (x₃ − x₁)dn², so lifts at branch points are multiples of sn, cn and dn, signs included. Models with
+ℓ < 0 are transformed by −x, those of degree 4 by 1/(E − x) with their largest root E.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import cache
+from math import atan2, factorial, floor, pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.mumford.columns import Column
+from integrable.mumford.motion import Start
+from integrable.mumford.real_torus import APART, BITS, SMALL, real_roots
+from integrable.torus.access import MOST_TURNS
+from integrable.torus.witness import TURNS
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import FLOATS, WIDES
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
+from jacobian.numbers.double_double import split
+from jacobian.relatives.extended import Extended, Lift
+
+Real = Any
+Row = Any
+
+# pairs of terms of a sine and cosine up to an eighth of a turn
+PAIRS = 15
+# series end where a term is below, and are of no more terms: beyond, the motion is on a separatrix for all that
+# double-double numbers tell
+LAST, MOST_TERMS = 2.0**-113, 26
+# sn or cn below which a point counts as at its branch point
+NEAR = 1e-8
+
+
+def elliptic_points(numbers: Row, table: Row, inverse: Row, times: Row, out: Row) -> None:
+    """sn, cn and dn at times, three numbers each, compiled as it stands: ``numbers`` are half turns of the phase in a
+    unit of time, those at the start, and the factors of θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄; ``table`` are coefficients of harmonics
+    2n + 1 of θ₁ and θ₂ and 2n of θ₃ and θ₄; ``inverse`` :func:`inverse_factorials`.
+    """
+    for i in abreast(0, len(times)):
+        c, s = circle((numbers[0] * times[i] + numbers[1]) / 2, inverse)
+        sn, cn, dn = theta_quotients(table, c, s)
+        out[3 * i], out[3 * i + 1] = numbers[2] * sn, numbers[3] * cn
+        out[3 * i + 2] = numbers[4] * dn
+
+
+def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
+    """θ₁/θ₄, θ₂/θ₄ and θ₃/θ₄ at v, from cos v and sin v: multiples of sn, cn and dn. ``table`` as for
+    :func:`elliptic_points`.
+    """
+    zero = 0 * cv
+    ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
+    t1, t2, t3, t4 = zero, zero, zero, zero
+    for n in range(len(table) // 4):
+        k = 4 * n
+        t1, t2 = t1 + table[k] * (ce * sv + se * cv), t2 + table[k + 1] * (ce * cv - se * sv)
+        t3, t4 = t3 + table[k + 2] * ce, t4 + table[k + 3] * ce
+        ce, se = ce * c2 - se * s2, ce * s2 + se * c2
+    over = 1 / t4
+    return t1 * over, t2 * over, t3 * over
+
+
+def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
+    """(cos, sin) of so many turns."""
+    whole = turns - float(floor(float(turns) + 0.5))
+    quarters = floor(4 * float(whole) + 0.5)
+    y = (whole - quarters / 4) * inverse[0]
+    square = y * y
+    c, s, last = 0 * y, 0 * y, len(inverse) // 2
+    for n in range(1, last + 1):
+        c = inverse[2 * (last - n) + 1] - square * c
+        s = inverse[2 * (last - n) + 2] - square * s
+    s *= y
+    if quarters % 2 != 0:
+        c, s = -s, c
+    if quarters % 4 > 1:
+        c, s = -c, -s
+    return c, s
+
+
+LIBRARY = Library("elliptic", {"elliptic_points": (elliptic_points, (WIDES, WIDES, WIDES, FLOATS, WIDES))}, SPECIAL)
+
+
+class CubicModel(NamedTuple):
+    """A cubic with ℓ > 0 by x₁, x₂ − x₁ and x₃ − x₂, the point and its y, and ``pace``: dx/y in a unit of time;
+    ``side`` is −1 where x has been turned, ``pole`` the root that has been sent to infinity.
+    """
+
+    lead: Any
+    first: Any
+    swing: Any
+    above: Any
+    place: Any
+    height: Any
+    pace: Any
+    side: int
+    pole: Any = None
+
+
+class EllipticTorus:
+    """D of a :class:`Start` of genus 1 in double-double numbers, at any times at once.
+
+    ``place(K)`` makes the start in the numbers of K. PrecisionLoss where branch points are not real or too close, on a
+    branch that is not bounded, at rest, and for data other than lifts on a model of odd degree.
+    """
+
+    def __init__(self, place: Callable[[Any], Start]) -> None:
+        with long_numbers(BITS) as N:
+            start = place(N)
+            ends = [kind.e for kind in start.kinds if isinstance(kind, Lift)]
+            if len(start.v) != 1 or len(ends) != len(start.kinds) or (ends and len(start.f) == 5):
+                raise PrecisionLoss("a motion of genus 1 without lifts but at branch points is needed")
+            model = _model(N, start, real_roots(N, start.f, ends))
+            wide = model.swing + model.above
+            levels, table, (two, three, four) = theta_table(N, N.sqrt(model.swing / wide), N.sqrt(model.above / wide))
+            quarter = levels[-1][0]
+            low, high = max(model.place - model.first, N.zero), max(model.first + model.swing - model.place, N.zero)
+            v = part_of_round(N, levels, N.sqrt(low), N.sqrt(high))
+            pace = N.sqrt(model.lead * wide) / 2 * abs(model.pace)
+            ahead = model.height * model.pace >= 0
+            half = half_turn()
+            turns = pace * quarter / half, (v if ahead else -v) / half
+            numbers = (*turns, three / two, four / two, four / three)
+            self._numbers, self._inverse = row_of(numbers), inverse_factorials()
+            self._table = row_of(table)
+            self._pace, self._side = float(numbers[0]), model.side
+            self._first, self._swing = Column.of(model.first), Column.of(model.swing)
+            self._pole = None if model.pole is None else Column.of(model.pole)
+            # y is that times sn·cn·dn
+            slope = 2 * model.swing * pace / model.pace
+            self._slope = Column.of(slope)
+            at_start = [*self._points(np.zeros(1))]
+            self._lifts = [
+                _lift(N, model, slope, at_start, (e, datum)) for e, datum in zip(ends, start.data, strict=True)
+            ]
+
+    @property
+    def witnesses(self) -> np.ndarray:
+        """Times more than a round away, in both directions."""
+        return np.array([2 * turns / self._pace for turns in TURNS])
+
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether double-double numbers hold the fractions of all turns."""
+        return float(np.abs(times).max(initial=0)) * self._pace <= MOST_TURNS
+
+    def at(self, times: np.ndarray) -> Extended:
+        """The pairs with their data, of columns of N numbers."""
+        parts = self._points(times)
+        sn, cn, dn = parts
+        x, y = self._side * (self._first + self._swing * sn * sn), self._slope * sn * cn * dn
+        if self._pole is not None:
+            x, y = self._pole - 1 / x, y / (x * x)
+        data = []
+        for kappa, size, slope, which in self._lifts:
+            data.append((kappa, size * parts[which], slope * parts[which - 1] * parts[which - 2]))
+        return Extended((-x, Column(1.0)), (y,), tuple(data))
+
+    def _points(self, times: np.ndarray) -> tuple[Column, Column, Column]:
+        """sn, cn and dn."""
+        out = np.empty((3 * len(times), 2))
+        given = np.ascontiguousarray(times, dtype=np.float64)
+        LIBRARY.elliptic_points(self._numbers, self._table, self._inverse, given, out)
+        sn, cn, dn = (Column(*np.ascontiguousarray(out[k::3].T)) for k in range(3))
+        return sn, cn, dn
+
+
+def _model(N: LongField, start: Start, roots: Sequence[Any]) -> CubicModel:
+    """That of a start; ``roots`` ascend."""
+    lead, x, y, pace, pole = start.f[-1], -start.u[0], start.v[0], start.direction[0], None
+    if len(roots) == 4:
+        *roots, pole = roots
+        lead, x = -lead, 1 / (pole - x)
+        for e in roots:
+            lead = lead * (pole - e)
+        roots, y = [1 / (pole - e) for e in roots], y * x * x
+    side = 1
+    if lead < 0:
+        side, lead, x, pace, roots = -1, -lead, -x, -pace, [-e for e in reversed(roots)]
+    first, second, third = roots
+    if not (pace and x - first >= -SMALL * (third - first) <= second - x):
+        raise PrecisionLoss("the point is not between branch points")
+    return CubicModel(lead, first, second - first, third - second, x, y, pace, side, pole)
+
+
+def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column], given: Any) -> tuple[Any, ...]:
+    """(κ, the factors of the lift and of its ν, which of sn, cn and dn it is) at a branch point e of (e, datum)."""
+    e, (kappa, sigma, nu) = given
+    x, swing = model.side * e, model.swing
+    gaps = [abs(x - root) for root in (model.first, model.first + swing, model.first + swing + model.above)]
+    which = gaps.index(min(gaps))
+    square = model.side * (-swing, swing, swing + model.above)[which] / kappa
+    if not square > 0:
+        raise PrecisionLoss(APART)
+    size = N.sqrt(square)
+    own, one, other = (float(at_start[k].hi[0]) for k in (which, which - 1, which - 2))
+    # where the point is at e its ν has the sign
+    if (own * sigma if which == 2 or abs(own) > NEAR else one * other * slope / kappa * nu) < 0:
+        size = -size
+    return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
+
+
+def means(N: LongField, b: Any) -> list[tuple[Any, Any]]:
+    """The arithmetic-geometric means of 1 and b."""
+    a, found = N.one, []
+    while True:
+        found.append((a, b))
+        if abs(a - b) <= a * N.root_of_eps:
+            return [*found, ((a + b) / 2, (a + b) / 2)]
+        a, b = (a + b) / 2, N.sqrt(a * b)
+
+
+def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
+    """F(φ)·π/2K of the angle φ with this sine and cosine, ± a right angle at most, or parts of both (Landen)."""
+    import gmpy2
+
+    size = N.sqrt(sine * sine + cosine * cosine)
+    # the point on the circle, and the angle in floats, which counts its rounds
+    s, c = sine / size, cosine / size
+    rough = atan2(s, c)
+    for a, b in levels[:-1]:
+        p, q = (a - b) * s * c, a * c * c + b * s * s
+        size = N.sqrt(p * p + q * q)
+        p, q, s, c = p / size, q / size, 2 * s * c, (c - s) * (c + s)
+        s, c = s * q - c * p, c * q + s * p
+        rough = 2 * rough - atan2(p, q)
+    rest = gmpy2.atan2(s, c)
+    rounds = round((rough - float(rest)) / (2 * pi))
+    return (rest + 2 * rounds * half_turn()) / 2 ** (len(levels) - 1)
+
+
+def first_kind(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: Any) -> Any:
+    """F(φ)."""
+    return part_of_round(N, levels, sine, cosine) / levels[-1][0]
+
+
+@cache
+def long_numbers(bits: int) -> LongField:
+    """A field of long numbers, which is kept."""
+    return LongField(bits)
+
+
+def half_turn() -> Any:
+    """π in the numbers that are entered."""
+    import gmpy2
+
+    return gmpy2.const_pi()
+
+
+def nome_of(N: LongField, levels: list[tuple[Any, Any]], others: list[tuple[Any, Any]]) -> Any:
+    """e^(−πK'/K) of the means of 1 and k', and of 1 and k."""
+    import gmpy2
+
+    return gmpy2.exp(-half_turn() * levels[-1][0] / others[-1][0])
+
+
+def terms_of(nome: Any) -> int:
+    """How many terms of theta functions are summed; PrecisionLoss beside a separatrix."""
+    count = next((n for n in range(2, MOST_TERMS) if nome ** (n * n) < LAST), 0)
+    if not count:
+        raise PrecisionLoss("this motion is too near to a separatrix")
+    return count
+
+
+def thetas(N: LongField, nome: Any, count: int) -> tuple[list[Any], list[Any], tuple[Any, Any, Any]]:
+    """Coefficients of harmonics 2n + 1 of θ₂, over that of the first, and 2n of θ₃, and θ₂, θ₃ and θ₄ at 0."""
+    odd, even = [nome ** (n * n + n) for n in range(count)], [2 * nome ** (n * n) for n in range(count)]
+    even[0] = N.one
+    return odd, even, (sum(odd), sum(even), sum(even[::2]) - sum(even[1::2]))
+
+
+class ThetaTable(NamedTuple):
+    """What one modulus takes: the ``levels`` of :func:`part_of_round`, a ``table`` of :func:`theta_quotients` in long
+    numbers, and θ₂, θ₃ and θ₄ at 0.
+    """
+
+    levels: list[tuple[Any, Any]]
+    table: list[Any]
+    at_zero: tuple[Any, Any, Any]
+
+
+def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
+    """That of the modulus k, k² + k₁² = 1; PrecisionLoss beside a separatrix."""
+    levels = means(N, k1)
+    nome = nome_of(N, levels, means(N, k))
+    odd, even, at_zero = thetas(N, nome, terms_of(nome))
+    table = []
+    for n, (o, e) in enumerate(zip(odd, even, strict=True)):
+        sign = 1 - 2 * (n % 2)
+        table += [sign * o, o, e, sign * e]
+    return ThetaTable(levels, table, at_zero)
+
+
+@cache
+def inverse_factorials() -> np.ndarray:
+    """2π and 1/n!, as :func:`circle` takes them."""
+    with long_numbers(BITS) as N:
+        return row_of((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
+
+
+def row_of(values: Sequence[Any]) -> np.ndarray:
+    """Long numbers as double-doubles."""
+    return np.array([split(x) for x in values])

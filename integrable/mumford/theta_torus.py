@@ -1,0 +1,329 @@
+"""Motions of genus 2 on a real torus whose branch points need not be real, by theta functions.
+
+D = P₁ + P₂ has z = A⁻¹(∫_{r₀}^{P₁} + ∫_{r₀}^{P₂})(dx/y, x dx/y), r₀ a branch point, which runs evenly; on y² = f(x) of
+degree 5
+
+    √|U(r_i)| = |f'(r_i)/lead|^¼·|θ[η_i](z)/θ[η_∞](z)|,   V = −∂_{(0,1)}U,
+
+with η_i the odd characteristic of the branch point r_i (Thomae; Mumford 1984). Of 16 η_0 one alone makes all η_0 + 2(q,
+p)_i odd, where ∫_{r₀}^{r_i} = Ap + Bq. A basis of the periods that A spans in the real ones makes all of it real.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from itertools import product
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.mumford.columns import Column
+from integrable.mumford.elliptic_torus import circle, half_turn, inverse_factorials, long_numbers, row_of
+from integrable.mumford.fields import cofactor
+from integrable.mumford.motion import Start
+from integrable.torus.access import MOST_TURNS
+from integrable.torus.witness import witnesses
+from jacobian import RR, poly
+from jacobian.errors import PrecisionLoss
+from jacobian.inexact.long_field import LongField
+from jacobian.native.kinds import INT, INTS, WIDES, TupleKind, record
+from jacobian.native.library import Library
+from jacobian.native.special import SPECIAL
+from jacobian.numbers.abreast import abreast
+from jacobian.periods.quadrature import working_numbers
+from jacobian.periods.real_basis import (
+    NEARLY,
+    Whole,
+    characteristics,
+    coordinates,
+    half_integrals,
+    image,
+    ratio,
+    real_basis,
+    solved,
+)  # fmt: skip
+from jacobian.periods.roots import conjugated, simple_roots
+from jacobian.relatives.extended import Extended, Lift
+
+Real = Any
+Row = Any
+
+# bits of the numbers that a torus is made from
+BITS = 160
+# harmonics of a series at most: beyond, branch points nearly meet
+MOST_HARMONICS = 40
+# what a series may lack beside its largest term, as e^(−π·)
+DEPTH = 26.0
+# steps of Newton's method to a root
+NEWTON_STEPS = 20
+# U at a branch point, beside x², where σ is not read off it
+SMALL = 1e-20
+
+
+class ThetaSums(NamedTuple):
+    """Weights of all classes: ``table`` has ``sizes`` = (classes, rows, columns) entries of four numbers, w₊ + w₋,
+    w₊ − w₋ and the same of the derivative along a direction; a = e₁, e₁ + 2, … and b = e₂, e₂ + 2, …, where ``shifts``
+    are e₁ and e₂ of all classes. ``kinds``: 1 where a class is odd in φ, else 0. ``inverse`` as for
+    :func:`integrable.mumford.elliptic_torus.circle`.
+    """
+
+    table: Row
+    sizes: tuple[int, int, int]
+    shifts: Row
+    kinds: Row
+    inverse: Row
+
+
+def theta_lifts(sums: ThetaSums, phases: Row, out: Row) -> None:
+    """θ_∞, then for every other class σ = θ/θ_∞ and ν = −2∂σ, at pairs of phases in turns, one after the other."""
+    classes = sums.sizes[0]
+    width = 2 * classes - 1
+    for i in abreast(0, len(phases) // 2):
+        c1, s1 = circle(phases[2 * i] / 2, sums.inverse)
+        c2, s2 = circle(phases[2 * i + 1] / 2, sums.inverse)
+        last, slope = theta(sums, classes - 1, (c1, s1), (c2, s2))
+        over = 1 / last
+        lean = slope * over
+        out[width * i] = last
+        for k in range(classes - 1):
+            value, rate = theta(sums, k, (c1, s1), (c2, s2))
+            sigma = value * over
+            out[width * i + 2 * k + 1] = sigma
+            out[width * i + 2 * k + 2] = 2 * (sigma * lean - rate * over)
+
+
+def theta(sums: ThetaSums, k: int, first: tuple[Real, Real], second: tuple[Real, Real]) -> tuple[Real, Real]:
+    """θ of a class and its derivative, from cosine and sine of πφ₁ and of πφ₂."""
+    (c1, s1), (c2, s2), table = first, second, sums.table
+    _, rows, columns = sums.sizes
+    zero = 0 * c1
+    # by twice the angles, from none or one of them on
+    ca, sa, cs, ss = c1 * c1 - s1 * s1, 2 * c1 * s1, c2 * c2 - s2 * s2, 2 * c2 * s2
+    a, b, start, other = 1 + zero, zero, 1 + zero, zero
+    if sums.shifts[2 * k] > 0:
+        a, b = c1, s1
+    if sums.shifts[2 * k + 1] > 0:
+        start, other = c2, s2
+    value, rate, odd = zero, zero, sums.kinds[k] > 0
+    place = 4 * k * rows * columns
+    for _ in range(rows):
+        p, q, dp, dq, c, s = zero, zero, zero, zero, start, other
+        for _ in range(columns):
+            p, q = p + table[place] * c, q + table[place + 1] * s
+            dp, dq = dp + table[place + 2] * c, dq + table[place + 3] * s
+            c, s = c * cs - s * ss, c * ss + s * cs
+            place += 4
+        if odd:
+            value, rate = value + (b * p + a * q), rate + (a * dp - b * dq)
+        else:
+            value, rate = value + (a * p - b * q), rate + (b * dp + a * dq)
+        a, b = a * ca - b * sa, a * sa + b * ca
+    return value, rate
+
+
+_SUMS = record(ThetaSums, WIDES, TupleKind((INT, INT, INT)), INTS, INTS, WIDES)
+LIBRARY = Library("theta", {"theta_lifts": (theta_lifts, (_SUMS, WIDES, WIDES))}, SPECIAL)
+
+
+class ThetaTorus:
+    """D of a :class:`Start` of genus 2 in double-double numbers, at any times at once.
+
+    ``place(K)`` makes the start in the numbers of K. PrecisionLoss where branch points nearly meet, fewer than two are
+    real, and for data other than lifts on a model of odd degree.
+    """
+
+    def __init__(self, place: Callable[[Any], Start]) -> None:
+        with long_numbers(BITS) as N:
+            start = place(N)
+            lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
+            if len(start.v) != 2 or len(start.f) != 6 or len(lifts) != len(start.kinds):
+                raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
+            roots = complex_roots(N, start.f, list(lifts))
+            with LongField(BITS, complex=True) as Z:
+                self._make(Z, start, [Z.coerce(e) for e in roots], lifts)
+
+    @property
+    def witnesses(self) -> np.ndarray:
+        """Times more than a round away, of either phase and in both directions."""
+        return witnesses(self._paces)
+
+    def reaches(self, times: np.ndarray) -> bool:
+        """Whether double-double numbers hold the fractions of all turns."""
+        return float(np.abs(times).max(initial=0)) * max(map(abs, self._paces)) <= MOST_TURNS
+
+    def at(self, times: np.ndarray) -> Extended:
+        """The pairs with their data, of columns of N numbers."""
+        phases = [Column(times) * nu + place for nu, place in zip(self._frequencies, self._places, strict=True)]
+        out = np.ascontiguousarray(
+            self._values(np.stack([np.stack([x.hi, x.lo], axis=-1) for x in phases], axis=1)).transpose(1, 2, 0)
+        )
+        data = [
+            (kappa, size * Column(*out[2 * k + 1]), size * Column(*out[2 * k + 2]))
+            for k, (kappa, size) in enumerate(self._sizes)
+        ]
+        # U and V from two of their values
+        (e, first), (other, second) = list(zip(self._ends, data, strict=True))[:2]
+        u, v = (
+            [kappa * sigma * x[n] for kappa, sigma, x in ((d[0], d[1], d) for d in (first, second))] for n in (1, 2)
+        )
+        rise = (u[0] - u[1]) * self._over - (e + other)
+        slope = (v[0] - v[1]) * self._over
+        return Extended(
+            (u[0] - e * (e + rise), rise, Column(1.0)), (v[0] - slope * e, slope), tuple(data[: self._read])
+        )
+
+    def _values(self, phases: np.ndarray) -> np.ndarray:
+        """What :func:`theta_lifts` gives at phases of shape (N, 2, 2): (N, width, 2)."""
+        width = 2 * self._sums.sizes[0] - 1
+        out = np.empty((width * len(phases), 2))
+        LIBRARY.theta_lifts(self._sums, np.ascontiguousarray(phases).reshape(-1, 2), out)
+        return out.reshape(-1, width, 2)
+
+    def _make(self, Z: LongField, start: Start, roots: list[Any], lifts: dict[Any, Any]) -> None:
+        lead = start.f[-1]
+        found = real_basis(Z, half_integrals(Z, roots, lead))
+        tau = ratio(Z, found.cycles)
+        chars = characteristics(Z, found)
+        w = image(Z, roots, lead, found.halves, (*start.u[:2], *start.v))
+        p1, p2, q1, q2 = coordinates(Z, found.cycles, w)
+        halves = [round(2 * float(q)) for q in (q1, q2)]
+        if max(abs(float(2 * q - n)) for q, n in zip((q1, q2), halves, strict=True)) > NEARLY:
+            raise PrecisionLoss("the pair is on no real torus")
+        others = sorted(
+            (e.real for e in roots if e.imag == 0 and e.real not in lifts), key=lambda e: -abs(e - next(iter(lifts), 0))
+        )
+        self._read = len(lifts)
+        ends = [*lifts, *others][: max(2, len(lifts))]
+        if len(ends) < 2:
+            raise PrecisionLoss("fewer than two branch points are real")
+        places = [next(i for i, e in enumerate(roots) if e.real == end and e.imag == 0) for end in ends]
+        along = solved(Z, found.cycles[:2], (Z.zero, Z.one))
+        shifted = [((a + halves[0]) % 2, (b + halves[1]) % 2, c, d) for a, b, c, d in chars]
+        self._sums, scales = theta_sums(tau, [shifted[i] for i in (*places, 5)], [x.real for x in along])
+        self._places = Column.of(p1), Column.of(p2)
+        nu = solved(Z, found.cycles[:2], (Z.coerce(start.direction[0]), Z.coerce(start.direction[1])))
+        self._frequencies = [Column.of(x.real) for x in nu]
+        self._paces = [float(x.real) for x in nu]
+        at_start = self._values(np.array([[[x.hi, x.lo] for x in self._places]]))[0]
+        f = poly.scale(Z, Z.coerce(lead), poly.from_roots(Z, roots))
+        slope = poly.derivative(Z, f)
+        self._ends, self._sizes = [Column.of(e) for e in ends], []
+        self._over = Column.of(1 / (ends[0] - ends[1]))
+        for k, (e, i) in enumerate(zip(ends, places, strict=True)):
+            kappa, sigma, nu_e = lifts.get(e) or lift_of(Z, start, e)
+            size = Z.sqrt(Z.sqrt(abs(poly.evaluate(Z, slope, roots[i])) / abs(lead))).real
+            size = size * scales[k] / scales[-1] / Z.sqrt(abs(kappa)).real
+            own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
+            # where σ vanishes ν has the sign
+            if own * sigma + rate * nu_e * SMALL < 0:
+                size = -size
+            self._sizes.append((Column.of(kappa), Column.of(size)))
+
+
+def lift_of(Z: LongField, start: Start, e: Any) -> tuple[Any, Any, Any]:
+    """(κ, σ, ν) at a real branch point e where nothing is carried: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    whole = (*start.u[:2], start.u[0] ** 0)
+    height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, start.v, e).real
+    if abs(height) > SMALL * (1 + e**2):
+        kappa = 1 if height > 0 else -1
+        sigma = Z.sqrt(abs(height)).real
+        return kappa, sigma, kappa * slope / sigma
+    square = -poly.evaluate(Z, cofactor(Z, start.f, whole, start.v), e).real
+    kappa = 1 if square > 0 else -1
+    nu = Z.sqrt(abs(square)).real
+    return kappa, kappa * slope / nu, nu
+
+
+def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
+    """The roots of f, some real ones ``known``: by real part, conjugate ones next to each other. PrecisionLoss where
+    two are not told apart by floats.
+    """
+    rest = poly.quotient(N, f, poly.from_roots(N, known))
+    numbers, slope = working_numbers(RR), poly.derivative(N, rest)
+    rough = simple_roots(numbers, [*map(complex, rest)])
+    if len(rough) > 1:
+        rough = conjugated(numbers, rough)
+    found = [*map(complex, known)]
+    for x in rough:
+        if min((abs(x - y) for y in found), default=1) <= 1e-9 * max(1e-300, *map(abs, (*found, x))):
+            raise PrecisionLoss("two branch points are not told apart")
+        found.append(x)
+    polished: list[Any] = list(known)
+    with LongField(BITS, complex=True) as Z:
+        for z in rough:
+            x = Z.coerce(z)
+            for _ in range(NEWTON_STEPS):
+                move = poly.evaluate(Z, rest, x) / poly.evaluate(Z, slope, x)
+                x -= move
+                if not abs(move) > N.root_of_eps * abs(x):
+                    break
+            # a conjugate pair is one in its numbers too
+            polished.append(x.real if z.imag == 0 else x)
+        pairs = [x for x in polished if x.imag > 0]
+        real = [x for x in polished if x.imag == 0]
+        return sorted([*real, *pairs, *(x.conjugate() for x in pairs)], key=lambda x: (float(x.real), float(x.imag)))
+
+
+class Lattice(NamedTuple):
+    """Im τ and 2Re τ, whole numbers; so many values of either index of a sum; a direction in z."""
+
+    y: list[list[Any]]
+    halves: list[list[int]]
+    counts: tuple[int, int]
+    along: Sequence[Any]
+
+
+def theta_sums(
+    tau: Sequence[Sequence[Any]], chars: Sequence[Whole], along: Sequence[Any]
+) -> tuple[ThetaSums, list[Any]]:
+    """The weights of characteristics (ε + 2q, δ), derivatives ``along`` a direction in z; and what the sums of every
+    class have been divided by.
+    """
+    y = [[x.imag for x in row] for row in tau]
+    area = float(y[0][0] * y[1][1] - y[0][1] ** 2)
+    widest = [2 * (DEPTH * float(y[1 - k][1 - k]) / area) ** 0.5 for k in (0, 1)]
+    if max(widest) > 2 * MOST_HARMONICS:
+        raise PrecisionLoss("theta functions of this motion have too many terms: branch points nearly meet")
+    counts = int(widest[0]) // 2 + 2, int(widest[1]) // 2 + 2
+    lattice = Lattice(y, [[round(2 * float(x.real)) for x in row] for row in tau], counts, along)
+    weights, scales = zip(*(weights_of(lattice, char) for char in chars), strict=True)
+    kinds = np.array([(e1 * d1 + e2 * d2) % 2 for e1, e2, d1, d2 in chars], dtype=np.int64)
+    shifts = np.array([x for e1, e2, *_ in chars for x in (e1, e2)], dtype=np.int64)
+    table = row_of([x for row in weights for x in row])
+    return ThetaSums(table, (len(chars), *counts), shifts, kinds, inverse_factorials()), list(scales)
+
+
+def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
+    """Those of one class, and the largest term, by which they have been divided."""
+    import gmpy2
+
+    (e1, e2, d1, d2), (y, halves, (rows, columns), along), pi = char, lattice, half_turn()
+    firsts, seconds = range(e1, e1 + 2 * rows, 2), range(e2, e2 + 2 * columns, 2)
+
+    def term(a: int, m: int) -> tuple[Any, int]:
+        # the turn by Re τ in eighths of one
+        turned = a * a * halves[0][0] + 2 * a * m * halves[0][1] + m * m * halves[1][1]
+        return (a * a * y[0][0] + 2 * a * m * y[0][1] + m * m * y[1][1]) / 4, turned
+
+    least, phase = min(
+        (term(a, m) for a in firsts for b in seconds for m in (b, -b) if a or m >= 0), key=lambda found: found[0]
+    )
+    table = []
+    for a, b in product(firsts, seconds):
+        pair: list[tuple[Any, Any]] = []
+        for m in (b, -b):
+            if (a == 0 and m < 0) or (m == 0 and pair):
+                pair.append((0 * least, 0 * least))
+                continue
+            size, turned = term(a, m)
+            if (turned - phase) % 8:
+                raise PrecisionLoss("theta functions of this motion are not real")
+            # those of n and −n at once
+            w = gmpy2.exp(-pi * (size - least)) * (2 if (a, m) != (0, 0) else 1)
+            if ((turned - phase) % 16 != 0) != ((a * d1 + m * d2) % 4 in (1, 2)):
+                w = -w
+            rate = pi * (a * along[0] + m * along[1]) * w
+            pair.append((w, rate if (e1 * d1 + e2 * d2) % 2 else -rate))
+        (w, rate), (other, slower) = pair
+        table += [w + other, w - other, rate + slower, rate - slower]
+    return table, gmpy2.exp(-pi * least)

@@ -1,0 +1,68 @@
+"""The constructor arguments of a system or a body, which its repr writes and a stamp compares."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from fractions import Fraction
+from typing import Any
+
+from jacobian import RR
+from jacobian.errors import ArgumentError
+from jacobian.immutable import Immutable
+
+__all__ = ["Made"]
+
+
+class Made(Immutable):
+    """A value that its constructor arguments determine: ``type(x)(**x.arguments, field=x.field) == x``. Its ``repr`` is
+    that call, in the names of :mod:`jacobian` and :mod:`integrable`.
+    """
+
+    field: Any
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        """The arguments of the constructor by name, without the field: numbers and sequences of them."""
+        raise NotImplementedError
+
+    @property
+    def identity(self) -> dict[str, Any]:
+        """The identity of this value, for JSON: its type, its field, and every argument to the last bit.
+
+        ArgumentError where the arguments do not reproduce the value, as in a subclass with more of them.
+        """
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            again = type(self)(**self.arguments, field=self.field)  # type: ignore[call-arg]
+        if again != self:
+            raise ArgumentError(f"{self!r}: its property arguments lacks some; a class of your own returns all of them")
+        kind = type(self)
+        given = {name: _plain(value) for name, value in self.arguments.items()}
+        return {"type": f"{kind.__module__}.{kind.__qualname__}", "arguments": given, "field": repr(self.field)}
+
+    def __repr__(self) -> str:
+        given = [f"{name}={_plain(value)!r}" for name, value in self.arguments.items()]
+        if self.field != RR:
+            given.append(f"field={self.field!r}")
+        return f"{type(self).__name__}({', '.join(given)})"
+
+
+def _plain(value: Any) -> Any:
+    """Ints, floats, strings and tuples that a field reads as exactly the numbers in ``value``."""
+    if isinstance(value, Sequence) and not isinstance(value, str):
+        return tuple(map(_plain, value))
+    if isinstance(value, Fraction):
+        return value.numerator if value.denominator == 1 else str(value)
+    return _decimal(value) if hasattr(value, "_mpf_") else value
+
+
+def _decimal(x: Any) -> float | str:
+    """A float where it is exact, else as many digits as needed."""
+    from mpmath.libmp import repr_dps, to_str
+
+    if float(x) == x:
+        return float(x)
+    context = x.context
+    short = to_str(x._mpf_, context.dps)
+    return short if context.mpf(short) == x else to_str(x._mpf_, repr_dps(context.prec))

@@ -1,0 +1,180 @@
+"""Walks of kinds of systems: their formulas recorded once with the constants as symbols, compiled once for a machine.
+
+A kind is a class of systems, a size and what its formulas branch on; the constants of a system are arguments of the
+compiled code. Objects lie beside those of :mod:`jacobian.native`, good as long as the formulas recorded are the same.
+"""
+
+from __future__ import annotations
+
+import logging
+import struct
+import threading
+from collections.abc import Callable, Hashable, Sequence
+from ctypes import addressof, c_char
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from integrable.series.steps import Reached, Steps, bounds_of, inverses, terms, weight
+from integrable.series.steps_text import Orders, Room
+from integrable.series.symbols import Functions, SymbolField
+from integrable.series.tape import Recorded, Tape, recorded
+from integrable.series.tape_walk import TapeWalk
+from integrable.series.walk import LANES, Codes
+from integrable.series.walk_text import TIMES, module
+from jacobian.fields.inexact import InexactField
+from jacobian.native import kept, machine
+from jacobian.numbers.compiler import interpreted
+
+LOG = logging.getLogger(__name__)
+MODULES = [f"integrable.series.{name}" for name in ("steps_text", "symbols", "tape", "text", "walk_text")]
+ENTRIES = ("start", "series", "advance", "dense")
+# rooms begin at multiples of so many bytes, a line of the cache
+LINE = 64
+# what a term of a node takes to compile, in seconds (integrable.series.steps.terms)
+COMPILING = 2e-5
+
+
+class Formulas(NamedTuple):
+    """Those of a kind: ``rates``(N, y) of all variables y, ``start``(N, y) all variables from the first ``shown``
+    of them, as they are given. These are q and p, and further parts of as many numbers, ``half``.
+    """
+
+    rates: Callable[[Any, Sequence[Any]], Sequence[Any]]
+    start: Callable[[Any, Sequence[Any]], Sequence[Any]]
+    shown: int
+    variables: int
+    half: int
+
+
+class Recorder(InexactField):
+    """The numbers of formulas of a kind, whose constants are symbols."""
+
+    name = "recorded numbers of a kind"
+
+    def __init__(self) -> None:
+        self.field = field = SymbolField()
+        self.zero, self.one, self.eps = field.zero, field.one, field.eps
+        self.context = Functions
+
+    def coerce(self, value: Any, argument: str = "value") -> Any:
+        """A recorded number as it is, others as constants."""
+        return value if isinstance(value, Recorded) else self.field.coerce(value)
+
+    def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+    def sqrt(self, x: Any) -> Any:
+        """√x."""
+        return x**0.5
+
+
+class Kind:
+    """The walks of a kind of systems: compiled ones, and the one along its tape."""
+
+    def __init__(self, name: str, formulas: Formulas) -> None:
+        numbers = Recorder()
+        self.count, self.half = formulas.shown, formulas.half
+        self.rates: Tape = recorded(lambda y: formulas.rates(numbers, y), formulas.variables)
+        self.start: Tape = recorded(lambda y: formulas.start(numbers, y), formulas.shown)
+        self._variables = formulas.variables
+        said = f"{self.rates} {self.start} {self.count}".encode()
+        self.name = f"walk_{name.lower()}_{sha256(said).hexdigest()[:16]}"
+        self.on_tape = TapeWalk(self.rates, self.start, self.half)
+        self._paid = 0.0
+        self._lock = threading.Lock()
+        self._walks: dict[Orders, Compiled | None] = {}
+
+    def walk(self, orders: Orders, compiles: bool = False) -> Compiled | None:
+        """The compiled walk, if it is there, on disk or has paid; ``compiles``: in any case."""
+        found = self._walks.get(orders)
+        if found is None and (orders not in self._walks or compiles or self._paid > self.cost(orders)):
+            with self._lock:
+                found = self._walks[orders] = self._loaded(orders, compiles or self._paid > self.cost(orders))
+        return found
+
+    def cost(self, orders: Orders) -> float:
+        """About how long compiling takes, in seconds."""
+        return COMPILING * len(self.rates.kinds) * terms(orders)
+
+    def pay(self, seconds: float) -> None:
+        """So long walks have taken on the interpreted tape."""
+        self._paid += seconds
+
+    def _loaded(self, orders: Orders, compiles: bool) -> Compiled | None:
+        if interpreted():
+            return None
+        folder, name = kept.place(), f"{self.name}_{orders.wide}_{orders.order}"
+        found = None if folder is None else kept.find(folder, name, machine.name())
+        room = Room(self.rates, self._variables, orders, LANES)
+        if found is None:
+            if not compiles:
+                return None
+            LOG.info("compiling %s: once, a few seconds", self.name.replace("_", " "))
+            code = machine.object_of(module(room, self.start, self.count), as_written=True)
+            found = kept.Object({}, MODULES, {}, code)
+            if folder is not None:
+                kept.keep(folder, name, machine.name(), found)
+        return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
+
+
+# the words of a call: codes, bounds, constants, state, half, order, highs, wide, spare, then room, units, times, rows
+# and found, each with its length
+WORDS = struct.Struct("=4q10dQqQq6q" + "Qq" * 5)
+BACK = struct.Struct("=qqdq")
+from_buffer: Any = c_char.from_buffer
+
+
+class Compiled:
+    """The straight lines of a kind in memory, and what their loop is called with."""
+
+    def __init__(self, room: Room, count: int, half: int, entries: dict[str, machine.Entry]) -> None:
+        from integrable.series.walk_compiled import LIBRARY
+
+        self._entries, self._count, self._shape = entries, count, (count // half, half)
+        self.weight = weight(room.tape, room.orders)
+        self.codes = Codes(*(entries[name].address for name in ENTRIES))
+        begin = -(-room.size // 8) * 8
+        self.spare, self.size = LANES * begin, LANES * begin + 2 * TIMES
+        self.places = half, count // half, room.orders.order, room.highs[0], room.orders.wide, self.spare
+        self.units = inverses(room.orders.order)
+        self._units_at = self.units.ctypes.data
+        self._walked = LIBRARY.walked.entry.call
+        self._bounds: dict[tuple[Steps, float], tuple[float, ...]] = {}
+
+    def __call__(
+        self, constants: np.ndarray, state: Sequence[float], times: np.ndarray, steps: Steps, most: float
+    ) -> Reached:
+        """The states at times of one sign that ascend in size; −1 are reached where they are not like that."""
+        count = len(times)
+        bounds = self._bounds.get((steps, most)) or self._bounds.setdefault((steps, most), bounds_of(steps, most))
+        found = np.empty((count, *self._shape))
+        again = np.empty(4 * (count + TIMES) * self._count)
+        head = WORDS.size + BACK.size
+        memory = bytearray(head + 8 * self._count + 8 * self.size + LINE)
+        base = addressof(from_buffer(memory))
+        begin = base + head
+        struct.pack_into(f"={self._count}d", memory, head, *state)
+        room = begin + 8 * self._count
+        room += -room % LINE
+        WORDS.pack_into(
+            memory, 0, *self.codes, *bounds, addressof(from_buffer(constants)), len(constants), begin, self._count,
+            *self.places, room, self.size, self._units_at, len(self.units), addressof(from_buffer(times)), count,
+            addressof(from_buffer(again)), len(again), addressof(from_buffer(found)), found.size,
+        )  # fmt: skip
+        self._walked(base)
+        reached, wrong, gap, done = BACK.unpack_from(memory, WORDS.size)
+        off = again.reshape(-1, 2 * self._count)[:reached, 0] != 0 if wrong else None
+        return Reached(reached, found, off, gap, done)
+
+
+_KINDS: dict[Hashable, Kind | None] = {}
+
+
+def kind_of(key: Hashable, made: Callable[[], Kind | None]) -> Kind | None:
+    """The kind of that key, made if there is none yet."""
+    if key not in _KINDS:
+        _KINDS[key] = made()
+    return _KINDS[key]

@@ -1,0 +1,125 @@
+"""States near the start in floats: by the compiled walk of the kind of system, or by its tape until there is one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from time import perf_counter
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+
+from integrable.series.kinds import Compiled, Kind
+from integrable.series.steps import FINE, FINEST, SPARE, Reached, Steps, steps_for, weight
+from jacobian.numbers.compiler import interpreted
+
+# compiled steps in the time of one on an interpreted tape
+FASTER = 4
+
+
+class State(Protocol):
+    """q and p."""
+
+    @property
+    def q(self) -> tuple[Any, ...]: ...
+    @property
+    def p(self) -> tuple[Any, ...]: ...
+
+
+class Walked(Protocol):
+    """What a walk asks a system for."""
+
+    @property
+    def size(self) -> int: ...
+    @property
+    def _kind(self) -> Kind | None: ...
+    @property
+    def _walk_constants(self) -> np.ndarray: ...
+
+
+class Near(NamedTuple):
+    """The places of the times that were reached, q and p there, shape (N, 2, n), and an estimate of the largest error
+    beside the largest q, or p.
+    """
+
+    places: np.ndarray
+    states: np.ndarray
+    error: float
+
+
+def compiled_walk(system: Walked, steps: Steps) -> Compiled | None:
+    """The compiled walk of the kind of system, where it is there."""
+    kind = system._kind
+    return None if kind is None else kind.walk(steps.orders)
+
+
+def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
+    """The states at the times that about so many standard steps (:func:`integrable.series.steps.weight`) on an
+    interpreted tape take as long to, by the compiled walk if it is there; to their last bits where a tolerance is more
+    than floats keep.
+    """
+    found = Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)
+    for steps in steps_for(tolerance):
+        if steps is FINE or compiled_walk(system, steps) is not None:
+            found = _completed(found, system, state, times, steps, most)
+    return found
+
+
+def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
+    """Beside what there is already the times that are left, by finer steps that keep more digits."""
+    return _completed(near, system, state, times, FINEST, most)
+
+
+def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None) -> Reached | None:
+    """The states at times that ascend from 0, or descend, if the compiled walk is there and all are right."""
+    for steps in steps_for(tolerance):
+        walk = compiled_walk(system, steps)
+        if walk is None:
+            return None
+        found = walk(system._walk_constants, (*state.q, *state.p), times, steps, FASTER * most / walk.weight)
+        if found.reached == len(times) and found.wrong is None:
+            return found
+    return None
+
+
+def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
+    """The times that are left by other steps."""
+    left = np.setdiff1d(np.arange(len(times)), near.places)
+    if not len(left):
+        return near
+    other = _walked(system, state, times[left], steps, most)
+    places = np.concatenate([near.places, left[other.places]])
+    return Near(places, np.concatenate([near.states, other.states]), max(near.error, other.error))
+
+
+def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
+    """The states by the compiled walk, or by the tape until it has paid for one."""
+    kind, walk = system._kind, compiled_walk(system, steps)
+    if kind is None or interpreted():
+        return _nowhere(system)
+    given, begin = (*state.q, *state.p), perf_counter()
+    some = most / weight(kind.rates, steps.orders) * (1 if walk is None else FASTER)
+    along = walk or kind.on_tape
+    found = both_ways((2, system.size), times, steps, lambda t: along(system._walk_constants, given, t, steps, some))
+    if walk is None:
+        kind.pay(perf_counter() - begin)
+    return found
+
+
+def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Callable[[np.ndarray], Reached]) -> Near:
+    """What a walk reaches of times in any order, of either sign; ``shape`` is that of a state."""
+    places, rows, error = [np.empty(0, dtype=np.int64)], [np.empty((0, *shape))], 0.0
+    for ahead in (times >= 0, times < 0):
+        order = np.flatnonzero(ahead)
+        order = order[np.argsort(np.abs(times[order]), kind="stable")]
+        if len(order):
+            found = walk(times[order])
+            count = max(found.reached, 0)
+            right = np.ones(count, dtype=bool) if found.wrong is None else ~found.wrong
+            places.append(order[:count][right])
+            rows.append(found.states[:count][right])
+            error = max(error, min(found.gap, steps.agreed))
+    return Near(np.concatenate(places), np.concatenate(rows), SPARE * error)
+
+
+def _nowhere(system: Walked) -> Near:
+    return Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)

@@ -1,0 +1,385 @@
+"""A Taylor step of a tape as straight-line code: the coefficients of all orders, one after the other.
+
+Coefficients up to the order ``wide`` are double-doubles, those beyond floats; both walks go in lanes of each number.
+Products that do not wait for each other are done abreast, their factors kept side by side. What was made last stays in
+registers, as a wide load waits for narrow stores just made.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, VARIABLE, Tape
+from integrable.series.text import Text, Wide, joined_lanes
+from jacobian.native.machine import features
+from jacobian.numbers.double_double_steps import fast_two_sum, quotient, reciprocal, square_root, two_product, two_sum
+
+# floats abreast: those of a register
+WIDEST = 8 if "+avx512f" in features() else 4
+# lines after which a block ends: what LLVM does with a block grows with the square of its length
+BLOCK = 150
+# the vectors of a room: terms that the step is read off, whether the motion is bent, the steps, and unit/(k + 1)
+RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
+# coefficients that the size of a variable is read off
+FIRST = 4
+
+Term = tuple[int, int, int]
+"""(factor, j, k − j)."""
+
+
+class Orders(NamedTuple):
+    """Coefficients up to the order ``wide`` are double-doubles, −1 for none, those up to ``order`` floats."""
+
+    wide: int
+    order: int
+
+
+class Group(NamedTuple):
+    """Products abreast: their nodes, and for either side one node for all, or the nodes and where they are kept."""
+
+    nodes: tuple[int, ...]
+    sides: tuple[tuple[tuple[int, ...], int], ...]
+
+
+class Room:
+    """Where the coefficients of a tape are, counted in vectors of ``lanes`` floats."""
+
+    def __init__(self, tape: Tape, count: int, orders: Orders, lanes: int) -> None:
+        self.tape, self.count, self.orders, self.lanes = tape, count, orders, lanes
+        wide, order = orders
+        self.lows_of_units = UNITS + order
+        begin = self.lows_of_units + wide + 1
+        self.groups = [(nodes, square) for nodes, square in _abreast(tape, WIDEST // lanes)]
+        grouped = {n for nodes, _ in self.groups for n in nodes}
+        # nodes whose earlier coefficients are read again: all others are in registers for one order
+        kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
+        for n, kind in enumerate(tape.kinds):
+            if kind == PRODUCT and n not in grouped:
+                kept |= {tape.left[n], tape.right[n]}
+            elif kind == QUOTIENT:
+                kept |= {n, tape.right[n]}
+            elif kind == ROOT:
+                kept |= {n}
+        for nodes, square in self.groups:
+            for side in (tape.left,) if square else (tape.left, tape.right):
+                if len({side[n] for n in nodes}) == 1:
+                    kept.add(side[nodes[0]])
+        self.highs = {n: begin + i * (order + 1) for i, n in enumerate(sorted(kept))}
+        begin += len(kept) * (order + 1)
+        self.lows = {n: begin + i * (max(wide, 0) + 1) for i, n in enumerate(sorted(kept))}
+        begin += len(kept) * (max(wide, 0) + 1)
+        divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
+        self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
+        self.size = begin + 2 * len(divided)
+        self.copies: dict[int, list[tuple[int, int, int]]] = {}
+        self.sides = {nodes: self._placed(nodes, square) for nodes, square in self.groups}
+        self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
+
+    def _placed(self, nodes: tuple[int, ...], square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
+        """For either side of a group its factors, and where copies of them are side by side."""
+        wide, order = self.orders
+        found = []
+        for side in (self.tape.left,) if square else (self.tape.left, self.tape.right):
+            factors = tuple(side[n] for n in nodes)
+            self.size += -self.size % len(nodes)
+            if len(set(factors)) > 1:
+                for slot, n in enumerate(factors):
+                    self.copies.setdefault(n, []).append((self.size, len(nodes), slot))
+                found.append((factors, self.size))
+                self.size += len(nodes) * (order + 1 + max(wide, 0) + 1)
+            else:
+                found.append((factors[:1], -1))
+        return tuple(found)
+
+
+def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
+    """Products and whether they are squares, two or four together that may be done in any order."""
+    levels = list[int]()
+    for kind, p, q in zip(tape.kinds, tape.left, tape.right, strict=True):
+        levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))
+    found = []
+    for level in sorted(set(levels)):
+        for square in (True, False):
+            nodes = [
+                n for n, kind in enumerate(tape.kinds)
+                if kind == PRODUCT and levels[n] == level and (tape.left[n] == tape.right[n]) == square
+            ]  # fmt: skip
+            while len(nodes) > 1 and most > 1:
+                width = min(most, 4 if len(nodes) > 3 else 2)
+                found.append((tuple(nodes[:width]), square))
+                nodes = nodes[width:]
+    return found
+
+
+class Series:
+    """The text of the coefficients of a room."""
+
+    def __init__(self, room: Room, count: int) -> None:
+        self.room, self.tape, self._shown = room, room.tape, count
+        self.wide, self.order = room.orders
+        self.text = Text(room.lanes)
+        self._recent: dict[tuple[int, int, int], str] = {}
+        self._built: dict[tuple[int, int, int], str] = {}
+        self._divisors: dict[int, Wide] = {}
+        self._blocks = 0
+
+    def function(self) -> str:
+        """LLVM's function of a room, whose constants, units and coefficients of the order 0 are there already."""
+        text, tape = self.text, self.tape
+        begin = next((n for n, kind in enumerate(tape.kinds) if kind not in (VARIABLE, CONSTANT)), len(tape.kinds))
+        for n in sorted(set(self.room.copies) & set(range(begin))):
+            self._copy(n, 0, self._value(n, 0))
+        for k in range(self.order):
+            self._recent = {key: x for key, x in self._recent.items() if key[1] == k}
+            self._built, self._divisors = {}, {}
+            for n in range(begin, len(tape.kinds)):
+                self._end_of_block()
+                if n not in self.room.members:
+                    self._put(n, k, self._node(n, k))
+                elif self.room.members[n][0] == n:
+                    for each, x in self._group(self.room.members[n], k).items():
+                        self._put(each, k, x)
+                if k == 0 and n in self.room.inverses:
+                    self._put_inverse(n)
+            self._end_of_block()
+            for i in range(self.room.count):
+                self._put(i, k + 1, self._integrated(self._value(tape.results[i], k), k))
+        self._put_ratios()
+        head = "define void @series(ptr noalias %s) nounwind {\nentry:\n  %word = load i64, ptr %s\n"
+        # no room begins like this: a block that may end here is not joined to the next one
+        head += "  %never = icmp eq i64 %word, -1\n"
+        return "\n".join([head, *text.lines, "  ret void", "out:", "  ret void", "}"])
+
+    def _end_of_block(self) -> None:
+        lines = self.text.lines
+        if len(lines) > BLOCK * (self._blocks + 1):
+            self._blocks = len(lines) // BLOCK
+            label = f"block{self._blocks}"
+            lines += [f"  br i1 %never, label %out, label %{label}", f"{label}:"]
+
+    # --- coefficients in memory and in registers
+
+    def _hi(self, n: int, k: int) -> str:
+        return self._recent.get((n, k, 0)) or self.text.load(self.room.highs[n] + k)
+
+    def _lo(self, n: int, k: int) -> str:
+        return self._recent.get((n, k, 1)) or self.text.load(self.room.lows[n] + k)
+
+    def _value(self, n: int, k: int) -> Wide:
+        """(hi, lo) up to the last wide one, then (float, "")."""
+        return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
+
+    def _put(self, n: int, k: int, x: Wide) -> None:
+        room, text = self.room, self.text
+        if x[1]:
+            # floats of higher orders are made of the high parts, off by what a sum has cancelled else
+            x = fast_two_sum(text, *x)
+        if n in room.highs:
+            text.store(x[0], room.highs[n] + k)
+            if x[1] and k <= self.wide:
+                text.store(x[1], room.lows[n] + k)
+        self._recent[n, k, 0] = x[0]
+        if x[1]:
+            self._recent[n, k, 1] = x[1]
+        if k < self.order:
+            self._copy(n, k, x)
+
+    def _copy(self, n: int, k: int, x: Wide) -> None:
+        for base, width, slot in self.room.copies.get(n, ()):
+            self.text.store(x[0], base + k * width + slot)
+            if x[1] and k <= self.wide:
+                self.text.store(x[1], base + (self.order + 1 + k) * width + slot)
+
+    # --- one node
+
+    def _node(self, n: int, k: int) -> Wide:
+        kind, p, q = self.tape.kinds[n], self.tape.left[n], self.tape.right[n]
+        if kind in (SUM, DIFFERENCE):
+            return self._sum(kind, p, q, k)
+        if kind == MULTIPLE:
+            return self._times(self._value(p, 0), self._value(q, k), k)
+        if kind == PRODUCT:
+            return self._summed(_terms(p == q, 0, k + 1, k), p, q, k)
+        if k == 0:
+            x = self._value(p, 0)
+            if self.wide < 0:
+                return (self.text.fsqrt(x[0]) if kind == ROOT else self.text.fdiv(x[0], self._hi(q, 0))), ""
+            return square_root(self.text, *x) if kind == ROOT else quotient(self.text, *x, *self._value(q, 0))
+        rest = self._convolved(n, n, 1, k, k) if kind == ROOT else self._rest(n, q, k)
+        top = None if self._constant(p) else self._value(p, k)
+        if rest is not None:
+            minus = (self.text.fneg(rest[0]), self.text.fneg(rest[1]) if rest[1] else "")
+            top = minus if top is None else self._plus(top, minus)
+        # of constants all further coefficients are 0
+        nothing = self.text.real(0.0)
+        return self._times(top or (nothing, nothing), self._divisor(n, k), k)
+
+    def _rest(self, n: int, q: int, k: int) -> Wide | None:
+        return None if self._constant(q) else self._convolved(n, q, 0, k, k)
+
+    def _constant(self, n: int) -> bool:
+        return self.tape.kinds[n] == CONSTANT
+
+    def _sum(self, kind: int, p: int, q: int, k: int) -> Wide:
+        if k and self._constant(q):
+            return self._value(p, k)
+        y = self._value(q, k)
+        if kind == DIFFERENCE:
+            y = self.text.fneg(y[0]), self.text.fneg(y[1]) if y[1] else ""
+        return y if k and self._constant(p) else self._plus(self._value(p, k), y)
+
+    def _plus(self, x: Wide, y: Wide) -> Wide:
+        return self.text.wide_sum(x, y) if x[1] and y[1] else (self.text.fadd(x[0], y[0]), "")
+
+    def _times(self, x: Wide, y: Wide, k: int) -> Wide:
+        return self.text.wide_product(x, y) if k <= self.wide else (self.text.fmul(x[0], y[0]), "")
+
+    def _divisor(self, n: int, k: int) -> Wide:
+        """1 over the first coefficient of what is divided by, over twice that of a root."""
+        if n not in self._divisors:
+            place = self.room.inverses[n]
+            self._divisors[n] = self.text.load(place), self.text.load(place + 1) if k <= self.wide else ""
+        return self._divisors[n]
+
+    def _put_inverse(self, n: int) -> None:
+        text = self.text
+        root = self.tape.kinds[n] == ROOT
+        x = self._value(n if root else self.tape.right[n], 0)
+        found = reciprocal(text, *x) if x[1] else (text.fdiv(text.one, x[0]), "")
+        for i, part in enumerate(found):
+            if part:
+                text.store(text.fmul(text.real(0.5), part) if root else part, self.room.inverses[n] + i)
+
+    def _integrated(self, rate: Wide, k: int) -> Wide:
+        """The coefficient k + 1 of a variable."""
+        room = self.room
+        unit = self.text.load(UNITS + k)
+        if k + 1 > self.wide:
+            return self.text.fmul(rate[0], unit), ""
+        if (k + 1) & k == 0:
+            # powers of two
+            return self.text.fmul(rate[0], unit), self.text.fmul(rate[1], unit)
+        return self.text.wide_product(rate, (unit, self.text.load(room.lows_of_units + k)))
+
+    # --- sums of products
+
+    def _convolved(self, p: int, q: int, begin: int, end: int, k: int) -> Wide | None:
+        """Σ p_j q_{k−j}, begin ≤ j < end; None of nothing."""
+        terms = _terms(p == q, begin, end, k)
+        return self._summed(terms, p, q, k) if terms else None
+
+    def _summed(self, terms: Sequence[Term], p: int, q: int, k: int) -> Wide:
+        pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
+        return _summed(self.text, pairs, k <= self.wide)
+
+    def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
+        """The coefficients k of products abreast."""
+        sides, lanes = self.room.sides[nodes], self.room.lanes
+        text = Text(lanes * len(nodes), self.text)
+        terms = _terms(len(sides) == 1, 0, k + 1, k)
+        wide = k <= self.wide
+        pairs = []
+        for f, i, j in terms:
+            factors = [
+                (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
+                for side, order in ((sides[0], i), (sides[-1], j))
+            ]
+            pairs.append((f, factors[0], factors[1]))
+        found = _summed(text, pairs, wide)
+        return {n: (self._part(text, found[0], i), self._part(text, found[1], i)) for i, n in enumerate(nodes)}
+
+    def _part(self, text: Text, x: str, slot: int) -> str:
+        """One number of some abreast."""
+        if not x:
+            return ""
+        kind, lanes = text.types.double, self.room.lanes
+        if lanes == 1:
+            return text.write(f"extractelement {kind} {x}, i32 {slot}")
+        places = ", ".join(f"i32 {slot * lanes + i}" for i in range(lanes))
+        return text.write(f"shufflevector {kind} {x}, {kind} undef, <{lanes} x i32> <{places}>")
+
+    def _fetched(self, text: Text, side: tuple[tuple[int, ...], int], k: int, low: int) -> str:
+        """The coefficients k of one side of a group."""
+        factors, base = side
+        count = text.lanes // self.room.lanes
+        if base < 0:
+            x = (self._lo if low else self._hi)(factors[0], k)
+            return joined_lanes(text, [x] * count, self.room.lanes)
+        if all((n, k, low) in self._recent for n in factors):
+            key = base, k, low
+            if key not in self._built:
+                parts = [self._recent[n, k, low] for n in factors]
+                self._built[key] = joined_lanes(text, parts, self.room.lanes)
+            return self._built[key]
+        place = base + (low * (self.order + 1) + k) * count
+        return text.load(place // count)
+
+    def _put_ratios(self) -> None:
+        """The largest of the last coefficients, and of the first two in floats, each beside its variable."""
+        text, last = self.text, self.order
+        orders = [last - 1, last, self.wide + 1, self.wide + 2]
+        best, bent = list[str](), ""
+        for i in range(self._shown):
+            size, turn = "", ""
+            for k in range(FIRST):
+                x = text.fabs(self._hi(i, k))
+                size = text.larger(x, size) if size else x
+                turn = turn if k < 2 else text.larger(x, turn) if turn else x
+            over = text.fdiv(text.one, text.larger(size, text.real(1e-300)))
+            found = [text.fmul(text.fabs(self._hi(i, k)), over) for k in orders]
+            best = [text.larger(x, y) for x, y in zip(best, found, strict=True)] if best else found
+            bent = text.larger(turn, bent) if bent else turn
+        for m, x in enumerate([*best, bent]):
+            text.store(x, RATIOS + m)
+
+
+def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
+    """Those of Σ p_j q_{k−j}, begin ≤ j < end; what is newest comes last."""
+    if not square:
+        found = [(1, j, k - j) for j in range(begin, end)]
+    else:
+        found = [(2, j, k - j) for j in range(begin, (k + 1) // 2) if k - j < end]
+        if k % 2 == 0 and begin <= k // 2 < end:
+            found.append((1, k // 2, k // 2))
+    return sorted(found, key=lambda term: max(term[1:]))
+
+
+def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool) -> Wide:
+    """Σ of factor·x·y: twice those with the factor 2, and the others."""
+    twice = [(x, y) for f, x, y in pairs if f == 2]
+    once = [(x, y) for f, x, y in pairs if f == 1]
+    if wide:
+        total = _wide_total(text, twice, None) if twice else None
+        if total is not None:
+            total = text.fadd(total[0], total[0]), text.fadd(total[1], total[1])
+        return _wide_total(text, once, total)
+    half, rest = _total(text, twice), _total(text, once)
+    if not half:
+        return rest, ""
+    return (text.fma(half, text.real(2.0), rest) if rest else text.fadd(half, half)), ""
+
+
+def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | None) -> Wide:
+    for x, y in pairs:
+        p, e = two_product(text, x[0], y[0])
+        e = text.fma(x[1], y[0], text.fma(x[0], y[1], e))
+        if total is None:
+            total = p, e
+        else:
+            s, f = two_sum(text, total[0], p)
+            total = s, text.fadd(total[1], text.fadd(e, f))
+    assert total is not None
+    return total
+
+
+def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]]) -> str:
+    """In two sums, which do not wait for each other."""
+    sums: list[str] = []
+    for i, ((x, _), (y, _)) in enumerate(pairs):
+        if len(sums) < min(2, max(1, len(pairs) // 2)):
+            sums.append(text.fmul(x, y))
+        else:
+            m = i % len(sums)
+            sums[m] = text.fma(x, y, sums[m])
+    return text.fadd(*sums) if len(sums) == 2 else sums[0] if sums else ""

@@ -1,0 +1,84 @@
+"""LLVM's instructions for straight lines: memory, numbers side by side, and double-doubles whose parts may overlap."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import count
+
+from jacobian.native.code import Code, constant, types_in
+from jacobian.numbers.double_double_steps import two_product, two_sum
+
+Wide = tuple[str, str]
+"""(hi, lo)."""
+
+
+class Text(Code):
+    """Instructions on ``lanes`` floats at once, in memory behind the pointer %s, counted in such vectors."""
+
+    def __init__(self, lanes: int, before: Text | None = None) -> None:
+        super().__init__(types_in(lanes))
+        self.lanes = lanes
+        # another number of lanes in the same lines
+        self._numbers: Iterator[int] = count() if before is None else before._numbers
+        self.lines = self.lines if before is None else before.lines
+
+    def fresh(self) -> str:
+        return f"%x{next(self._numbers)}"
+
+    def real(self, x: float) -> str:
+        """A constant."""
+        return self.literal("double", constant(x))
+
+    def load(self, place: int, base: str = "%s") -> str:
+        there = self.write(f"getelementptr {self.types.double}, ptr {base}, i64 {place}")
+        return self.write(f"load {self.types.double}, ptr {there}, align 8")
+
+    def store(self, x: str, place: int, base: str = "%s") -> None:
+        there = self.write(f"getelementptr {self.types.double}, ptr {base}, i64 {place}")
+        self.lines.append(f"  store {self.types.double} {x}, ptr {there}, align 8")
+
+    def larger(self, x: str, y: str) -> str:
+        """The larger one; y where one is no number."""
+        over = self.write(f"fcmp ogt {self.types.double} {x}, {y}")
+        return self.write(f"select {self.types.bit} {over}, {self.types.double} {x}, {self.types.double} {y}")
+
+    def fabs(self, x: str) -> str:
+        return self.intrinsic("fabs", x)
+
+    def spread(self, x: str) -> str:
+        """A float in all lanes."""
+        return x if self.lanes == 1 else self.gathered([x] * self.lanes)
+
+    def gathered(self, parts: Sequence[str]) -> str:
+        """Floats side by side, one in each lane."""
+        found = "undef"
+        for lane, part in enumerate(parts):
+            found = self.write(f"insertelement {self.types.double} {found}, double {part}, i32 {lane}")
+        return found
+
+    # --- double-doubles, as sums whose parts may overlap
+
+    def wide_sum(self, x: Wide, y: Wide) -> Wide:
+        s, e = two_sum(self, x[0], y[0])
+        return s, self.fadd(e, self.fadd(x[1], y[1]))
+
+    def wide_product(self, x: Wide, y: Wide) -> Wide:
+        p, e = two_product(self, x[0], y[0])
+        return p, self.fma(x[1], y[0], self.fma(x[0], y[1], e))
+
+
+def joined_lanes(text: Text, parts: Sequence[str], lanes: int) -> str:
+    """Vectors of ``lanes`` floats end to end; a power of two of them."""
+    found = list(parts)
+    while len(found) > 1:
+        order = ", ".join(f"i32 {i}" for i in range(2 * lanes))
+        kind = f"<{lanes} x double>"
+        pairs = zip(found[::2], found[1::2], strict=True)
+        found = [
+            text.write(f"shufflevector {kind} {a}, {kind} {b}, <{2 * lanes} x i32> <{order}>")
+            if lanes > 1
+            else Text(2, text).gathered((a, b))
+            for a, b in pairs
+        ]
+        lanes *= 2
+    return found[0]

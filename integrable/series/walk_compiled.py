@@ -1,0 +1,97 @@
+"""The loop of :mod:`integrable.series.walk` compiled, once for all kinds of systems, and once for all tapes."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from integrable.series import taped, walk
+from integrable.series.walk import Bounds, Codes, Given, walked
+from jacobian.native.expressions import Expressions
+from jacobian.native.kinds import (
+    FLOAT,
+    FLOATS,
+    INT,
+    INTS,
+    NONE,
+    TWIN_FLOATS,
+    TWIN_WIDES,
+    TupleKind,
+    Value,
+    record,
+)
+from jacobian.native.library import Library
+from jacobian.native.operators import Operators, real
+from jacobian.native.special import SPECIAL
+
+CODES = record(Codes, INT, INT, INT, INT)
+BOUNDS = record(Bounds, *[FLOAT] * 10)
+GIVEN = record(Given, FLOATS, FLOATS, *[INT] * 6)
+
+
+def _call(b: Operators, code: Value, *pointers: str) -> Value:
+    there = b.write(f"inttoptr i64 {code.parts[0]} to ptr")
+    b.lines.append(f"  call void {there}({', '.join(f'ptr {x}' for x in pointers)})")
+    return Value(NONE, ())
+
+
+def _further(b: Operators, row: Value, place: Value) -> str:
+    return b.write(f"getelementptr double, ptr {row.parts[0]}, i64 {place.parts[0]}")
+
+
+def _dense(b: Operators, code: Value, room: Value, lane: Value, ahead: Value, rows: Value, place: Value) -> Value:
+    return _call(b, code, _further(b, room, lane), ahead.parts[0], _further(b, rows, place))
+
+
+def _logarithm(b: Operators, x: Value) -> Value:
+    # the exponent, and the digits as if they were its logarithm
+    word = b.write(f"bitcast double {b.float_of(x)} to i64")
+    found = Value(FLOAT, (b.write(f"sitofp i64 {word} to double"),))
+    return b.binary("Sub", b.binary("Mult", found, real(2.0**-52)), real(1023.0))
+
+
+def _power(b: Operators, x: Value) -> Value:
+    # as a parabola between powers of two
+    floor = b.function("floor", x)
+    part = b.binary("Sub", x, floor)
+    bent = b.binary("Add", b.binary("Mult", part, real(0.3371894346)), real(0.657636276))
+    found = b.binary("Add", b.binary("Mult", part, bent), real(1.00172476))
+    exponent = b.write(f"fptosi double {floor.parts[0]} to i64")
+    word = b.write(f"shl i64 {b.write(f'add i64 {exponent}, 1023')}, 52")
+    return b.binary("Mult", found, Value(FLOAT, (b.write(f"bitcast i64 {word} to double"),)))
+
+
+NUMBERS = {walk.logarithm: _logarithm, walk.power: _power}
+STRAIGHT: dict[Any, Callable[..., Value]] = {
+    walk.start: lambda b, code, *rows: _call(b, code, *(row.parts[0] for row in rows)),
+    walk.series: lambda b, code, room: _call(b, code, room.parts[0]),
+    walk.advance: lambda b, code, room: _call(b, code, room.parts[0]),
+    walk.dense: _dense,
+}
+LIBRARY = Library("walk", {"walked": (walked, (CODES, BOUNDS, GIVEN, *[FLOATS] * 5))}, SPECIAL | NUMBERS | STRAIGHT)
+
+TWINS = TWIN_WIDES, TWIN_WIDES, TWIN_WIDES, TWIN_FLOATS, TWIN_WIDES
+LINES = record(taped.Lines, TupleKind((INTS, INTS, INTS, INTS)), *TWINS, FLOATS, FLOATS, INT, INT, INT, INT)
+
+
+def _start(b: Expressions, lines: Value, constants: Value, state: Value, room: Value) -> Value:
+    return b.call(taped.start, [lines])
+
+
+def _taped_dense(
+    b: Expressions, lines: Value, room: Value, lane: Value, ahead: Value, rows: Value, place: Value
+) -> Value:
+    return b.call(taped.dense, [lines, lane, ahead, rows, place])
+
+
+TAPED: dict[Any, Callable[..., Value]] = {
+    walk.start: _start,
+    walk.series: lambda b, lines, room: b.call(taped.series, [lines, room]),
+    walk.advance: lambda b, lines, room: b.call(taped.advance, [lines, room]),
+    walk.dense: _taped_dense,
+}
+ON_TAPES = Library(
+    "walk_on_tapes",
+    {"walked": (walked, (record(taped.OnTape, LINES, LINES, LINES, LINES), BOUNDS, GIVEN, *[FLOATS] * 5))},
+    SPECIAL | NUMBERS | TAPED,
+)

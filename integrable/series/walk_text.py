@@ -1,0 +1,214 @@
+"""The other straight lines of a walk: from a state in floats to its room, from a step to the next, to times between."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from math import factorial
+
+from integrable.series.steps_text import STEP, WIDEST, Room, Series
+from integrable.series.symbols import Key, key_of
+from integrable.series.tape import CONSTANT, DIFFERENCE, GROWTH, MULTIPLE, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
+from integrable.series.text import Text, Wide
+from jacobian.numbers.double_double_steps import (
+    fast_two_sum,
+    product,
+    quotient,
+    square_root,
+    total,
+    two_product,
+    two_sum,
+)
+
+# by how much of themselves numbers differ in the second of two walks, some units of what they are rounded to: of
+# double-doubles, of floats
+MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
+# of the terms near times in double-doubles one in so many are summed in them: what is left is a hundredth of a number
+FIRST_TERMS = 2
+# times abreast
+TIMES = WIDEST
+# e^x − 1 is that of x/2^HALVED, |x| < 2^9 or so, by so many terms, and that doubled
+HALVED, TERMS = 11, 18
+
+
+def module(room: Room, start: Tape, count: int) -> str:
+    """The module of a kind, the first ``count`` variables of which are q and p; ``start``: all of them from floats."""
+    texts = [_declared(), _growth(), Series(room, count).function(), _advance(room), _dense(room, count)]
+    return "\n".join([*texts, _start(room, start)])
+
+
+def _declared() -> str:
+    found = []
+    for text in (Text(1), Text(2), Text(4), Text(8)):
+        double, suffix = text.types.double, text.types.suffix
+        for name, count in (("fma", 3), ("sqrt", 1), ("fabs", 1)):
+            found.append(f"declare {double} @llvm.{name}.{suffix}({', '.join([double] * count)})")
+    return "\n".join(found)
+
+
+def _advance(room: Room) -> str:
+    """Variables a step further, where the coefficients of the order 0 are."""
+    text, (wide, order) = Text(room.lanes), room.orders
+    step, variables = text.load(STEP), range(room.count)
+
+    def hi(i: int, k: int) -> str:
+        return text.load(room.highs[i] + k)
+
+    rest = [hi(i, order) for i in variables]
+    # all variables abreast in time: one does not wait for the other
+    for k in range(order - 1, max(wide, 0), -1):
+        rest = [text.fma(x, step, hi(i, k)) for i, x in enumerate(rest)]
+    if wide < 0:
+        found = [two_sum(text, hi(i, 0), text.fma(x, step, text.load(room.lows[i]))) for i, x in enumerate(rest)]
+    else:
+        found = [(x, "") for x in rest]
+        for k in range(wide, -1, -1):
+            found = [_onward(text, x, (step, ""), (hi(i, k), text.load(room.lows[i] + k))) for i, x in enumerate(found)]
+        found = [fast_two_sum(text, *x) for x in found]
+    for i, (high, low) in enumerate(found):
+        text.store(high, room.highs[i])
+        text.store(low, room.lows[i])
+    return _function("advance", "ptr noalias %s", text)
+
+
+def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
+    """x·step + coefficient, where the parts of a number may be one only."""
+    p, e = two_product(text, x[0], step[0])
+    if x[1]:
+        e = text.fma(x[1], step[0], e)
+    if step[1]:
+        e = text.fma(x[0], step[1], e)
+    s, f = two_sum(text, coefficient[0], p)
+    return s, text.fadd(text.fadd(coefficient[1], f), e)
+
+
+def _dense(room: Room, count: int) -> str:
+    """The first variables of one walk, which begins at %s, at some distances %x, given as their high parts and then
+    their low ones: (hi, lo) of each in a row of %o.
+    """
+    text, (wide, order), lanes = Text(TIMES), room.orders, room.lanes
+    ahead = text.load(0, "%x"), text.load(1, "%x")
+
+    def spread(place: int) -> str:
+        there = text.write(f"getelementptr double, ptr %s, i64 {place * lanes}")
+        return text.spread(text.write(f"load double, ptr {there}, align 8"))
+
+    first, variables = (wide + 1) // FIRST_TERMS, range(count)
+    # all variables abreast: one does not wait for the other
+    rest = [spread(room.highs[i] + order) for i in variables]
+    for k in range(order - 1, max(first, 1) - 1, -1):
+        rest = [text.fma(x, ahead[0], spread(room.highs[i] + k)) for i, x in enumerate(rest)]
+    found: list[Wide] = [(x, "") for x in rest]
+    if wide < 0:
+        for i, x in enumerate(rest):
+            moved = text.fma(x, ahead[0], text.fma(spread(room.highs[i] + 1), ahead[1], spread(room.lows[i])))
+            found[i] = two_sum(text, spread(room.highs[i]), moved)
+    for k in range(first - 1, -1, -1):
+        terms = [(spread(room.highs[i] + k), spread(room.lows[i] + k)) for i in variables]
+        found = [_onward(text, x, ahead, term) for x, term in zip(found, terms, strict=True)]
+    for i, pair in enumerate(found):
+        for part, x in enumerate(fast_two_sum(text, *pair)):
+            for row in range(TIMES):
+                y = text.write(f"extractelement {text.types.double} {x}, i32 {row}")
+                Text(1, text).store(y, 2 * (row * count + i) + part, "%o")
+    return _function("dense", "ptr noalias %s, ptr noalias %x, ptr noalias %o", text)
+
+
+def _start(room: Room, start: Tape) -> str:
+    """Constants and variables of both walks into a room, from the constants and from q and p in floats."""
+    text, wide, rates = Text(room.lanes), room.orders.wide, room.tape
+    single = Text(1, text)
+    known: dict[Key, Wide] = {}
+    results = _values(single, start, known)
+    moved = MOVED if wide >= 0 else MOVED_IN_FLOATS
+    for n, kind in enumerate(rates.kinds):
+        if kind not in (VARIABLE, CONSTANT):
+            continue
+        high, low = results[n] if kind == VARIABLE else _constant(single, key_of(rates.constants[n]), known)
+        again = single.fma(high, single.real(moved * (n % 5 - 2.5)), low)
+        # of constants in floats there is no low part
+        both = kind == CONSTANT and wide < 0
+        highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]
+        text.store(_gathered(text, highs), room.highs[n])
+        text.store(_gathered(text, [low, again]), room.lows[n])
+    return _function("start", "ptr noalias %constants, ptr noalias %state, ptr noalias %s", text)
+
+
+def _gathered(text: Text, parts: list[str]) -> str:
+    """Numbers of the walks, the last one for all that are left."""
+    if text.lanes == 1:
+        return parts[0]
+    # of many motions abreast each has its own start: see the ensembles
+    return text.gathered((parts + [parts[-1]] * text.lanes)[: text.lanes])
+
+
+def _values(text: Text, tape: Tape, known: dict[Key, Wide]) -> list[Wide]:
+    """What a tape makes of the floats in %state."""
+    found: list[Wide] = []
+    for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
+        if kind == VARIABLE:
+            found.append((text.load(n, "%state"), text.real(0.0)))
+        elif kind == CONSTANT:
+            found.append(_constant(text, key_of(tape.constants[n]), known))
+        elif kind == ROOT:
+            found.append(square_root(text, *found[p]))
+        elif kind == GROWTH:
+            pair = text.write(f"call {{double, double}} @growth(double {found[p][0]}, double {found[p][1]})")
+            found.append(_parts(text, pair))
+        else:
+            y = found[q]
+            if kind == DIFFERENCE:
+                y = text.fneg(y[0]), text.fneg(y[1])
+            operation = product if kind in (MULTIPLE, PRODUCT) else quotient if kind == QUOTIENT else total
+            found.append(operation(text, *found[p], *y))
+    return [found[n] for n in tape.results]
+
+
+def _parts(text: Text, pair: str) -> Wide:
+    high, low = (text.write(f"extractvalue {{double, double}} {pair}, {i}") for i in (0, 1))
+    return high, low
+
+
+def _constant(text: Text, key: Key, known: dict[Key, Wide]) -> Wide:
+    """A constant of the system, in double-doubles."""
+    if key not in known:
+        sign, *rest = key
+        if sign == "constant":
+            known[key] = text.load(rest[0], "%constants"), text.real(0.0)
+        elif sign == "number":
+            known[key] = text.real(rest[0]), text.real(0.0)
+        else:
+            x, y = (_constant(text, each, known) for each in rest)
+            if sign == "-":
+                y = text.fneg(y[0]), text.fneg(y[1])
+            operation = product if sign == "*" else quotient if sign == "/" else total
+            known[key] = operation(text, *x, *y)
+    return known[key]
+
+
+def _growth() -> str:
+    """e^x − 1 of a double-double."""
+    text = Text(1)
+    small = text.real(2.0**-HALVED)
+    x = text.fmul("%hi", small), text.fmul("%lo", small)
+    terms = [_split(text, Fraction(1, factorial(k))) for k in range(1, TERMS + 1)]
+    found = terms[-1]
+    for term in terms[-2::-1]:
+        found = total(text, *product(text, *found, *x), *term)
+    found = product(text, *found, *x)
+    two = text.real(2.0), text.real(0.0)
+    for _ in range(HALVED):
+        # e^2x − 1 = (e^x − 1)(e^x + 1)
+        found = product(text, *found, *total(text, *found, *two))
+    pair = text.write(f"insertvalue {{double, double}} undef, double {found[0]}, 0")
+    pair = text.write(f"insertvalue {{double, double}} {pair}, double {found[1]}, 1")
+    head = "define internal {double, double} @growth(double %hi, double %lo) nounwind noinline {"
+    return "\n".join([head, *text.lines, f"  ret {{double, double}} {pair}", "}"])
+
+
+def _split(text: Text, x: Fraction) -> Wide:
+    high = float(x)
+    return text.real(high), text.real(float(x - Fraction(high)))
+
+
+def _function(name: str, arguments: str, text: Text) -> str:
+    return "\n".join([f"define void @{name}({arguments}) nounwind {{", *text.lines, "  ret void", "}"])

@@ -1,0 +1,256 @@
+"""Compiled walks of kinds of systems: beside the interpreted tape, with a tolerance, and when they are compiled."""
+
+from __future__ import annotations
+
+import math
+from random import Random
+
+import numpy as np
+import pytest
+
+from integrable.classical.ellipsoid import Ellipsoid
+from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
+from integrable.classical.toda import TodaLattice
+from integrable.mumford.flow import ROUNDED, Point
+from integrable.mumford.system import MumfordSystem
+from integrable.series.kinds import Formulas, Kind
+from integrable.series.near import walked
+from integrable.series.steps import FINE, FINEST, WIDE, bounds_of, steps_for
+from integrable.series.walk import Bounds, Codes, Given
+from integrable.series.walk import walked as by_the_readable_loop
+from integrable.series.walk_compiled import LIBRARY
+from integrable.series.walk_text import TIMES
+from jacobian import MP, RR, ArgumentError
+from tests.integrable.classical.rows import REAL
+from tests.integrable.ways import walks
+
+SOME = [("neumann", 2), ("toda", 3), ("pendulum", 3), ("lagrange", 3), ("garnier", 3), ("veselova", 3)]
+over_some = pytest.mark.parametrize(("name", "n"), SOME)
+
+
+def both(path):
+    return np.stack([path.q, path.p], axis=1)
+
+
+def off(found, true):
+    """The largest difference beside the largest q, or p."""
+    return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
+
+
+@over_some
+def test_the_tape_and_the_compiled_walk_differ_by_rounding_only(name, n, monkeypatch) -> None:
+    system, state = REAL[name](RR, n)
+    times, found = np.array([7.0, -3.0, 0.0, 0.5, 21.0]), []
+    for way in ("tape", "compiled"):
+        walks(monkeypatch, way)
+        near = walked(system, state, times, 1e4)
+        assert sorted(near.places) == [0, 1, 2, 3, 4]
+        found.append(near.states[np.argsort(near.places)])
+    assert off(*found) <= 2.0**-52
+
+
+def test_a_walk_is_the_same_for_times_in_any_order(monkeypatch) -> None:
+    walks(monkeypatch, "compiled")
+    system, state = REAL["neumann"](RR, 2)
+    flow, times = system.flow(state), np.linspace(0, 9, 50)
+    there = both(flow.at(times))
+    mixed = np.random.default_rng(1).permutation(50)
+    assert np.array_equal(both(flow.at(times[mixed])), there[mixed])
+    # lists, integers, one number; back in time
+    assert np.array_equal(both(flow.at([0, 9])), there[[0, -1]])
+    assert np.array_equal(both(flow.at(9.0)), there[-1:])
+    back = system.flow(system.state(state.q, tuple(-y for y in state.p))).at(-times)
+    assert np.array_equal(back.q, there[:, 0])
+    assert np.array_equal(back.p, -there[:, 1])
+
+
+def test_what_was_asked_before_decides_nothing(monkeypatch) -> None:
+    walks(monkeypatch, "compiled")
+    system, state = REAL["ellipsoid"](RR, 2)
+    times = [0.5, 30.0, 150.0]
+    fresh = both(system.flow(state).at(times))
+    used = system.flow(state)
+    used.at([1e5, 2e5])
+    assert np.array_equal(both(used.at(times)), fresh)
+
+
+@over_some
+def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n, monkeypatch) -> None:
+    walks(monkeypatch, "compiled")
+    system, state = REAL[name](RR, n)
+    times = np.linspace(0, 40, 9)
+    exact = both(system.flow(state).at(times))
+    for tolerance in (1e-6, 1e-9, 1e-12):
+        path = system.flow(state, tolerance=tolerance).at(times)
+        assert path.way.startswith("series")
+        error = off(both(path), exact)
+        assert error <= tolerance
+        assert error <= 3 * path.estimate
+        assert ROUNDED <= path.estimate <= tolerance
+
+
+def test_what_a_tolerance_does_not_hold_for_is_right_to_the_last_bits(monkeypatch) -> None:
+    """An instability makes 1e-16 of plain steps 1e-3; steps in double-doubles have it."""
+    walks(monkeypatch, "compiled")
+    system = SphericalPendulum()
+    state = system.state((1e-5, 0.0, 1.0), (0.0, 1e-5, 0.0))
+    times = np.array([1.0, 30.0])
+    assert np.array_equal(both(system.flow(state, tolerance=1e-13).at(times))[1], both(system.flow(state).at(times))[1])
+
+
+@pytest.mark.parametrize("bad", [0, 1, -1e-9, 1e-17, math.nan, math.inf, "1e-12", 1j])
+def test_no_tolerances(bad) -> None:
+    system, state = REAL["neumann"](RR, 2)
+    with pytest.raises(ArgumentError, match=r"tolerance = .* 2\^-50 and 1"):
+        system.flow(state, tolerance=bad)
+    fine, same = REAL["neumann"](MP(30), 2)
+    with pytest.raises(ArgumentError, match="of a flow over RR"):
+        fine.flow(same, tolerance=1e-12)
+
+
+def spiral() -> Formulas:
+    """x' = −y/3, y' = x/3, with q and p as they are."""
+    return Formulas(lambda N, y: (-(y[1] / 3), y[0] / 3), lambda N, y: tuple(y), 2, 2, 1)
+
+
+def test_a_kind_is_compiled_when_it_has_paid() -> None:
+    kind = Kind("spiral", spiral())
+    kind.name += f"_{Random().random()}"
+    assert kind.walk(WIDE) is None
+    kind.pay(kind.cost(WIDE) / 2)
+    assert kind.walk(WIDE) is None
+    kind.pay(kind.cost(WIDE))
+    walk = kind.walk(WIDE)
+    assert walk is not None
+    found = walk(np.zeros(1), (1.0, 0.0), np.array([0.0, 3.0, 60.0]), FINE, 1e3)
+    assert found.wrong is None
+    assert off(found.states.reshape(3, 2), np.array([[math.cos(t / 3), math.sin(t / 3)] for t in (0, 3, 60)])) < 3e-16
+    # found on disk from now on
+    again = Kind("spiral", spiral())
+    again.name = kind.name
+    assert again.walk(WIDE) is not None
+
+
+def test_times_that_are_not_in_order_are_not_walked_to() -> None:
+    walk = Kind("spiral", spiral()).walk(WIDE, compiles=True)
+    assert walk is not None
+    for times in ([1.0, 0.5], [-1.0, 1.0], [1.0, -1.0], [math.nan], [0.0, math.inf]):
+        assert walk(np.zeros(1), (1.0, 0.0), np.array(times), FINE, 1e3).reached == -1
+
+
+def test_the_compiled_loop_is_the_readable_one() -> None:
+    system, state = REAL["toda"](RR, 2)
+    walk = system._kind.walk(WIDE, compiles=True)
+    times = np.array([0.25, 0.5, 2.0, 2.0, 7.0])
+    found = []
+    for loop in (by_the_readable_loop, LIBRARY.walked):
+        bounds, places = Bounds(*bounds_of(FINE, 1e3)), walk.places
+        room, rows, out = np.zeros(walk.size), np.empty(4 * (5 + TIMES) * 4), np.empty(5 * 4)
+        given = Given(np.zeros(1), np.array([*state.q, *state.p]), *places)
+        said = loop(Codes(*walk.codes), bounds, given, room, walk.units, times, rows, out)
+        found.append(out)
+        assert said[0] == 5
+        assert said[1] == 0
+    # but for logarithms, which the compiled one reads off the bits
+    assert np.abs(found[0] - found[1]).max() <= 4.5e-16
+
+
+@pytest.mark.parametrize("name", ["neumann", "ellipsoid", "lagrange", "pendulum", "veselova"])
+def test_sizes_of_constraints_are_those_of_their_slopes(name) -> None:
+    system, state = REAL[name](RR, 3)
+    found, slopes = system._constraint_sizes(state), MumfordSystem._constraint_sizes(system, state)
+    assert [float(x) for x in found] == pytest.approx(slopes, rel=1e-14)
+
+
+EDGES = {
+    "great circle": (Neumann((1e-30, 2e-30, 4e-30)), (0.6, 0.0, 0.8), (0.0, 1.0, 0.0), 5.0),
+    "slow": (Neumann((1.0, 2.0, 4.0)), (1.0, 0.0, 0.0), (0.0, 1e-200, 0.0), 5.0),
+    "at rest in equilibrium": (Neumann((1.0, 2.0, 4.0)), (0.0, 0.0, 1.0), (0.0, 0.0, 0.0), 1e6),
+    "at rest on the long axis": (Garnier((-1.0, -4.0)), (0.0, 0.0), (0.0, 0.0), 1e6),
+    "plane": (Ellipsoid((1.0, 2.0, 4.0)), (1.0, 0.0, 0.0), (0.0, 0.0, 1.0), 11.0),
+    "round": (Ellipsoid((1e10, 2e10, 4e10)), (1e5, 0.0, 0.0), (0.0, 0.6, 0.8), 1e5),
+    "far apart": (TodaLattice(2), (0.0, -30.0), (0.0, 1.0), 2.0),
+    "heavy": (HenonHeiles((1.0,), -0.5, -0.25), (1e-9, 1e-9), (0.0, 1e-9), 30.0),
+    "barrier": (HenonHeiles((1.0,), -0.5, -0.25, 0, (1e-3,)), (0.01, 0.02), (0.0, 0.01), 30.0),
+}
+
+
+@pytest.mark.parametrize("name", EDGES)
+def test_the_edges_of_a_walk(name, monkeypatch) -> None:
+    """Beside 40 digits by additions, both ways in time: whatever a walk does not reach others answer."""
+    walks(monkeypatch, "compiled")
+    system, q, p, time = EDGES[name]
+    state, K, times = system.state(q, p), MP(40), [time, -time / 3, 0.0]
+    path = system.flow(state).at(times)
+    fine = system.over(K)
+    true = both(fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)).astype(float)
+    size = np.abs(true).max(axis=-1)
+    assert (np.abs(both(path) - true).max(axis=-1) <= 2.3e-16 * size).all()
+
+
+def test_floats_of_a_state_are_taken_as_they_are_and_all_others_are_looked_at() -> None:
+    system = Neumann((1.0, 2.0, 4.0))
+    assert system.state((0.6, 0.8, 0.0), (0.4, -0.3, 1.0)) == Point((0.6, 0.8, 0.0), (0.4, -0.3, 1.0))
+    assert type(system.state(("0.6", "4/5", 0), (0, 0, 1)).q[1]) is float
+    for q, p in (((math.nan, 1.0, 0.0), (0.0, 0.0, 0.0)), ((1.0, 0.0), (0.0, 0.0)), ((1.0, 1.0, 0.0), (0.0, 0.0, 0.0))):
+        with pytest.raises(ArgumentError):
+            system.state(q, p)
+    # a state is one that state(q, p) returns, or is like it
+    with pytest.raises(ArgumentError):
+        system.flow(((0.6, 0.8, 0.0), (0.4, -0.3, 1.0)))
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e4, 1e9])
+def test_long_units_of_time_are_walked_as_far(size, monkeypatch) -> None:
+    """A geodesic of the earth in kilometres: the walk stopped at 65,536 units, with rows off before."""
+    walks(monkeypatch, "compiled")
+    system = Ellipsoid((size * size, 2 * size * size, 4 * size * size))
+    state = system.state((size, 0.0, 0.0), (0.0, 0.6, 0.8))
+    one = Ellipsoid((1.0, 2.0, 4.0))
+    times = np.linspace(0, 100, 11)
+    near = walked(system, state, size * times, 1e4)
+    assert len(near.places) == 11
+    true = both(one.flow(one.state((1.0, 0.0, 0.0), (0.0, 0.6, 0.8))).at(times))
+    assert off(near.states, true * np.array([[size], [1.0]])) < 1e-14
+
+
+def test_parts_of_sums_that_cancel_are_made_apart() -> None:
+    """Floats of higher orders were made of high parts that were a hundred roundings off: 7e-16 after 400 radians."""
+    system = SphericalPendulum()
+    state = system.state((0.48, 0.6, -0.64), (0.75, -0.6, 0.0))
+    walk = system._kind.walk(FINEST.orders, compiles=True)
+    found = walk(system._walk_constants, (*state.q, *state.p), np.array([100.0, 400.0]), FINEST, 1e5)
+    assert found.reached == 2
+    assert found.wrong is None
+
+
+def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
+    """Plain steps lose 5e-11 of Neumann's point up to t = 100: a tolerance of 1e-12 was walked for to the end."""
+    system, state = REAL["neumann"](RR, 2)
+    steps = steps_for(1e-13)[0]
+    walk, times = system._kind.walk(steps.orders, compiles=True), np.linspace(0, 300, 301)
+    given = system._walk_constants, (*state.q, *state.p), times
+    found, whole = walk(*given, steps, 1e6), walk(*given, steps._replace(agreed=1.0), 1e6)
+    assert whole.reached == 301
+    assert whole.gap > 4 * steps.agreed
+    assert found.reached < 301
+    assert found.steps < whole.steps / 4
+    right = slice(0, found.reached) if found.wrong is None else np.flatnonzero(~found.wrong)
+    exact = both(system.flow(state).at(times))
+    assert off(found.states[right], exact[right]) < 1e-13
+
+
+def test_barriers_of_nothing_are_none() -> None:
+    """They were terms of 0 that divide by q_1: a walk from q_1 = 0 had no step."""
+    system = HenonHeiles((1.0,), -0.5, -0.25)
+    state = system.state((0.05, 0.0), (0.01, 0.02))
+    walk, times = system._kind.walk(WIDE, compiles=True), np.linspace(0, 10, 11)
+    found = walk(system._walk_constants, (*state.q, *state.p), times, FINE, 1e4)
+    assert (found.reached, found.wrong) == (11, None)
+    K = MP(30)
+    fine = system.over(K)
+    true = both(fine.flow(fine._constrained(K, fine._inside(K, state))).at(times)).astype(float)
+    assert off(found.states, true) <= 2.3e-16
