@@ -11,6 +11,11 @@ promise is an exception: the benchmark then fails, and so does this command, aft
 
 from __future__ import annotations
 
+from jacobian.interrupts import leave, stand
+
+if __name__ == "__main__":
+    stand("benchmarks")
+
 import argparse
 import importlib
 import json
@@ -83,4 +88,4 @@ def main(argv: Sequence[str] | None = None) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

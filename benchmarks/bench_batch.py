@@ -24,7 +24,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.curves import genuine_curve, microseconds, sum_of_points
+from benchmarks.curves import genuine_curve, least_seconds, microseconds, sum_of_points
 from jacobian import GF
 from jacobian.addition.cantor_flint import FlintCantor
 from jacobian.batch import DivisorArray, set_threads, threads
@@ -55,17 +55,6 @@ OTHERS = {
     "GF(3^5)": (GF(3, 5, (1, 2, 0, 0, 0, 1)), 2, "ramified"),
     "GF(2^8)": (GF(2, 8, (1, 0, 1, 1, 1, 0, 0, 0, 1)), 2, "ramified"),
 }
-
-
-def fastest(action: Callable[[], object], repeat: int) -> float:
-    """Seconds of the fastest of ``repeat`` calls: the others were disturbed."""
-    action()
-    best = float("inf")
-    for _ in range(repeat):
-        begun = perf_counter()
-        action()
-        best = min(best, perf_counter() - begun)
-    return best
 
 
 def random_rows(C: Any, count: int, seed: int) -> DivisorArray:
@@ -146,14 +135,14 @@ def _measured(
     else:
         action = A.double
         ours = lambda: double_rows(run.K, run.formulas, first, out.data, 0, count, rows)  # noqa: E731
-    found: dict[str, object] = {"kernel": 1e9 * fastest(ours, repeat) / count}
+    found: dict[str, object] = {"kernel": 1e9 * least_seconds(ours, repeat, perf_counter) / count}
     special = rows[: int(ours())]  # type: ignore[call-overload]
     program = Compiled(run.K, run.formulas, directory)
     if program.call is None:
         found.update({"C": None, "kernel/C": "no C compiler"})
     else:
         theirs = np.empty_like(out.data)
-        seconds = fastest(lambda: program.call(count, x.data, y.data, theirs), repeat)
+        seconds = least_seconds(lambda: program.call(count, x.data, y.data, theirs), repeat, perf_counter)
         differ = np.flatnonzero((theirs != out.data).any(axis=0))
         if set(differ) - set(special):
             raise AssertionError(f"{A.jacobian!r}: the C program differs in row {differ[0]}")
@@ -168,9 +157,9 @@ def _on_arrays(action: Callable[[], Any], A: DivisorArray, processors: int, smok
     repeat = 3 if smoke else max(5, 4_000_000 // len(A))
     try:
         set_threads(1)
-        one = fastest(action, repeat)
+        one = least_seconds(action, repeat, perf_counter)
         set_threads(None)
-        all_ = fastest(action, repeat)
+        all_ = least_seconds(action, repeat, perf_counter)
         tracemalloc.start()
         result = action()
         memory = tracemalloc.get_traced_memory()[1] / sum(array.nbytes for array in result._rows)

@@ -20,7 +20,7 @@ import numpy as np
 from integrable import ChaplyginBall, ensemble
 from integrable.ensembles.ensemble import Ensemble
 from integrable.extras import installed
-from integrable.oracles.reference import body_equations
+from integrable.oracles.body import body_equations
 from jacobian.numbers.threads import set_threads
 
 OUTPUTS = 101

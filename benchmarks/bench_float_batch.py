@@ -12,13 +12,15 @@ import shutil
 import subprocess
 import tempfile
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from random import Random
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from benchmarks.curves import in_turn, least_seconds
 from integrable import ChaplyginBall
 from jacobian import CC, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray, set_threads
@@ -36,12 +38,14 @@ def run(smoke: bool) -> list[dict[str, object]]:
     sizes = (1000,) if smoke else (10**3, 10**4, 10**5, 10**6)
     repeats = 1 if smoke else REPEATS
     found = []
-    for kind, few in {
-        "ball": _states(),
-        "complex, degree 5": _random_divisors(CC, COMPLEX[:-1]),
-        "complex, degree 6": _random_divisors(CC, COMPLEX),
-        "real, degree 6": _random_divisors(RR, (3.0, 1.0, -2.0, 0.5, 1.0, -0.25, 1.0)),
-    }.items():
+    kinds: dict[str, Callable[[], DivisorArray]] = {
+        "ball": _states,
+        "complex, degree 5": partial(_random_divisors, CC, COMPLEX[:-1]),
+        "complex, degree 6": partial(_random_divisors, CC, COMPLEX),
+        "real, degree 6": partial(_random_divisors, RR, (3.0, 1.0, -2.0, 0.5, 1.0, -0.25, 1.0)),
+    }
+    for kind, make in list(kinds.items())[: 2 if smoke else None]:
+        few = make()
         for size in sizes:
             found += [{"divisors": kind, **row} for row in _rows(few, size, repeats)]
         found += [{"divisors": kind, **row} for row in _threads(few, sizes[-1], repeats)]
@@ -84,7 +88,7 @@ def _rows(few: DivisorArray, size: int, repeats: int) -> list[dict[str, object]]
     out, doubtful = sums.add(first, second)
     D = A[:SINGLE].to_list()
     single = _columns(DivisorArray.stack([a + E for a in D]))
-    alone = _seconds({"single": lambda: [a + E for a in D]}, 1)["single"] / len(D)
+    alone = least_seconds(lambda: [a + E for a in D], 1) / len(D)
     with tempfile.TemporaryDirectory() as folder:
         loop = _compiled(Path(folder), f, first, second)
         loops: dict[str, Callable[[], Any]] = {
@@ -97,7 +101,7 @@ def _rows(few: DivisorArray, size: int, repeats: int) -> list[dict[str, object]]
             good = ~doubtful
             if not np.allclose(loop()[:, good], out[:, good], rtol=1e-9, atol=1e-9):
                 raise AssertionError("the loop in C and the compiled one differ")
-        seconds = _seconds(loops, repeats)
+        seconds = in_turn(loops, repeats)
         rows: list[dict[str, object]] = [
             {"N": size, "loop": name, "ns": 1e9 * seconds[name] / size, "residual": residual(f, _columns(work()))}
             for name, work in loops.items()
@@ -158,17 +162,6 @@ def _compiled(folder: Path, f: Any, first: Any, second: Any) -> Callable[[], Any
         return out
 
     return loop
-
-
-def _seconds(loops: dict[str, Callable[[], Any]], repeats: int) -> dict[str, float]:
-    """The least time of every loop; they take turns."""
-    least = dict.fromkeys(loops, float("inf"))
-    for _ in range(repeats):
-        for name, work in loops.items():
-            begun = process_time()
-            work()
-            least[name] = min(least[name], process_time() - begun)
-    return least
 
 
 def _columns(found: Any) -> Any:

@@ -7,11 +7,12 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from time import perf_counter, process_time
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
+from benchmarks.curves import least_seconds
 from integrable import ChaplyginBall, EulerTop
 from integrable.motion.flow import Flow
 from integrable.motion.precise import PreciseFlow
@@ -123,12 +124,7 @@ def _cost(name: str, smoke: bool) -> dict[str, object]:
     }
     flow = system.flow(state, kernel="compiled")
     for label, (call, unit) in uses.items():
-        best = np.inf
-        for _ in range(repeats):
-            begun = process_time()
-            call()
-            best = min(best, process_time() - begun)
-        row[label] = unit * best
+        row[label] = unit * least_seconds(call, repeats)
     return row
 
 

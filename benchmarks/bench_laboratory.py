@@ -33,7 +33,7 @@ def run(smoke: bool) -> list[dict[str, object]]:
         return []
     integrate, rows = _integrator(), []
     rng = np.random.default_rng(152)
-    count = 2 if smoke else COUNT
+    count = 1 if smoke else COUNT
     J, omega = tensors(rng, count), 3 * rng.normal(size=(count, 3))
     R = [orthogonal(WIDE, rotation(rng)) for _ in range(count)]
     for ball in (True, False):

@@ -1,11 +1,16 @@
-"""Motions of genus 2: many points on the compiled torus, and the same by additions in long numbers.
+"""Far times of motions of genus 1 and 2: a fresh flow with 101 times to T = 1000 and with one at 10⁶, many points, and
+the same by additions in long numbers.
 
-100 000 times up to 10⁶, processor time, the least of several; errors are beside the states of the additions.
+Processor time, the least of several, interleaved with heyoka's, whose integrator is built once: its constants are
+parameters, its state and time are put back. Units of time are |q|/|p| of the earth's geodesic, else 1; errors are
+beside the states of the additions.
 """
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
+from math import inf
 from typing import Any
 
 import numpy as np
@@ -13,9 +18,18 @@ import numpy as np
 from benchmarks.curves import least_seconds
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
+from integrable.extras import installed
+from integrable.mumford.flow import Point
+from integrable.oracles.expressions import recorded
+from integrable.oracles.method import Given
+from integrable.oracles.methods import METHODS
+from jacobian import RR
 
 MOTIONS: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
     "Neumann on S²": (Neumann((1, 2, 4)), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
@@ -29,27 +43,74 @@ MOTIONS: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
         (0.6, 0.8, 0),
     ),
 }
+GENUS_1: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
+    "Lagrange's top": (LagrangeTop(0.7), (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)),
+    "spherical pendulum": (SphericalPendulum(), (0.6, 0, -0.8), (0.1, 0.9, 0.075)),
+}
+# integrators end where q is infinite
+PAST_INFINITY: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
+    "Hénon–Heiles, over the saddle": (HenonHeiles((2.625,), -0.5, -0.25), (0.1, 0.05), (0, 0.1)),
+}
+TOLERANCE = 1e-15
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
     """A row for each system."""
-    return [_row(name, 1000 if smoke else 100_000, 1 if smoke else 3) for name in MOTIONS]
+    return [_row(name, *motion, 1000 if smoke else 100_000, 1 if smoke else 9)
+            for name, motion in (MOTIONS | GENUS_1 | PAST_INFINITY).items()]  # fmt: skip
 
 
-def _row(name: str, count: int, repeats: int) -> dict[str, object]:
-    system, q, p = MOTIONS[name]
-    state, times = system.state(q, p), np.linspace(0, 1e6, count)
-    first = system.flow(state)
-    first.at(times[:24])
-    begun = time.process_time()
-    flow = system.flow(state)
-    flow.at(times[:24])
-    ready = time.process_time() - begun
-    path, few = flow.at(times), flow.at(times[-10:])
+def _row(name: str, system: Any, q: Any, p: Any, count: int, repeats: int) -> dict[str, object]:
+    unit = max(1.0, float(np.linalg.norm(q)))
+    times, far = np.linspace(0, 1000 * unit, 101), unit * np.linspace(0, 1e6, count)
+    flow = system.flow(system.state(q, p))
+    path, few = flow.at(far), by_additions(flow, far[-3:])
+
+    def fresh(wanted: Any) -> Callable[[], Any]:
+        # a system that has kept nothing
+        return lambda: (lambda made: made.flow(made.state(q, p)).at(wanted))(system.over(RR))
+
+    runs = [fresh(times), fresh(far[-1:])]
+    if installed("heyoka") and name not in PAST_INFINITY:
+        runs.append(_heyoka(system, q, p, times))
+    many, one, *theirs = _interleaved(runs, repeats)
     return {
         "system": name,
-        "by additions, ms a point": 1e3 * least_seconds(lambda: flow.at(times[-10:]), repeats) / 10,
-        "on the torus, µs a point": 1e6 * least_seconds(lambda: flow.at(times), repeats) / count,
-        "set-up, ms": 1e3 * ready,
-        "error": float(max(np.abs(path.q[-10:] - few.q).max(), np.abs(path.p[-10:] - few.p).max())),
+        "101 times to 1000, ms": 1e3 * many,
+        "÷ heyoka": many / theirs[0] if theirs else "",
+        "one at 10⁶, ms": 1e3 * one,
+        "a point thereafter, µs": 1e6 * least_seconds(lambda: flow.at(far), min(repeats, 3)) / count,
+        "by additions, ms": 1e3 * least_seconds(lambda: by_additions(flow, far[-3:]), min(repeats, 3)) / 3,
+        "error": max(float(np.abs(x[-3:] - y).max() / np.abs(y).max()) for x, y in ((path.q, few.q), (path.p, few.p))),
     }
+
+
+def by_additions(flow: Any, times: Any) -> Point:
+    """q and p at times by additions in long numbers, whatever the flow would take."""
+    rows = [flow._row(place) for place in flow._places([float(t) for t in times])]
+    q, p = (np.array([[float(x) for x in row[i]] for row in rows]) for i in (0, 1))
+    return Point(q, p)
+
+
+def _interleaved(runs: list[Callable[[], Any]], repeats: int) -> list[float]:
+    """The least processor seconds of each."""
+    least = [inf] * len(runs)
+    for _ in range(repeats):
+        for i, each in enumerate(runs):
+            begun = time.process_time()
+            each()
+            least[i] = min(least[i], time.process_time() - begun)
+    return least
+
+
+def _heyoka(system: Any, q: Any, p: Any, times: np.ndarray) -> Callable[[], Any]:
+    """heyoka at times, built here for all systems of the kind."""
+    n, start = len(q), (*map(float, q), *map(float, p))
+
+    def rates(numbers: Any, y: Any) -> tuple[Any, ...]:
+        found = system._vector_field(numbers, Point(tuple(y[:n]), tuple(y[n:])))
+        return (*found.q, *found.p)
+
+    kind, constants = recorded(type(system).__name__, rates, start)
+    run = METHODS["heyoka"].build(kind, TOLERANCE)(Given(constants, float))(start)
+    return lambda: run(times)

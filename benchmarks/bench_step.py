@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from fractions import Fraction
-from statistics import median
-from time import process_time
 
+from benchmarks.curves import least_seconds
 from integrable import ChaplyginBall, EulerTop
 from jacobian import MP
 from jacobian.inexact import genus2_real
@@ -18,15 +17,9 @@ CONJUGATE = (0.1j, -0.1j)
 MOST_RESIDUAL, MOST_NANOSECONDS = 1e-9, 100
 
 
-def seconds(action: Callable[[], object], calls: int, repeats: int = 5) -> float:
-    """The median processor time of one call, on one core: other work on the machine does not count."""
-    found = []
-    for _ in range(repeats):
-        begun = process_time()
-        for _ in range(calls):
-            action()
-        found.append((process_time() - begun) / calls)
-    return median(found)
+def seconds(action: Callable[[], object], calls: int) -> float:
+    """The least processor time of one call among so many, on one core: other work on the machine does not count."""
+    return least_seconds(lambda: [action() for _ in range(calls)], 5) / calls
 
 
 def run(smoke: bool) -> list[dict[str, object]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from math import inf
 from random import Random
 from statistics import median
@@ -49,11 +49,19 @@ def microseconds(action: Callable[[], object], repeat: int) -> float:
     return 1e6 * median(samples)
 
 
-def least_seconds(action: Callable[[], object], repeats: int) -> float:
-    """The least processor time of ``repeats`` calls."""
-    best = inf
+def least_seconds(action: Callable[[], object], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
+    """The least time of ``repeats`` calls: of the processor, or by another clock."""
+    return in_turn({"": action}, repeats, clock)[""]
+
+
+def in_turn(
+    actions: Mapping[str, Callable[[], object]], repeats: int, clock: Callable[[], float] = time.process_time
+) -> dict[str, float]:
+    """The least time of ``repeats`` calls of each, called in turn, so that a slow second disturbs all alike."""
+    best = dict.fromkeys(actions, inf)
     for _ in range(repeats):
-        begun = time.process_time()
-        action()
-        best = min(best, time.process_time() - begun)
+        for name, action in actions.items():
+            begun = clock()
+            action()
+            best[name] = min(best[name], clock() - begun)
     return best

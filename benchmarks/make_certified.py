@@ -7,9 +7,7 @@ again, it goes on. Some ten seconds a motion, a minute or two for one of DEFORME
 
 from __future__ import annotations
 
-import csv
 import hashlib
-import io
 import json
 import sys
 import time
@@ -131,22 +129,14 @@ def body(name: str, system: Any) -> dict[str, Any]:
 
 
 def write_all(parts: list[dict[str, Any]]) -> None:
-    """JSON, CSV and their checksums."""
+    """The file and its checksum."""
     head = {"schema": 2, "digits": DIGITS, "count": len(parts)}
     body = ",\n".join(json.dumps(part, ensure_ascii=False) for part in parts)
     text = json.dumps(head)[:-1] + ', "motions": [\n' + body + "\n]}\n"
-    table = io.StringIO()
-    writer = csv.writer(table, lineterminator="\n")
-    writer.writerow(["name", "t", "gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "bound"])
-    for part in parts:
-        for row in part["rows"]:
-            writer.writerow([part["name"], repr(row["t"]), *row["gamma"], *row["M"], f"{row['bound']:.2e}"])
     OUT.mkdir(exist_ok=True)
-    sums = []
-    for name, content in (("trajectories.json", text), ("trajectories.csv", table.getvalue())):
-        (OUT / name).write_text(content, encoding="utf-8", newline="\n")
-        sums.append(f"{hashlib.sha256(content.encode()).hexdigest()}  {name}\n")
-    (OUT / "SHA256SUMS").write_text("".join(sums), encoding="utf-8", newline="\n")
+    (OUT / "trajectories.json").write_text(text, encoding="utf-8", newline="\n")
+    checksum = f"{hashlib.sha256(text.encode()).hexdigest()}  trajectories.json\n"
+    (OUT / "SHA256SUMS").write_text(checksum, encoding="utf-8", newline="\n")
 
 
 def main(names: list[str]) -> None:

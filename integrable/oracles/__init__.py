@@ -1,1 +1,1 @@
-"""Integrators that share no code with the flow: what it is checked against and compared with."""
+"""Integrators that share no code with the flow, to check it and compare it with."""

@@ -1,7 +1,7 @@
 """Gauss collocation (Kuntzmann 1961, Butcher 1964) of any order on any system, in floats or mpf.
 
-The methods keep every quadratic integral: for the ball and the top C1, C2, H2, and at d = 0 also H1. Nothing is
-compiled here; :mod:`integrable.oracles.gauss16` is the eight-stage method for bodies in compiled floats.
+The methods preserve every quadratic integral: for the ball and the top C1, C2, H2, and at d = 0 also H1. Nothing is
+compiled here; :mod:`integrable.oracles.gauss16` is the eight-stage method in compiled floats.
 """
 
 from __future__ import annotations
@@ -12,7 +12,6 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from integrable.oracles.reference import equations
 from integrable.oracles.stepping import Advance
 from jacobian.errors import PrecisionLoss
 
@@ -60,13 +59,14 @@ def _zero(context: Any, x: Any, degree: int) -> Any:
     return x
 
 
-def collocation(system: Any, state: Any, stages: int) -> Advance:
-    """Steps of Gauss's method, its stages by fixed-point iteration until that no longer improves them."""
-    field = system.field
-    rule = gauss_rule(stages, max(30, getattr(field, "dps", 0)))
-    number = field.coerce
+def collocation(rates: Callable[[Vector], Vector], number: Callable[[Any], Any], digits: int, stages: int) -> Advance:
+    """Steps of Gauss's method on ẏ = ``rates``(y), with its stages by fixed-point iteration until it no longer
+    improves.
+
+    ``number`` makes numbers of ``digits`` digits.
+    """
+    rule = gauss_rule(stages, max(30, digits))
     matrix, weights = [list(map(number, row)) for row in rule.matrix], list(map(number, rule.weights))
-    rates = equations(system, state)
 
     def advance(y: Vector, h: Any, slopes: Any) -> tuple[Vector, Any, int]:
         slopes, passes = _stages(rates, y, slopes or [rates(y)] * stages, matrix, h)

@@ -1,10 +1,11 @@
 """Published discretizations of the Euler top, d = 0: Moser–Veselov with its attitude, and Hirota–Kimura.
 
-* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ; it keeps
-  |M|², (γ, M), |γ| and the energy, second order, or fourth with the modified moments of Hairer and Vilmart (2006).
+* :func:`moser_veselov`: the discrete Euler top of Moser and Veselov (1991) with the attitude that turns γ. It
+  preserves |M|², (γ, M), |γ| and the energy; second order, or fourth with the modified moments of Hairer and Vilmart
+  (2006).
 * :func:`hirota_kimura`: the explicit birational Euler top of Hirota and Kimura (2000), which is Kahan's rule on
-  Ṁ = M × ω and keeps the three ratios of :func:`hirota_kimura_integrals` (Petrera, Pfadler and Suris 2009), but not
-  |M|²; γ is taken along by the same rule on γ̇ = γ × ω. Second order.
+  Ṁ = M × ω. It preserves the three ratios of :func:`hirota_kimura_integrals` (Petrera, Pfadler and Suris 2009), but
+  not |M|²; γ follows by the same rule on γ̇ = γ × ω. Second order.
 """
 
 from __future__ import annotations

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 
 from integrable.extras import needed
-from integrable.oracles.reference import Solution
+from integrable.oracles.body import Solution
 from jacobian.errors import ArgumentError
 
 __all__ = ["EllipticTop"]
@@ -41,7 +41,7 @@ class EllipticTop:
         if digits < 1:
             raise ArgumentError(f"digits = {digits}: give a positive number of decimal digits")
         self.digits = digits
-        # the reduction of phases of far times takes digits of its own
+        # the reduction of phases of far times needs extra digits
         self.context = c = mpmath.MPContext()
         c.dps = max(digits, FLOAT_DIGITS) + GUARD
         moments, gamma, M = ([c.mpf(x) for x in v] for v in (system.inertia, state.gamma, state.M))
@@ -76,7 +76,7 @@ class EllipticTop:
         self.period = None if self.parameter == 1 else 2 * c.ellipk(self.parameter)
 
     def _phase(self, a: Vector, gamma: Vector, M: Vector) -> None:
-        """How γ leans and turns: γ = c·e + ρ(cos β N + sin β e×N) with e along M."""
+        """The lean and the phase of γ: γ = c·e + ρ(cos β N + sin β e×N) with e along M."""
         c = self.context
         self.turning = self.length * a[2]
         self.weight = self.length * (a[0] - a[2]) / self.speed
@@ -121,7 +121,7 @@ class EllipticTop:
     def _moving(self, times: Vector) -> Any:
         c = self.context
         places = [self._reduced(self.speed * t + self.origin) for t in times]
-        # all that grows with t is one product, reduced with all digits
+        # the only quantity that grows with t is one product, reduced with all digits
         angles = [c.fmod(self.angle - self.rate * t, 2 * c.pi) for t in times]
         if self.digits <= FLOAT_DIGITS:
             return self._floats(places, angles)
@@ -140,14 +140,14 @@ class EllipticTop:
         return [along * p + first * q + second * r for p, q, r in zip(e, node, other, strict=True)]
 
     def _reduced(self, u: Any) -> tuple[Any, int]:
-        """u less the nearest multiple of 2K, and the sign that cn and sn take there."""
+        """u minus the nearest multiple of 2K, and the sign that cn and sn take there."""
         if self.period is None:
             return u, 1
         turns = int(self.context.nint(u / self.period))
         return u - turns * self.period, -1 if turns % 2 else 1
 
     def _periodic(self, v: Any) -> Any:
-        """Π(n; am v) less its mean growth, for |v| ≤ K."""
+        """Π(n; am v) minus its mean growth, for |v| ≤ K."""
         return self._third_kind(v) - self.mean * v
 
     def _third_kind(self, v: Any) -> Any:

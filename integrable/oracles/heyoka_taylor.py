@@ -1,81 +1,94 @@
-"""heyoka's Taylor integrator (Biscani and Izzo 2021) in double or extended precision, on balls and tops and on
-systems that give their equations in any numbers, here heyoka's expressions.
+"""heyoka's Taylor integrator (Biscani and Izzo 2021) as its users run it: built once for a kind and a tolerance, the
+constants being its parameters ``par[i]``; a start sets state, parameters and time.
 
-heyoka compiles the equations when the integrator is built: that belongs to the set-up. It is an optional dependency,
-``pip install 'jacobian-integrable[peers]'``, imported on first use.
+heyoka compiles when the integrator is built, and caches on disk (HEYOKA_CACHE_DIR). It is an optional dependency, ``pip
+install 'jacobian-integrable[peers]'``, imported on first use.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from integrable.oracles.reference import Solution, body_equations, is_body
+from integrable.oracles.body import Solution
+from integrable.oracles.expressions import Kind, evaluated
+from integrable.oracles.method import Built, Given, Method, Run, Started
 from integrable.oracles.stepping import by_sign
 
-__all__ = ["heyoka_run"]
+__all__ = ["Heyoka", "equations"]
 
 
-def heyoka_run(
-    system: Any, state: Any, tolerance: float, *, extended: bool = False
-) -> Callable[[Iterable[Any]], Solution]:
-    """times ↦ Solution by an integrator built here; ``extended``: in long double. ``evaluations`` counts steps.
-
-    Extended results come as float64 too, γ and M rounded at the end; inputs of more than 15 digits are taken to all
-    that a long double holds. The run raises RuntimeError where heyoka stops.
+@dataclass(frozen=True)
+class Heyoka(Method):
+    """In doubles, or ``extended`` to long doubles. Results come as float64; inputs of more than 15 digits are rounded
+    to long doubles. A run raises RuntimeError where heyoka stops; ``evaluations`` counts steps.
     """
+
+    def build(self, kind: Kind, setting: Any) -> Built:
+        import heyoka
+
+        number: Callable[[Any], Any] = _long_double if self.guard else float
+        real: Any = np.longdouble if self.guard else float
+        system = equations(kind, number)
+        options = {"tol": number(setting), "fp_type": real, "time": number(0)}
+        integrator = heyoka.taylor_adaptive(system, np.zeros(kind.size, real), **options)
+
+        def of_system(given: Given) -> Started:
+            coefficients = kind.coefficients_of(given.constants, number)
+            return lambda start: _started(integrator, coefficients, [number(x) for x in start], number)
+
+        return of_system
+
+
+def equations(kind: Kind, number: Callable[[Any], Any] = float) -> list[tuple[Any, Any]]:
+    """(variable, rate) for every component, in heyoka's expressions."""
     import heyoka
 
-    number: Any = _long_double if extended else float
-    kind: Any = np.longdouble if extended else float
-    start = np.array([number(x) for x in (*state.gamma, *state.M)], dtype=kind)
-    variables = heyoka.make_vars(*(f"y{i}" for i in range(len(start))))
-    if is_body(system):
-        rates = body_equations([number(x) for x in system.inertia], number(system.d))(variables)
-    else:
-        rates = system.rates_in(_Expressions(heyoka, number), variables)
-    integrator = heyoka.taylor_adaptive(
-        list(zip(variables, rates, strict=True)), start, tol=number(tolerance), fp_type=kind, time=number(0)
-    )
+    variables = heyoka.make_vars(*(f"y{i}" for i in range(kind.size)))
+    parameters = [heyoka.par[i] for i in range(len(kind.used))]
+    constant = lambda x: heyoka.expression(number(x))  # noqa: E731
+    values = evaluated(kind.rates, variables, parameters, constant, heyoka)
+    return [(x, values[i]) for x, i in zip(variables, kind.results, strict=True)]
+
+
+def _started(integrator: Any, coefficients: Sequence[Any], start: Sequence[Any], number: Callable[[Any], Any]) -> Run:
+    """A start of a shared integrator."""
+    import heyoka
+
+    first = np.array(start, dtype=integrator.state.dtype)
+
+    def propagated(grid: np.ndarray) -> tuple[np.ndarray, int]:
+        """States at times of one sign in their order, from 0 on."""
+        integrator.time = number(0)
+        integrator.state[:] = first
+        integrator.pars[:] = coefficients
+        if len(grid) == 2:
+            outcome, *_, count, _, _ = integrator.propagate_until(grid[1])
+            values = np.array([first, integrator.state])
+        else:
+            outcome, *_, count, _, values = integrator.propagate_grid(grid)
+        if outcome != heyoka.taylor_outcome.time_limit:
+            raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
+        return values, int(count)
 
     def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
         grid, back = np.unique(distances, return_inverse=True)
-        integrator.time = number(0)
-        integrator.state[:] = start
-        outcome, *_, count, _, values = integrator.propagate_grid(np.concatenate([[number(0)], sign * grid]))
-        if outcome != heyoka.taylor_outcome.time_limit:
-            raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
-        return values[1:][back], int(count)
+        values, count = propagated(np.concatenate([[number(0)], sign * grid]))
+        return values[1:][back], count
 
-    return lambda times: by_sign(start, np.array([number(t) for t in times], dtype=kind), reach)
+    half = len(first) // 2
 
+    def run(times: Iterable[Any]) -> Solution:
+        wanted = np.array([*times], dtype=float) if number is float else np.array([number(t) for t in times])
+        if len(wanted) > 1 and wanted[0] == 0 and (wanted[1:] > wanted[:-1]).all():  # what heyoka itself takes
+            values, count = propagated(wanted)
+            return Solution(values[:, :half].astype(float), values[:, half:].astype(float), count)
+        return by_sign(first, wanted, reach)
 
-class _Expressions:
-    """heyoka's expressions as the numbers of a system's formulas."""
-
-    exact = False
-
-    def __init__(self, heyoka: Any, number: Callable[[Any], Any]) -> None:
-        self.context, self._number = heyoka, number
-        self.zero, self.one = number(0), number(1)
-
-    def coerce(self, x: Any) -> Any:
-        """A number as a constant, an expression as it is."""
-        return x if isinstance(x, self.context.expression) else self._number(x)
-
-    def sub(self, x: Any, y: Any) -> Any:
-        """x − y."""
-        return x - y
-
-    def mul(self, x: Any, y: Any) -> Any:
-        """x·y."""
-        return x * y
-
-    def dot(self, xs: Iterable[Any], ys: Iterable[Any]) -> Any:
-        """Σ x_i y_i."""
-        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+    return run
 
 
 def _long_double(x: Any) -> Any:

@@ -2,22 +2,21 @@
 
     γ̇ = γ×ω,   Ṁ = M×ω,   ω = A M + d n A γ,   n = g²(γ, A M),   g⁻² = Σ I_k a_k γ_k²   (at |γ| = 1)
 
-with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here: what these two agree on with the divisor
-flow, two unrelated computations agree on. :func:`dop853` is what a user of SciPy would run, :func:`scipy_solution` the
-same with its other integrators; :func:`taylor` is a Taylor-series integrator of any number of digits. Systems with
-other equations than the ball's, which have a ``vector_field`` but no moments of inertia of their own, are integrated
-by :func:`scipy_solution` from that field.
+with A = diag 1/(I_k + d). Nothing of :mod:`jacobian` is used here: an agreement with the divisor flow is one of two
+unrelated computations. :func:`dop853` is what a user of SciPy would run, :func:`integrated` the same for any equations
+and with its other integrators; :func:`taylor` is a Taylor-series integrator of any number of digits.
 """
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Sequence
-from typing import Any, NamedTuple, Protocol
+from typing import Any
 
 import numpy as np
 
 from integrable.extras import needed
+from integrable.oracles.body import Body, Solution, Start, body_equations, is_body
+from integrable.oracles.method import problem_of
 from jacobian.errors import ArgumentError
 
 __all__ = [
@@ -27,85 +26,18 @@ __all__ = [
     "body_equations",
     "dop853",
     "equations",
+    "integrated",
     "is_body",
     "odefun",
     "right_hand_side",
-    "scipy_solution",
     "taylor",
 ]
 
 
-class Body(Protocol):
-    """What an oracle needs of a body: three moments of inertia and d = m r² (0 for the Euler top)."""
-
-    @property
-    def inertia(self) -> Sequence[Any]: ...
-    @property
-    def d(self) -> Any: ...
-
-
-class Start(Protocol):
-    """What an oracle needs of a state: γ and M, three components each."""
-
-    @property
-    def gamma(self) -> Sequence[Any]: ...
-    @property
-    def M(self) -> Sequence[Any]: ...
-
-
-class Solution(NamedTuple):
-    """γ and M, one row per requested time, in the order of the request, and the work that was done."""
-
-    gamma: np.ndarray
-    M: np.ndarray
-    evaluations: int
-    """Right-hand sides, for Taylor series expansions, for closed forms points."""
-
-
-def is_body(system: Any) -> bool:
-    """Whether a system has the ball's (or top's) equations: it then has moments of inertia and d of its own."""
-    return hasattr(system, "inertia") and hasattr(system, "d")
-
-
-def body_equations(inertia: Sequence[Any], d: Any) -> Callable[[Sequence[Any]], list[Any]]:
-    """The six equations of the ball as y ↦ ẏ, y = (γ1, γ2, γ3, M1, M2, M3), in the numbers that are given."""
-    i1, i2, i3 = inertia
-    a1, a2, a3 = 1 / (i1 + d), 1 / (i2 + d), 1 / (i3 + d)
-    q1, q2, q3 = i1 * a1, i2 * a2, i3 * a3
-
-    def rates(y: Sequence[Any]) -> list[Any]:
-        x1, x2, x3, m1, m2, m3 = y
-        k1, k2, k3 = a1 * m1, a2 * m2, a3 * m3
-        dn = d * (x1 * k1 + x2 * k2 + x3 * k3) / (q1 * x1 * x1 + q2 * x2 * x2 + q3 * x3 * x3)
-        w1, w2, w3 = k1 + dn * a1 * x1, k2 + dn * a2 * x2, k3 + dn * a3 * x3
-        return [
-            x2 * w3 - x3 * w2,
-            x3 * w1 - x1 * w3,
-            x1 * w2 - x2 * w1,
-            m2 * w3 - m3 * w2,
-            m3 * w1 - m1 * w3,
-            m1 * w2 - m2 * w1,
-        ]  # fmt: skip
-
-    return rates
-
-
 def equations(system: Any, state: Any) -> Callable[[Sequence[Any]], list[Any]]:
-    """y ↦ ẏ for any system of this package, in the numbers of its field.
-
-    A body's are written out (:func:`body_equations`); any other system gives ``rates_in`` any numbers, or its
-    ``vector_field``, called with copies of ``state``.
-    """
-    if is_body(system):
-        return body_equations(system.inertia, system.d)
-    if hasattr(system, "rates_in"):
-        return lambda y: system.rates_in(system.field, y)
-
-    def rates(y: Sequence[Any]) -> list[Any]:
-        rate = system.vector_field(dataclasses.replace(state, gamma=tuple(y[:3]), M=tuple(y[3:])))
-        return [*rate.gamma, *rate.M]
-
-    return rates
+    """y ↦ ẏ for any system of this package, in the numbers of its field, y as long as ``state``."""
+    kind, given, _ = problem_of(system, state)
+    return kind.right_hand_side(kind.coefficients_of(given.constants, given.number), given.context)
 
 
 def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any], list[float]]:
@@ -114,17 +46,23 @@ def right_hand_side(inertia: Sequence[float], d: float) -> Callable[[float, Any]
     return lambda _time, y: rates(y.tolist())
 
 
-def dop853(body: Body, state: Start, times: Iterable[float], *, rtol: float, atol: float) -> Solution:
+def dop853(body: Any, state: Any, times: Iterable[float], *, rtol: float, atol: float) -> Solution:
     """The motion in double precision by SciPy's DOP853 (Hairer, Nørsett & Wanner 1993), started at time 0.
 
     Times may be in any order and of either sign. ``rtol`` and ``atol`` go to SciPy as they are. Raises
     RuntimeError with SciPy's message when the integrator gives up.
     """
-    return scipy_solution(body, state, times, method="DOP853", rtol=rtol, atol=atol)
+    kind, given, start = problem_of(body, state)
+    rates = kind.right_hand_side(kind.coefficients_of(given.constants))
+    first = [float(x) for x in start]
+    return integrated(lambda _, y: rates(y.tolist()), first, times, method="DOP853", rtol=rtol, atol=atol)
 
 
-def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: str, rtol: float, atol: Any) -> Solution:
-    """The motion of any system by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
+def integrated(
+    rates: Callable[[float, Any], Any], start: Sequence[float], times: Iterable[float], *, method: str, rtol: float,
+    atol: Any,
+) -> Solution:  # fmt: skip
+    """ẏ = ``rates``(t, y) from ``start`` by one of the methods of SciPy's ``solve_ivp``, as :func:`dop853`.
 
     ``atol`` may be one number for each component.
     """
@@ -132,12 +70,6 @@ def scipy_solution(system: Any, state: Any, times: Iterable[float], *, method: s
     from scipy.integrate import solve_ivp
 
     wanted = np.asarray([float(time) for time in times])
-    start = np.array([float(x) for x in (*state.gamma, *state.M)])
-    if is_body(system):
-        rates = right_hand_side(system.inertia, system.d)
-    else:
-        field = equations(system, state)
-        rates = lambda _time, y: field(y.tolist())  # noqa: E731
     rows = np.empty((len(wanted), len(start)))
     evaluations = 0
     for sign in (1.0, -1.0):

@@ -1,5 +1,5 @@
-"""Times in any order, forwards and backwards: for what goes to ascending ones, and for one-step methods with a fixed
-step in plain Python.
+"""Times in any order, forwards and backwards, for integrators that need ascending ones, and for one-step methods with a
+fixed step in plain Python.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from integrable.oracles.reference import Solution
+from integrable.oracles.body import Solution
 from jacobian.errors import ArgumentError
 
 __all__ = ["by_sign", "follow", "solution_of", "split_times"]
@@ -23,9 +23,8 @@ Advance = Callable[[list[Any], Any, Any], tuple[list[Any], Any, int]]
 def follow(advance: Advance, start: Iterable[Any], times: Iterable[Any], step: Any) -> Solution:
     """(γ, M) at ``times`` by steps of ``step`` from time 0, forwards and backwards.
 
-    A time that is not a multiple of the step is reached by a shorter step from the last whole one, which is not gone on
-    from: the error at a time does not depend on what other times were asked for. Numbers are floats, or mpf of one
-    context.
+    A time that is not a multiple of the step is reached by a shorter step of its own from the last whole one. So the
+    error at a time does not depend on the other times. Numbers are floats, or mpf of one context.
     """
     first, wanted = list(start), list(times)
     rows: list[list[Any]] = [first] * len(wanted)
@@ -78,8 +77,13 @@ def by_sign(
 
     ``reach(sign, distances)`` gives the rows at ascending positive distances from 0, and the work: once for each sign.
     """
-    rows = np.empty((len(wanted), len(start)))
-    work = 0
+    rows, half, work = np.empty((len(wanted), len(start))), len(start) // 2, 0
+    if len(wanted) and wanted[0] >= 0 and (wanted[1:] >= wanted[:-1]).all():  # the usual case
+        first = int(np.searchsorted(wanted, 0.0, "right"))
+        rows[:first] = start
+        if first < len(wanted):
+            rows[first:], work = reach(1.0, wanted[first:])
+        return Solution(rows[:, :half], rows[:, half:], work)
     for sign in (1.0, -1.0):
         chosen = np.flatnonzero(sign * wanted > 0)
         if len(chosen):
@@ -87,5 +91,4 @@ def by_sign(
             rows[chosen], cost = reach(sign, np.abs(wanted[chosen]))
             work += cost
     rows[wanted == 0] = start
-    half = len(start) // 2
     return Solution(rows[:, :half], rows[:, half:], work)

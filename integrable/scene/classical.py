@@ -1,5 +1,5 @@
-"""Systems of :mod:`integrable.classical` as scenes, studies and integrators take a system: q stands where a body has γ,
-p where it has M.
+"""Systems of :mod:`integrable.classical` in the interface of scenes, studies and integrators: q takes the place of γ, p
+that of M.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from typing import Any
 
 from integrable.mumford.flow import Path, Point
 from integrable.mumford.system import MumfordSystem
+from integrable.phase.enclosure import EnclosedPath
 from integrable.phase.state import State
 from jacobian.immutable import replaced
 
@@ -18,7 +19,7 @@ __all__ = ["ClassicalMotion", "ClassicalRun", "ClassicalSystem"]
 
 
 class ClassicalRun(Path):
-    """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is what a scene's run found, or None."""
+    """States at ``times``, ``q`` and ``p`` of shape (N, n); ``report`` is that of a scene's run, or None."""
 
     report: Any = None
     tau = None
@@ -62,7 +63,7 @@ class ClassicalSystem:
         return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
 
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """(q', p') at y = (q, p) in other numbers that have operators, such as another library's expressions."""
+        """(q', p') at y = (q, p) in other numbers with operators, such as another library's expressions."""
         size = len(y) // 2
         rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
         return [*rate.q, *rate.p]
@@ -76,13 +77,13 @@ class ClassicalSystem:
         return _state(self.system._constrained(self.field, self.system._inside(self.field, _point(state))))
 
     def inputs(self, state: State) -> dict[str, Any]:
-        """All numbers that a motion is given, by name."""
+        """All input numbers of a motion, by name."""
         system = self.system
         parts = (("constant ", system.constants), ("parameter ", system.parameters), ("q", state.gamma), ("p", state.M))
         return {f"{name}{i + 1}": x for name, values in parts for i, x in enumerate(values)}
 
     def problem(self, inputs: dict[str, Any]) -> tuple[ClassicalSystem, State]:
-        """The system and the state of such numbers, the constraints met."""
+        """The system and the state of these numbers, with the constraints met."""
         values, system = iter(inputs.values()), self.system
         constants, parameters, q, p = (
             tuple(islice(values, size))
@@ -100,12 +101,16 @@ class ClassicalMotion:
         self._flow = system.system.flow(_point(state))
 
     def _prepare(self, times: Any) -> None:
-        """Nothing: which way the times are gone shows on the way, so that what they need is set up with them."""
+        """Nothing: the way depends on the times, and its set-up is part of their computation."""
 
     def at(self, times: Any) -> ClassicalRun:
         """The states at times."""
         found = self._flow.at(times)
         return ClassicalRun(found.times, found.q, found.p, found.way)
+
+    def enclosure(self, times: Any, digits: int | None = None) -> EnclosedPath:
+        """Proven bounds of the states at times, as those of the system's own flow."""
+        return self._flow.enclosure(times, digits)
 
 
 def _point(state: State) -> Point:

@@ -1,4 +1,4 @@
-"""What a scene is: a system, a start, times or steps, what is wanted of them. Frozen, numbers as exact fractions."""
+"""A scene: a system, a start, times or steps, and the requested output. Frozen, with numbers as exact fractions."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from importlib import import_module
 from typing import Any, NamedTuple
 
 from integrable.phase.precisions import FLOAT_DIGITS
-from jacobian.errors import ArgumentError, whole
+from jacobian.errors import ArgumentError, whole, written
 
 __all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
 
@@ -22,7 +22,8 @@ MOST_STEPS = 10_000_000
 
 class Kind(NamedTuple):
     """A system of scenes: its room, its class there, the keys of ``[body]``, its arguments, and its module in the room
-    where that has not the system's name."""
+    if that has another name.
+    """
 
     room: str
     name: str
@@ -40,6 +41,7 @@ SYSTEMS = {
     "ellipsoid": Kind("classical", "Ellipsoid", ("a",)),
     "garnier": Kind("classical", "Garnier", ("a", "alpha", "beta")),
     "henon_heiles": Kind("classical", "HenonHeiles", ("a", "alpha", "beta", "gamma", "barriers")),
+    "kdv_two_gaps": Kind("classical", "TwoGaps", ("sums",), "two_gaps"),
     "lagrange": Kind("classical", "LagrangeTop", ("j",)),
     "neumann": Kind("classical", "Neumann", ("a",)),
     "spherical_pendulum": Kind("classical", "SphericalPendulum", ()),
@@ -89,7 +91,7 @@ class Times:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What the report is to hold: costs of both methods, the truth to hold them against, and repeats of each timing."""
+    """The settings of a report: the digits of its runs, those of the truth, and repeats of each timing."""
 
     digits: tuple[int, ...]
     tolerances: tuple[Fraction, ...]
@@ -107,7 +109,7 @@ class Map:
     arguments: tuple[tuple[str, Any], ...] = ()
 
     def of(self, system: Any, number: Callable[[Fraction], Any]) -> Any:
-        """The map on a system whose numbers are written by ``number``."""
+        """The map on a system whose numbers ``number`` makes."""
         method = getattr(system, self.kind, None)
         if method is None:
             raise ArgumentError(f'kind: "{self.kind}" given, which {type(system).__name__} has not')
@@ -124,7 +126,9 @@ class Map:
 
 @dataclass(frozen=True)
 class Steps:
-    """An orbit: the composition of ``maps``, the first of them done first, ``count`` times; and what to measure."""
+    """An orbit: the composition of ``maps``, the first applied first, ``count`` times; and the settings of its
+    report.
+    """
 
     maps: tuple[Map, ...]
     count: int
@@ -165,6 +169,8 @@ class Scene:
     """The field of an exact orbit, such as ``"GF(2^61-1)"``; empty: floats or multiprecision."""
     constants: tuple[tuple[str, Any], ...] = ()
     """The arguments of a system of ``classical``."""
+    reference: str = ""
+    """Where the motion is described; the scenes that have one are the problems of :mod:`integrable.problems`."""
     place: str = "scene"
     """What error messages call the scene: the file it came from."""
 
@@ -180,11 +186,11 @@ class Scene:
 
     @property
     def letters(self) -> tuple[str, str]:
-        """What the two halves of a state are called."""
+        """The names of the two halves of a state."""
         return ("q", "p") if self.classical else ("γ", "M")
 
     def body(self, digits: int) -> Any:
-        """The system, in floats up to 15 digits, in multiprecision above; over a finite field whatever the digits.
+        """The system, in floats up to 15 digits, in multiprecision above; for any digits over a finite field.
 
         ArgumentError if there is no such body.
         """
@@ -261,7 +267,9 @@ def finite_field(name: str) -> Any:
 
 
 def _elements(K: Any) -> Callable[[Fraction], Any]:
-    """How a finite field writes a fraction: the ints 0 … q − 1 are its elements, others lie in the prime field."""
+    """The elements of a finite field as it reads fractions: the ints 0 … q − 1 are its elements, others lie in the
+    prime field.
+    """
     from jacobian import poly
 
     def number(value: Fraction) -> Any:
@@ -269,7 +277,7 @@ def _elements(K: Any) -> Callable[[Fraction], Any]:
             return K.coerce(int(value))
         below = poly.integer(K, value.denominator)
         if below == K.zero:
-            raise ArgumentError(f"{value} has a denominator that is zero in {K.name}")
+            raise ArgumentError(f"{written(value)} has a denominator that is zero in {K.name}")
         return K.div(poly.integer(K, value.numerator), below)
 
     return number
@@ -295,7 +303,7 @@ def _field(digits: int) -> Any:
 
 
 def _numbers(digits: int) -> Callable[[Fraction], Any]:
-    """How a run at ``digits`` digits writes a fraction."""
+    """The conversion of fractions for a run at ``digits`` digits."""
     if digits <= FLOAT_DIGITS:
         return float
     context = _field(digits).context

@@ -1,9 +1,9 @@
-"""The inputs of a study: a scene whose numbers are doubles, so that every method is asked for one and the same motion.
+"""The inputs of a study: a scene whose numbers are doubles, so that every method computes one and the same motion.
 
-A scene of decimal fractions is another problem to a method that holds them to 40 digits than to one that rounds them,
-and the difference would be taken for an error of the second. Here all numbers are rounded to doubles first. Doubles
-meet |γ| = 1 and (γ, M) = 0 to rounding only; in more digits the two are restored, the way the flow restores them when
-it is given doubles. What computes in doubles is given the doubles themselves.
+A scene of decimal fractions is a different problem for a method that holds them to 40 digits than for one that rounds
+them, and the difference would count as an error of the second. So all numbers are rounded to doubles first. Doubles
+meet |γ| = 1 and (γ, M) = 0 only to rounding. In more digits the two are restored, as the flow restores them when it is
+given doubles. Methods in doubles receive the doubles themselves.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ __all__ = ["SceneInDoubles", "in_doubles"]
 
 @dataclass(frozen=True)
 class SceneInDoubles(Scene):
-    """A scene of which every number is a double, as an exact fraction; made by :func:`in_doubles`."""
+    """A scene whose numbers are all doubles, as exact fractions; made by :func:`in_doubles`."""
 
     def start(self, digits: int) -> tuple[Any, Any]:
         """The system and its state at time 0: the doubles, above 15 digits with |γ| = 1 and (γ, M) = 0 restored."""
@@ -45,7 +45,7 @@ def in_doubles(scene: Scene) -> Scene:
         name: _rounded(getattr(scene, name)) for name in ("inertia", "d", "c", "gamma", "M", "potential", "constants")
     }
     if scene.mass is not None:
-        # d = m r² as the ball in doubles has it
+        # d = m r² as the ball computes it in doubles
         rounded |= {"d": Fraction(scene.body(FLOAT_DIGITS).d), "mass": None, "radius": None}
     rounded["times"] = replace(scene.times, given=_rounded(scene.times.given))
     if scene.steps is not None:

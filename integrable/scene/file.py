@@ -9,6 +9,7 @@ from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
+from unicodedata import category
 
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import MOST_STEPS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
@@ -17,6 +18,7 @@ from jacobian.errors import ArgumentError, shown
 
 __all__ = ["load_scene", "scene_names"]
 
+_WORDS = ("title", "reference", "description")
 _PICTURES = ("work_precision", "sphere", "residual_growth")
 _OF_THE_REPORT = ("work_precision", "residual_growth")
 _ORBIT_PICTURES = ("sphere", "orbit_error")
@@ -33,7 +35,7 @@ def scene_names() -> list[str]:
 def load_scene(name_or_path: str | Path) -> Scene:
     """The scene of that name among :func:`scene_names`, or of that TOML file.
 
-    Raises ArgumentError, one line, naming file, table, key, value and what would be right.
+    ArgumentError, one line, names file, table, key, value and what is accepted.
     """
     if not isinstance(name_or_path, (str, os.PathLike)):
         raise ArgumentError(
@@ -53,7 +55,12 @@ def load_scene(name_or_path: str | Path) -> Scene:
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise ArgumentError(f'scene: "{source}" cannot be read: {why}; the path of a .toml file is needed') from None
-    return _read(path.stem, f"scene {path.name}", text)
+    return _read(_readable(path.stem), f"scene {_readable(path.name)}", text)
+
+
+def _readable(name: str) -> str:
+    """The name of a file as text of one line: bytes that are not UTF-8 (lone surrogates) have no character."""
+    return "".join("_" if category(c) in ("Cc", "Cs", "Zl", "Zp") else c for c in name)
 
 
 def _read(name: str, place: str, text: str) -> Scene:
@@ -64,10 +71,10 @@ def _read(name: str, place: str, text: str) -> Scene:
     except RecursionError:
         raise ArgumentError(f"{place}: not a scene: brackets in brackets, too deep to be read") from None
     except (ValueError, ArithmeticError):
-        # of Python's int and Decimal, which tomllib lets through
+        # from Python's int and Decimal, which tomllib passes on
         raise ArgumentError(f"{place}: not a scene: a number is too long to be read") from None
-    known = ("title", "description", "system", "field", "body", "start", "run", "steps", "report", "output")
-    top = Table(f"{place}:", content, known)
+    tables = ("body", "start", "run", "steps", "report", "output")
+    top = Table(f"{place}:", content, (*_WORDS, "system", "field", *tables))
     system = top.choice("system", SYSTEMS)
     body = _section(top, place, "body", SYSTEMS[system].keys)
     if SYSTEMS[system].room == "classical":
@@ -75,10 +82,7 @@ def _read(name: str, place: str, text: str) -> Scene:
     plain = system in ("chaplygin_ball", "euler_top")
     start = _section(top, place, "start", ("gamma", "M", "tilted") if plain else ("gamma", "M"))
     return Scene(
-        name=name,
-        title=top.text("title", name),
-        description=top.text("description", "").strip(),
-        system=system,
+        **_read_words(name, top, system),
         inertia=body.numbers("inertia", 3),
         **_read_size(body, system),
         potential=body.numbers("potential", 5) if "potential" in body else None,
@@ -91,16 +95,19 @@ def _read(name: str, place: str, text: str) -> Scene:
     )
 
 
+def _read_words(name: str, top: Table, system: str) -> dict[str, Any]:
+    """The title and description of a scene."""
+    words = {key: top.text(key, "").strip() for key in _WORDS}
+    return {"name": name, "system": system, **words, "title": top.text("title", name)}
+
+
 def _read_classical(name: str, place: str, top: Table, system: str, body: Table) -> Scene:
     """A scene of a system of :mod:`integrable.classical`, a motion."""
     if "steps" in top:
         top.fail("[steps]", f'given; system = "{system}" has scenes of motions, with [run]')
     start = _section(top, place, "start", ("q", "p"))
     return Scene(
-        name=name,
-        title=top.text("title", name),
-        description=top.text("description", "").strip(),
-        system=system,
+        **_read_words(name, top, system),
         inertia=(),
         d=None,
         mass=None,
@@ -114,7 +121,7 @@ def _read_classical(name: str, place: str, top: Table, system: str, body: Table)
 
 
 def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] = _PICTURES) -> dict[str, Any]:
-    """What ``[run]``, ``[report]`` and ``[output]`` say of a motion; the second of the ``pictures`` shows its curve."""
+    """``[run]``, ``[report]`` and ``[output]`` of a motion; the second of the ``pictures`` shows its curve."""
     if "field" in top:
         top.fail("field", "given, but a motion runs over real numbers; a finite field needs [steps] instead of [run]")
     runs = _section(top, place, "run", ("times", "digits"))
@@ -128,7 +135,7 @@ def _read_motion(top: Table, place: str, plain: bool, pictures: tuple[str, ...] 
 
 
 def _read_orbit(top: Table, place: str, plain: bool) -> dict[str, Any]:
-    """What ``[steps]`` and ``[output]`` say of an orbit."""
+    """``[steps]`` and ``[output]`` of an orbit."""
     for key in ("run", "report"):
         if key in top:
             top.fail(f"[{key}]", "given beside [steps]; a scene has either [run], a motion, or [steps], an orbit")
@@ -170,7 +177,7 @@ _EVERY_ARGUMENT = tuple(dict.fromkeys(key for keys in _MAPS.values() for key in 
 
 
 def _read_map(table: Table, kinds: dict[str, tuple[str, ...]]) -> Map:
-    """One map, of the kinds of the ball and the top or of those of the deformations."""
+    """One map, of a kind for the ball and the top or of one for the deformations."""
     kind = table.choice("kind", kinds)
     for key in table.content:
         if key not in ("kind", *kinds[kind]):
@@ -206,7 +213,7 @@ def _section(top: Table, place: str, key: str, known: tuple[str, ...]) -> Table:
 
 
 def _read_size(body: Table, system: str) -> dict[str, Any]:
-    """d, or mass and radius: one of the two ways for a ball, d alone for the tilde pair, neither for the others."""
+    """d, or mass and radius, for a ball; d for the tilde pair; neither for the others."""
     given = {key: body.number(key) if key in body else None for key in ("d", "mass", "radius")}
     if system == "chaplygin_ball":
         present = [key for key, value in given.items() if value is not None]
@@ -262,7 +269,7 @@ def _read_comparison(table: Table) -> Comparison:
 
 
 def _read_costs(table: Table, least: int = 0) -> tuple[tuple[int, ...], int]:
-    """Digits of the runs to measure, at least so many of them, and those of their truth."""
+    """Digits of the measured runs, at least that many of them, and those of their truth."""
     digits = table.integers("digits", 1, (FLOAT_DIGITS,))
     if len(set(digits)) < len(digits) or sum(n <= FLOAT_DIGITS for n in digits) > 1 or len(digits) < least:
         table.fail("digits", f"{list(digits)} given; different costs are needed, at most one of them up to 15 (floats)")

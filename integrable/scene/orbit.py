@@ -1,4 +1,4 @@
-"""Orbits of a map: what ``[steps]`` of a scene asks for."""
+"""Orbits of a map, for the ``[steps]`` of a scene."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["Orbit", "orbit"]
 class Orbit(Trajectory):
     """The ``states`` after 0, 1, …, N steps of a map, ``gamma`` and ``M`` of shape (N + 1, 3), of float64 or objects.
 
-    ``times`` are the numbers of the steps; ``report`` is what a scene's run found
+    ``times`` are the numbers of the steps; ``report`` is that of a scene's run
     (:class:`integrable.study.orbits.OrbitReport`), or None.
     """
 
@@ -72,7 +72,7 @@ def orbit(step: Step, state: State, count: int) -> Orbit:
     """The states after 0, 1, …, ``count`` steps.
 
     Where the map loses digits (:meth:`Step.condition`) the orbit runs in wider numbers and its states are rounded to
-    the field of the map one by one, so that rounding is not fed back into the map.
+    the field of the map one by one, so rounding does not feed back into the map.
     """
     if not isinstance(step, Step):
         raise ArgumentError(f"step = {shown(step)}: give a Step, such as system.translation(points)")

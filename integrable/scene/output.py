@@ -1,4 +1,4 @@
-"""The folder a run writes to, tried before the run and never left with half a file in it; and the JSON of a result."""
+"""The output folder of a run, tested before the run and never left with half a file in it; and the JSON of a result."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from importlib import metadata
 from pathlib import Path
 from typing import Any
 
-from integrable.files.whole import replacing
+from integrable.files.whole import FULL, reason, replacing
 from integrable.scene.data import Scene
 from jacobian.errors import ArgumentError
 
@@ -23,8 +23,8 @@ SCHEMA = 1
 class OutputFolder:
     """A folder that files are written to, each one complete or not at all.
 
-    Entering makes the folder and tries to write in it: ArgumentError if that fails. Folders it made are removed
-    again when the block is left by an exception, unless something was written there.
+    Entering makes the folder and tries to write in it: ArgumentError if that fails. If an exception leaves the block,
+    the folders it made are removed, unless something was written there.
     """
 
     def __init__(self, path: str | Path) -> None:
@@ -52,12 +52,12 @@ class OutputFolder:
         for folder in reversed(self._made):
             try:
                 folder.rmdir()
-            except OSError:  # not empty: somebody's files are in it
+            except OSError:  # not empty: it holds files of the user
                 return
 
     def write_text(self, name: str, text: str) -> Path:
         """Write a text file, UTF-8, in one move."""
-        # a file's name that is not in the terminal's encoding holds its bytes as surrogates
+        # a file name outside the terminal's encoding holds its bytes as surrogates
         return self.write_bytes(name, text.encode(errors="surrogateescape").decode(errors="replace").encode())
 
     def write_bytes(self, name: str, content: bytes) -> Path:
@@ -71,7 +71,9 @@ class OutputFolder:
 
 
 def portable(name: str) -> str:
-    """A name of a file or folder that every system takes: itself, where it is one (Windows is the strictest)."""
+    """A name of a file or folder that every operating system accepts, unchanged if it is one (Windows is the
+    strictest).
+    """
     safe = "".join("_" if c in '<>:"/\\|?*' or ord(c) < 32 else c for c in name).rstrip(". ")
     return f"_{safe}" if safe.partition(".")[0].strip().lower() in _RESERVED else safe
 
@@ -80,12 +82,12 @@ _RESERVED = {"", "con", "prn", "aux", "nul", *(f"{port}{n}" for port in ("com", 
 
 
 def _unwritable(path: Path, error: OSError) -> ArgumentError:
-    why = error.strerror or str(error)
-    return ArgumentError(f'out: "{path}" cannot be written: {why}; a folder to write in is needed')
+    hint = "" if error.errno in FULL else "; a folder to write in is needed"
+    return ArgumentError(f'out: "{path}" cannot be written: {reason(error)}{hint}')
 
 
 def result(scene: Scene, digits: int, trajectory: Any, curve: Any) -> dict[str, Any]:
-    """Everything a run found, ready for JSON: the trajectory, the report, the curve that is drawn, and where it ran.
+    """The result of a run, ready for JSON: the trajectory, the report, the drawn curve, and the machine.
 
     Floats stay numbers; multiprecision numbers are decimal strings.
     """
@@ -123,7 +125,7 @@ def _plain(values: Any) -> Any:
 
 
 def versions() -> dict[str, str | None]:
-    """The versions of Python, of this package and of the libraries that a result may depend on, None: not installed."""
+    """The versions of Python, of this package and of the libraries that may affect a result; None: not installed."""
     versions: dict[str, str | None] = {"python": platform.python_version()}
     for package in (
         "jacobian-integrable",

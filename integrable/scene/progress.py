@@ -1,4 +1,4 @@
-"""The progress bar of the commands, on stderr: it moves with the work, and its clock goes on within a piece of it."""
+"""The progress bar of the commands, on stderr: it moves with the work, and its clock runs during each piece."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ TERMINAL, FILE = 0.5, 10.0
 
 @contextmanager
 def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A bar for so many pieces of work, as the function to call with the name of each before it."""
+    """A bar for that many pieces of work, as the function to call with the name of each before it."""
     from tqdm import tqdm
 
     begun = False
@@ -32,13 +32,13 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
         yield tick
         bar.update(1)
-        # however soon after the last piece it is
+        # even right after the last piece
         bar.refresh()
 
 
 @contextmanager
 def compilation_said(bar: Any) -> Iterator[None]:
-    """Above the bar it is said that loops are compiled, which they are once."""
+    """Prints above the bar that loops are being compiled, which happens once."""
     log, handler = logging.getLogger("jacobian.native.library"), logging.Handler(logging.INFO)
     handler.emit = lambda record: bar.write(record.getMessage(), file=sys.stderr)  # type: ignore[method-assign]
     level = log.level
@@ -53,7 +53,7 @@ def compilation_said(bar: Any) -> Iterator[None]:
 
 @contextmanager
 def going(bar: Any, seconds: float) -> Iterator[None]:
-    """Draw a bar again and again, so that its clock goes on while one thing is computed."""
+    """Redraw a bar repeatedly, so that its clock runs during a single piece of work."""
     over = threading.Event()
 
     def draw() -> None:

@@ -32,12 +32,12 @@ def duration(seconds: float | None) -> str:
 
 
 def figure(value: float | None, digits: int = 2) -> str:
-    """A small number with so many digits."""
+    """A small number with that many digits."""
     return "–" if value is None else "0" if value == 0 else f"{value:.{digits - 1}e}"
 
 
 def plain_power(value: float) -> str:
-    """A number as it is written in words: 10¹² instead of 1e+12."""
+    """A power of ten in words: 10¹² instead of 1e+12."""
     text = f"{value:g}"
     mantissa, found, exponent = text.partition("e")
     if not found:

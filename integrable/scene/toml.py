@@ -1,7 +1,7 @@
 """One table of a TOML file, read strictly: keys are declared, values have types, and anything else is an error.
 
-Each message is one line of the form ``scene ball.toml: [body] d: -1 given; …`` — where, which key, which value and
-what would be right.
+Each message is one line of the form ``scene ball.toml: [body] d: -1 given; …`` with the place, the key, the value and
+what is accepted.
 """
 
 from __future__ import annotations
@@ -20,12 +20,12 @@ __all__ = ["Table", "exact_number", "suggestion"]
 
 _MISSING: Any = object()
 LARGEST_INTEGER = 10**300
-# an exponent of more than three digits is not tried: the exact fraction would have as many digits
+# an exponent of more than three digits is refused: the exact fraction would have as many digits
 _NUMBER = re.compile(r"[+-]?(\d+/\d+|(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?)")
 
 
 def suggestion(word: str, known: Iterable[str]) -> str:
-    """``did you mean "x"? `` if a known word is close, and the list of what is known."""
+    """``did you mean "x"? `` if a known word is close, and the list of known words."""
     known = list(known)
     close = difflib.get_close_matches(word, known, n=1, cutoff=0.6)
     meant = f'did you mean "{close[0]}"? ' if close else ""
@@ -33,10 +33,10 @@ def suggestion(word: str, known: Iterable[str]) -> str:
 
 
 class Table:
-    """A TOML table with its place in the file, for messages. A key that is not among ``known`` is an error at once.
+    """A TOML table with its place in the file, for messages. A key not in ``known`` is an error at once.
 
-    ``place`` is the file and the table, such as ``scene ball.toml: [body]``. Numbers come back as exact
-    fractions whether they were written as 0.7 or "0.7" or "1/3" (parse floats with ``parse_float=Decimal``).
+    ``place`` is the file and the table, such as ``scene ball.toml: [body]``. Numbers are returned as exact fractions,
+    whether written as 0.7, "0.7" or "1/3" (parse floats with ``parse_float=Decimal``).
     """
 
     def __init__(self, place: str, content: Any, known: Iterable[str]) -> None:
@@ -57,7 +57,7 @@ class Table:
         raise ArgumentError(f"{self.place} {key}: {why}")
 
     def within(self, key: str, check: Callable[[], Any]) -> None:
-        """Run ``check``; its ArgumentError gets the place and the key in front."""
+        """Run ``check``; its ArgumentError is prefixed with the place and the key."""
         try:
             check()
         except ArgumentError as error:
@@ -171,7 +171,7 @@ class Table:
 
 
 def exact_number(text: str) -> Fraction:
-    """The number that 2, 0.7, 7e-1 or 1/3 write; ValueError for anything else, and beyond 1e±300."""
+    """The number written as 2, 0.7, 7e-1 or 1/3; ValueError for anything else, and beyond 1e±300."""
     if _NUMBER.fullmatch(text):
         with contextlib.suppress(ZeroDivisionError):
             number = Fraction(text)
@@ -185,7 +185,7 @@ def _integer_wanted(least: int | None) -> str:
 
 
 def _shown(value: Any) -> str:
-    """A TOML value on one line, as the file has it or nearly so."""
+    """A TOML value on one line, nearly as in the file."""
     if isinstance(value, list):
         return shortened(f"[{', '.join(_shown(item) for item in value)}]")
     if isinstance(value, str):

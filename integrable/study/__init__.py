@@ -1,9 +1,9 @@
-"""Measuring: what ``integrable run`` finds of a scene, and ``integrable report`` of many.
+"""Measurements: the results of ``integrable run`` for a scene, and of ``integrable report`` for many.
 
-What is measured is a list of tasks (:mod:`.plan`), each one scene × method × setting; :mod:`.measure` does one, against
-the :mod:`.truth` of its scene. The tasks of a scene's own ``[report]`` are done in process (:mod:`.motions`, beside it
-:mod:`.orbits`), for :mod:`.run`. Those of a study begin from doubles (:mod:`integrable.scene.doubles`), are done in
-worker processes under time limits (:mod:`.runner`) and kept in files (:mod:`.store`), so that a study that was killed
-goes on where it was, and two at once share the work; :mod:`.findings` says what they show, :mod:`.page` and
-:mod:`.figures` show it.
+A measurement is a list of tasks (:mod:`.plan`), each one scene × method × setting. :mod:`.measure` does one, against
+the :mod:`.truth` of its scene. The tasks of a scene's own ``[report]`` run in this process (:mod:`.motions`,
+:mod:`.orbits`), for :mod:`.run`. Those of a study start from doubles (:mod:`integrable.scene.doubles`) and run in
+worker processes under time limits (:mod:`.runner`). Their results are files (:mod:`.store`), so a study that was killed
+resumes where it stopped, and two at once share the work. :mod:`.findings` evaluates them, :mod:`.page` and
+:mod:`.figures` show them.
 """

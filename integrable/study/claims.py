@@ -1,4 +1,4 @@
-"""What a study claims, each with what was measured of it and whether that bears it out."""
+"""The claims of a study, each with its measurement and verdict."""
 
 from __future__ import annotations
 
@@ -6,10 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from integrable.oracles.methods import METHODS
+from integrable.scene.tables import plain_power
 from integrable.study.findings import SCENE_FLOOR_FACTOR, Behind, Study
 
 __all__ = ["claims"]
 
+FAR = 10_000.0
+"""Time scales from which on the flow is to be ahead at one time."""
 AHEAD = 0.97
 """The part of the rows of methods in doubles that the flow is to be ahead of."""
 
@@ -17,8 +20,17 @@ Claim = tuple[str, str, bool]
 
 
 def claims(study: Study) -> list[tuple[str, ...]]:
-    """Lines of a table, its head first: claim, measurement, verdict."""
-    found = [_floor(study), _ahead(study), _ahead_in_doubles(study), _truth(study), _no_silence(study), *_exact(study)]
+    """The lines of a table, its head first: claim, measurement, verdict."""
+    found = [
+        _floor(study),
+        *_far(study),
+        *_near(study),
+        _ahead(study),
+        _ahead_in_doubles(study),
+        _truth(study),
+        _no_silence(study),
+        *_exact(study),
+    ]
     verdicts = ((claim, measured, "holds" if holds else "does not hold") for claim, measured, holds in found)
     return [("claim", "measurement", "verdict"), *verdicts]
 
@@ -38,6 +50,21 @@ def _floor(study: Study) -> Claim:
 
 def _times(factor: float) -> str:
     return f"{factor:.0f} times" if factor < 1e4 else f"{factor:.0e} times"
+
+
+def _far(study: Study) -> list[Claim]:
+    found = [(f.scene.name, s) for f in study.motions for s in f.standings if s.T is not None and s.T >= FAR]
+    lost = [f"{name} at {s.T:g}: {s.ratio:.2g}" for name, s in found if s.ratio < 1]
+    claim = f"At one time T ≥ {plain_power(FAR)} no other method that is as accurate is faster than the flow."
+    measured = f"{len(found) - len(lost)} of {len(found)} cases" + "".join(f"; {one}" for one in lost)
+    return [(claim, measured, not lost)] if found else []
+
+
+def _near(study: Study) -> list[Claim]:
+    found = [s for f in study.motions for s in f.standings if s.T is not None and s.T <= 1 and s.peer is not None]
+    won = sum(s.ratio >= 1 for s in found)
+    claim = "At T = 1 an integrator built beforehand is faster than the flow, wherever one is as accurate."
+    return [(claim, f"{len(found) - won} of {len(found)} cases", not won)] if found else []
 
 
 def _ahead(study: Study) -> Claim:
@@ -69,7 +96,7 @@ def _in_doubles(row: dict[str, Any]) -> bool:
 def _standing(compared: int, behind: Sequence[Behind], scenes: int) -> str:
     return (
         f"{compared - len(behind)} of {compared} rows on {scenes} scenes; of the others "
-        f"{sum(b.cheaper for b in behind)} are done before the flow is, "
+        f"{sum(b.cheaper for b in behind)} finish sooner than the flow, "
         f"{sum(not b.cheaper for b in behind)} are more accurate"
     )
 

@@ -1,4 +1,4 @@
-"""What the lines of a study's tables show: heads, and the cells of one line each, for the page and the terminal."""
+"""Heads and cells of a study's tables, for the page and the terminal."""
 
 from __future__ import annotations
 
@@ -7,10 +7,10 @@ from math import isinf
 from typing import Any
 
 from integrable.scene.tables import duration, figure, plain_power
-from integrable.study.findings import Behind, SceneFindings, Study
+from integrable.study.findings import Behind, SceneFindings, Standing, Study
 
 __all__ = [
-    "BEHIND", "LONG", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "long_cells", "named",
+    "BEHIND", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "named",
     "orbit_cells", "ratio_cell", "scene_cells", "shortened", "words",
 ]  # fmt: skip
 
@@ -52,7 +52,7 @@ def _none_yet(behind: Behind) -> str:
 
 
 def _how_far(behind: Behind) -> str:
-    """What a row that the flow does not beat has before it, in errors and in run times."""
+    """How far a row is ahead of the flow, in errors and in run times."""
     row = behind.row["result"]
     if behind.cheaper and behind.first is not None:
         error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
@@ -68,52 +68,25 @@ def horizon_name(T: float | None) -> str:
 
 
 def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tuple[str, ...]:
-    ratios = {standing.T: standing.ratio for standing in found.standings}
-    return (found.scene.name, *(ratio_cell(ratios.get(T)) for T in columns))
+    standings = {standing.T: standing for standing in found.standings}
+    return (found.scene.name, *(ratio_cell(standings.get(T)) for T in columns))
 
 
-def ratio_cell(ratio: float | None) -> str:
-    """Of a standing; None where there is none."""
-    return "–" if ratio is None else "none" if isinf(ratio) else f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}"
+def ratio_cell(standing: Standing | None) -> str:
+    """A standing as a ratio, or the bound that it exceeds.
 
-
-LONG = (
-    "scene",
-    "flow",
-    "run time",
-    "error γ",
-    "fastest as accurate",
-    "run time",
-    "× the flow's",
-    "most accurate before the flow",
-    "error γ",
-    "all overtaken after",
-)
-
-
-def long_cells(found: SceneFindings) -> tuple[str, ...]:
-    best = found.best
-    if best is None:
-        return (found.scene.name, "failed", *["–"] * 8)
-    reached, before, behind = found.as_accurate, found.before, found.behind()
-    never = any(b.overtaken is None for b in behind)
-    last = max((b.overtaken or 0.0 for b in behind), default=best["total"])
-    return (
-        found.scene.name,
-        _way(found),
-        duration(best["total"]),
-        figure(best["error_gamma"]),
-        "none" if reached is None else ", ".join(words(reached)),
-        "–" if reached is None else duration(reached["result"]["total"]),
-        "–" if reached is None else f"{reached['result']['total'] / best['total']:.2g}",
-        "none" if before is None else ", ".join(words(before)),
-        "–" if before is None else figure(before["result"]["error_gamma"]),
-        "never" if never else duration(last),
-    )
+    "none": no method was accurate enough; "stopped": strong methods could not run; –: no standing.
+    """
+    if standing is None:
+        return "–"
+    ratio = standing.least if standing.least is not None else standing.ratio
+    if isinf(ratio):
+        return standing.outcome
+    return (">" if standing.outcome == "slower" else "") + (f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}")
 
 
 def _way(found: SceneFindings) -> str:
-    """The setting of the flow's fastest row in floats, and whether it adds no divisors."""
+    """The setting of the flow's fastest row in floats, marked where no divisors are added."""
     setting: str = next((c["row"]["setting"] for c in found.flow if c["result"] is found.best), "failed")
     return setting if found.moved_by_divisors or not found.flow else f"{setting}, integrated: no divisors"
 

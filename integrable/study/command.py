@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from integrable.extras import without
@@ -16,7 +16,7 @@ from integrable.scene.output import OutputFolder, as_json, portable
 from integrable.scene.progress import going, often
 from integrable.study.findings import Study, study_from
 from integrable.study.page import answer, page
-from integrable.study.plan import Task, compile_tasks, tasks_of
+from integrable.study.plan import Task, first_answer_tasks, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store
 from jacobian.errors import ArgumentError
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["QUICK", "report_data", "study_of"]
 
-QUICK = ("chaplygin", "euler_top", "thin_ball", "equal_moments", "hat_turning_point", "finite_field")
+QUICK = ("chaplygin", "euler_top", "thin_ball", "neumann", "henon_heiles_bounded", "hat_turning_point", "finite_field")
 """Scenes of a quick study that names none: one of each kind, whose truths take seconds."""
 FIGURES = "figures/report"
 
@@ -41,12 +41,12 @@ def study_of(
     jobs: int | None = None,
     progress: bool = False,
 ) -> Study:
-    """Run a study in the folder ``out``, or go on with it, and return it with ``report.md``, its figures
-    and ``report.json`` written.
+    """Run or resume a study in the folder ``out``, and return it with ``report.md``, its figures and ``report.json``
+    written.
 
-    ``sources``: names of scenes or paths of scene files; none: all that ship, or with ``quick`` a few of them. Rows
-    that ``out`` holds and that no change of code, scene or library has made stale are not measured again. ``formats``
-    empty: no figures, and matplotlib is not imported. ``jobs`` processes measure at a time (default: one a core).
+    ``sources``: names of scenes or paths of scene files; none: all that ship, or with ``quick`` a few of them. Rows in
+    ``out`` are kept unless code, scene or a library has changed. ``formats`` empty: no figures, and matplotlib is not
+    imported. ``jobs`` processes compute truths at a time (default: one per core); timed tasks run alone.
     """
     if jobs is not None and jobs < 1:
         raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
@@ -73,44 +73,54 @@ def study_of(
 
 
 def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Task]:
-    """All rows of a study: the truths first, since others wait for them."""
+    """All rows of a study: the truths first, since others depend on them."""
     rows = [row for scene, source in zip(scenes, sources, strict=True) for row in tasks_of(scene, source, mode)]
     if mode == "full":
-        rows += compile_tasks(scenes, sources)
+        rows += first_answer_tasks(scenes, sources)
     return sorted(rows, key=lambda row: row.kind != "truth")
 
 
 def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick: bool) -> dict[str, Any]:
-    """What report.json holds (integrable/schemas/report.json): all rows but the states of truths."""
+    """The content of report.json (integrable/schemas/report.json): all rows except the states of truths."""
     usual = set(chosen) == set(QUICK if quick else scene_names())
     command = " ".join(["integrable report", *(() if usual else chosen), *(["--quick"] if quick else [])])
     states = ("gamma", "M", "tau")
     rows = [
         {
-            **{key: content[key] for key in ("row", "status", "error", "stopped", "seconds")},
+            **{key: content[key] for key in ("row", "status", "error", "stopped", "seconds", "commit", "date", "load")},
+            "machine": _named(content["machine"]),
             "result": content["result"]
             and {key: value for key, value in content["result"].items() if key not in states},
         }
         for content in contents
     ]
+    loads = [content["load"] for content in contents if content["load"] is not None]
     return {
-        "schema": 1,
+        "schema": 2,
         "command": command,
         "mode": "quick" if quick else "full",
         "scenes": list(chosen),
         "versions": contents[0]["versions"],
         "machine": _machine(contents),
+        "dates": [min(content["date"] for content in contents), max(content["date"] for content in contents)],
+        "load": median(loads) if loads else None,
+        "commits": sorted({content["commit"] or "" for content in contents}),
         "seconds": sum(content["seconds"] for content in contents),
         "rows": rows,
     }
 
 
 def _machine(contents: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The machine of the rows; where kept rows are another's, the names of all, the first of the most rows."""
-    rows = Counter(tuple(content["machine"].items()) for content in contents)
-    machines = [dict(machine) for machine, _ in rows.most_common()]
-    names = {key: "; ".join(dict.fromkeys(m[key] for m in machines)) for key in ("system", "processor")}
-    return {**machines[0], **names}
+    """The machine of the timed rows; their stamps contain it, so there is only one."""
+    timed = [content for content in contents if content["row"]["kind"] not in ("truth", "floor")]
+    machines = [dict(one) for one in {tuple(content["machine"].items()) for content in timed or contents}]
+    if len(machines) > 1:
+        raise RuntimeError(f"rows of {len(machines)} machines: their run times are no ratios; measure them again")
+    return machines[0]
+
+
+def _named(machine: dict[str, Any]) -> str:
+    return f"{machine['processor']}, {machine['cores']} cores, {machine['system']}"
 
 
 def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ...]) -> None:
@@ -133,7 +143,7 @@ def _write(study: Study, data: dict[str, Any], out: Path, formats: tuple[str, ..
 
 @contextmanager
 def _bar(progress: bool, rows: Sequence[Task]) -> Iterator[Callable[[Task], None]]:
-    """A function to call with each finished row; it moves a bar on stderr if there is one."""
+    """A function to call with each finished row; it moves a bar on stderr, if any."""
     if not progress:
         yield lambda _row: None
         return

@@ -27,6 +27,7 @@ from integrable.study.plot import (
 
 __all__ = ["as_bytes", "error_against_run_time", "floors"]
 
+OWN = (FLOW, INTEGRATED)
 DEEP = 1e-17
 """Errors below this are those of more than double precision."""
 
@@ -40,7 +41,7 @@ def as_bytes(figure: Any, suffix: str) -> bytes:
 
 
 def error_against_run_time(found: SceneFindings) -> Any:
-    """Largest error of γ (or q) against run time with set-up, a line for every method; None without points.
+    """Largest error of γ (or q) against the run time of a start, a line for every method; None without points.
 
     Errors beyond doubles, of multiprecision rows, are in a panel of their own below.
     """
@@ -60,7 +61,7 @@ def error_against_run_time(found: SceneFindings) -> Any:
                 _series(axes, method, [c for c in panel if c["row"]["method"] == method])
             axes.margins(x=0.11, y=0.09 if panel is not deep else 0.25)
         top, bottom = every[0], every[-1]
-        handles = [_handle(method) for method in methods]
+        handles = _handles(methods, rows, found)
         if found.floor is not None:
             handles.append(_mark_floor(top, found.floor["floor_gamma"]))
         _at_least_two_decades(bottom)
@@ -71,13 +72,26 @@ def error_against_run_time(found: SceneFindings) -> Any:
             bottom.set_ylim(min(errors) / 1e3, max(errors) * 1e3)
             decades(bottom, most=5)
         decades(top)
-        _named(top, [c for c in found.flow if c in rows and c not in deep])
-        _named(bottom, [c for c in found.flow if c in deep])
-        bottom.set_xlabel("run time with set-up, seconds")
+        bottom.set_xlabel("run time of a start, seconds")
         top.set_ylabel(f"largest error of {found.scene.letters[0]} over the run")
         figure.legend(handles=handles, loc="outside right upper", frameon=False, fontsize=8)
         top.set_title(f"{found.scene.title}\n{_span(found)}; lower left is better", fontsize=10, loc="left")
     return figure
+
+
+def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: SceneFindings) -> list[Line2D]:
+    """The legend: methods, the flow by its arithmetic, and methods without a figure, in all or some settings."""
+    lost = {c["row"]["method"] for c in found.failures if c["row"]["kind"] == "comparator"}
+    handles = []
+    for method in methods:
+        settings = [c["row"]["setting"] for c in rows if c["row"]["method"] == method] if method in OWN else [""]
+        handles += [_handle(method, method in lost, setting) for setting in settings]
+    if lost:
+        handles.append(Line2D([], [], linestyle="none", label="† at some settings too slow,\nor it gave up"))
+    if silent := sorted(lost - set(methods)):
+        names = "\n".join(silent)
+        handles.append(Line2D([], [], linestyle="none", label=f"no figure at any:\n{names}"))
+    return handles
 
 
 def _mark_floor(axes: Any, floor: float) -> Line2D:
@@ -94,29 +108,25 @@ def _at_least_two_decades(axes: Any) -> None:
 
 
 def _series(axes: Any, method: str, rows: list[dict[str, Any]]) -> None:
-    if not rows:
-        return
-    own = method in (FLOW, INTEGRATED)
-    points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in rows]
-    axes.plot(*zip(*points, strict=True), **look_of(method), markersize=7.5 if own else 5.5, zorder=4 if own else 3)
+    """The runs of a method as a line; those of the flow, which are different arithmetics, as separate marks."""
+    parts = [[c] for c in rows] if method in OWN else [rows] if rows else []
+    for part in parts:
+        setting = part[0]["row"]["setting"] if method in OWN else ""
+        points = [(c["result"]["total"], c["result"]["error_gamma"]) for c in part]
+        size = {"markersize": 7.5, "zorder": 4} if method in OWN else {"markersize": 5.5, "zorder": 3}
+        axes.plot(*zip(*points, strict=True), **_look(method, setting), **size)
 
 
-def _named(axes: Any, rows: list[dict[str, Any]]) -> None:
-    """The settings of the flow's rows beside their points: below, the fastest to its left; above at the right edge."""
-    low, high = axes.get_xlim()
-    for k, content in enumerate(sorted(rows, key=lambda content: float(content["result"]["total"]))):
-        point = content["result"]["total"], content["result"]["error_gamma"]
-        first, at_edge = k == 0 and len(rows) > 1, point[0] > (low * high**4) ** 0.2
-        x, y, side, height = (-5, -4, "right", "top") if first else (5, -4, "left", "top")
-        if at_edge and not first:
-            x, y, side, height = 0, 5, "center", "bottom"
-        place: dict[str, Any] = {"xytext": (x, y), "textcoords": "offset points", "ha": side, "va": height}
-        back = {"facecolor": "white", "linewidth": 0, "pad": 0.4, "alpha": 0.6}
-        axes.annotate(content["row"]["setting"], point, **place, fontsize=8, color=BLUE, bbox=back, zorder=2.5)
+def _handle(method: str, stopped: bool, setting: str = "") -> Line2D:
+    """A line of the legend; † for a method with a setting that gave no figure."""
+    name = ", ".join(filter(None, (method, setting))) + (" †" if stopped else "")
+    return Line2D([], [], markersize=6, label=name, **_look(method, setting))
 
 
-def _handle(method: str) -> Line2D:
-    return Line2D([], [], markersize=6, label=method, **look_of(method))
+def _look(method: str, setting: str) -> dict[str, Any]:
+    """The flow's marks encode its arithmetic, so that no text is needed between the points."""
+    face = {"compiled": {"markerfacecolor": "white"}, "floats": {}, "": {}}.get(setting, {"fillstyle": "bottom"})
+    return {**look_of(method), **(face if method in OWN else {})}
 
 
 def _span(found: SceneFindings) -> str:

@@ -1,4 +1,4 @@
-"""What the rows of a study show: who is ahead at equal run time, how far errors are from the floor, observed orders."""
+"""Evaluation of a study's rows: who is ahead at equal run time, errors relative to the floor, observed orders."""
 
 from __future__ import annotations
 
@@ -49,30 +49,52 @@ class Behind:
 
     @property
     def cheaper(self) -> bool:
-        """Whether it is behind because it is done before the flow is, and not because it is more accurate."""
+        """Whether the row is unbeaten because it is faster than the flow, and not because it is more accurate."""
         return self.flow_error is None and self.first is not None
 
 
 @dataclass(frozen=True)
 class Standing:
-    """Where the flow in floats stands beside the fastest other method whose error is at most its own or the floor."""
+    """The flow in floats beside the fastest other method whose error is at most the flow's or the floor."""
 
     T: float | None
     """The time, in time scales of the motion; None: all times of the scene."""
     flow: dict[str, Any]
-    """Its "total" run time in seconds with set-up, and "error_gamma"."""
+    """Its "total" in seconds, once a start and evaluation, and "error_gamma"."""
     peer: dict[str, Any] | None
     """The same of the other, with its "method" and "setting"; None where no setting of any is so near."""
+    tried: dict[str, dict[str, Any]]
+    """Of each method that was tried how near it came, what it was slower than, or what it said."""
+    strong: Sequence[str]
+    """Those that have to have run before it is said that none is near enough."""
 
     @property
     def ratio(self) -> float:
         """The run time of the other over that of the flow."""
         return inf if self.peer is None else float(self.peer["total"] / self.flow["total"])
 
+    @property
+    def least(self) -> float | None:
+        """Where no other was accurate enough and some were stopped: a lower bound of their times over the flow's."""
+        slower = [told["slower"] for told in self.tried.values() if "slower" in told]
+        return float(max(slower) / self.flow["total"]) if self.peer is None and slower else None
+
+    @property
+    def outcome(self) -> str:
+        """ "met": another is as accurate; "slower": it would be, if at all, beyond its time limit; "none": strong
+        methods ran and none was accurate enough; "stopped": they could not run.
+        """
+        if self.peer is not None:
+            return "met"
+        if self.least is not None:
+            return "slower"
+        ran = [name for name in self.strong if "error_gamma" in self.tried.get(name, {})]
+        return "none" if ran else "stopped"
+
 
 @dataclass
 class SceneFindings:
-    """The contents of a scene's rows, by what they are, and what follows from them. ``total`` counts set-up."""
+    """The rows of a scene by kind, and their evaluation. ``total`` counts a start."""
 
     scene: Scene
     flow: list[dict[str, Any]] = field(default_factory=list)
@@ -82,10 +104,8 @@ class SceneFindings:
     truth: dict[str, Any] | None = None
     floor: dict[str, Any] | None = None
     orbit: dict[str, Any] | None = None
-    first_use: dict[str, Any] | None = None
     left_out: dict[str, Any] | None = None
-    additions: dict[str, Any] | None = None
-    compiled: list[dict[str, Any]] = field(default_factory=list)
+    first_answers: list[dict[str, Any]] = field(default_factory=list)
     horizons: list[dict[str, Any]] = field(default_factory=list)
 
     @property
@@ -109,7 +129,7 @@ class SceneFindings:
 
     @property
     def judged(self) -> dict[str, Any] | None:
-        """What is held against the floor: :attr:`best`, or of an orbit over real numbers its row in floats."""
+        """The row that is compared with the floor: :attr:`best`, or of an orbit over real numbers its row in floats."""
         if self.orbit is None:
             return self.best
         rows: list[dict[str, Any]] = self.orbit["rows"]
@@ -125,7 +145,7 @@ class SceneFindings:
 
     @property
     def silently_wrong(self) -> bool:
-        """Whether states were returned that are wrong beyond use and beyond what rounded inputs do."""
+        """Whether returned states are wrong beyond use and beyond the effect of rounding the inputs."""
         row = self.judged
         if row is None or self.over_floor is None:
             return False
@@ -133,7 +153,7 @@ class SceneFindings:
 
     @property
     def cause(self) -> str:
-        """Where an error above the floor comes from: off the level set of the integrals, or along it, in the phase."""
+        """The source of an error above the floor: off the level set of the integrals, or along it, in the phase."""
         row = self.judged
         if row is None:
             return ""
@@ -145,7 +165,9 @@ class SceneFindings:
 
     @property
     def doubtful(self) -> bool:
-        """Whether the truth differs from the independent integrator by more than its digits allow, or is that alone."""
+        """Whether the truth differs from the independent integrator by more than its digits allow, or is that
+        integrator alone.
+        """
         if self.truth is None:
             return False
         check = self.truth["check"]
@@ -155,33 +177,11 @@ class SceneFindings:
         return max(check["error_gamma"], check["error_M"]) > LOST * 10.0 ** -check["digits"] * growth
 
     @property
-    def as_accurate(self) -> dict[str, Any] | None:
-        """The fastest comparator that has at most the error of :attr:`best`; None where none has."""
-        if self.best is None:
-            return None
-        rows = [c for c in self.comparators if c["result"]["error_gamma"] <= self.best["error_gamma"]]
-        return min(rows, key=lambda content: float(content["result"]["total"]), default=None)
-
-    @property
     def standings(self) -> list[Standing]:
         """At single times, the shortest first, and then over the times of the scene."""
         rows = [(content["row"]["value"], content["result"]) for content in self.horizons]
-        found = [
-            Standing(T, result["flow"], result["peer"]) for T, result in sorted(rows, key=lambda row: float(row[0]))
-        ]
-        if self.best is None or not self.moved_by_divisors:
-            return found
-        enough = max(self.best["error_gamma"], self.floor["floor_gamma"] if self.floor else 0.0)
-        peers = [c["result"] | c["row"] for c in self.comparators if c["result"]["error_gamma"] <= enough]
-        return [*found, Standing(None, self.best, min(peers, key=lambda peer: float(peer["total"]), default=None))]
-
-    @property
-    def before(self) -> dict[str, Any] | None:
-        """The most accurate comparator that is done before :attr:`best`; None where none is."""
-        if self.best is None:
-            return None
-        rows = [c for c in self.comparators if c["result"]["total"] < self.best["total"]]
-        return min(rows, key=lambda content: float(content["result"]["error_gamma"]), default=None)
+        rows.sort(key=lambda row: (row[0] is None, row[0]))
+        return [Standing(T, *(r[key] for key in ("flow", "peer", "tried", "strong"))) for T, r in rows]
 
     def behind(self) -> list[Behind]:
         """The comparators' rows that the flow does not beat."""
@@ -198,7 +198,7 @@ class SceneFindings:
         return found
 
     def slopes(self) -> list[tuple[str, float, int | None]]:
-        """(method, observed order, its order in theory) of the fixed-step methods with enough points."""
+        """(method, observed order, theoretical order) of the fixed-step methods with enough points."""
         found = []
         for name, method in METHODS.items():
             rows = [c for c in self.comparators if c["row"]["method"] == name]
@@ -212,13 +212,18 @@ class SceneFindings:
 
 @dataclass(frozen=True)
 class Study:
-    """All that the page shows."""
+    """The data of the page."""
 
     findings: list[SceneFindings]
     mode: str
     command: str
     versions: dict[str, str | None]
     machine: dict[str, Any]
+    dates: Sequence[str]
+    """Of the first row and of the last, ISO 8601."""
+    commits: Sequence[str]
+    load: float | None
+    """The median over the rows of how many processes the machine was at, this study being about one of them."""
     figures: dict[str, str]
     """Paths of the figures of the scenes, and of ``floors``, relative to the page."""
     seconds: float
@@ -233,7 +238,9 @@ class Study:
 
     @property
     def horizons(self) -> list[float | None]:
-        """The single times that flows were held against others at, the shortest first, and None: all of a scene's."""
+        """The single times at which flows were compared with others, the shortest first, and None for all of a scene's
+        times.
+        """
         every = [standing.T for f in self.motions for standing in f.standings]
         return [*sorted({T for T in every if T is not None}), *([None] if None in every else [])]
 
@@ -244,8 +251,10 @@ class Study:
 
     @property
     def behind(self) -> list[Behind]:
-        """Rows of comparators that the flow does not beat: scenes with T ≥ 1000 first, then what is more accurate than
-        the flow in the same time, then what is done before the flow is; each by the run time, longest first.
+        """Rows of comparators that the flow does not beat, in three groups, each by descending run time.
+
+        First scenes with T ≥ 1000, then rows that are more accurate than the flow in the same time, then rows that are
+        faster.
         """
         found = [(f, b) for f in self.findings for b in f.behind()]
         order = sorted(
@@ -269,7 +278,7 @@ class Study:
 def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[SceneFindings]:
     """The findings of each scene, from the contents of the files of its rows."""
     found = {scene.name: SceneFindings(scene) for scene in scenes}
-    lists = {"comparator": "comparators", "compile": "compiled", "horizon": "horizons"}
+    lists = {"comparator": "comparators", "first answer": "first_answers", "horizon": "horizons"}
     for content in contents:
         kind, scene = content["row"]["kind"], found[content["row"]["scene"]]
         if content["status"] != "done":
@@ -283,7 +292,7 @@ def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[
 
 def study_from(data: dict[str, Any], scenes: Sequence[Scene]) -> Study:
     """The study that a report.json holds, ``scenes`` being those that it names."""
-    taken = ("mode", "command", "versions", "machine", "seconds")
+    taken = ("mode", "command", "versions", "machine", "seconds", "dates", "commits", "load")
     missing = [name for name in scene_names() if name not in {scene.name for scene in scenes}]
     return Study(
         findings=gather(scenes, data["rows"]), figures={}, missing=tuple(missing), **{key: data[key] for key in taken}

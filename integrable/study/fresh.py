@@ -1,13 +1,12 @@
-"""What a fresh process does: the first use of a flow, compilation, and what a scene leaves out.
+"""Measurements in a fresh process: a first answer, and the libraries that a scene leaves unused.
 
-Each measurement is a Python of its own, so that imports, caches and memory are those of one piece of work.
+Each measurement is a Python process of its own, with its own imports, caches and memory.
 """
 
 from __future__ import annotations
 
 import json
 import os
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -16,11 +15,10 @@ from typing import Any
 
 from integrable.oracles.methods import METHODS
 
-__all__ = ["HEAVY", "compilation", "first_use", "left_out"]
+__all__ = ["HEAVY", "first_answer", "left_out"]
 
 HEAVY = ("numpy", "mpmath", "numba", "galois", "scipy", "matplotlib", "tqdm")
 """Libraries that cost time and memory to import."""
-REPEAT = 3
 
 _START = """
 import json, sys
@@ -77,14 +75,17 @@ print(json.dumps({**found, "way": trajectory.way}))
 """
 _COMPILED = """
 def once():
-    flow = system.flow(state, kernel="compiled")
-    return flow.at(times[:1]).gamma
+    return system.motion_through(state).at(times).gamma
 """
 _METHOD = """
 from integrable.oracles.methods import METHODS
+method = METHODS[%r]
 def once():
-    method = METHODS[%r]
-    return method.solve(system, state, times[:1], method.ladder(system, state)[0])
+    return method.solve(system, state, times, method.ladder(system, state)[-2])
+"""
+_ONE_TIME = """
+from integrable.oracles.methods import time_scale
+times = [time_scale(system, state)]
 """
 _TWICE = """
 first = perf_counter(); once(); second = perf_counter(); once(); last = perf_counter()
@@ -107,20 +108,10 @@ def _python(code: str, source: str, **environment: str) -> tuple[float, dict[str
     return perf_counter() - begun, json.loads(done.stdout.splitlines()[-1])
 
 
-def first_use(source: str) -> dict[str, Any]:
-    """Median seconds of a fresh process from its start to γ and M at the scene's times, and of its work alone."""
-    runs = [_python(_START + _ASKED + _END % (HEAVY,), source) for _ in range(REPEAT)]
-    return {
-        "total": statistics.median(wall for wall, _ in runs),
-        "setup": statistics.median(found["seconds"] for _, found in runs),
-        "runs": REPEAT,
-    }
-
-
 def left_out(source: str) -> dict[str, Any]:
-    """What γ and M at the scene's times import and take, beside everything that the package could compute of them."""
+    """Imports and memory of γ and M at the scene's times, beside everything the package could compute of them."""
     found: dict[str, Any] = {}
-    # the second takes many times the first, and is measured once
+    # the second takes many times as long as the first, and is measured once
     for name, part, times in (("asked", _ASKED, 2), ("everything", _EVERYTHING, 1)):
         runs = [_python(_START + part + _END % (HEAVY,), source) for _ in range(times)]
         wall, data = min(runs, key=lambda run: run[0])
@@ -128,10 +119,16 @@ def left_out(source: str) -> dict[str, Any]:
     return found
 
 
-def compilation(source: str, method: str) -> dict[str, Any]:
-    """Seconds of a first call with an empty cache of compiled code, of one that loads it, and of a call after that."""
-    code = _START + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
+def first_answer(source: str, method: str) -> dict[str, Any]:
+    """Seconds to a first answer, one time scale after the start, everything included.
+
+    "cold": a process where nothing has been compiled; "disk": compiled code is on disk; "process": a call in a process
+    that has run before.
+    """
+    code = _START + _ONE_TIME + (_METHOD % method if method in METHODS else _COMPILED) + _TWICE
     with tempfile.TemporaryDirectory() as cache:
-        _, cold = _python(code, source, NUMBA_CACHE_DIR=cache)
-        _, warm = _python(code, source, NUMBA_CACHE_DIR=cache)
-    return {"total": cold["first"], "setup": warm["first"], "evaluation": warm["second"], "runs": 1}
+        # heyoka keeps what it compiles on disk too
+        kept = {"NUMBA_CACHE_DIR": cache, "HEYOKA_CACHE_DIR": cache}
+        cold, _ = _python(code, source, **kept)
+        warm, found = _python(code, source, **kept)
+    return {"cold": cold, "disk": warm, "process": found["second"]}

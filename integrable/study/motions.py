@@ -1,13 +1,18 @@
-"""The report of one motion: the tasks of the scene's own ``[report]``, measured in process.
+"""The report of one motion: the tasks of the scene's own ``[report]``, measured in process, its own result first.
 
-The ball and the top move by the divisor flow, systems of any genus by additions, the deformations by their elliptic
-curves or, where none are known, by Taylor series of their equations; beside them SciPy's DOP853 on the same start and
-times. Errors are against the same motion at ``truth_digits`` digits, which is itself held once against another
-integrator at a short time: the Taylor series of :mod:`integrable.oracles.reference`, for a system of any genus Gauss's
-collocation, for a deformation the same at 10 more digits. Errors of M are relative to |M|; drifts are the largest
-departures, over the requested times, of |γ|², (γ, M)/|M| and the two integrals, relative, from their values at the
-exact start. Run times are medians of ``time.perf_counter``; set-up begins with a new body each time. The floor is
-eps·conditioning: what rounding the inputs to doubles does to the states by itself.
+The ball and the top move by the divisor flow, systems of any genus by additions. The deformations move by their
+elliptic curves or, where none are known, by Taylor series of their equations. SciPy's DOP853 is the comparison. All
+start from the scene's numbers rounded to doubles, as in a study (:mod:`integrable.scene.doubles`), and their errors
+refer to that motion. A run at more digits starts from the scene's own numbers, and its errors refer to their motion.
+
+The truth is the same motion at ``truth_digits`` digits. It is compared once with another integrator at a short time:
+the Taylor series of :mod:`integrable.oracles.reference`, Gauss collocation for a system of any genus, the same method
+at 10 more digits for a deformation. The own result is computed before the truth. A row of at least ten more digits, if
+any, judges it.
+
+Errors of M are relative to |M|. Drifts are the largest relative departures, over the requested times, of |γ|², (γ,
+M)/|M| and the two integrals from their values at the exact start. Run times are medians of ``time.perf_counter``;
+set-up includes a new body each time. The floor is eps·conditioning, the effect of rounding the inputs to doubles.
 """
 
 from __future__ import annotations
@@ -15,62 +20,247 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from functools import cached_property
+from math import inf
 from typing import Any
 
 from integrable.extras import installed
+from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.study.measure import flow_measured, measured
-from integrable.study.plan import Task, tasks_of_run
-from integrable.study.report import Report, Row, TruthCheck
-from integrable.study.timing import Tick
+from integrable.scene.doubles import in_doubles
+from integrable.scene.tables import DOP853
+from integrable.study.measure import flow_run, measured
+from integrable.study.plan import Limits, Task
+from integrable.study.report import FIRST_USE, Report, Row, TruthCheck, closing, opening, row_line
+from integrable.study.timing import NOBODY, Tick, Watch, silent
+from integrable.study.truth import INTEGRATED, Truth, kept, moved_by, parts
 
 __all__ = ["measure", "pieces_of_work"]
 
+MORE = 10
+"""Digits by which a run has to be more precise than another to judge it."""
+PATIENCE = 0.1
+"""Seconds of repeats after which a median of fewer runs is taken: what runs longer is timed well by one run."""
+
 
 def pieces_of_work(scene: Scene, digits: int) -> int:
-    """How many times :func:`measure` calls ``tick``."""
-    return sum(task.pieces for task in tasks_of_run(scene, digits))
+    """The number of calls of ``tick`` by :func:`measure`."""
+    return sum(task.pieces for task in _Run(scene, digits).tasks)
 
 
-def measure(scene: Scene, digits: int, tick: Tick) -> tuple[Report, Any]:
-    """Do what ``scene.report`` asks for, and return the report with the trajectory at ``digits`` digits.
+def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tuple[Report, Any]:
+    """Measure ``scene.report``, and return the report with the trajectory at ``digits`` digits.
 
     ``tick(label)`` is called before each piece of work.
     """
-    truth, *tasks = tasks_of_run(scene, digits)
-    rows: list[Row] = []
-    found: dict[str, Any] = {}
-    with _pieces(truth, tick) as step:
-        held = measured(truth, None, step)
-    for task in tasks:
-        with _pieces(task, tick) as step:
-            if task.kind == "flow":
-                result, trajectory = flow_measured(task, held, step)
-                rows += _flow_rows(task, result)
-                found |= {"trajectory": trajectory} if task.value == digits and task.kernel == "python" else {}
-            elif task.kind == "tolerance":
-                rows.append(_tolerance_row(task, held, step))
-            else:
-                found |= measured(task, held, step)
-    times = scene.times.floats()
-    report = Report(
-        title=scene.title,
-        times=(min(times), max(times), len(times)),
-        repeat=truth.limits.repeat,
-        rows=tuple(rows),
-        truth=TruthCheck(**{name: value for name, value in held["check"].items() if name != "by"}),
-        residual_growth=found.get("growth", ()),
-        integrals=tuple(rows[0].drift or ()),
-        against=truth.method,
-        floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
-        letters=scene.letters,
-    )
-    return report, found["trajectory"]
+    run = _Run(scene, digits, tick)
+    trajectory = run.flow(run.own)
+    lines = _Lines(run, watch)
+    if (finer := run.finer) is not None:
+        run.flow(finer)
+        lines.add(run.flow_rows(run.own))
+    watch.own(trajectory)
+    if finer is None:
+        lines.add(run.flow_rows(run.own))
+    for task in run.flows[1:]:
+        lines.add(run.flow_rows(task))
+    for task in run.rivals:
+        lines.add([run.rival(task)])
+    return lines.finished(), trajectory
+
+
+class _Lines:
+    """Rows in the order in which they are found."""
+
+    def __init__(self, run: _Run, watch: Watch) -> None:
+        self.run, self.watch, self.rows = run, watch, list[Row]()
+
+    def add(self, rows: list[Row]) -> None:
+        """Rows in their order."""
+        if not self.rows:
+            self.rows += rows
+            for line in opening(self._report()):
+                self.watch.line(line)
+        else:
+            self.rows += rows
+        for row in rows:
+            self.watch.line(row_line(self._report(), row))
+
+    def finished(self) -> Report:
+        """The report, after the parts that need no truth."""
+        found = self.run.rest()
+        check = self.run.truth(self.run.own.scene)["check"]
+        report = replace(
+            self._report(),
+            truth=TruthCheck(**{name: value for name, value in check.items() if name != "by"}),
+            residual_growth=found.get("growth", ()),
+            floor=(found["floor_gamma"], found["floor_M"]) if "floor_gamma" in found else None,
+            planned=(),
+        )
+        for line in closing(report):
+            self.watch.line(line)
+        return report
+
+    def _report(self) -> Report:
+        run = self.run
+        times = run.scene.times.floats()
+        return Report(
+            title=run.scene.title,
+            times=(min(times), max(times), len(times)),
+            repeat=run.limits.repeat,
+            rows=tuple(self.rows),
+            truth=TruthCheck(0, 0.0, 0.0, 0.0, 0.0),
+            residual_growth=(),
+            integrals=tuple(self.rows[0].drift or ()),
+            against=run.moved,
+            letters=run.scene.letters,
+            planned=tuple((task.method, task.setting) for task in (*run.flows, *run.rivals)),
+        )
+
+
+class _Run:
+    """The tasks of a run, and their results."""
+
+    def __init__(self, scene: Scene, digits: int, tick: Tick = silent) -> None:
+        assert scene.report is not None, "the scene has no [report]"
+        self.scene, self.asked, self.digits, self.tick = scene, scene.report, digits, tick
+        self.limits = Limits(
+            inf, inf, inf, self.asked.repeat, 0.0, self.asked.check_time, patience=PATIENCE, floor_times=inf
+        )
+        self.rounded = in_doubles(scene)
+        self.moved = moved_by(scene.start(FLOAT_DIGITS)[0])
+        self._found: dict[str, Any] = {}
+        self._truths: dict[bool, Any] = {}
+
+    # --- the tasks
+
+    def _given(self, cost: float) -> Scene:
+        """The start of a row of that many digits."""
+        return self.scene if min(cost, self.digits) > FLOAT_DIGITS else self.rounded
+
+    def _task(self, kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1) -> Task:
+        given = self._given(value if kind in ("flow", "truth") else FLOAT_DIGITS)
+        return Task(given, given.name, kind, method, setting, value, self.limits, label=label, pieces=pieces)
+
+    @cached_property
+    def flows(self) -> list[Task]:
+        """The motion at each number of digits, the own result first."""
+        asked = self.asked
+        names = {cost: "floats" if cost <= FLOAT_DIGITS else f"{cost} digits" for cost in (self.digits, *asked.digits)}
+        tasks = [self._task("flow", self.moved, name, cost, name, asked.repeat) for cost, name in names.items()]
+        return [tasks[0], *sorted(tasks[1:], key=lambda task: task.value or 0)]
+
+    @property
+    def own(self) -> Task:
+        """The result."""
+        return self.flows[0]
+
+    @property
+    def finer(self) -> Task | None:
+        """A row that may judge the result."""
+        own = self.own.value or 0
+        more = [task for task in self.flows if (task.value or 0) >= own + MORE and task.scene is self.own.scene]
+        return min(more, key=lambda task: task.value or 0, default=None)
+
+    @cached_property
+    def rivals(self) -> list[Task]:
+        """SciPy's integrator."""
+        tasks = []
+        for tolerance in map(float, self.asked.tolerances):
+            name = f"{tolerance:.0e}"
+            setting = f"tol {name}".replace("e-0", "e-")
+            task = self._task("tolerance", DOP853, setting, tolerance, f"DOP853 at {name}", self.asked.repeat)
+            tasks.append(task)
+        return tasks
+
+    @cached_property
+    def truths(self) -> dict[bool, Task]:
+        """The truth of the scene's own numbers (True) and of doubles (False), where a row starts from them."""
+        digits = max(self.asked.truth_digits, self.digits + MORE)
+        used = {task.scene is self.scene for task in (*self.flows, *self.rivals)}
+        pieces, label = len(parts(self.scene, FLOAT_DIGITS)) + 1, f"truth, {digits} digits"
+        made = self._task("truth", self.moved, "truth", digits, label, pieces)
+        return {exact: replace(made, scene=self.scene if exact else self.rounded) for exact in used}
+
+    @cached_property
+    def others(self) -> list[Task]:
+        """Tasks without rows."""
+        tasks = []
+        if steps := self.asked.steps:
+            tasks.append(self._task("growth", self.moved, "residual growth", len(steps), "residual growth"))
+        if self.moved != INTEGRATED:
+            tasks.append(self._task("floor", "conditioning", "floor", FLOAT_DIGITS, "conditioning"))
+        return tasks
+
+    @property
+    def tasks(self) -> list[Task]:
+        """All of them."""
+        return [*self.flows, *self.truths.values(), *self.rivals, *self.others]
+
+    # --- their execution
+
+    def truth(self, given: Scene) -> dict[str, Any]:
+        """The truth of a scene, computed once."""
+        exact = given is self.scene
+        if exact not in self._truths:
+            task = self.truths[exact]
+            with _pieces(task, self.tick) as step:
+                self._truths[exact] = measured(task, None, step)
+        found: dict[str, Any] = self._truths[exact]
+        return found
+
+    def flow(self, task: Task) -> Any:
+        """The trajectory of a task, computed once."""
+        if task.key not in self._found:
+            with _pieces(task, self.tick) as step:
+                self._found[task.key] = flow_run(task, step)
+        return self._found[task.key][1]
+
+    def flow_rows(self, task: Task) -> list[Row]:
+        """The row of a task; for floats also one with the time of the first call."""
+        found = self.flow(task)
+        result = dict(self._found[task.key][0])
+        first, _ = result.pop("first"), result.pop("way")
+        result |= self._judge(task).judge(found.gamma, found.M)
+        digits = int(task.value or 0)
+        row = Row(task.method, task.setting, digits=digits, **result)
+        if not (task.scene.rolls_or_spins and first is not None):
+            return [row]
+        return [row, Row(task.method, FIRST_USE, digits=digits, total=first, runs=1)]
+
+    def _judge(self, task: Task) -> Truth:
+        """The judge of a row: the truth, or before it a row of more digits."""
+        if task is self.own and (finer := self.finer) is not None:
+            system, _ = finer.scene.start(int(finer.value or 0))
+            return Truth(finer.scene, kept(system, [self.flow(finer)], int(finer.value or 0)))
+        return Truth(task.scene, self.truth(task.scene))
+
+    def rival(self, task: Task) -> Row:
+        """The row of an integrator, or the reason why there is none."""
+        row = Row(task.method, task.setting, tolerance=task.value)
+        if not installed("scipy"):
+            with _pieces(task, self.tick):
+                return replace(row, note="not run: SciPy is not installed")
+        held = self.truth(task.scene)
+        try:
+            with _pieces(task, self.tick) as step:
+                return replace(row, **measured(task, held, step))
+        except (RuntimeError, ArithmeticError) as error:
+            return replace(row, note=str(error))
+
+    def rest(self) -> dict[str, Any]:
+        """The growth of the residual, and the floor."""
+        self.truth(self.own.scene)
+        found: dict[str, Any] = {}
+        for task in self.others:
+            with _pieces(task, self.tick) as step:
+                found |= measured(task, None, step)
+        return found
 
 
 @contextmanager
 def _pieces(task: Task, tick: Tick) -> Iterator[Tick]:
-    """``tick`` for the pieces of a task; those that it then did not need count as done."""
+    """``tick`` for the pieces of a task; pieces that turn out unnecessary count as done."""
     left = task.pieces
 
     def step(label: str) -> None:
@@ -79,26 +269,8 @@ def _pieces(task: Task, tick: Tick) -> Iterator[Tick]:
         tick(label)
 
     step(task.label)
-    yield step
-    while left:
-        step(task.label)
-
-
-def _flow_rows(task: Task, result: dict[str, Any]) -> list[Row]:
-    first = result.pop("first")
-    del result["way"]
-    digits = int(task.value or 0)
-    row = Row(task.method, task.setting, digits=digits, **result)
-    if task.kernel != "compiled":
-        return [row]
-    return [Row(task.method, "first use", digits=digits, total=first, runs=1), row]
-
-
-def _tolerance_row(task: Task, held: dict[str, Any], tick: Tick) -> Row:
-    row = Row(task.method, task.setting, tolerance=task.value)
-    if not installed("scipy"):
-        return replace(row, note="not run: SciPy is not installed")
     try:
-        return replace(row, **measured(task, held, tick))
-    except (RuntimeError, ArithmeticError) as error:
-        return replace(row, note=str(error))
+        yield step
+    finally:
+        while left > 0:
+            step(task.label)

@@ -1,8 +1,8 @@
-"""The report of an orbit: error, drift of the integrals and cost per step of what ``[steps]`` of a scene asks for.
+"""The report of an orbit: error, drift of the integrals and cost per step of a scene's ``[steps]``.
 
-Over real numbers errors are against the same orbit at ``truth_digits`` digits. Over a finite field every step is exact:
-the error is 0, the integrals do not move, and what is left to measure is the cost. Where the map is one translation,
-its multiple [count]D' added once must lead to the end of the orbit; that check is part of the report.
+Over real numbers errors refer to the same orbit at ``truth_digits`` digits. Over a finite field every step is exact:
+the error is 0, the integrals are constant, and only the cost is measured. Where the map is one translation, its
+multiple [count]D' added once must reach the end of the orbit; the report includes that check.
 """
 
 from __future__ import annotations
@@ -10,19 +10,22 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field
 from functools import partial
-from math import inf
 from time import perf_counter
 from typing import Any
 
+from integrable.oracles.method import Spent
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.scene.data import Scene
 from integrable.scene.orbit import Orbit, orbit
 from integrable.scene.tables import aligned, duration, figure
 from integrable.steps.translation import Translation
-from integrable.study.timing import Tick, Timed, timed
+from integrable.study.timing import Tick, Timed, interleaved
 from integrable.study.truth import Judge
 from jacobian.immutable import replaced
+
+PATIENCE = 60.0
+"""Seconds of repeats."""
 
 __all__ = ["OrbitReport", "OrbitRow", "measure_orbit", "pieces_of_orbit"]
 
@@ -94,7 +97,7 @@ def measure_orbit(scene: Scene, digits: int, tick: Tick) -> Orbit:
 
 
 def _exact(scene: Scene, tick: Tick) -> Orbit:
-    """The orbit over the scene's finite field: the drift of an integral counts the states at which it is another."""
+    """The orbit over the scene's finite field: the drift of an integral counts the states where it differs."""
     found, costs = _timed(scene, FLOAT_DIGITS, partial(tick, f"exact orbit over {scene.finite_field}"))
     system, state = scene.start(FLOAT_DIGITS)
     before = system.integrals(state)
@@ -124,11 +127,11 @@ def _timed(scene: Scene, digits: int, tick: Callable[[], None]) -> tuple[Orbit, 
         step = scene.step(system, digits)
         begun = perf_counter()
         found = orbit(step, state, steps.count)
-        return (perf_counter() - begun,), found
+        return Spent(0.0, 0.0, 0.0, perf_counter() - begun), found
 
     tick()
-    result, found = timed(once, steps.repeat, inf, tick)
-    return found, {"seconds_per_step": result["total"] / steps.count, "runs": result["runs"]}
+    timing = interleaved({"": once}, steps.repeat, PATIENCE, tick, again=1)[""]
+    return timing.found, {"seconds_per_step": timing.total / steps.count, "runs": timing.runs}
 
 
 def _jump(step: Any, state: State, found: Orbit) -> float | None:

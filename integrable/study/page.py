@@ -1,4 +1,4 @@
-"""A study as it is shown: the page, Markdown, and its answer on the terminal."""
+"""A study as a page of Markdown, and its summary on the terminal."""
 
 from __future__ import annotations
 
@@ -6,19 +6,18 @@ import re
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.scene.tables import aligned, duration, figure
+from integrable.scene.tables import aligned, duration, figure, plain_power
 from integrable.study.claims import claims
 from integrable.study.columns import (
     BEHIND,
-    LONG,
     ORBITS,
     SCENES,
     behind_cells,
     horizon_cells,
     horizon_name,
-    long_cells,
     named,
     orbit_cells,
+    ratio_cell,
     scene_cells,
     shortened,
     words,
@@ -26,8 +25,10 @@ from integrable.study.columns import (
 from integrable.study.findings import SceneFindings, Study
 from integrable.study.plan import LIMITS
 
-__all__ = ["answer", "introduction", "page", "scene_section", "sections"]
+__all__ = ["answer", "in_one_minute", "introduction", "page", "scene_section", "sections"]
 
+BUSY = 1.5
+"""A load that is not this study alone."""
 ORDER_TOLERANCE = 0.5
 """An observed order this near the order in theory agrees with it: step ladders reach few points of the asymptotics."""
 
@@ -49,42 +50,85 @@ def answer(study: Study) -> str:
 def page(study: Study) -> str:
     """The study as Markdown."""
     scenes = (scene_section(study, f) for f in study.findings)
-    return "\n".join([f"# Error against run time\n\n{introduction(study)}", *sections(study).values(), *scenes])
+    head = f"# Error against run time\n\n{in_one_minute(study)}\n\n## How it was measured\n\n{introduction(study)}"
+    return "\n".join([head, *sections(study).values(), *scenes])
+
+
+def in_one_minute(study: Study) -> str:
+    """The summary: where the flow is ahead and by how much, where others are, where nobody else is accurate enough."""
+    rows: list[tuple[str, ...]] = [
+        ("at", "scenes", "flow ahead", "another ahead", "nobody else as near", "could not run", "others ÷ flow")
+    ]
+    for T in study.horizons:
+        found = [standing for f in study.motions for standing in f.standings if standing.T == T]
+        ahead = [s for s in found if s.outcome == "slower" or (s.outcome == "met" and s.ratio >= 1)]
+        met = sorted(s.ratio for s in found if s.outcome == "met")
+        counts = (
+            len(ahead),
+            len(met) - sum(r >= 1 for r in met),
+            *(sum(s.outcome == name for s in found) for name in ("none", "stopped")),
+        )
+        spread = f"{met[0]:.2g} … {met[len(met) // 2]:.2g} … {met[-1]:.2g}" if met else "–"
+        rows.append((horizon_name(T), str(len(found)), *map(str, counts), spread))
+    text = (
+        "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
+        "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
+        "flow's, or at most the effect of rounding the inputs to doubles. Run times count a start and its evaluation, "
+        "on both sides, with code already compiled. The last column has the least, median and largest ratio where "
+        "another method is as accurate."
+    )
+    far = [s for f in study.motions for s in f.standings if s.outcome == "met" and s.ratio < 1]
+    faster = sorted({T for T in (s.T for s in far) if T is not None})
+    said = (
+        f"**Others are faster** in {len(far)} of these cases, at T = {plain_power(faster[0])} … "
+        f"{plain_power(faster[-1])}: "
+        "for short times and single outputs an integrator that has been built beforehand is the better choice. "
+        if faster
+        else ""
+    )
+    return f"{text}\n\n{_markdown(rows)}\n{said}The tables below have each case, with times and errors of both."
 
 
 def introduction(study: Study) -> str:
-    """How it was measured, and on which machine, or machines where kept rows are another's."""
+    """How and on which machine it was measured, or on which machines if kept rows are from another."""
     return (
-        f"Written by `{study.command}`. Every row is one scene × method × setting, measured in a process of its own; "
-        "run times are medians and include set-up, not the compilation that the first use of a machine does once. "
-        "Errors are the largest over components and times, of M relative to |M|, against the divisor flow at 40 digits "
-        "or more, which is held against an integrator that shares no code with it. Of a system without a body q and p "
-        "stand for γ and M, and errors of both are relative to the largest at the start or in their row.\n\n"
-        "The inputs of a scene are doubles: its moments, d, γ, M and times are rounded to doubles before anything is "
-        "computed, and every method starts from these. For doubles |γ| = 1 and, in scenes that are not tilted, "
-        "(γ, M) = 0 hold to rounding; the truth and all that computes in more than doubles therefore start from γ/|γ| "
-        "and from M without its part along γ, formed in their own precision. So does the flow in floats, whose set-up "
-        "has 45 digits. What computes in doubles starts from the doubles as they are. The floor is eps·conditioning: "
-        "what a change of every input in its last digit does to the state (`integrable.motion.conditioning`). "
-        "An error below "
-        f"the floor is that of a method whose inputs are taken as exact.\n\n{_machine(study)}"
+        f"Written by `{study.command}`. Every row is one scene × method × setting.\n\n"
+        "**Run times.** One rule holds for all methods. Costs are counted *once a machine* (compilation that depends "
+        "on no body and no start: numba's, ours, and heyoka's of equations whose constants are parameters), *once a "
+        "system* (work for a body that serves all its starts), *once a start*, and for *evaluation*. A run time is "
+        "once a start + evaluation, and ratios use it. The table of first answers and each row of report.json have the "
+        "costs of a system and of a machine.\n\n"
+        "Rows are timed one at a time, with nothing else of this study running, and are medians. A row that scatters "
+        "by more than a tenth (median absolute deviation over median) is measured again. The two sides of a ratio run "
+        "in turn in one process.\n\n"
+        "**Errors** are the largest over components and times, of M relative to |M|, against the divisor flow at 40 "
+        "digits or more. That reference is compared with an integrator that shares no code with it. For a system "
+        "without a body q and p take the place of γ and M, and errors of both are relative to the largest value at the "
+        "start or in their row.\n\n"
+        "**Inputs** are doubles: moments, d, γ, M and times of a scene are rounded to doubles before anything is "
+        "computed, and every method starts from these. In doubles |γ| = 1 and, in scenes that are not tilted, "
+        "(γ, M) = 0 hold only to rounding. So the reference and all methods in more digits start from γ/|γ| and from M "
+        "without its part along γ, computed in their own precision. So does the flow in floats, whose set-up has 45 "
+        "digits. Methods in doubles start from the doubles themselves.\n\n"
+        "**The floor** is eps·conditioning, the effect on the state of a change of every input in its last digit "
+        "(`integrable.motion.conditioning`). An error below the floor is possible because the inputs count as exact."
+        f"\n\n{_machine(study)}"
     )
 
 
 def sections(study: Study) -> dict[str, str]:
-    """What is shown of all scenes, by name, each with its heading; without those that have nothing to show."""
+    """The sections about all scenes, by name, each with its heading; empty ones are left out."""
     text = "Each is measured by the command above; the sections below have the figures."
     found = {
         "claims": _section("Claims", text, claims(study)),
         "horizons": _horizons(study),
+        "faster": _faster(study),
         "rows": _not_ahead(study),
-        "long": _long(study),
         "floor": _floor(study),
-        "startup": _startup(study),
+        "first answers": _first_answers(study),
         "left out": _leaves_out(study),
         "orders": _orders(study),
         "orbits": _orbits(study),
-        "additions": _additions(study),
         "failed": _failed(study),
     }
     return {name: section for name, section in found.items() if section}
@@ -94,23 +138,31 @@ def _machine(study: Study) -> str:
     versions = ", ".join(f"{name} {version}" for name, version in study.versions.items() if version)
     missing = f"\nNot part of this run: {', '.join(study.missing)}.\n" if study.missing else ""
     return (
-        f"{study.machine['processor']}, {study.machine['cores']} cores, {study.machine['system']}; {versions}. "
-        f"All rows together took {duration(study.seconds)}.\n{missing}"
+        f"{study.machine['processor']}, {study.machine['cores']} cores, {study.machine['system']}; {versions}; "
+        f"commit {', '.join(study.commits)}, {' … '.join(dict.fromkeys(study.dates))}. "
+        f"{_load(study)}All rows together took {duration(study.seconds)}.\n{missing}"
     )
 
 
+def _load(study: Study) -> str:
+    """Whether other programs kept the machine busy during the study."""
+    if study.load is None:
+        return ""
+    busy = ": a busy machine, whose run times are long and scatter" if study.load > BUSY else ""
+    return f"Load of the machine while it was measured (median of one-minute averages): {study.load:.1f}{busy}. "
+
+
 def _section(title: str, text: str, rows: Sequence[Sequence[str]]) -> str:
-    """A heading, what the table shows, and the table; nothing where that is but its head."""
+    """A heading, an explanation, and the table; nothing for an empty table."""
     return f"## {title}\n\n{text}\n\n{_markdown(rows)}" if len(rows) > 1 else ""
 
 
 def _not_ahead(study: Study) -> str:
     title = "Rows where the divisor flow is not ahead"
     text = (
-        "For each scene and method, how many of its rows no row of the flow beats in error in the same run time or "
-        "less, and the most accurate of them; scenes with T ≥ 1000 first, then rows that are more accurate, then rows "
-        "that are cheaper: done before the flow is. Overtaken after: the run time in which the flow is at least as "
-        "accurate."
+        "For each scene and method, the number of rows that no row of the flow beats in error in the same run time or "
+        "less, and the most accurate of them. Scenes with T ≥ 1000 come first, then rows that are more accurate, then "
+        "rows that are faster. Overtaken after: the run time in which the flow is at least as accurate."
     )
     rows = [behind_cells(study, *entry) for entry in study.behind_by_method]
     return _section(title, text, [BEHIND, *rows]) or f"## {title}\n\n{text}\n\nNone.\n"
@@ -118,22 +170,47 @@ def _not_ahead(study: Study) -> str:
 
 def _horizons(study: Study) -> str:
     text = (
-        "How many times the run time of the flow in floats the fastest other method takes among those whose error is "
-        "at most the flow's, or at most what rounding the inputs does: above 1 the flow is ahead; none: no setting of "
-        "any method is so near. At one time T, in time scales of the motion, and at all times of the scene."
+        "Each cell is the run time (once a start + evaluation) of the fastest sufficiently accurate competitor divided "
+        "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
+        "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
+        "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
+        "because they gave up. At one time T, in time scales of the motion, and at all times of the scene."
     )
     columns = study.horizons
     rows = [("scene", *map(horizon_name, columns)), *(horizon_cells(f, columns) for f in study.motions if f.standings)]
-    return _section("The flow beside the fastest method that is near enough", text, rows)
+    return _section("The flow and its fastest accurate competitor", text, rows)
 
 
-def _long(study: Study) -> str:
+def _faster(study: Study) -> str:
+    rows = [
+        ("scene", "at", "fastest", "its time", "its error γ", "flow", "error γ", "× the flow's", "machine", "system")
+    ]
+    for f in study.motions:
+        for s in f.standings:
+            if s.peer is not None and s.ratio < 1:
+                peer, flow = s.peer, s.flow
+                cells = (
+                    duration(peer["total"]),
+                    figure(peer["error_gamma"]),
+                    duration(flow["total"]),
+                    figure(flow["error_gamma"]),
+                )
+                once = (duration(peer["machine"]), duration(peer["system"]))
+                rows.append(
+                    (
+                        f.scene.name,
+                        horizon_name(s.T),
+                        f"{peer['method']}, {peer['setting']}",
+                        *cells,
+                        ratio_cell(s),
+                        *once,
+                    )
+                )
     text = (
-        "T is the last time, in the scene's unit or in time scales of its motion. Shown are the fastest row of the "
-        "flow in floats, the fastest row of any comparator that has at most this error, the most accurate row that is "
-        "done before, and the run time after which no row is left that the flow does not beat."
+        "Every case in which another method is as accurate and faster, with its costs once a machine, in this process, "
+        "and once a system."
     )
-    return _section("The scenes with T ≥ 1000", text, [LONG, *(long_cells(f) for f in study.motions if f.long)])
+    return _section("Where others are faster", text, rows)
 
 
 def _floor(study: Study) -> str:
@@ -143,37 +220,22 @@ def _floor(study: Study) -> str:
     return _section("The flow's error and the floor", text, [SCENES, *map(scene_cells, study.motions)])
 
 
-def _startup(study: Study) -> str:
-    rows = [("scene", "fresh process", "of it the work", "set-up", "evaluation", "first use")]
+def _first_answers(study: Study) -> str:
+    rows = [("scene", "method", "cold machine", "new process, warm disk", "warm process")]
     for f in study.findings:
-        if f.first_use is not None and f.best is not None:
-            first = f.first_use
-            rows.append((
-                f.scene.name,
-                duration(first["total"]),
-                duration(first["setup"]),
-                duration(f.best["setup"]),
-                duration(f.best["evaluation"]),
-                f"{first['setup'] / f.best['total']:.0f} × a later one",
-            ))  # fmt: skip
-    compiled = [("method", "first call, nothing compiled", "first call, cache on disk", "later calls")]
-    for f in study.findings:
-        for content in f.compiled:
-            r = content["result"]
-            cells = (duration(r["total"]), duration(r["setup"]), duration(r["evaluation"]))
-            compiled.append((content["row"]["method"], *cells))
+        for content in f.first_answers:
+            times = (duration(content["result"][key]) for key in ("cold", "disk", "process"))
+            rows.append((f.scene.name, content["row"]["method"], *times))
     text = (
-        "A fresh process: Python's own start, imports, set-up and all times, with compiled code in the cache on disk. "
-        "Set-up and evaluation are those of a process that has run before."
+        "The time to one answer, one time scale after the start, everything included, even imports and Python's own "
+        "start: with empty caches (heyoka's on disk too), in a new process that finds all compiled code on disk, and "
+        "in a process that has computed it before."
     )
-    parts = [_section("Set-up, first use and compilation", text, rows)]
-    if len(compiled) > 1:
-        parts.append(_markdown(compiled))
-    return "\n".join(part for part in parts if part)
+    return _section("The first answer, cold and warm", text, rows)
 
 
 def _megabytes(size: int | None, without: int | None = 0) -> str:
-    """A size of memory less another, None where the system does not tell."""
+    """The difference of two sizes of memory; None where the system does not report them."""
     return "–" if size is None or without is None else f"{(size - without) / 1e6:.0f} MB"
 
 
@@ -195,9 +257,9 @@ def _leaves_out(study: Study) -> str:
             _megabytes(everything["memory"], asked["memory"]),
         ))  # fmt: skip
     text = (
-        "γ and M at the scene's times in a fresh process, beside everything that could be computed of the same motion: "
+        "γ and M at the scene's times in a fresh process, compared with computing everything about the same motion: "
         "every library imported, compiled kernels, angular velocity, attitude, contact, integrals, the clock in τ, "
-        "100 000 successive steps, the picture. The way is what has computed the states (Trajectory.way)."
+        "100 000 successive steps, the picture. The way names what computed the states (Trajectory.way)."
     )
     return _section("What a scene leaves out", text, rows)
 
@@ -214,27 +276,10 @@ def _orders(study: Study) -> str:
 
 def _orbits(study: Study) -> str:
     text = (
-        "Over a finite field errors are 0 and only the cost counts; the last column holds the end of the orbit against "
+        "Over a finite field errors are 0 and only the cost counts. The last column compares the end of the orbit with "
         "one addition of the multiple."
     )
     return _section("Orbits of Bäcklund maps", text, [ORBITS, *(c for f in study.orbits for c in orbit_cells(f))])
-
-
-def _additions(study: Study) -> str:
-    found = [(f.scene.name, f.additions["rows"]) for f in study.findings if f.additions is not None]
-    distances = [row["distance"] for row in found[0][1]] if found else []
-    rows: list[tuple[str, ...]] = [("scene", "sum", *(f"δ = {distance:.0e}" for distance in distances))]
-    for name, additions in found:
-        for key, shown in (("doubling", "D + D′"), ("opposite", "D′ − D")):
-            cells = (row[key] for row in additions)
-            rows.append((name, shown, *(c.split(":")[0] if isinstance(c, str) else figure(c) for c in cells)))
-    text = (
-        "One addition in floats of D and D′ = D(τ + δ), both rounded to floats: the error of U, or what is raised. "
-        "Near −D the sum is nearly zero, its points are δ² away from a double point, and rounding the inputs alone "
-        "costs eps/δ and more; small steps are therefore built from offsets (docs/flow.md). "
-        "`python -m benchmarks composition` compares with the textbook's composition."
-    )
-    return _section("D′ near D and near −D", text, rows)
 
 
 def _failed(study: Study) -> str:
@@ -250,7 +295,7 @@ def _failed(study: Study) -> str:
     limits = LIMITS[study.mode]
     text = (
         f"A run may take {limits.run:g} s, a row {limits.task:g} s. "
-        "Of rows that say the same but for numbers the first is shown."
+        "Of rows whose messages differ only in numbers the first is shown."
     )
     return _section("Rows without a figure", text, rows)
 

@@ -1,8 +1,8 @@
-"""The tasks of a measurement: each one scene × method × setting, and what it may take.
+"""The tasks of a measurement: each one scene × method × setting, with its limits.
 
 A study has for every scene its truth, its floor, the divisor flow, Bäcklund steps and every comparator
-(:func:`tasks_of`); the run of a scene has what its own ``[report]`` asks for (:func:`tasks_of_run`). Both are measured
-by :mod:`integrable.study.measure`.
+(:func:`tasks_of`). The run of a scene has the tasks of :mod:`integrable.study.motions`. :mod:`integrable.study.measure`
+measures both.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from functools import cached_property
 from hashlib import sha256
-from math import inf
 from typing import Any
 
 from integrable.extras import APP, installed
@@ -22,9 +21,8 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.doubles import in_doubles
 from integrable.scene.output import portable
-from integrable.scene.tables import DOP853
 from integrable.study.store import code_stamp
-from integrable.study.truth import DIGITS, INTEGRATED, moved_by, parts
+from integrable.study.truth import DIGITS, INTEGRATED, moved_by
 
 __all__ = [
     "BACKLUND",
@@ -32,20 +30,22 @@ __all__ = [
     "HORIZONS",
     "INTEGRATED",
     "LIMITS",
+    "STRONG",
     "Limits",
     "Task",
-    "compile_tasks",
+    "first_answer_tasks",
     "tasks_of",
-    "tasks_of_run",
 ]
 
 FLOW = "divisor flow"
+STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
+"""Methods that have to have run before it is said that none is near enough."""
 BACKLUND = "Bäcklund steps"
 
 
 @dataclass(frozen=True)
 class Limits:
-    """How much a task may take: seconds for one run of a method, for a whole task, for a truth; repeats of a timing."""
+    """Limits of a task: seconds for one run of a method, for a whole task, for a truth; repeats of a timing."""
 
     run: float
     task: float
@@ -61,14 +61,14 @@ class Limits:
     """About how many of the scene's times the conditioning is the largest of."""
 
 
-HORIZONS = {"quick": (1, 1000), "full": (1, 10, 100, 1000, 10_000, 100_000, 1_000_000)}
+HORIZONS = {"quick": (1, 10, 100, 1000), "full": (1, 10, 100, 1000, 10_000, 100_000, 1_000_000)}
 """The single times, in time scales of the motion, at which the flow is held against the fastest that is good enough."""
 LIMITS = {"quick": Limits(1.5, 60, 60, 3, 1.0), "full": Limits(3, 90, 240, 5, 8.0, patience=1.5)}
 
 
 @dataclass(frozen=True)
 class Task:
-    """One unit of work: ``kind`` says which function of :mod:`integrable.study.measure` does it."""
+    """One unit of work: ``kind`` selects the function of :mod:`integrable.study.measure` that does it."""
 
     scene: Scene
     source: str
@@ -90,20 +90,28 @@ class Task:
 
     @cached_property
     def key(self) -> str:
-        """The name of the file of its row: no other task of the study has it, on any system."""
+        """The name of its row's file, unique in the study on every file system."""
         words = [_plain(word) for word in (self.scene.name, self.kind, self.method, self.setting)]
-        # names that differ in other letters alone would be one
+        # names that differ only in other letters would coincide
         name = self.scene.name if words[0] != self.scene.name else ""
         return portable("--".join([*words, *([sha256(name.encode(errors="replace")).hexdigest()[:8]] if name else [])]))
 
     @cached_property
     def stamp(self) -> str:
-        """A hash of all that the result depends on: scene, setting, limits, the code, the version of each library."""
-        from integrable.scene.output import versions
+        """A hash of everything the result depends on: scene, setting, limits, the code, the version of each library,
+        and for a timed task the machine.
+        """
+        from integrable.scene.output import machine, versions
 
         parts = [self.scene.describe(), self.kind, self.method, self.setting, self.value, asdict(self.limits)]
+        parts += [machine()] if self.timed else []
         text = json.dumps([*parts, code_stamp(), versions()], sort_keys=True)
         return sha256(text.encode()).hexdigest()[:16]
+
+    @property
+    def timed(self) -> bool:
+        """Whether it measures run times: then it runs alone, and the row belongs to this machine."""
+        return self.kind not in ("truth", "floor")
 
     @property
     def limit(self) -> float:
@@ -116,7 +124,7 @@ def _plain(word: str) -> str:
 
 
 def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
-    """What a study, "quick" or "full", measures of a scene, in doubles; each task after what it needs."""
+    """The tasks of a study, "quick" or "full", for a scene in doubles, each after those it depends on."""
     scene = in_doubles(scene)
 
     def task(kind: str, method: str, setting: str, value: float | None = None, truth: str = "", **more: Any) -> Task:
@@ -133,69 +141,37 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
     if scene.rolls_or_spins:
         tasks.append(task("flow", name, "compiled", FLOAT_DIGITS, truth.key, kernel="compiled"))
     tasks.append(task("flow", name, "30 digits", 30, truth.key))
-    tasks.append(task("first use", name, "first use"))
     if scene.rolls_or_spins or (scene.classical and system.discretized):
         counts = (30, 100) if mode == "quick" else (100, 1000, 3000)
         tasks += [task("backlund", BACKLUND, f"{n} steps", n, truth.key) for n in counts]
-    # of three moments, not of two
-    if scene.rolls_or_spins and not scene.tilted and all(system.body.differences):
-        tasks.append(task("additions", BACKLUND, "near D and near −D"))
     tasks += _comparators(scene, task, mode, truth.key)
     if name == FLOW:
         tasks += [task("horizon", name, f"T = {T}", T) for T in HORIZONS[mode]]
+        tasks.append(task("horizon", name, "all its times", None, truth.key))
     if all(map(installed, APP)):
         tasks.append(task("left out", name, "what the scene leaves out"))
     return tasks
 
 
-def tasks_of_run(scene: Scene, digits: int) -> list[Task]:
-    """What the scene's own ``[report]`` asks for, with the flow at ``digits`` digits: the truth first."""
-    asked = scene.report
-    assert asked is not None, "the scene has no [report]"
-    limits = Limits(inf, inf, inf, asked.repeat, 0.0, asked.check_time, patience=10.0, floor_times=inf)
-
-    def task(kind: str, method: str, setting: str, value: float, label: str, pieces: int = 1, **more: Any) -> Task:
-        return Task(scene, scene.name, kind, method, setting, value, limits, label=label, pieces=pieces, **more)
-
-    truth_digits, moved = max(asked.truth_digits, digits + 10), moved_by(scene.start(FLOAT_DIGITS)[0])
-    pieces = len(parts(scene, FLOAT_DIGITS)) + 1
-    tasks = [task("truth", moved, "truth", truth_digits, f"truth, {truth_digits} digits", pieces)]
-    for cost in sorted({*asked.digits, digits}):
-        setting = "floats" if cost <= FLOAT_DIGITS else f"{cost} digits"
-        tasks.append(task("flow", moved, setting, cost, setting, asked.repeat, kernel="python"))
-        if cost <= FLOAT_DIGITS and scene.rolls_or_spins:
-            more: dict[str, Any] = {"pieces": asked.repeat, "kernel": "compiled"}
-            tasks.append(task("flow", moved, "compiled", cost, "compiled floats", **more))
-    for tolerance in map(float, asked.tolerances):
-        shown = f"{tolerance:.0e}"
-        name = f"tol {shown}".replace("e-0", "e-")
-        tasks.append(task("tolerance", DOP853, name, tolerance, f"DOP853 at {shown}", asked.repeat))
-    if asked.steps:
-        tasks.append(task("growth", moved, "residual growth", len(asked.steps), "residual growth"))
-    if moved != INTEGRATED:
-        tasks.append(task("floor", "conditioning", "floor", FLOAT_DIGITS, "conditioning"))
-    return tasks
-
-
-def compile_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """One task for each compiled method, on the first scene of a body that it takes: other systems run uncompiled, and
-    code is compiled once for all scenes.
+def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
+    """One task for the flow and for each strong method on the first body, the first system of any genus and the first
+    deformation: compiled code serves all systems of a kind.
     """
-    tasks: dict[str, Task] = {}
+    tasks: dict[tuple[str, str], Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
-        if scene.steps is not None or not scene.rolls_or_spins:
+        if scene.steps is not None:
             continue
         system, _ = scene.start(FLOAT_DIGITS)
-        names = [name for name, method in METHODS.items() if method.compiled and method.takes(system)]
-        for name in (FLOW, *names):
-            tasks.setdefault(name, Task(scene, source, "compile", name, "compile"))
+        sort = "body" if scene.rolls_or_spins else "classical" if scene.classical else "deformation"
+        for name in (FLOW, *(name for name in STRONG if METHODS[name].takes(system))):
+            tasks.setdefault((sort, name), Task(scene, source, "first answer", name, "first answer"))
     return list(tasks.values())
 
 
 def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
-    """A chain for each method, cheapest setting first: what has run out of time is not tried at a greater cost.
+    """A chain for each method, cheapest setting first: after one that ran out of time no costlier one is tried.
 
-    Settings of as many digits as the truth has are left out: errors would be those of the truth.
+    Settings of as many digits as the truth has are left out, since they would measure the truth's error.
     """
     tasks = []
     system, state = scene.start(FLOAT_DIGITS)

@@ -2,8 +2,7 @@
 along an orbit.
 
 Figures are made with matplotlib's objects, without pyplot and without any global state, and returned as the bytes of a
-PNG or SVG file. A method has one colour and one marker in all figures (:data:`LOOKS`), and no two methods share them;
-those that are used most are from Okabe & Ito (2008), told apart with any colour vision.
+PNG or SVG file. A method has one colour and one marker in all figures (:mod:`integrable.scene.looks`).
 """
 
 from __future__ import annotations
@@ -19,8 +18,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from integrable.scene.looks import BLUE, INK, ORANGE, look
 from integrable.scene.tables import DOP853, plain_power
-from integrable.study.plan import BACKLUND, FLOW, INTEGRATED
+from integrable.study.plan import FLOW, INTEGRATED
 from integrable.study.truth import ADDITIONS
 from jacobian.errors import ArgumentError
 
@@ -33,36 +33,11 @@ __all__ = ["FORMATS", "coordinates", "draw", "orbit_error", "residual_growth", "
 
 FORMATS = ("png", "svg")
 FAINT = "#8a8a8a"
-BLUE, ORANGE, INK = "#0072B2", "#D55E00", "#222222"
 FLOOR: dict[str, Any] = {"color": "#555555", "linewidth": 1.2, "linestyle": (0, (5, 3)), "zorder": 1}
 """The line that inputs rounded to doubles draw: no method has its dashes."""
 
-# colour, marker, whether it is filled: open marks are those of the discretizations
-LOOKS: dict[str, tuple[str, str, bool]] = {
-    FLOW: (BLUE, "o", True),
-    INTEGRATED: ("#004A73", "H", True),
-    ADDITIONS: ("#0072B3", "8", True),
-    BACKLUND: ("#56B4E9", "P", True),
-    "SciPy DOP853": (ORANGE, "s", True),
-    "SciPy LSODA": ("#E69F00", "v", True),
-    "SciPy Radau": ("#8C510A", "<", True),
-    "implicit midpoint": ("#999999", "x", True),
-    "Gauss-Legendre 6": ("#7F7F00", "+", True),
-    "Gauss-Legendre 16": ("#009E73", "D", True),
-    "Gauss-Legendre 16, adaptive": ("#66C2A5", "d", True),
-    "Taylor, compiled": ("#000000", "^", True),
-    "Taylor, multiprecision": ("#1B6F7A", ">", True),
-    "heyoka": ("#B2182B", "*", True),
-    "heyoka, long double": ("#762A83", "h", True),
-    "closed elliptic form": ("#F0E442", "X", True),
-    "mpmath odefun": ("#5E3C99", "4", True),
-    "Moser-Veselov": ("#CC79A7", "o", False),
-    "Moser-Veselov, order 4": ("#AA3377", "s", False),
-    "Hirota-Kimura": ("#E7298A", "D", False),
-}
 UNLIKE = (FLOW, INTEGRATED, ADDITIONS)
 """Runs of these, in floats or more digits, are not joined."""
-_OTHER = ("#666666", "p", False)
 
 STYLE = {"font.size": 10, "axes.edgecolor": INK, "axes.linewidth": 0.8, "text.color": INK, "svg.fonttype": "none"}
 LOWER = str.maketrans("0123456789", "₀₁₂₃₄₅₆₇₈₉")
@@ -74,14 +49,14 @@ NEAR_THE_FLOOR = 3.0
 
 
 def look_of(method: str) -> dict[str, Any]:
-    """What matplotlib's ``plot`` takes to draw a method; the flow's marks are not joined, they are unlike runs."""
-    colour, marker, filled = LOOKS.get(method, _OTHER)
-    look: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
+    """matplotlib's options for a method; the flow's marks are not joined, since they are different arithmetics."""
+    colour, marker, filled = look(method)
+    found: dict[str, Any] = {"color": colour, "marker": marker, "linewidth": 0 if method in UNLIKE else 1.0}
     if not filled:
-        look["markerfacecolor"] = "white"
+        found["markerfacecolor"] = "white"
     if colour == "#F0E442":  # yellow on white
-        look |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
-    return look
+        found |= {"markeredgecolor": INK, "markeredgewidth": 0.6}
+    return found
 
 
 def draw(picture: str, suffix: str, scene: Scene, report: Any, curve: Any) -> bytes:
@@ -161,7 +136,7 @@ def _mark_floor(axes: Any, rows: list[Row], floor: float) -> None:
 
 
 def _more_room_left(rows: list[Row], floor: float) -> bool:
-    """Whether the marks near the line of rounding leave more of the picture free to their left than to their right."""
+    """Whether the marks near the line of rounding leave more room to their left than to their right."""
     times = [row.total for row in rows if row.total]
     near = [row.total for row in rows if row.total and abs(np.log10((row.error_gamma or 1) / floor)) < NEAR_THE_FLOOR]
     return bool(near) and min(near) * max(near) > min(times) * max(times)
@@ -171,7 +146,7 @@ def _series(axes: Any, rows: list[Row], side: int) -> None:
     """One method: its runs, each with its setting to the right or to the left of it.
 
     Runs of an integrator are joined by a line, one tolerance after the other. Those of the flow are not: floats,
-    compiled floats and numbers of more digits are unlike, and between them there is nothing.
+    compiled floats and numbers of more digits are not settings of one parameter.
     """
     rows = sorted(rows, key=lambda row: -(row.error_gamma or 0))
     look = look_of(rows[0].method)
@@ -197,7 +172,7 @@ def _series(axes: Any, rows: list[Row], side: int) -> None:
 
 
 def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
-    """The setting of a row beside its mark: above an integrator's, whose line falls to the right; below the flow's."""
+    """The setting of a row as a label: above an integrator's mark, whose line falls to the right; below the flow's."""
     # legible across a line
     behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.85, "pad": 0.6}
     text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": colour, "bbox": behind}
@@ -209,12 +184,13 @@ def _label(axes: Any, row: Row, side: int, colour: str, lower: bool) -> None:
 
 
 def decades(axes: Any, most: int = 8) -> None:
-    """Ticks at decades, thinned to what fits, at ``most`` so many upwards, and a faint grid at them."""
+    """Ticks at decades, thinned to fit, at most ``most`` of them upwards, with a faint grid."""
     for axis, (low, high), fit in ((axes.xaxis, axes.get_xlim(), 8), (axes.yaxis, axes.get_ylim(), most)):
         decades = np.log10(high / low)
         stride = next(stride for stride in (1, 2, 5, 10, 20, 50, 100, 1000) if decades / stride <= fit)
         axis.set_major_locator(LogLocator(base=10.0**stride, numticks=20))
-        axis.set_minor_locator(LogLocator(base=10.0, subs=(1.0,) if stride > 1 else range(2, 10), numticks=200))
+        # minor ticks of more decades blur, and take half of the time of a picture
+        axis.set_minor_locator(LogLocator(base=10.0, subs=range(2, 10) if decades <= 4 else (1.0,), numticks=200))
         within = np.floor(np.log10(high)) < np.ceil(np.log10(low))
         axis.set_minor_formatter(FuncFormatter(lambda x, _: f"{x:g}") if within else NullFormatter())
     axes.grid(True, which="major", color="#e3e3e3", linewidth=0.6)
@@ -285,13 +261,13 @@ def _mark_start(axes: Any, start: np.ndarray) -> None:
 
 
 def _globe(axes: Any, sign: float, depth: int) -> None:
-    """A disc with faint parallels and meridians about the axis of sight, and where the other two axes come out."""
+    """A disc with faint parallels and meridians about the line of sight, and the ends of the other two axes."""
     angle = np.linspace(0, 2 * np.pi, 361)
     for latitude in (30, 60):
         radius = np.cos(np.radians(latitude))
         axes.plot(radius * np.cos(angle), radius * np.sin(angle), color="#dddddd", linewidth=0.6, zorder=1)
     for longitude in np.radians(np.arange(0, 360, 30)):
-        # from the last parallel outwards: at the pole itself there is the curve to see, and no knot of lines
+        # from the last parallel outwards: at the pole only the curve should be visible
         ends = np.cos(np.radians(60)) * np.exp(1j * longitude), np.exp(1j * longitude)
         axes.plot([end.real for end in ends], [end.imag for end in ends], color="#dddddd", linewidth=0.6, zorder=1)
     axes.plot(np.cos(angle), np.sin(angle), color=INK, linewidth=1, zorder=2)
@@ -305,9 +281,9 @@ def _globe(axes: Any, sign: float, depth: int) -> None:
 
 
 def residual_growth(report: Report) -> Figure:
-    """How far rounding takes a divisor off its curve, against the number of additions.
+    """The distance of a divisor from its curve by rounding, against the number of additions.
 
-    The scale is that of the polynomials' coefficients, so that the rounding of one operation is about 10⁻¹⁶ of it.
+    The scale is that of the polynomials' coefficients, so the rounding of one operation is about 10⁻¹⁶ of it.
     """
     figure = new_figure(5.4, 3.6)
     axes = figure.add_subplot()
@@ -322,7 +298,7 @@ def residual_growth(report: Report) -> Figure:
         axes.axhline(eps, **FLOOR)
         words: dict[str, Any] = {"textcoords": "offset points", "fontsize": 8.5, "color": INK}
         axes.annotate("rounding of one double", (steps[shown][-1], eps), xytext=(0, 4), ha="right", **words)
-        # what would be seen if every addition added its rounding to those before, by chance or one-sidedly
+        # the slopes if every addition added its rounding, at random or with one sign
         span = steps[shown] / steps[shown][0]
         for power, name in ((0.5, "∝ √n"), (1.0, "∝ n")):
             line = eps * span**power
@@ -348,7 +324,7 @@ def orbit_error(report: OrbitReport) -> Figure:
         if shown.any():
             colour = colours[k % len(colours)]
             axes.plot(steps[shown], error[shown], color=colour, linewidth=1.4)
-            # one mark at the end, so that lines are told apart without colours
+            # one mark at the end, so that lines can be distinguished without colours
             axes.plot(steps[shown][-1], error[shown][-1], color=colour, marker=markers[k % len(markers)], markersize=5)
             words: dict[str, Any] = {
                 "textcoords": "offset points",

@@ -8,15 +8,16 @@ from typing import Any
 
 from integrable.scene.tables import aligned, duration, figure
 
-__all__ = ["INTEGRALS", "Report", "Row", "TruthCheck"]
+__all__ = ["FIRST_USE", "INTEGRALS", "Report", "Row", "TruthCheck", "closing", "opening", "row_line"]
 
+FIRST_USE = "first use"
 INTEGRALS = ("C1", "C2", "H1", "H2")
 
 
 @dataclass(frozen=True)
 class Row:
-    """What a task found: one method at one cost. Times in seconds; ``setup``, ``evaluation`` are None where a method
-    has no such part.
+    """The result of a task: one method at one setting. Times in seconds; ``setup``, once a start, and ``evaluation``
+    are None where a method has no such part.
     """
 
     method: str
@@ -30,6 +31,11 @@ class Row:
     evaluation: float | None = None
     total: float | None = None
     runs: int = 0
+    mad: float | None = None
+    """Median deviation of the total of a run from the median, over the median."""
+    machine: float | None = None
+    system: float | None = None
+    """What was spent once a machine and once a system; no part of ``total``."""
     evaluations: int | None = None
     """Right-hand sides, for an ordinary integrator."""
     note: str = ""
@@ -75,18 +81,32 @@ class Report:
     """
     letters: tuple[str, str] = ("γ", "M")
     """What the two halves of a state are called."""
+    planned: tuple[tuple[str, str], ...] = ()
+    """Methods and settings of rows that are to come."""
 
     def table(self) -> str:
         """The report as plain text, at most 100 columns wide."""
-        return _table(self)
+        return "\n".join([*opening(self), *(row_line(self, row) for row in self.rows), *closing(self)])
+
+    @property
+    def names(self) -> tuple[int, int]:
+        """Widths of the columns of methods and settings."""
+        rows = [(row.method, row.setting) for row in self.rows]
+        pairs = zip(*[("method", "setting"), *rows, *self.planned], strict=True)
+        first, second = (max(map(len, words)) for words in pairs)
+        return first, second
 
     def as_dict(self) -> dict[str, Any]:
         """The report as plain data for JSON."""
-        return asdict(self) | {"truth_agrees": self.truth.agrees}
+        found = asdict(self)
+        del found["planned"]
+        return found | {"truth_agrees": self.truth.agrees}
 
 
 def _at_most(difference: float, digits: int) -> str:
-    """A difference between numbers of so many digits, which cannot be told from zero below their last digit."""
+    """A difference between numbers of that many digits, which is not distinguishable from zero below their last
+    digit.
+    """
     last = 10.0**-digits
     return f"{difference:.0e}" if difference > last else f"less than {last:.0e}"
 
@@ -112,7 +132,7 @@ _ORACLES = {
 
 
 def _notes(report: Report) -> list[str]:
-    """Why rows have no figures, each reason once."""
+    """The reasons for rows without figures, each once."""
     settings: dict[tuple[str, str], list[str]] = {}
     for row in report.rows:
         if row.note:
@@ -129,12 +149,12 @@ def _floor(report: Report) -> list[str]:
 
 
 def _words(report: Report) -> list[str]:
-    """What errors and drifts are."""
+    """The definitions of errors and drifts."""
     if report.letters == ("q", "p"):
         names = ", ".join(report.integrals)
         return [
-            "error q: largest over components and times, beside the largest q at the start or then; error p: likewise,",
-            f"beside |p|; Δ: largest relative drift of {names} from the exact start.",
+            "error q: largest over components and times, relative to the largest q at the start or then;",
+            f"error p: likewise, relative to |p|; Δ: largest relative drift of {names} from the exact start.",
         ]
     first_of, second_of = report.integrals[2:]
     return [
@@ -143,23 +163,45 @@ def _words(report: Report) -> list[str]:
     ]
 
 
-def _table(report: Report) -> str:
-    """The whole report as text: rows of error against run time, the check of the truth, the growth of the residual."""
+def opening(report: Report) -> list[str]:
+    """The lines of the table before its rows, laid out for the first row."""
     first, last, count = report.times
-    check = report.truth
-    gamma, M = report.letters
-    # first what people will use: the compiled loops
-    rows = sorted(report.rows, key=lambda row: row.setting != "compiled")
-    verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
-    lines = [
+    return [
         report.title,
         f"{count} times from {first:g} to {last:g} in the scene's unit of time; run times are medians of up to "
         f"{report.repeat} runs",
         "",
-        *aligned([_head(report.letters, report.integrals), *(_cells(row, report.integrals) for row in rows)], left=2),
-        *_notes(report),
-        "",
-        *_words(report),
+        _line(_head(report.letters, report.integrals), report.names),
+    ]
+
+
+def row_line(report: Report, row: Row) -> str:
+    """A row of the table."""
+    return _line(_cells(row, report.integrals), report.names)
+
+
+def _line(cells: Sequence[str], names: tuple[int, int]) -> str:
+    """Cells in columns of fixed width, since the widths are needed before all rows are known: drifts have one digit,
+    other figures two.
+    """
+    method, setting, *others = cells
+    widths = [7, 7, *[5] * (len(others) - 5), 7, 8, 7]
+    figures = (cell.rjust(width) for cell, width in zip(others, widths, strict=True))
+    return "  ".join([method.ljust(names[0]), setting.ljust(names[1]), *figures]).rstrip()
+
+
+def closing(report: Report) -> list[str]:
+    """The lines after the rows: the meaning of the columns, the check of the truth, the growth of the residual."""
+    check = report.truth
+    gamma, M = report.letters
+    verdict = "" if check.agrees else "  THEY DISAGREE: do not trust the errors above."
+    lines = [*_notes(report), "", *_words(report)]
+    if any(row.setting == FIRST_USE for row in report.rows):
+        lines += [
+            f"{FIRST_USE}: floats as the first call in this process had them, with what it imported, and compiled or",
+            "loaded from the cache of compiled code.",
+        ]
+    lines += [
         *_floor(report),
         f"Errors are against the {report.against} at {check.digits} digits, held once against "
         f"{_ORACLES[report.against]}",
@@ -170,4 +212,4 @@ def _table(report: Report) -> str:
         counts = [f"{steps:,}".replace(",", " ") for steps, _ in report.residual_growth]
         growth = [("steps", *counts), ("residual", *(figure(value) for _, value in report.residual_growth))]
         lines += ["", "|V²−f mod U| / scale after a number of successive additions, in floats", *aligned(growth)]
-    return "\n".join(lines)
+    return lines

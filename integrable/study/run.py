@@ -1,9 +1,9 @@
-"""The running of a scene: what it does not ask for is neither computed nor imported."""
+"""Running a scene: results that it does not ask for are neither computed nor imported."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -13,6 +13,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import load_scene
 from integrable.scene.progress import bar_of_pieces
+from integrable.study.timing import NOBODY, Watch, silent
 from jacobian.errors import ArgumentError, shown, whole
 from jacobian.immutable import replaced
 
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from integrable.scene.output import OutputFolder
 
 __all__ = ["run"]
+
+OF_MOTION = ("sphere", "coordinates")
+"""Pictures that show the states, and no report."""
 
 
 def run(
@@ -31,14 +35,17 @@ def run(
     progress: bool = False,
     pictures: bool = True,
     formats: tuple[str, ...] = ("png",),
+    lines: Callable[[str], None] | None = None,
 ) -> Trajectory:
-    """Run a scene (or load and run it): a Trajectory at its times, for steps the Trajectory that an Orbit is; with
-    ``.report`` if the scene asks for one, an Orbit always.
+    """Run a scene (or load and run it): a Trajectory at its times, or an Orbit of its steps; with ``.report`` if the
+    scene asks for one, an Orbit always.
 
     ``digits`` overrides the scene's own: up to 15 floats, above that multiprecision. With ``out``, a folder,
-    ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all; the folder is
-    tried before anything is computed. ``progress`` draws a bar on stderr. What needs a library that is not installed is
-    left out, and a MissingExtraWarning says so before anything is computed.
+    ``result.json``, ``report.txt`` and the pictures are written there, each file complete or not at all. The folder is
+    tried before anything is computed. Pictures of the motion alone are written before any comparison. ``progress``
+    draws a bar on stderr. ``lines`` is called with each line of the report as soon as it is known: the run's own result
+    is the first. Parts that need a library that is not installed are left out, with a MissingExtraWarning before the
+    computation.
     """
     scene, digits = _checked(scene, digits, out)
     drawn = pictures and out is not None and bool(scene.pictures)
@@ -46,12 +53,13 @@ def run(
     pictures, progress = drawn and "matplotlib" not in missing, progress and "tqdm" not in missing
     if out is None:
         with _ticks(progress, scene, digits) as tick:
-            return _compute(scene, digits, tick)
+            return _compute(scene, digits, tick, Watch(lines or silent))
     from integrable.scene.output import OutputFolder
 
     with OutputFolder(out) as folder, _ticks(progress, scene, digits) as tick:
-        trajectory = _compute(scene, digits, tick)
-        _write(scene, digits, trajectory, folder, formats if pictures else ())
+        files = _Files(scene, digits, folder, formats if pictures else ())
+        trajectory = _compute(scene, digits, tick, Watch(lines or silent, files.of_motion))
+        files.all(trajectory)
         return trajectory
 
 
@@ -73,7 +81,7 @@ def _checked(given: Any, digits: Any, out: Any) -> tuple[Scene, int]:
 
 
 def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
-    """What a run uses of the libraries that need not be installed."""
+    """The optional libraries that a run uses."""
     uses = {
         "scipy": "the rows of SciPy's DOP853" if scene.report is not None and scene.report.tolerances else "",
         "matplotlib": "the pictures" if drawn else "",
@@ -82,11 +90,11 @@ def _uses(scene: Scene, drawn: bool, progress: bool) -> dict[str, str]:
     return {module: what for module, what in uses.items() if what}
 
 
-def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
+def _compute(scene: Scene, digits: int, tick: Callable[[str], None], watch: Watch = NOBODY) -> Any:
     if scene.report is not None:
         from integrable.study.motions import measure
 
-        report, trajectory = measure(scene, digits, tick)
+        report, trajectory = measure(scene, digits, tick, watch)
         return replaced(trajectory, report=report)
     if scene.steps is not None:
         from integrable.study.orbits import measure_orbit
@@ -99,7 +107,7 @@ def _compute(scene: Scene, digits: int, tick: Callable[[str], None]) -> Any:
 
 @contextmanager
 def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str], None]]:
-    """A function to call before each piece of work, with its name; it moves a bar if there is one."""
+    """A function to call before each piece of work, with its name; it moves a bar, if any."""
     if not progress:
         yield lambda _label: None
         return
@@ -116,24 +124,42 @@ def _ticks(progress: bool, scene: Scene, digits: int) -> Iterator[Callable[[str]
         yield tick
 
 
-def _write(scene: Scene, digits: int, trajectory: Any, folder: OutputFolder, formats: tuple[str, ...]) -> None:
-    """``result.json``, ``report.txt`` and, in each of the formats, the pictures."""
-    from integrable.scene.output import as_json, result
+class _Files:
+    """The output of a run: ``result.json``, ``report.txt`` and, in each of the formats, the pictures."""
 
-    report = trajectory.report
-    curve = None
-    if formats and ("sphere" in scene.pictures or "coordinates" in scene.pictures):
-        curve = trajectory
-        if scene.steps is None:
-            shown = scene.sphere or scene.times
-            system, state = scene.start(FLOAT_DIGITS)
-            curve = system.motion_through(state).at(shown.floats())
-    folder.write_text("result.json", as_json(result(scene, digits, trajectory, curve)))
-    if report is not None:
-        folder.write_text("report.txt", report.table() + "\n")
-    if formats:
-        from integrable.study.plot import draw
+    def __init__(self, scene: Scene, digits: int, folder: OutputFolder, formats: tuple[str, ...]) -> None:
+        self.scene, self.digits, self.folder, self.formats = scene, digits, folder, formats
+        self.curve: Any = None
 
-        for picture in scene.pictures:
-            for suffix in formats:
-                folder.write_bytes(f"{picture}.{suffix}", draw(picture, suffix, scene, report, curve))
+    def of_motion(self, trajectory: Any) -> None:
+        """The pictures that show the motion alone."""
+        scene = self.scene
+        shown = [picture for picture in scene.pictures if picture in OF_MOTION] if self.formats else []
+        if shown:
+            self.curve = trajectory
+            if scene.steps is None:
+                system, state = scene.start(FLOAT_DIGITS)
+                self.curve = system.motion_through(state).at((scene.sphere or scene.times).floats())
+        self._draw(shown, None)
+
+    def all(self, trajectory: Any) -> None:
+        """All remaining files."""
+        from integrable.scene.output import as_json, result
+
+        if self.curve is None:
+            self.of_motion(trajectory)
+        report = trajectory.report
+        self.folder.write_text("result.json", as_json(result(self.scene, self.digits, trajectory, self.curve)))
+        if report is not None:
+            self.folder.write_text("report.txt", report.table() + "\n")
+        if self.formats:
+            self._draw([picture for picture in self.scene.pictures if picture not in OF_MOTION], report)
+
+    def _draw(self, pictures: Sequence[str], report: Any) -> None:
+        if pictures:
+            from integrable.study.plot import draw
+
+            for picture in pictures:
+                for suffix in self.formats:
+                    content = draw(picture, suffix, self.scene, report, self.curve)
+                    self.folder.write_bytes(f"{picture}.{suffix}", content)

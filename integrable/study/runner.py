@@ -1,6 +1,6 @@
-"""The running of a study: tasks go to worker processes, each under its time limit, and their results to the store.
+"""Running a study: tasks go to worker processes, each under its time limit, and their results to the store.
 
-A worker that hangs, crashes or is killed costs its task alone, which is kept as a failure that says so.
+A worker that hangs, crashes or is killed costs only its task, which is stored as a failure with the reason.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import time
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from datetime import UTC, datetime
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
@@ -21,6 +22,7 @@ from integrable.study.plan import Task
 from integrable.study.store import Store
 from integrable.study.timing import TooLong
 from integrable.sweeps.orphans import end_with_parent
+from jacobian.interrupts import shielded
 from jacobian.numbers.compiler import NoCacheWarning
 
 __all__ = ["run_tasks"]
@@ -32,10 +34,10 @@ _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA
 def run_tasks(
     tasks: Sequence[Task], store: Store, jobs: int, progress: Callable[[Task], None] = lambda _task: None
 ) -> dict[str, dict[str, Any]]:
-    """Every task, kept ones read and the others measured by ``jobs`` processes: contents of their files by key.
+    """Every task, stored ones read and the others measured: contents of their files by key.
 
-    Tasks that another process holds are waited for, and taken over when it dies. ``progress`` is called with each that
-    is finished.
+    ``jobs`` processes compute truths and floors; timed tasks run alone. Tasks that another process holds are awaited,
+    and taken over when it dies. ``progress`` is called with each finished one.
     """
     pending = {task.key: task for task in tasks}
     finished: dict[str, dict[str, Any]] = {}
@@ -60,7 +62,7 @@ def run_tasks(
 def _hand_out(
     pending: dict[str, Task], looked: set[str], workers: Sequence[_Worker], store: Store, finished: dict[str, Any]
 ) -> list[Task]:
-    """Take from ``pending`` what is ready: what the store has, which is returned, and what a free worker begins."""
+    """Start or read the ready tasks of ``pending``: stored results are returned, others go to free workers."""
     kept = []
     for task in [task for task in pending.values() if _ready(task, finished)]:
         if task.key not in looked:
@@ -70,18 +72,20 @@ def _hand_out(
                 finished[task.key] = content
                 kept.append(pending.pop(task.key))
                 continue
+        busy = [worker.task for worker in workers if worker.task]
         free = next((worker for worker in workers if worker.task is None), None)
-        if free is None:
+        # a timed task has the machine for itself
+        if free is None or (busy and task.timed) or any(other.timed for other in busy):
             continue
         if free.take(task, store, finished):
             del pending[task.key]
-        else:  # another process is at it, or has just finished it: look again
+        else:  # another process works on it, or has just finished it: look again
             looked.discard(task.key)
     return kept
 
 
 def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any]) -> list[Task]:
-    """Keep what the workers have finished, and return those tasks."""
+    """Store the workers' results, and return their tasks."""
     done = []
     for worker in workers:
         content, task = worker.finished(), worker.task
@@ -98,13 +102,13 @@ def _ready(task: Task, finished: dict[str, Any]) -> bool:
 
 
 class _Worker:
-    """A process that measures one task at a time; it is started when it gets its first, and again after a death."""
+    """A process that measures one task at a time; started with its first task, and again after a death."""
 
     def __init__(self) -> None:
         self.task: Task | None = None
         self.connection: Connection | None = None
         self._process: Any = None
-        self._lock: FileLock | None = None
+        self._locks: list[FileLock] = []
         self._begun = 0.0
 
     @property
@@ -113,14 +117,15 @@ class _Worker:
         return time.monotonic() - self._begun
 
     def take(self, task: Task, store: Store, finished: dict[str, Any]) -> bool:
-        """Begin a task, unless another process is at it or has just finished it."""
-        lock = store.claim(task.key)
-        if lock is None:
+        """Start a task, unless another process works on it or has just finished it."""
+        # two processes on one folder do not time at the same time
+        locks = [store.claim(name) for name in (task.key, *(["timing"] if task.timed else []))]
+        held = [lock for lock in locks if lock is not None]
+        if len(held) < len(locks) or store.read(task.key, task.stamp) is not None:
+            for lock in held:
+                store.release(lock)
             return False
-        if store.read(task.key, task.stamp) is not None:
-            store.release(lock)
-            return False
-        self.task, self._lock, self._begun = task, lock, time.monotonic()
+        self.task, self._locks, self._begun = task, held, time.monotonic()
         if self._process is None:
             self._start()
         truth = finished[task.truth].get("result") if task.truth else None
@@ -133,11 +138,12 @@ class _Worker:
         context = multiprocessing.get_context("spawn")
         self.connection, theirs = context.Pipe()
         self._process = context.Process(target=_work, args=(theirs,), daemon=False)
-        self._process.start()
+        with shielded():
+            self._process.start()
         theirs.close()
 
     def finished(self) -> dict[str, Any] | None:
-        """The content of the task's file, once there is one: a result, or what became of the worker."""
+        """The content of the task's file, once there is one: a result, or the reason of the worker's failure."""
         if self.task is None or self.connection is None:
             return None
         if self.connection.poll():
@@ -155,9 +161,10 @@ class _Worker:
         return None
 
     def let_go(self, store: Store) -> None:
-        """End the claim on the task."""
-        store.release(self._lock)
-        self.task, self._lock = None, None
+        """Release the claims of the task."""
+        for lock in self._locks:
+            store.release(lock)
+        self.task, self._locks = None, []
 
     def stop(self) -> None:
         """End the process."""
@@ -169,10 +176,10 @@ class _Worker:
 
 
 def _end(process: Any) -> None:
-    """Kill a worker and the processes that it has started: they would go on computing beside the next tasks."""
+    """Kill a worker and the processes that it has started, which would disturb the next tasks."""
     if hasattr(os, "killpg"):  # Windows has no groups to kill
         with suppress(ProcessLookupError, PermissionError):
-            # its group, once it has made one
+            # its group, if it has made one
             if os.getpgid(process.pid) == process.pid:
                 os.killpg(process.pid, signal.SIGKILL)
     process.kill()
@@ -185,6 +192,7 @@ def _failure(task: Task, error: str, *, stopped: bool = False) -> dict[str, Any]
 
 def _head(task: Task) -> dict[str, Any]:
     from integrable.scene.output import machine, versions
+    from integrable.study.store import commit
 
     return {
         "row": {
@@ -196,16 +204,19 @@ def _head(task: Task) -> dict[str, Any]:
         },
         "versions": versions(),
         "machine": machine(),
+        "commit": commit(),
+        "load": os.getloadavg()[0] if hasattr(os, "getloadavg") else None,
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
     }
 
 
 def _work(connection: Connection) -> None:
-    """The loop of a worker process: it ends with the process that started it."""
+    """The loop of a worker process, which ends with the process that started it."""
     if hasattr(os, "setpgid"):
         os.setpgid(0, 0)
     end_with_parent()
-    warnings.simplefilter("ignore", NoCacheWarning)  # the parent has said so
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # an interrupt ends the parent, which ends its workers
+    warnings.simplefilter("ignore", NoCacheWarning)  # the parent printed the line
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # where nothing shields this process (Windows)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     from integrable.study.measure import Unjudged, measured
@@ -226,7 +237,7 @@ def _work(connection: Connection) -> None:
                 content = _failure(task, str(error), stopped=True)
             except Unjudged as error:
                 content = _failure(task, str(error))
-            except Exception as error:  # whatever a method does is a finding about it
+            except Exception as error:  # any failure of a method is a finding about it
                 content = _failure(task, f"{type(error).__name__}: {' '.join(str(error).split())}")
         content["seconds"] = time.perf_counter() - begun
         try:

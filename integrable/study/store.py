@@ -1,11 +1,12 @@
-"""The folder of a study: one JSON file for each row, complete or not there, and a lock for each row that is under way.
+"""The folder of a study: one complete JSON file for each row, and a lock for each row in progress.
 
-Locks are the system's (:mod:`filelock`): it takes them away from a process that dies, however it dies.
+Locks are the system's (:mod:`filelock`), which releases those of a process that dies.
 """
 
 from __future__ import annotations
 
 import json
+import subprocess
 from functools import lru_cache
 from hashlib import sha256
 from pathlib import Path
@@ -15,12 +16,15 @@ from filelock import FileLock, Timeout
 
 from integrable.scene.output import OutputFolder, as_json
 
-__all__ = ["SCHEMA", "Store", "code_stamp"]
+__all__ = ["SCHEMA", "Store", "code_stamp", "commit"]
 
-SCHEMA = 1
+SCHEMA = 2
 """Layout of a row's file; raised when a reader of the old layout would misread the new one."""
 _SHOWN_ONLY = (
     "__main__.py",
+    "doctor.py",
+    "interrupts.py",
+    "owner.py",
     "scene/tables.py",
     "study/claims.py",
     "study/columns.py",
@@ -40,7 +44,7 @@ _claims: set[FileLock] = set()
 
 
 class Store:
-    """Rows of a study in a folder. A row has a key, which names its file, and a stamp of all that it depends on."""
+    """Rows of a study in a folder. A row has a key, which names its file, and a stamp of everything it depends on."""
 
     def __init__(self, folder: str | Path) -> None:
         self.path = Path(folder)
@@ -50,9 +54,9 @@ class Store:
                 pass
 
     def read(self, key: str, stamp: str) -> dict[str, Any] | None:
-        """The finished row of that key, or None where there is none, or one of another stamp: older code, other scene.
+        """The finished row of that key, or None where there is none or its stamp differs: older code, another scene.
 
-        A file that is no row (cut short by a full disk, edited) counts as none.
+        A damaged file (cut short by a full disk, edited) counts as missing.
         """
         try:
             content = json.loads((self._rows / f"{key}.json").read_text(encoding="utf-8"))
@@ -63,7 +67,7 @@ class Store:
         return content
 
     def write(self, key: str, stamp: str, content: dict[str, Any]) -> dict[str, Any]:
-        """Keep a row, and return what is kept: the file appears whole, or the old one stays."""
+        """Store a row and return it; the file is replaced as a whole."""
         kept = {"schema": SCHEMA, "stamp": stamp, **content}
         with OutputFolder(self._rows) as folder:
             folder.write_text(f"{key}.json", as_json(kept))
@@ -87,8 +91,23 @@ class Store:
 
 
 @lru_cache(maxsize=1)
+def commit() -> str | None:
+    """The commit of these sources, with "+" if they have been changed; None without git."""
+    here = Path(__file__).parents[2]
+    if not (here / ".git").exists():
+        return None
+    git = ["git", "-C", str(here)]
+    try:
+        name = subprocess.run([*git, "rev-parse", "--short=12", "HEAD"], capture_output=True, text=True, check=True)
+        changed = subprocess.run([*git, "status", "--porcelain", "-uno"], capture_output=True, text=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return name.stdout.strip() + ("+" if changed.stdout.strip() else "")
+
+
+@lru_cache(maxsize=1)
 def code_stamp() -> str:
-    """A hash of the sources of both packages, without those that only show results: another version, another stamp."""
+    """A hash of the sources of both packages, except those that only show results."""
     import integrable
     import jacobian
 

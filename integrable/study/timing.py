@@ -1,31 +1,41 @@
-"""Repeated runs of one thing, and the medians of what they take."""
+"""Repeated runs of several things in turn, and their median times."""
 
 from __future__ import annotations
 
 import signal
 import statistics
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from math import isfinite
 from threading import current_thread, main_thread
-from typing import Any
+from time import perf_counter
+from typing import Any, NamedTuple
 
-__all__ = ["Tick", "Timed", "TooLong", "at_most", "silent", "timed"]
+from integrable.oracles.method import Spent
+
+__all__ = ["NOBODY", "Tick", "Timed", "Timing", "TooLong", "Watch", "at_most", "interleaved", "silent"]
 
 Tick = Callable[[str], None]
 """Called before a piece of work with its name, for a progress bar."""
-Timed = tuple[tuple[float, ...], Any]
-"""Seconds of the set-up, if there is one, and of the evaluation; and what was found."""
+Timed = tuple[Spent, Any]
+"""What a run took, and what was found."""
+SCATTER = 0.1
+"""What scatters by more of its median is measured again …"""
+COLD = 0.005
+"""Seconds: what takes less is run once before each run that is timed, where several run in turn."""
+REMEASURED = 4
+"""… until there are so many times the runs that were asked for."""
 
 
 class TooLong(RuntimeError):
-    """A run that would take longer than the study allows: a greater cost of the method need not be tried."""
+    """A run would take longer than the study allows; costlier settings of the method need not be tried."""
 
 
 @contextmanager
 def at_most(seconds: float, late: BaseException | None = None, busy: bool = False) -> Iterator[None]:
-    """Raises TooLong, or ``late``, out of what takes longer: seconds of the clock, if ``busy`` those of this process.
-    Only in a main thread, and not on Windows, which has no such alarm: a row there ends with its worker.
+    """Raises TooLong, or ``late``, in a block that takes longer: seconds of the clock, or of this process if ``busy``.
+
+    Works only in a main thread, and not on Windows, which has no such alarm: a row there ends with its worker.
     """
     if not isfinite(seconds) or not hasattr(signal, "setitimer") or current_thread() is not main_thread():
         yield
@@ -45,22 +55,77 @@ def at_most(seconds: float, late: BaseException | None = None, busy: bool = Fals
 
 
 def silent(*_: Any) -> None:
-    """A tick that nobody looks at."""
+    """A tick that does nothing."""
 
 
-def timed(
-    once: Callable[[], Timed], repeat: int, patience: float, tick: Callable[[], None] = silent
-) -> tuple[dict[str, Any], Any]:
-    """``once`` at most ``repeat`` times, none begun after ``patience`` seconds, with a ``tick`` between two of them.
-
-    Medians of "setup", "evaluation" and their sum "total", in seconds, the number of "runs"; and what the last found.
+class Watch(NamedTuple):
+    """Callbacks of a report: ``line`` gets each line of its table when it is known, ``own`` the trajectory before
+    anything else is computed.
     """
-    durations: list[tuple[float, ...]] = []
-    while len(durations) < repeat and sum(map(sum, durations)) < patience:
-        if durations:
+
+    line: Callable[[str], None] = silent
+    own: Callable[[Any], None] = silent
+
+
+NOBODY = Watch()
+
+
+class Timing(NamedTuple):
+    """The times of repeated runs of one thing."""
+
+    spent: Spent
+    """Of the median run; of what is spent once a machine the largest: the first run has it."""
+    total: float
+    """What is counted in ratios, once a start and evaluation: the median."""
+    mad: float
+    """The median of |total of a run − median| over the median."""
+    runs: int
+    found: Any
+    """What the last run found."""
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for a row: "machine", "system", "setup" (once a start), "evaluation", "total", "mad", "runs"."""
+        machine, system, start, evaluation = self.spent
+        parts = {"machine": machine, "system": system, "setup": start, "evaluation": evaluation}
+        return {**parts, "total": self.total, "mad": self.mad, "runs": self.runs}
+
+
+def interleaved(
+    every: Mapping[str, Callable[[], Timed]],
+    repeat: int,
+    patience: float,
+    tick: Callable[[], None] = silent,
+    again: int = REMEASURED,
+) -> dict[str, Timing]:
+    """Rounds in which each thing runs once, in turn, so that a slow second of the machine affects all alike.
+
+    There are at least ``repeat`` rounds. More follow until nothing scatters by more than a tenth of its median, up to
+    ``again`` times as many; none starts after ``patience`` seconds. ``tick`` is called between two of the first ones.
+    """
+    spent: dict[str, list[Spent]] = {name: [] for name in every}
+    found: dict[str, Any] = {}
+    begun, rounds = perf_counter(), 0
+    while rounds < repeat or (rounds < again * repeat and max(map(_scatter, spent.values())) > SCATTER):
+        if rounds and perf_counter() - begun > patience:
+            break
+        if 0 < rounds < repeat:
             tick()
-        duration, found = once()
-        durations.append(duration)
-    parts = ("setup", "evaluation") if len(durations[0]) == 2 else ()
-    result: dict[str, Any] = dict(zip(parts, map(statistics.median, zip(*durations, strict=True)), strict=False))
-    return {**result, "total": statistics.median(map(sum, durations)), "runs": len(durations)}, found
+        for name, once in every.items():
+            if rounds and len(every) > 1 and spent[name][-1].counted < COLD:
+                once()  # the previous run has left the caches of the processor to itself
+            part, found[name] = once()
+            spent[name].append(part)
+        rounds += 1
+    return {name: _timing(runs, found[name]) for name, runs in spent.items()}
+
+
+def _scatter(runs: Sequence[Spent]) -> float:
+    counted = [run.counted for run in runs]
+    middle = statistics.median(counted)
+    return statistics.median(abs(x - middle) for x in counted) / middle if middle else 0.0
+
+
+def _timing(runs: Sequence[Spent], found: Any) -> Timing:
+    middle = sorted(runs, key=lambda run: run.counted)[(len(runs) - 1) // 2]
+    spent = middle._replace(machine=max(run.machine for run in runs))
+    return Timing(spent, spent.counted, _scatter(runs), len(runs), found)

@@ -1,6 +1,6 @@
-"""The truth of a scene: its motion at more digits than any row, held against an integrator that shares no code.
+"""The truth of a scene: its motion at more digits than any row, compared with an integrator that shares no code.
 
-It is kept as decimal strings; :class:`Truth` reads it back and judges the states that other tasks found.
+It is stored as decimal strings; :class:`Truth` reads it back and judges the states of other tasks.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import Any
 
 from integrable.oracles.collocation import collocation
 from integrable.oracles.methods import time_scale
-from integrable.oracles.reference import is_body, taylor
+from integrable.oracles.reference import equations, is_body, taylor
 from integrable.oracles.stepping import follow
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
@@ -21,7 +21,18 @@ from integrable.scene.data import Scene
 from integrable.study.timing import Tick, silent
 from jacobian.errors import JacobianError, PrecisionLoss
 
-__all__ = ["ADDITIONS", "CHECK_DIGITS", "DIGITS", "INTEGRATED", "Judge", "Truth", "compute", "moved_by", "parts"]
+__all__ = [
+    "ADDITIONS",
+    "CHECK_DIGITS",
+    "DIGITS",
+    "INTEGRATED",
+    "Judge",
+    "Truth",
+    "compute",
+    "kept",
+    "moved_by",
+    "parts",
+]
 
 DIGITS = (40, 60, 100)
 """Digits of the truth of a study: the first of these that carries the motion."""
@@ -44,12 +55,12 @@ def compute(
     time: Fraction | None = None,
     tick: Tick = silent,
 ) -> dict[str, Any]:
-    """The truth at the scene's times as plain data, with what the check against another integrator found.
+    """The truth at the scene's times as plain data, with its check against another integrator.
 
-    With ``digits``, the truth at these, checked at one ``time`` to as many digits; ``tick(label)`` is called between
-    the pieces of the work. Otherwise at the first of :data:`DIGITS` that carries the motion, checked as far in time as
-    ``patience`` allows, the seconds that the integrator may take; where the flow of a body refuses the motion at any of
-    them, the Taylor series alone is the truth, "check" is None and "refusal" what was said.
+    With ``digits``, the truth at that many, checked at one ``time`` to as many digits. Otherwise it is the first of
+    :data:`DIGITS` that resolves the motion, checked as far in time as the integrator gets in ``patience`` seconds.
+    Where the flow of a body refuses the motion at any of them, the Taylor series alone is the truth, "check" is None
+    and "refusal" the message. ``tick(label)`` is called between the pieces of the work.
     """
     begun = perf_counter()
     if digits is not None:
@@ -70,12 +81,12 @@ def compute(
     if not is_body(system):
         raise refusal
     series = taylor(system, state, scene.times.at(digits), digits=digits)
-    found = {"way": "Taylor series", **_kept(system, [series], digits), "refusal": str(refusal)}
+    found = {"way": "Taylor series", **kept(system, [series], digits), "refusal": str(refusal)}
     return {**found, "seconds": perf_counter() - begun, "check": None}
 
 
 def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]]:
-    """The motion of a scene at so many digits and its states at the scene's times, as they are kept."""
+    """The motion of a scene at that many digits and its states at the scene's times, as they are stored."""
     system, state = scene.start(digits)
     flow = system.motion_through(state)
     trajectories: list[Any] = []
@@ -83,17 +94,21 @@ def _carried(scene: Scene, digits: int, tick: Tick) -> tuple[Any, dict[str, Any]
         if trajectories:
             tick(f"truth, {digits} digits")
         trajectories.append(flow.at(times))
-    return flow, {"way": trajectories[0].way, **_kept(system, trajectories, digits)}
+    return flow, {"way": trajectories[0].way, **kept(system, trajectories, digits)}
 
 
 def parts(scene: Scene, digits: int) -> list[list[Any]]:
-    """The scene's times as pieces of work: what has to integrate up to each time does it once."""
+    """The scene's times as pieces of work: an integrator, which goes through all times before each, gets them at
+    once.
+    """
     times = scene.times.at(digits)
     size = PART if scene.rolls_or_spins or scene.classical else len(times)
     return [times[first : first + size] for first in range(0, len(times), size)]
 
 
-def _kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
+def kept(system: Any, found: Sequence[Any], digits: int) -> dict[str, Any]:
+    """States of trajectories in the form from which a :class:`Truth` of that many digits is read."""
+
     def written(values: Any) -> list[str]:
         return [system.field.context.nstr(x, digits) for x in values]
 
@@ -131,7 +146,7 @@ def _check(scene: Scene, flow: Any, digits: int, patience: float = 0.0, time: Fr
 
 
 def moved_by(system: Any) -> str:
-    """What gives the motion of a system: divisors on one curve, or on two elliptic ones, or its equations."""
+    """The means of a system's motion: divisors on one curve, on two elliptic curves, or its equations."""
     if is_body(system):
         return "divisor flow"
     if isinstance(system, ClassicalSystem):
@@ -140,7 +155,7 @@ def moved_by(system: Any) -> str:
 
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
-    """γ and M at one time, shapes (1, 3), by an integrator that has nothing in common with the truth."""
+    """γ and M at one time, shapes (1, 3), by an integrator that shares nothing with the truth."""
     from integrable.deformations.equations import rates
     from integrable.deformations.integrated import IntegratedMotion
 
@@ -152,7 +167,7 @@ def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tu
     context = system.field.context
     if by == COLLOCATED:
         step = time_scale(*scene.start(FLOAT_DIGITS)) / STEPS_OF_A_SCALE
-        advance = collocation(system, state, digits // 2)
+        advance = collocation(equations(system, state), system.field.coerce, context.dps, digits // 2)
         return _states(follow(advance, [*state.gamma, *state.M], [context.mpf(time)], context.mpf(step)))
     rate = rates(system)
     row = context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])(context.mpf(time))
@@ -164,7 +179,7 @@ def _states(found: Any) -> tuple[Any, Any]:
 
 
 class Judge:
-    """States of a motion or an orbit to hold others against, each row γ or M, and the integrals of the exact start."""
+    """The states of a motion or an orbit as a reference, each row γ or M, and the integrals of the exact start."""
 
     def __init__(self, system: Any, state: State, gamma: Any, M: Any) -> None:
         self.system, self.state = system, state
@@ -195,8 +210,10 @@ class Judge:
         return {**self.errors(gamma, M), "drift": {name: float(value) for name, value in drift.items()}}
 
     def errors(self, gamma: Any, M: Any) -> dict[str, float]:
-        """The errors of γ and of M (relative to |M|), the largest over the rows; of q and p relative to the largest at
-        the start or in their row, so that next to a pole rounding is no error.
+        """The errors of γ and of M (relative to |M|), the largest over the rows.
+
+        Those of q and p are relative to the largest value at the start or in their row, so that rounding next to a pole
+        is no error.
         """
         parts = {"error_gamma": (gamma, self.gamma, self.size_of_gamma), "error_M": (M, self.M, self.size_of_M)}
         return {name: float(max(self._relative(*part))) for name, part in parts.items()}
@@ -212,7 +229,7 @@ class Judge:
         return [max(abs(x - y) for x, y in zip(row, other, strict=True)) for row, other in pairs]
 
     def _rows(self, array: Any) -> list[list[Any]]:
-        """Rows of floats, of strings or of mpf of another context as mpf of this one, digit for digit."""
+        """Rows of floats, of strings or of foreign mpf as mpf of this context, digit for digit."""
         rows = [[self.context.mpf(x) for x in row] for row in array]
         if not all(self.context.isfinite(x) for row in rows for x in row):
             raise ArithmeticError("the method returned a number that is not finite, and said nothing")

@@ -13,14 +13,15 @@ from hypothesis import strategies as st
 from numba import njit
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.oracles import compiled_equations
+from integrable.oracles import exact_floats
 from integrable.oracles.collocation import collocation, gauss_rule
-from integrable.oracles.gauss16 import gauss16
+from integrable.oracles.generated import compiled
+from integrable.oracles.method import problem_of
+from integrable.oracles.methods import METHODS
 from integrable.oracles.reference import body_equations, taylor
 from integrable.oracles.stepping import follow
-from integrable.oracles.taylor_compiled import compiled_taylor
 from jacobian import MP
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import PrecisionLoss
 
 GAMMA, UPRIGHT, TILTED = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488), (1.104, 2.18, -0.528)
 BODIES = {"ball": (0.7, UPRIGHT), "tilted": (0.7, TILTED), "top": (0, UPRIGHT)}
@@ -36,6 +37,15 @@ def problem(name, field=None):
     return system, state
 
 
+def gauss16(system, state, times, step=None, tolerance=None):
+    name = "Gauss-Legendre 16" if step else "Gauss-Legendre 16, adaptive"
+    return METHODS[name].solve(system, state, times, step or tolerance)
+
+
+def compiled_taylor(system, state, times, tolerance):
+    return METHODS["Taylor, compiled"].solve(system, state, times, tolerance)
+
+
 def start(name):
     return [*map(float, GAMMA), *map(float, BODIES[name][1])]
 
@@ -43,7 +53,7 @@ def start(name):
 def steps_of(name, K, stages, times, h):
     """The readable method in multiprecision, from the same floats."""
     system, _ = problem(name, K)
-    advance = collocation(system, None, stages)
+    advance = collocation(body_equations(system.inertia, system.d), K.coerce, K.dps, stages)
     return follow(advance, [K.coerce(Fraction(x)) for x in start(name)], [K.coerce(t) for t in times], K.coerce(h))
 
 
@@ -135,35 +145,24 @@ def test_a_body_at_rest_stays():
 
 
 @njit
-def _slopes(c, y, out):
-    compiled_equations.slopes(c, y, out)
-
-
-@njit
 def _exact(a, b):
-    return compiled_equations.two_sum(a, b), compiled_equations.two_product(a, b)
+    return exact_floats.two_sum(a, b), exact_floats.two_product(a, b)
 
 
 @njit
 def _whole(time, step):
-    return compiled_equations.whole_steps(time, step)
+    return exact_floats.whole_steps(time, step)
 
 
 @pytest.mark.parametrize("name", BODIES)
 def test_the_compiled_equations_are_the_written_ones(name):
-    system, _ = problem(name)
-    columns = np.random.default_rng(3).normal(size=(6, 8))
-    out = np.empty((6, 8))
-    _slopes(compiled_equations.ball_constants(system), columns, out)
+    system, state = problem(name)
+    kind, given, _ = problem_of(system, state)
+    coefficients = np.array(kind.coefficients_of(given.constants))
     rates = body_equations([float(x) for x in system.inertia], float(system.d))
-    assert np.allclose(out.T, [rates(column) for column in columns.T.tolist()], rtol=1e-14, atol=1e-14)
-
-
-def test_only_bodies_are_compiled():
-    from integrable.deformations.isometric import Check
-
-    with pytest.raises(ArgumentError, match="only the ball's and the top's equations are compiled"):
-        compiled_equations.ball_constants(Check((1, 2, 3)))
+    for y in np.random.default_rng(3).normal(size=(8, 6)):
+        found = compiled(kind).right_hand_side(0.0, y, coefficients)
+        assert np.allclose(found, rates(y.tolist()), rtol=1e-14, atol=1e-14)
 
 
 moderate = st.floats(-1e6, 1e6).filter(lambda x: x == 0 or abs(x) > 1e-6)

@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import json
+import os
+import re
 import subprocess
 import sys
 from fractions import Fraction
+from importlib.resources import files
 
 import numpy as np
 import pytest
 
+import integrable
 from integrable.scene.data import SYSTEMS, Scene, Times
 from integrable.scene.file import load_scene, scene_names
 from integrable.study.run import run
@@ -193,3 +197,22 @@ def test_a_scene_without_report_or_pictures_imports_neither(write):
 
 def test_scene_is_what_load_scene_returns(write):
     assert isinstance(load_scene(str(write(MIXED))), Scene)
+
+
+@pytest.mark.skipif(os.name == "nt", reason="Windows has no such names")
+@pytest.mark.parametrize(
+    ("name", "read"), [("a\nb", "a_b"), ("c\udcff", "c_"), ("d\u2028e", "d_e"), ("f\x1b[31mg", "f_[31mg")]
+)
+def test_a_name_with_a_line_break_or_bytes_that_are_no_letters(name, read, tmp_path):
+    """UnicodeEncodeError where an .h5 file was made of it, and messages of two lines."""
+    pytest.importorskip("h5py")
+    path = tmp_path / f"{name}.toml"
+    path.write_text((files("integrable") / "scenes" / "chaplygin.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    scene = load_scene(path)
+    assert scene.name == read
+    assert str(scene.place) == f"scene {read}.toml"
+    found = integrable.sweep(path, vary={"d": [0.5]}, out=tmp_path / "out.h5", executor="threads")
+    assert found.members == 1
+    path.write_text("x = 1", encoding="utf-8")
+    with pytest.raises(ArgumentError, match=re.escape(f"scene {read}.toml: ")):
+        load_scene(path)

@@ -12,8 +12,9 @@ import numpy as np
 import pytest
 
 from integrable.oracles.methods import METHODS
+from integrable.scene.looks import LOOKS
 from integrable.scene.tables import plain_power
-from integrable.study.plot import FLOOR, FORMATS, LOOKS, draw, residual_growth, sphere, work_precision
+from integrable.study.plot import FLOOR, FORMATS, draw, residual_growth, sphere, work_precision
 from integrable.study.report import Report, Row, TruthCheck
 from jacobian.errors import ArgumentError
 

@@ -1,4 +1,4 @@
-"""Certified trajectories: motions with proven bounds, to hold an integrator against.
+"""Certified trajectories: motions with proven bounds at 50 times, for testing integrators.
 
 The data are balls of the flow in ball arithmetic (:mod:`integrable.motion.enclosure`), of deformations balls of Taylor
 series (:mod:`integrable.deformations.enclosed`); ``python -m benchmarks.make_certified`` makes them.
@@ -8,9 +8,11 @@ from __future__ import annotations
 
 import hashlib
 import json
+from fractions import Fraction
 from importlib.resources import files
 from typing import Any, NamedTuple
 
+from integrable.scene.data import Scene, Times, system_class
 from jacobian.errors import ArgumentError, one_of
 
 __all__ = ["Certified", "certified", "certified_names", "schema"]
@@ -19,11 +21,11 @@ _FOLDER = "certified"
 
 
 class Certified(NamedTuple):
-    """A motion whose states are known: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
+    """A motion with known states: ``gamma[k]`` and ``M[k]`` at ``times[k]``, as decimal strings.
 
-    The true motion is nowhere farther from the strings than ``bound[k]``, M relative to |M|; it starts at ``gamma[0]``,
+    The true motion differs from the strings by at most ``bound[k]``, M relative to |M|; it starts at ``gamma[0]``,
     ``M[0]``. ``inertia``, ``d``, ``times``, and ``potential`` and ``c`` of deformations that have them, are doubles and
-    exact; the unit of time is that of the moments over M, for deformations as their equations have it.
+    exact. The unit of time is that of the moments over M; for deformations that of their equations.
     """
 
     name: str
@@ -39,10 +41,28 @@ class Certified(NamedTuple):
     potential: tuple[float, ...] | None = None
     c: float | None = None
 
+    def scene(self) -> Scene:
+        """The motion of a ball or top, from its first row in doubles at its times."""
+        if self.system not in ("chaplygin_ball", "euler_top"):
+            raise ArgumentError(f"system: {self.system}; a ball or a top is needed")
+        gamma, M = (tuple(Fraction(float(x)) for x in rows[0]) for rows in (self.gamma, self.M))
+        return Scene(
+            name=self.name,
+            title=self.about,
+            description=self.about,
+            system=self.system,
+            inertia=tuple(map(Fraction, self.inertia)),
+            d=Fraction(self.d) if self.system == "chaplygin_ball" else None,
+            mass=None,
+            radius=None,
+            gamma=gamma,
+            M=M,
+            tilted=self.tilted,
+            times=Times(given=tuple(map(Fraction, self.times))),
+        )
+
     def start(self) -> tuple[Any, Any]:
         """(system, state) of the first row in floats."""
-        from integrable.scene.data import system_class
-
         given = {"d": self.d or None, "potential": self.potential, "c": self.c}
         system = system_class(self.system)(self.inertia, **{key: x for key, x in given.items() if x is not None})
         gamma, M = (tuple(map(float, rows[0])) for rows in (self.gamma, self.M))
@@ -50,7 +70,7 @@ class Certified(NamedTuple):
 
 
 def certified(name: str) -> Certified:
-    """The motion of that name; ArgumentError for a name that is none of :func:`certified_names`."""
+    """The motion of that name; ArgumentError for a name not in :func:`certified_names`."""
     motions = _motions()
     given = motions[one_of(name, "name", tuple(motions), f"give one of {', '.join(motions)}")]
     rows = given["rows"]

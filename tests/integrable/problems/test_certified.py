@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import hashlib
 import json
 from importlib.resources import files
@@ -10,7 +9,9 @@ from importlib.resources import files
 import pytest
 
 from integrable.oracles.reference import taylor
-from integrable.scene.certified import certified, certified_names, schema
+from integrable.problems import problem
+from integrable.problems.certified import certified, certified_names, schema
+from integrable.scene.file import load_scene, scene_names
 from jacobian import MP
 from jacobian.errors import ArgumentError
 
@@ -20,7 +21,7 @@ FOLDER = files("integrable").joinpath("certified")
 
 def test_files_are_those_of_their_checksums():
     lines = FOLDER.joinpath("SHA256SUMS").read_text(encoding="utf-8").splitlines()
-    assert {line.split()[1] for line in lines} == {"trajectories.json", "trajectories.csv"}
+    assert {line.split()[1] for line in lines} == {"trajectories.json"}
     for line in lines:
         digest, name = line.split()
         assert hashlib.sha256(FOLDER.joinpath(name).read_bytes()).hexdigest() == digest
@@ -35,15 +36,26 @@ def test_the_file_is_what_its_schema_says():
     assert all(len(motion["rows"]) == 50 for motion in content["motions"])
 
 
-def test_both_files_hold_the_same():
-    rows = list(csv.DictReader(FOLDER.joinpath("trajectories.csv").read_text(encoding="utf-8").splitlines()))
-    assert len(rows) == 46 * 50
-    for name in certified_names():
-        motion = certified(name)
-        own = [row for row in rows if row["name"] == name]
-        assert [tuple(row[f"gamma{i}"] for i in (1, 2, 3)) for row in own] == list(motion.gamma)
-        assert [tuple(row[f"M{i}"] for i in (1, 2, 3)) for row in own] == list(motion.M)
-        assert [float(row["t"]) for row in own] == list(motion.times)
+def test_a_motion_with_the_name_of_a_scene_is_that_scene():
+    """Bodies and descriptions are written in the file for readers in other languages: those of the one list."""
+    for name in set(certified_names()) & set(scene_names()):
+        motion, (system, state) = certified(name), load_scene(name).start(15)
+        assert motion.about == " ".join(load_scene(name).description.split())
+        assert motion.inertia == tuple(map(float, system.body.inertia))
+        assert motion.d == float(system.d)
+        for row, vector in ((motion.gamma[0], state.gamma), (motion.M[0], state.M)):
+            assert max(abs(float(x) - y) for x, y in zip(row, vector, strict=True)) < 1e-15 * max(map(abs, state.M))
+
+
+@pytest.mark.parametrize("name", ["random_01", "random_06", "heavy"])
+def test_the_other_motions_are_problems_too(name):
+    """Which begin at doubles, 1e-16 from the strings of the first row."""
+    motion, one = certified(name), problem(name)
+    assert one.times == motion.times
+    assert one.description == motion.about
+    found = one.truth(motion.times[2]).y
+    expected = [float(x) for x in (*motion.gamma[2], *motion.M[2])]
+    assert abs(found - expected).max() < 1e-12 * max(map(abs, expected))
 
 
 @pytest.mark.parametrize("name", certified_names())
@@ -100,7 +112,7 @@ def test_a_name_that_is_none_gets_the_names():
 
 
 def test_a_damaged_file_is_noticed(monkeypatch):
-    from integrable.scene import certified as module
+    from integrable.problems import certified as module
 
     read = module._text
     monkeypatch.setattr(module, "_text", lambda folder, name: read(folder, name).replace("0.48", "0.49"))

@@ -1,0 +1,87 @@
+"""Gauss–Legendre of order 16 and Taylor series, compiled for every kind of system, as methods."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil, log
+from typing import Any
+
+import numpy as np
+
+from integrable.oracles.expressions import Kind
+from integrable.oracles.method import Built, Given, Method, Run, Started
+from integrable.oracles.stepping import by_sign
+from jacobian.errors import ArgumentError, PrecisionLoss
+
+__all__ = ["CompiledTaylor", "Gauss16"]
+
+
+@dataclass(frozen=True)
+class Gauss16(Method):
+    """Gauss–Legendre of order 16, with a fixed step or steps chosen for a tolerance.
+
+    A time between steps is reached by a shorter step of its own. PrecisionLoss where the stages do not converge.
+    ``evaluations`` counts right-hand sides.
+    """
+
+    def build(self, kind: Kind, setting: Any) -> Built:
+        from integrable.oracles import gauss16
+        from integrable.oracles.generated import compiled
+
+        rule, value = gauss16.rule(), float(setting)
+        march = compiled(kind).fixed if self.parameter == "step" else compiled(kind).adaptive
+
+        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+            out = np.empty((len(distances), kind.size))
+            cost = march(c, rule, start, distances, (sign, value), out)
+            if cost == gauss16.FAILED:
+                said = f"{self.parameter} = {value}: the stages of the implicit step have not converged"
+                raise PrecisionLoss(f"{said}; take a smaller one")
+            return out, int(cost)
+
+        return _built(kind, run)
+
+
+@dataclass(frozen=True)
+class CompiledTaylor(Method):
+    """Each step neglects about the tolerance in both halves of the state; the order is ½ ln(1/tolerance) + 1.
+
+    ``evaluations`` counts expansions. ArgumentError unless 0 < tolerance < 1, RuntimeError where a step is 0: a pole.
+    """
+
+    def build(self, kind: Kind, setting: Any) -> Built:
+        from integrable.oracles.generated import compiled
+
+        tolerance = float(setting)
+        if not 0 < tolerance < 1:
+            raise ArgumentError(f"tolerance = {tolerance}: give a number between 0 and 1")
+        order, march = max(4, ceil(-log(tolerance) / 2 + 1)), compiled(kind).taylor
+
+        def run(c: np.ndarray, start: np.ndarray, sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
+            out = np.empty((len(distances), kind.size))
+            cost = march(c, start, distances, (sign, tolerance, order), out)
+            if cost < 0:
+                raise RuntimeError("the steps of the Taylor series have become 0: there is a pole on the way")
+            return out, int(cost)
+
+        return _built(kind, run)
+
+
+def _built(kind: Kind, run: Any) -> Built:
+    """The stages of a compiled loop, which is compiled or loaded here."""
+    run(np.ones(len(kind.used)), np.ones(kind.size), 1.0, np.empty(0))
+
+    def of_system(given: Given) -> Started:
+        coefficients = np.array(kind.coefficients_of(given.constants), dtype=float)
+        return lambda start: _started(coefficients, np.array([float(x) for x in start]), run)
+
+    return of_system
+
+
+def _started(coefficients: np.ndarray, start: np.ndarray, run: Any) -> Run:
+    def at(times: Sequence[Any]) -> Any:
+        wanted = np.array([*times], dtype=float)
+        return by_sign(start, wanted, lambda sign, distances: run(coefficients, start, sign, distances))
+
+    return at  # type: ignore[return-value]

@@ -1,0 +1,383 @@
+"""Equations of motion as expressions, from which every integrator makes its own code, once for a kind.
+
+A system's formulas are run once on :class:`Symbol`s, which record the operations. Its constants are symbols too, so two
+bodies are of one :class:`Kind`, and code compiled for a kind serves every body and every start. Expressions of
+constants alone, such as 1/(I + d), are coefficients, computed once a system.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cached_property
+from hashlib import sha256
+from typing import Any, NamedTuple
+
+__all__ = ["Kind", "Node", "Numbers", "Symbol", "recorded", "source"]
+
+BINARY = {"add": "+", "sub": "-", "mul": "*", "div": "/"}
+FUNCTIONS = ("exp", "sqrt")
+
+
+class Node(NamedTuple):
+    """One line of a straight-line program. ``op``: "y", a component of the state, "c", a constant, both with their
+    index; "number", with a Fraction; "add", "sub", "mul", "div" of two lines before; "neg", "exp", "sqrt" of one.
+    """
+
+    op: str
+    args: tuple[Any, ...]
+
+
+@dataclass(frozen=True)
+class Kind:
+    """Equations of motion with symbols for all constants. Equal kinds have the same equations."""
+
+    name: str
+    """What the systems are: "ball", "top", or the name of their class."""
+    size: int
+    """Components of the state."""
+    inputs: int
+    """Numbers that a system of this kind is given."""
+    coefficients: tuple[Node, ...]
+    """A program in these numbers, "c" of its lines …"""
+    used: tuple[int, ...]
+    """… of which these are the coefficients of the equations."""
+    rates: tuple[Node, ...]
+    """The equations, in the state, "y", and the coefficients, "c" …"""
+    results: tuple[int, ...]
+    """… of which these lines are ẏ."""
+
+    @cached_property
+    def key(self) -> str:
+        """A short hash of the equations."""
+        return sha256(repr((self.size, self.rates, self.results)).encode()).hexdigest()[:12]
+
+    def coefficients_of(self, constants: Sequence[Any], number: Callable[[Any], Any] = float) -> list[Any]:
+        """The coefficients of the equations for the constants of a system, as numbers made by ``number``."""
+        context = getattr(number, "context", None)
+        values = evaluated(self.coefficients, (), [number(x) for x in constants], number, context)
+        return [values[i] for i in self.used]
+
+    def right_hand_side(self, coefficients: Sequence[Any], context: Any = None) -> Callable[[Sequence[Any]], list[Any]]:
+        """y ↦ ẏ in the numbers of the coefficients, or in arrays of floats: plain Python without loops.
+
+        ``context`` has ``exp`` and ``sqrt`` for these numbers (mpmath's context; None: those of floats).
+        """
+        import math
+
+        scope: dict[str, Any] = {name: getattr(context or math, name) for name in FUNCTIONS}
+        exec(self._python, scope)
+        rates: Callable[[Sequence[Any]], list[Any]] = scope["make"](*coefficients)
+        return rates
+
+    @cached_property
+    def _python(self) -> Any:
+        lines = [f"    {line}" for line in source(self.rates, "y{}", "c{}")]
+        names = [f"c{i}" for i in range(len(self.used))]
+        state = ", ".join(f"y{i}" for i in range(self.size))
+        text = [
+            f"def make({', '.join(names)}):",
+            "  def rates(y):",
+            f"    {state} = y",
+            *lines,
+            f"    return [{', '.join(f'v{i}' for i in self.results)}]",
+            "  return rates",
+        ]
+        return compile("\n".join(text), f"<equations of {self.name}>", "exec")
+
+
+def source(nodes: Sequence[Node], y: str, c: str) -> list[str]:
+    """A program as lines of Python, a variable v0, v1, … for each; ``y`` and ``c`` format its inputs."""
+    lines = []
+    for k, (op, args) in enumerate(nodes):
+        if op in BINARY:
+            right = f"v{args[0]} {BINARY[op]} v{args[1]}"
+        elif op in FUNCTIONS:
+            right = f"{op}(v{args[0]})"
+        elif op == "neg":
+            right = f"-v{args[0]}"
+        elif op == "number":
+            right = str(args[0]) if args[0].denominator == 1 else repr(float(args[0]))
+        else:
+            right = (y if op == "y" else c).format(args[0])
+        lines.append(f"v{k} = {right}")
+    return lines
+
+
+def evaluated(
+    nodes: Iterable[Node], y: Sequence[Any], c: Sequence[Any], number: Callable[[Any], Any], context: Any = None
+) -> list[Any]:
+    """The value of every line of a program, in any numbers with operators: another library's expressions, say."""
+    import math
+
+    values: list[Any] = []
+    for op, args in nodes:
+        if op in ("y", "c"):
+            values.append((y if op == "y" else c)[args[0]])
+        elif op == "number":
+            whole = number(args[0].numerator)
+            values.append(whole if args[0].denominator == 1 else whole / number(args[0].denominator))
+        elif op == "neg":
+            values.append(-values[args[0]])
+        elif op in FUNCTIONS:
+            values.append(getattr(context or math, op)(values[args[0]]))
+        else:
+            left, right = (values[i] for i in args)
+            values.append(_DO[op](left, right))
+    return values
+
+
+_DO: dict[str, Callable[[Any, Any], Any]] = {
+    "add": lambda x, y: x + y,
+    "sub": lambda x, y: x - y,
+    "mul": lambda x, y: x * y,
+    "div": lambda x, y: x / y,
+}
+
+
+class _Book:
+    """The recorded lines, each once, with their values at one state: formulas may compare them."""
+
+    def __init__(self) -> None:
+        self.nodes: list[Node] = []
+        self.values: list[Any] = []
+        self._known: dict[Node, int] = {}
+
+    def line(self, op: str, *args: Any, value: Any) -> Symbol:
+        node = Node(op, args)
+        if node not in self._known:
+            self._known[node] = len(self.nodes)
+            self.nodes.append(node)
+            self.values.append(value)
+        return Symbol(self, self._known[node])
+
+
+class Symbol:
+    """A recorded number of a formula: it has operators, and compares by its value."""
+
+    __slots__ = ("book", "index")
+
+    def __init__(self, book: _Book, index: int) -> None:
+        self.book, self.index = book, index
+
+    @property
+    def value(self) -> Any:
+        """Its value at the state of the recording."""
+        return self.book.values[self.index]
+
+    def _number(self) -> Fraction | None:
+        node = self.book.nodes[self.index]
+        return node.args[0] if node.op == "number" else None
+
+    def _other(self, other: Any) -> Symbol:
+        if isinstance(other, Symbol):
+            return other
+        exact = Fraction(other)
+        return self.book.line("number", exact, value=exact)
+
+    def _done(self, op: str, left: Any, right: Any) -> Symbol:
+        left, right = self._other(left), self._other(right)
+        a, b = left._number(), right._number()
+        if a is not None and b is not None:
+            return self._other(_DO[op](a, b))
+        if b == 0 and op in ("add", "sub"):
+            return left
+        if a == 0 and op in ("add", "sub"):
+            return right if op == "add" else -right
+        if op in ("mul", "div") and (a == 0 or (b == 1)):
+            return left
+        if op == "mul" and (b == 0 or a == 1):
+            return right
+        if op == "mul" and -1 in (a, b):
+            return -(left if b == -1 else right)
+        if op in ("add", "mul") and left.index > right.index:
+            left, right = right, left
+        x, y = (float(v) if isinstance(v, Fraction) else v for v in (left.value, right.value))
+        try:
+            value = _DO[op](x, y)
+        except ZeroDivisionError:
+            value = float("nan")  # at this state alone
+        return self.book.line(op, left.index, right.index, value=value)
+
+    def __add__(self, other: Any) -> Symbol:
+        return self._done("add", self, other)
+
+    def __radd__(self, other: Any) -> Symbol:
+        return self._done("add", other, self)
+
+    def __sub__(self, other: Any) -> Symbol:
+        return self._done("sub", self, other)
+
+    def __rsub__(self, other: Any) -> Symbol:
+        return self._done("sub", other, self)
+
+    def __mul__(self, other: Any) -> Symbol:
+        return self._done("mul", self, other)
+
+    def __rmul__(self, other: Any) -> Symbol:
+        return self._done("mul", other, self)
+
+    def __truediv__(self, other: Any) -> Symbol:
+        return self._done("div", self, other)
+
+    def __rtruediv__(self, other: Any) -> Symbol:
+        return self._done("div", other, self)
+
+    def __neg__(self) -> Symbol:
+        exact = self._number()
+        if exact is not None:
+            return self._other(-exact)
+        node = self.book.nodes[self.index]
+        if node.op == "neg":
+            return Symbol(self.book, node.args[0])
+        return self.book.line("neg", self.index, value=-self.value)
+
+    def __pow__(self, power: Any) -> Symbol:
+        exponent = Fraction(power.value if isinstance(power, Symbol) else power)
+        if exponent == Fraction(1, 2):
+            return self._function("sqrt", self.value**0.5)
+        if exponent.denominator != 1 or exponent < 1:
+            raise TypeError(f"power {power}: only square roots and positive whole powers are recorded")
+        half = self ** (exponent // 2) if exponent > 1 else self
+        if exponent == 1:
+            return self
+        return half * half if exponent % 2 == 0 else half * half * self
+
+    def _function(self, name: str, value: Any) -> Symbol:
+        return self.book.line(name, self.index, value=value)
+
+    def __eq__(self, other: object) -> bool:
+        return bool(self.value == (other.value if isinstance(other, Symbol) else other))
+
+    def __lt__(self, other: Any) -> bool:
+        return bool(self.value < (other.value if isinstance(other, Symbol) else other))
+
+    def __gt__(self, other: Any) -> bool:
+        return bool(self.value > (other.value if isinstance(other, Symbol) else other))
+
+    def __hash__(self) -> int:
+        return hash((id(self.book), self.index))
+
+
+class Numbers:
+    """The field of a recording: constants become symbols, except 0 and ints."""
+
+    name, exact, characteristic, order, eps = "symbols", False, 0, None, 2.0**-52
+
+    def __init__(self) -> None:
+        self.book = _Book()
+        self.constants: list[Any] = []
+        self.context = self
+        self.zero, self.one = (self.book.line("number", Fraction(x), value=Fraction(x)) for x in (0, 1))
+
+    def coerce(self, x: Any, _argument: str = "") -> Any:
+        """A symbol for a constant, one for each object; a symbol as it is."""
+        if isinstance(x, Symbol):
+            return x
+        if isinstance(x, int) or x == 0:
+            return self.zero + x if isinstance(x, int) else self.zero
+        # by identity, not by value: two constants that are equal in one system differ in another
+        found = next((i for i, known in enumerate(self.constants) if known is x), None)
+        return self.constant(x) if found is None else self.book.line("c", found, value=x)
+
+    def constant(self, x: Any) -> Symbol:
+        """A symbol for one more constant."""
+        self.constants.append(x)
+        return self.book.line("c", len(self.constants) - 1, value=x)
+
+    def state(self, values: Sequence[Any]) -> list[Symbol]:
+        """The components of a state."""
+        return [self.book.line("y", i, value=value) for i, value in enumerate(values)]
+
+    def add(self, x: Any, y: Any) -> Any:
+        """x + y."""
+        return x + y
+
+    def sub(self, x: Any, y: Any) -> Any:
+        """x − y."""
+        return x - y
+
+    def mul(self, x: Any, y: Any) -> Any:
+        """xy."""
+        return x * y
+
+    def div(self, x: Any, y: Any) -> Any:
+        """x/y."""
+        return x / y
+
+    def neg(self, x: Any) -> Any:
+        """−x."""
+        return -x
+
+    def inv(self, x: Any) -> Any:
+        """1/x."""
+        return self.one / x
+
+    def is_zero(self, x: Any, scale: Any = None) -> bool:
+        """Whether the value is 0."""
+        return bool(x == 0)
+
+    def dot(self, xs: Iterable[Any], ys: Iterable[Any]) -> Any:
+        """Σ x_i y_i."""
+        return sum((x * y for x, y in zip(xs, ys, strict=True)), self.zero)
+
+    def exp(self, x: Symbol) -> Symbol:
+        """e^x."""
+        from math import exp
+
+        return x._function("exp", exp(x.value))
+
+    def sqrt(self, x: Symbol) -> Symbol:
+        """√x."""
+        return x**0.5
+
+
+def recorded(
+    name: str, formula: Callable[[Numbers, list[Symbol]], Iterable[Any]], start: Sequence[Any]
+) -> tuple[Kind, tuple[Any, ...]]:
+    """The kind of the equations ẏ = ``formula``(numbers, y), and the constants that the formula used."""
+    numbers = Numbers()
+    results = [numbers.coerce(x).index for x in formula(numbers, numbers.state(start))]
+    nodes = numbers.book.nodes
+    moving, needed = [False] * len(nodes), [False] * len(nodes)
+    for k, (op, args) in enumerate(nodes):
+        moving[k] = op == "y" or (op not in ("c", "number") and any(moving[i] for i in args))
+    for i in results:
+        needed[i] = True
+    for k in range(len(nodes) - 1, -1, -1):
+        op, args = nodes[k]
+        if needed[k] and op not in ("y", "c", "number"):
+            for i in args:
+                needed[i] = True
+    # a line without the state is a coefficient if a line with it, or a result, uses it; short numbers are written out
+    outer = set(results)
+    for k, (op, args) in enumerate(nodes):
+        if needed[k] and moving[k] and op != "y":
+            outer |= set(args)
+    plain = {k for k in outer if nodes[k].op == "number" and _short(nodes[k].args[0])}
+    used = [k for k in range(len(nodes)) if k in outer and needed[k] and not moving[k] and k not in plain]
+    first = [k for k in range(len(nodes)) if needed[k] and not moving[k]]
+    place = {k: i for i, k in enumerate(first)}
+    coefficients = tuple(_moved(nodes[k], place) for k in first)
+    rates: list[Node] = []
+    there: dict[int, int] = {}
+    for k in range(len(nodes)):
+        if not needed[k] or (not moving[k] and k not in outer):
+            continue
+        there[k] = len(rates)
+        rates.append(Node("c", (used.index(k),)) if k in used else _moved(nodes[k], there))
+    kind = Kind(
+        name, len(start), len(numbers.constants), coefficients, tuple(place[k] for k in used), tuple(rates),
+        tuple(there[k] for k in results),
+    )  # fmt: skip
+    return kind, tuple(numbers.constants)
+
+
+def _short(number: Fraction) -> bool:
+    """Whether a number is exact in every kind of float."""
+    return number.denominator & (number.denominator - 1) == 0 and max(abs(number.numerator), number.denominator) < 2**20
+
+
+def _moved(node: Node, place: dict[int, int]) -> Node:
+    return node if node.op in ("y", "c", "number") else Node(node.op, tuple(place[i] for i in node.args))

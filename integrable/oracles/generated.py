@@ -1,0 +1,153 @@
+"""Compiled code for a kind of system, from its equations: slopes at stages, Taylor expansions, a right-hand side.
+
+The source is written to the folder of compiled code, so that numba can cache it: the compiler runs once a machine and
+kind, for all bodies. Without such a folder every process compiles again.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import sys
+from functools import cache
+from hashlib import sha256
+from importlib.machinery import SourceFileLoader
+from pathlib import Path
+from types import ModuleType
+
+from integrable.oracles.expressions import BINARY, Kind, Node, source
+from jacobian.native.kept import place
+
+__all__ = ["compiled", "expansion"]
+
+_MARK = "# --- written out beside the slopes of a kind\n"
+_HEAD = '''"""The equations of {name}, written by integrable.oracles.generated."""
+import numpy as np
+from numpy import exp, sqrt
+from numba.extending import register_jitable
+from integrable.oracles.gauss16 import (
+    FAILED, MOST_ITERATIONS, STAGES, _add, _low_part, _predict, _speed, _sums, _tail, _weigh,
+)
+from integrable.oracles.exact_floats import COMPILED, INLINED, two_sum, whole_steps
+from integrable.oracles.taylor_compiled import _increment, _reach, convolved, exponential, quotient, root
+from jacobian.numbers.compiler import njit
+'''
+_SLOPES = """
+@register_jitable(fastmath={{"contract"}}, **INLINED)
+def slopes(c, y, out):
+    for k in range(y.shape[1]):
+{lines}
+"""
+_EXPAND = """
+ROWS = {rows}
+@register_jitable(fastmath={{"contract", "reassoc"}}, **INLINED)
+def expand(c, order, s):
+    for k in range(order):
+{lines}
+"""
+_RATES = """
+@njit(fastmath={{"contract"}}, **COMPILED)
+def right_hand_side(t, y, c):
+{lines}
+    return np.array(({results},))
+"""
+
+
+@cache
+def compiled(kind: Kind) -> ModuleType:
+    """The module of a kind: ``fixed`` and ``adaptive`` (Gauss), ``taylor``, ``right_hand_side``, each compiled on its
+    first call.
+    """
+    text = _text(kind)
+    folder = place()
+    if folder is None:
+        module = ModuleType(f"equations_{kind.key}")
+        exec(compile(text, f"<{module.__name__}>", "exec"), module.__dict__)
+        return module
+    name = f"equations_{kind.key}_{sha256((text + _sources()).encode()).hexdigest()[:12]}"
+    path = folder / f"{name}.source"  # no module of a package, wherever the folder is
+    if not path.exists():
+        beside = path.with_suffix(f".{os.getpid()}")
+        beside.write_text(text, encoding="utf-8")
+        os.replace(beside, path)
+    loader = SourceFileLoader(name, str(path))
+    spec = importlib.util.spec_from_loader(name, loader)
+    assert spec is not None, "there is a file"
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    loader.exec_module(module)
+    return module
+
+
+def _text(kind: Kind) -> str:
+    columns = source(kind.rates, "y[{}, k]", "c[{}]")
+    columns += [f"out[{i}, k] = v{n}" for i, n in enumerate(kind.results)]
+    flat = source(kind.rates, "y[{}]", "c[{}]")
+    rows, recurrences = expansion(kind)
+    return "\n".join([
+        _HEAD.format(name=kind.name),
+        _SLOPES.format(lines=_indented(columns, 8)),
+        _file("gauss16").partition(_MARK)[2],
+        _EXPAND.format(lines=_indented(recurrences, 8), rows=rows),
+        _file("taylor_compiled").partition(_MARK)[2],
+        _RATES.format(lines=_indented(flat, 4), results=", ".join(f"v{n}" for n in kind.results)),
+    ])  # fmt: skip
+
+
+def _file(name: str) -> str:
+    return (Path(__file__).parent / f"{name}.py").read_text(encoding="utf-8")
+
+
+def _sources() -> str:
+    """The sources compiled into every kind: if they change, the file is another."""
+    return "".join(map(_file, ("exact_floats", "gauss16", "taylor_compiled")))
+
+
+def _indented(lines: list[str], by: int) -> str:
+    return "\n".join(" " * by + line for line in lines)
+
+
+def expansion(kind: Kind) -> tuple[int, list[str]]:
+    """The rows of a table s, and lines that fill column k + 1 of the state, its first rows, from the columns up to k.
+
+    Every line of the equations that depends on the state has a row; any other is a number.
+    """
+    fixed: dict[int, str] = {}
+    row: dict[int, int] = {}
+    lines: list[str] = []
+    rows = kind.size
+    for k, node in enumerate(kind.rates):
+        if node.op == "y":
+            row[k] = node.args[0]
+        elif node.op == "c":
+            fixed[k] = f"c[{node.args[0]}]"
+        elif node.op == "number":
+            fixed[k] = repr(float(node.args[0]))
+        else:
+            row[k], rows = rows, rows + 1
+            lines.append(f"s[{row[k]}, k] = {_recurrence(node, row[k], row, fixed)}")
+    for i, n in enumerate(kind.results):
+        rate = f"s[{row[n]}, k]" if n in row else f"({fixed[n]} if k == 0 else 0.0)"
+        lines.append(f"s[{i}, k + 1] = {rate} / (k + 1)")
+    return rows, lines
+
+
+def _recurrence(node: Node, own: int, row: dict[int, int], fixed: dict[int, str]) -> str:
+    """Coefficient k of one line."""
+    op, args = node
+    if op in ("exp", "sqrt"):
+        return f"{'exponential' if op == 'exp' else 'root'}(s, {row[args[0]]}, {own}, k)"
+    if op == "neg":
+        return f"-s[{row[args[0]]}, k]"
+    x, y = args
+    if x in row and y in row:
+        if op == "mul":
+            return f"convolved(s, {row[x]}, {row[y]}, k)"
+        if op == "div":
+            return f"quotient(s, s[{row[x]}, k], {row[y]}, {own}, k)"
+        return f"s[{row[x]}, k] {BINARY[op]} s[{row[y]}, k]"
+    if op == "div" and x in fixed:
+        return f"quotient(s, {fixed[x]} if k == 0 else 0.0, {row[y]}, {own}, k)"
+    parts = [f"s[{row[n]}, k]" if n in row else fixed[n] for n in args]
+    if op in ("add", "sub"):
+        parts = [p if n in row else f"({p} if k == 0 else 0.0)" for n, p in zip(args, parts, strict=True)]
+    return f"{parts[0]} {BINARY[op]} {parts[1]}"

@@ -1,0 +1,254 @@
+"""The interface of an integrator: built once for a kind of system, started at a state, evaluated at times.
+
+    class Euler(Method):
+        def build(self, kind, setting):                             # once a machine: compilation
+            def of_system(system):                                  # once a system: its coefficients
+                rates = kind.right_hand_side(kind.coefficients_of(system.constants))
+
+                def started(start):                                 # once a start
+                    def advance(y, h, _):
+                        return [v + h * k for v, k in zip(y, rates(y), strict=True)], None, 1
+
+                    return lambda times: follow(advance, start, times, setting)
+
+                return started
+
+            return of_system
+
+    METHODS["Euler"] = Euler("Euler", "Euler (1768)", "step", (0.01, 0.001), order=1)
+
+Every part is timed separately (:class:`Spent`), by one rule for all methods: work that depends on no body and no start
+is no part of a start's cost, for any compiler.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from time import perf_counter
+from typing import Any, NamedTuple
+
+from integrable.extras import command, installed
+from integrable.oracles.body import Solution, body_equations, is_body
+from integrable.oracles.expressions import Kind, recorded
+from jacobian.errors import ArgumentError
+
+__all__ = ["Given", "Method", "Problem", "Spent", "kept", "problem_of", "time_scale", "timed_run"]
+
+Run = Callable[[Iterable[Any]], Solution]
+"""times ↦ Solution, in any order and of either sign, the start being at time 0."""
+
+
+class Given(NamedTuple):
+    """A system for an integrator: the constants of its kind, and a conversion to numbers of its field."""
+
+    constants: tuple[Any, ...]
+    number: Callable[[Any], Any]
+    context: Any = None
+    """mpmath's, where the numbers are of more digits."""
+
+
+Started = Callable[[Sequence[Any]], Run]
+Built = Callable[[Given], Started]
+DOUBLE_DIGITS = 15
+
+
+class Problem(NamedTuple):
+    """A motion to integrate: equations, constants and start, (γ, M) or (q, p)."""
+
+    kind: Kind
+    system: Given
+    start: tuple[Any, ...]
+
+
+class Spent(NamedTuple):
+    """Seconds of one run, by how often they are spent."""
+
+    machine: float
+    """Once a machine: what depends on no body and no start, compilation above all."""
+    system: float
+    """Once a system: what is made for a body and serves all its starts."""
+    start: float
+    """Once a start."""
+    evaluation: float
+
+    @property
+    def counted(self) -> float:
+        """The time that ratios use: once a start, and evaluation."""
+        return self.start + self.evaluation
+
+    @property
+    def first(self) -> float:
+        """The time of a first answer: everything."""
+        return sum(self)
+
+
+@dataclass(frozen=True)
+class Method(ABC):
+    """One integrator. ``parameter`` is what the setting means: "step" (a time), "tolerance" or "digits"; ``settings``
+    are sensible values, cheapest first, steps in units of the motion's own time scale (:meth:`ladder`).
+    """
+
+    name: str
+    source: str
+    parameter: str
+    settings: tuple[float, ...]
+    kinds: tuple[str, ...] = ()
+    """Names of the kinds of systems that it takes, "ball" and "top" for instance; none: every kind."""
+    number: str = "float"
+    """"float", or "any" for methods that also run in the mpf of a system over MP(digits)."""
+    module: str = ""
+    extra: str = ""
+    """The module that is imported, and the optional dependency of this package that installs it."""
+    compiled: bool = False
+    """Whether a compiler is part of :meth:`build`."""
+    order: int | None = None
+    """Of convergence, for a fixed step."""
+    guard: int = 0
+    """Digits that its numbers hold beyond doubles, where the setting is no number of digits."""
+
+    @abstractmethod
+    def build(self, kind: Kind, setting: Any) -> Built:
+        """The code for all systems of a kind; all compilation happens here."""
+
+    def digits(self, setting: float) -> int:
+        """Digits of the numbers that a run at that setting starts from, 15 for doubles."""
+        return (int(setting) if self.parameter == "digits" else DOUBLE_DIGITS) + self.guard
+
+    @property
+    def in_doubles(self) -> bool:
+        """Whether it computes in doubles, and not in numbers of more digits."""
+        return self.parameter != "digits" and not self.guard
+
+    @property
+    def multiprecision(self) -> bool:
+        """Whether it integrates in mpf: a step takes hundreds of times as long as in doubles."""
+        return self.parameter == "digits" and not self.module
+
+    @property
+    def installed(self) -> bool:
+        """Whether its libraries are installed."""
+        return not self.module or installed(self.module)
+
+    def refusal(self, system: Any) -> str | None:
+        """The reason why the method refuses a system, or None."""
+        name = kind_name(system)
+        if self.kinds and name not in self.kinds:
+            if self.kinds == ("top",) and name == "ball":
+                return f"d = {system.d}: {self.name} is for the Euler top, d = 0"
+            return f"{self.name} is for the {' and the '.join(self.kinds)}: {system!r} has other equations"
+        if not self.installed:
+            return f"{self.name} needs {self.module}: {command(self.extra)}"
+        return None
+
+    def takes(self, system: Any) -> bool:
+        """Whether the method is installed and integrates this system."""
+        return self.refusal(system) is None
+
+    def prepare(self, system: Any, state: Any, setting: Any) -> Run:
+        """The set-up for one start: a function times ↦ Solution that may be called repeatedly. Built code is cached.
+
+        ArgumentError where the system or the setting is refused.
+        """
+        refusal = self.refusal(system)
+        if refusal:
+            raise ArgumentError(refusal)
+        if not setting > 0:
+            raise ArgumentError(f"{self.parameter} = {setting}: give a positive {self.parameter}")
+        kind, given, start = problem_of(system, state)
+        return kept(self, kind, setting)(given)(start)
+
+    def solve(self, system: Any, state: Any, times: Iterable[Any], setting: Any) -> Solution:
+        """γ and M at ``times``, any order and either sign, the state being at time 0: shapes (N, 3), of other systems q
+        and p of shape (N, n).
+
+        An integrator that fails raises PrecisionLoss (a step whose equations have no solution) or RuntimeError (SciPy's
+        and heyoka's own message). No integrator detects an error that is merely large.
+        """
+        return self.prepare(system, state, setting)(times)
+
+    def ladder(self, system: Any, state: Any) -> list[float]:
+        """``settings`` for one start: steps are multiplied by its time scale, 1/max(|γ̇|, |Ṁ|/|M|) at time 0."""
+        if self.parameter != "step":
+            return list(self.settings)
+        scale = time_scale(system, state)
+        return [scale * x for x in self.settings]
+
+
+_KEPT: dict[tuple[Method, str, Any], tuple[Built, float]] = {}
+
+
+def kept(method: Method, kind: Kind, setting: Any) -> Built:
+    """The code of a method for a kind, built on first use in a process."""
+    return _kept(method, kind, setting)[0]
+
+
+def _kept(method: Method, kind: Kind, setting: Any) -> tuple[Built, float]:
+    """That code, and the seconds that building it took in this process."""
+    key = (method, kind.key, setting)
+    if key not in _KEPT:
+        begun = perf_counter()
+        built = method.build(kind, setting)
+        _KEPT[key] = built, perf_counter() - begun
+    return _KEPT[key]
+
+
+def timed_run(method: Method, problem: Problem, times: Iterable[Any], setting: Any) -> tuple[Spent, Solution]:
+    """A run and the clock time of its parts; the part spent once a machine is the one first measured in this
+    process.
+    """
+    kind, system, start = problem
+    built, machine = _kept(method, kind, setting)
+    clock = [perf_counter()]
+
+    def done(part: Any) -> Any:
+        clock.append(perf_counter())
+        return part
+
+    started = done(built(system))
+    run = done(started(start))
+    solution = done(run(times))
+    return Spent(machine, *(after - before for before, after in pairwise(clock))), solution
+
+
+def kind_name(system: Any) -> str:
+    """ "ball", "top" (d = 0), or the name of the class of a system of other equations."""
+    if is_body(system):
+        return "ball" if float(system.d) else "top"
+    return type(getattr(system, "system", system)).__name__
+
+
+def problem_of(system: Any, state: Any) -> Problem:
+    """The motion of a state of a system: a body, whose equations are written out here, or a system with ``rates_in``
+    any numbers.
+    """
+    start = (*state.gamma, *state.M)
+    field = getattr(system, "field", None)
+    number = float if field is None else field.coerce
+    given: tuple[Any, ...] = ()
+    if is_body(system):
+        given = (*map(number, system.inertia), *([number(system.d)] if float(system.d) else []))
+        start = tuple(map(number, start))
+
+    def of_body(numbers: Any, y: Sequence[Any]) -> list[Any]:
+        moments = [numbers.constant(x) for x in given]
+        return body_equations(moments[:3], moments[3] if len(given) > 3 else 0)(y)
+
+    kind, constants = recorded(kind_name(system), of_body if given else system.rates_in, start)
+    return Problem(kind, Given(given or constants, number, getattr(field, "context", None)), start)
+
+
+def time_scale(system: Any, state: Any) -> float:
+    """1/max(|γ̇|, |Ṁ|/|M|) at a state, 1 where nothing moves: the time in which γ or M turns by about a radian."""
+    kind, given, start = problem_of(system, state)
+    y = [float(x) for x in start]
+    rates = kind.right_hand_side(kind.coefficients_of(given.constants))(y)
+    half = len(y) // 2
+    size = sum(m * m for m in y[half:]) ** 0.5
+    rate = max(
+        sum(x * x for x in rates[:half]) ** 0.5,
+        sum(x * x for x in rates[half:]) ** 0.5 / size if size else 0.0,
+    )
+    return 1 / rate if rate else 1.0

@@ -1,0 +1,7 @@
+"""Races: anyone's integrator beside those of :mod:`integrable.oracles` on problems whose solution is known.
+
+    from integrable.races.race import race
+    race(["t_handle"], {"mine": solve})        # solve(problem, times, tolerance): states, shape (len(times), n)
+
+:mod:`.race` runs the methods, :mod:`.entrants` says how each is run and timed, :mod:`.page` draws the page.
+"""

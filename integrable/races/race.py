@@ -1,0 +1,166 @@
+"""A race: methods at a ladder of settings on problems, error against run time, with the uncertainty of the truth.
+
+Each setting is first tried over a hundredth and four hundredths of the time span; where these predict a run beyond the
+limit, the method stops. Then all methods run at their settings of one rung in turn, so a slow second of the machine
+affects all alike. A run counts a start with its evaluation (:class:`integrable.oracles.method.Spent`).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from integrable.oracles.methods import METHODS
+from integrable.problems import Problem, Truth, problem
+from integrable.problems.statement import UNIT_ROUNDING
+from integrable.races.entrants import RIVALS, TOLERANCES, Entrant, Solve, entrants
+from integrable.races.page import page
+from integrable.races.records import Course, Results, Run
+from integrable.scene.output import OutputFolder, machine, versions
+from integrable.scene.tables import duration
+from integrable.study.timing import Tick, at_most, interleaved, silent
+from jacobian.errors import ArgumentError, one_of, shown
+
+__all__ = ["Race", "pieces_of_race", "race"]
+
+MOST_TIMES = 21
+"""Of a problem's times so many are asked for, the last among them."""
+CONDITIONED = 5
+"""Of these so many say how rounding the inputs grows."""
+LIMIT = 4.0
+"""Seconds that a run may take by default."""
+TRIAL, LONGER = 0.01, 4
+"""The part of the time span of a first trial, and how many times as long the second is: so a whole run is told."""
+REPEAT, PATIENCE = 3, 0.4
+"""Runs at each setting, and the seconds of a rung after which no more are begun."""
+
+
+class Race(Results):
+    """The results of a race, with a method that writes them to a folder."""
+
+    def write(self, out: str | Path) -> list[Path]:
+        """``race.json``, ``race.txt`` and ``race.html`` in a folder."""
+        with OutputFolder(out) as folder:
+            text = json.dumps(self.as_dict(), ensure_ascii=False, allow_nan=False, indent=1)
+            contents = {"race.json": text + "\n", "race.txt": self.table() + "\n", "race.html": page(self)}
+            return [folder.write_text(name, content) for name, content in contents.items()]
+
+
+def race(
+    problems: Iterable[str | Path | Problem],
+    own: Mapping[str, Solve] | None = None,
+    *,
+    rivals: Sequence[str] = RIVALS,
+    limit: float = LIMIT,
+    tick: Tick = silent,
+) -> Race:
+    """Run ``own`` functions solve(problem, times, tolerance), by name, and ``rivals`` on the problems.
+
+    ``times`` is an array, ascending from 0 on; a function returns the states there, shape (len(times), n). ``limit``:
+    seconds that a run may take. ``tick(label)`` is called before each piece of work. ArgumentError for an unknown
+    problem or rival.
+    """
+    for name in rivals:
+        one_of(name, "rivals", tuple(METHODS), f"give some of {', '.join(METHODS)}")
+    if not limit > 0:
+        raise ArgumentError(f"limit = {shown(limit)}: give a number of seconds above 0")
+    given = [one if isinstance(one, Problem) else problem(one) for one in problems]
+    courses = tuple(_course(one, dict(own or {}), rivals, limit, tick) for one in given)
+    date = datetime.now(UTC).isoformat(timespec="seconds")
+    return Race(courses, date, machine(), versions())
+
+
+def pieces_of_race(problems: Sequence[Any], rivals: Sequence[str]) -> int:
+    """The number of calls of ``tick`` by :func:`race`: for each problem one for the truth and one for each rung."""
+    return len(problems) * (1 + _rungs(rivals))
+
+
+def _rungs(rivals: Sequence[str]) -> int:
+    return max(len(TOLERANCES), *(len(METHODS[name].settings) for name in rivals), 0)
+
+
+def _course(one: Problem, own: dict[str, Solve], rivals: Sequence[str], limit: float, tick: Tick) -> Course:
+    times = _chosen(one.times)
+    tick(f"{one.name}: truth")
+    truth = one.truth(times)
+    few = times[:: -max(1, (len(times) - 1) // CONDITIONED)]
+    floor = float(one.condition(few).max()) * UNIT_ROUNDING
+    found: dict[str, list[Run]] = {}
+    left = entrants(one, own, rivals)
+    order = [entrant.name for entrant in left]
+    rungs = _rungs(rivals)
+    for rung in range(rungs):
+        tick(f"{one.name}: rung {rung + 1} of {rungs}")
+        left = [entrant for entrant in left if rung < len(entrant.settings)]
+        going = []
+        for entrant, run in _rung(one, times, truth, left, rung, limit):
+            found.setdefault(entrant.name, []).append(run)
+            going += [] if run.note else [entrant]
+        left = going
+    return Course(
+        name=one.name,
+        title=one.title,
+        description=one.description,
+        reference=one.reference,
+        letters=one.letters,
+        times=tuple(times.tolist()),
+        radius=float(one.relative(truth.radius, truth).max()),
+        floor=floor,
+        runs=tuple(run for name in order for run in found.get(name, [])),
+    )
+
+
+def _chosen(times: Sequence[float]) -> np.ndarray:
+    """At most that many of the times after 0, including the last, ascending."""
+    later = np.unique([t for t in times if t > 0])
+    return later[np.unique(np.linspace(0, len(later) - 1, min(MOST_TIMES, len(later))).round().astype(int))]
+
+
+def _rung(
+    one: Problem, times: np.ndarray, truth: Truth, left: list[Entrant], rung: int, limit: float
+) -> list[tuple[Entrant, Run]]:
+    """All methods at their settings of one rung, first each alone, then the fast ones in turn."""
+    found: dict[str, Run] = {}
+    for entrant in left:
+        found[entrant.name] = _tried(one, times, truth, entrant, rung, limit)
+    runs = {entrant.name: entrant for entrant in left if (found[entrant.name].seconds or PATIENCE) < PATIENCE / 2}
+    every = {name: _once(one, times, entrant, rung) for name, entrant in runs.items()}
+    rows = []
+    timings = interleaved(every, REPEAT, PATIENCE * len(every), again=1) if every else {}
+    for entrant in left:
+        run = found[entrant.name]
+        if entrant.name in timings:
+            timing = timings[entrant.name]
+            run = run._replace(seconds=timing.total, runs=timing.runs)
+        rows.append((entrant, run))
+    return rows
+
+
+def _once(one: Problem, times: np.ndarray, entrant: Entrant, rung: int) -> Any:
+    return lambda: entrant.run(one, times, entrant.settings[rung])
+
+
+def _tried(one: Problem, times: np.ndarray, truth: Truth, entrant: Entrant, rung: int, limit: float) -> Run:
+    """A run of a method, or the reason why there is none; the trial absorbs imports and compilation."""
+    setting = entrant.settings[rung]
+    run = Run(entrant.name, setting, entrant.word)
+    try:
+        with at_most(10 * limit):
+            once, short, longer = (entrant.run(one, part * TRIAL * times[-1:], setting)[0] for part in (1, 1, LONGER))
+        rate = max(0.0, longer.counted - short.counted) / ((LONGER - 1) * TRIAL)
+        if (whole := short.counted + rate) > limit:
+            return run._replace(note=f"not run: it would take about {duration(whole)}")
+        with at_most(2 * limit):
+            spent, y = entrant.run(one, times, setting)
+    except Exception as why:  # of a user's function: the others continue
+        return run._replace(note=f"{type(why).__name__}: {' '.join(str(why).split())}")
+    error = float(one.error(y, truth).max())
+    if not np.isfinite(error):
+        return run._replace(note="a state is not finite, and nothing said so")
+    first = max(0.0, once.first - short.counted) + max(spent.machine, spent.system)
+    return run._replace(error=error, seconds=spent.counted, first=first, runs=1)

@@ -1,0 +1,89 @@
+"""The results of a race: its runs, their courses, and all of them as text and plain data."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+from integrable.scene.tables import aligned, duration, figure
+
+__all__ = ["Course", "Results", "Run"]
+
+
+class Run(NamedTuple):
+    """A method at one setting: its error (:meth:`Problem.error`), and the median seconds of a start with its
+    evaluation.
+
+    ``first``: seconds spent once before that. ``note``: the reason for missing figures.
+    """
+
+    method: str
+    setting: float
+    word: str
+    error: float | None = None
+    seconds: float | None = None
+    first: float | None = None
+    runs: int = 0
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class Course:
+    """One problem and its runs. ``radius`` is the relative uncertainty of the truth, ``floor`` the error from rounding
+    constants and start to doubles.
+    """
+
+    name: str
+    title: str
+    description: str
+    reference: str
+    letters: tuple[str, str]
+    times: tuple[float, ...]
+    radius: float
+    floor: float
+    runs: tuple[Run, ...]
+
+    def table(self) -> str:
+        """The runs as text."""
+        head = ("method", "setting", "error", "run time", "once before")
+        cells = [
+            (
+                run.method,
+                f"{run.word} {run.setting:.3g}",
+                figure(run.error),
+                duration(run.seconds),
+                duration(run.first) if run.first else "–",
+            )
+            for run in self.runs
+        ]
+        notes = [f"{run.method}, {run.word} {run.setting:.3g}: {run.note}" for run in self.runs if run.note]
+        lines = [
+            f"{self.title} ({self.name}), {len(self.times)} times to {max(self.times, key=abs):g}",
+            "",
+            *aligned([head, *cells], left=2),
+            *notes,
+            "",
+            f"The truth is known to {figure(self.radius)}; rounding the inputs to doubles alone: {figure(self.floor)}.",
+        ]
+        return "\n".join(lines)
+
+
+@dataclass(frozen=True)
+class Results:
+    """Courses, and the machine and date of their runs."""
+
+    courses: tuple[Course, ...]
+    date: str
+    machine: dict[str, Any]
+    versions: dict[str, str | None]
+
+    def table(self) -> str:
+        """All courses as text."""
+        return "\n\n\n".join(course.table() for course in self.courses)
+
+    def as_dict(self) -> dict[str, Any]:
+        """Plain data for JSON."""
+        found = asdict(self)
+        for course, own in zip(found["courses"], self.courses, strict=True):
+            course["runs"] = [run._asdict() for run in own.runs]
+        return {"schema": 1, **found}

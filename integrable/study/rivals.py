@@ -1,0 +1,196 @@
+"""The flow beside the fastest other method that is accurate enough, at one time or at all times of a scene.
+
+Methods are tried at their settings, one run each. The flow and those that come near in time then run in turn, so the
+ratio is of one process on one machine. Both sides count a start with its evaluation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from fractions import Fraction
+from math import inf
+from time import perf_counter
+from typing import Any
+
+from integrable.oracles.method import Method, Problem, Spent, problem_of, timed_run
+from integrable.oracles.methods import METHODS, time_scale
+from integrable.phase.precisions import FLOAT_DIGITS
+from integrable.scene.data import Scene, Times
+from integrable.study.plan import STRONG, Task
+from integrable.study.timing import Tick, Timed, TooLong, at_most, interleaved
+from integrable.study.truth import Truth
+from jacobian.errors import JacobianError
+
+__all__ = ["affordable", "at_one_time", "flow_once", "method_once", "pilot", "standing"]
+
+PILOT = 2.0**-7
+"""Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
+ENOUGH = 0.1
+"""Each trial goes four times as far, until one takes so many seconds, or is the whole run."""
+FIRST = 15.0
+"""Seconds that the first trial of a method may take, which imports."""
+NEAR = 30.0
+"""An error so many times the allowed one is not rounding that adds up over too many steps."""
+MARGIN, CLOCK = 2.0, 0.01
+"""What takes so many times the fastest run so far, and so many seconds, is not timed again: below, one run says little.
+"""
+
+Data = dict[str, Any]
+
+
+def flow_once(scene: Scene, digits: int, kernel: str, apart: bool = False) -> Callable[[], Timed]:
+    """A run of the flow from nothing: a new system, a new start, the scene's times.
+
+    The set-up of a start is timed with the evaluation, as users run it, unless it is asked for ``apart``: then times
+    are processed twice.
+    """
+    times = scene.times.at(digits)
+
+    def once() -> Timed:
+        begun = perf_counter()
+        system, state = scene.start(digits)
+        made = perf_counter()
+        flow = system.flow(state, kernel=kernel) if scene.rolls_or_spins else system.motion_through(state)
+        if apart:
+            flow._prepare(times)
+        ready = perf_counter()
+        trajectory = flow.at(times)
+        _ = trajectory.gamma, trajectory.M
+        return Spent(0.0, made - begun, ready - made, perf_counter() - ready), trajectory
+
+    return once
+
+
+def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Callable[[], Timed]]:
+    """The inputs of a method for a scene, and a run of it."""
+    times = scene.times.at(int(value) if method.parameter == "digits" else FLOAT_DIGITS)
+    problem = problem_of(*scene.start(method.digits(value)))
+    return problem, lambda: timed_run(method, problem, times, value)
+
+
+def at_one_time(task: Task) -> Task:
+    """The task at the time of its setting, in time scales of the motion."""
+    scale = time_scale(*task.scene.start(FLOAT_DIGITS))
+    scene = replace(task.scene, times=Times(given=(Fraction((task.value or 1.0) * scale),)))
+    return replace(task, scene=scene, value=None, limits=replace(task.limits, check=0.0))
+
+
+def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:
+    """ "flow", "peer" and "tried".
+
+    "peer" is the fastest other method whose error is at most the flow's or ``floor``, None where no setting is. "tried"
+    has the most accurate run of each method, or the reason why there is none.
+    """
+    limits = task.limits
+    flow = flow_once(task.scene, FLOAT_DIGITS, task.kernel)
+    first, _ = flow()
+    _, trajectory = flow()
+    own = truth.judge(trajectory.gamma, trajectory.M)
+    error = max(own["error_gamma"], floor)
+    found: dict[str, tuple[float, float]] = {}
+    tried: dict[str, Data] = {}
+    system, _ = task.scene.start(FLOAT_DIGITS)
+    # methods of many digits are never the fastest where one in doubles is accurate enough
+    for method in sorted(METHODS.values(), key=lambda method: (method.multiprecision, not method.compiled)):
+        if not method.takes(system) or (method.multiprecision and found):
+            continue
+        fastest = min((seconds for _, seconds in found.values()), default=inf)
+        chosen, tried[method.name] = near_enough(replace(task, method=method.name), truth, error, fastest)
+        if chosen is not None:
+            found[method.name] = chosen
+    fastest = min((seconds for _, seconds in found.values()), default=inf)
+    near = {name: value for name, (value, seconds) in found.items() if seconds <= max(MARGIN * fastest, CLOCK)}
+    runs = {name: method_once(task.scene, METHODS[name], value)[1] for name, value in near.items()}
+    timings = interleaved({"": flow, **runs}, limits.repeat, limits.patience, lambda: tick(task.label))
+    mine = {**timings[""].as_dict(), **own, "way": trajectory.way}
+    mine["machine"] = max(0.0, first.counted - mine["total"])
+    peers = []
+    for name, value in near.items():
+        solution, method = timings[name].found, METHODS[name]
+        setting = {"method": name, "setting": f"{method.parameter} {value:.3g}"}
+        peers.append({**timings[name].as_dict(), **truth.errors(solution.gamma, solution.M), **setting})
+    peer = min(peers, key=lambda one: float(one["total"]), default=None)
+    return {"flow": mine, "floor_gamma": floor, "peer": peer, "tried": tried, "strong": list(STRONG)}
+
+
+def near_enough(task: Task, truth: Truth, error: float, fastest: float) -> tuple[tuple[float, float] | None, Data]:
+    """A method's cheapest setting with at most this error, and the seconds of a run.
+
+    None where it has none, or where even its cheapest setting is slower than the fastest so far or than the study
+    allows; the reason is recorded. Settings are tried once each, the most accurate first. Where steps are too small
+    rounding accumulates, and a cheaper setting may have the smaller error: so a near miss does not end the search.
+    """
+    method = METHODS[task.method]
+    settings = method.ladder(*task.scene.start(FLOAT_DIGITS))
+    allowed = min(task.limits.run, max(MARGIN * fastest, CLOCK))
+    if _cheapest(replace(task, value=settings[0])) > allowed:
+        return None, {"slower": allowed}
+    row, found, before = replace(task, limits=replace(task.limits, run=allowed)), None, inf
+    told: Data = {}
+    for setting in reversed(settings):
+        try:
+            affordable(pilot(replace(row, value=setting)), row)
+            spent, solution = method_once(task.scene, method, setting)[1]()
+            met = truth.errors(solution.gamma, solution.M)["error_gamma"]
+        except TooLong:
+            told = told or {"slower": allowed}
+            continue
+        except (JacobianError, ArithmeticError, RuntimeError) as problem:
+            told = told or {"refused": " ".join(f"{type(problem).__name__}: {problem}".split())}
+            continue
+        if "error_gamma" not in told or met < told["error_gamma"]:
+            told = {"setting": setting, "error_gamma": met, "total": spent.counted}
+        if met <= error:
+            found = setting, spent.counted
+        elif met >= min(before, NEAR * error):
+            break
+        before = met
+    return found, told
+
+
+def _cheapest(task: Task) -> float:
+    """Seconds of a whole run, estimated from short ones; 0 where those fail, since a whole run may still succeed."""
+    try:
+        return pilot(task)
+    except (JacobianError, ArithmeticError, RuntimeError):
+        return 0.0
+
+
+def affordable(told: float, task: Task) -> None:
+    """TooLong where a whole run would take more seconds than the study allows."""
+    allowed = task.limits.run
+    if told > allowed:
+        raise TooLong(
+            f"not run: a whole run would take about {told:.2g} s, more than the {allowed:.2g} s of this study"
+        )
+
+
+def pilot(task: Task) -> float:
+    """Seconds of a whole run, estimated from short ones, each four times as long as the one before.
+
+    TooLong where one of these takes longer than a whole run may: a coarse setting stopped by a stiff body or a pole, or
+    the first step of a series of many digits.
+    """
+    system, state = task.scene.start(FLOAT_DIGITS)
+    last, method = max(task.scene.times.floats()), METHODS[task.method]
+    with at_most(inf if method.compiled else max(FIRST, task.limits.run)):
+        run = method.prepare(system, state, task.value)
+
+    def seconds_to(time: float) -> float:
+        begun = perf_counter()
+        with at_most(max(ENOUGH, task.limits.run)):
+            run([time])
+        return perf_counter() - begun
+
+    time = min(PILOT * time_scale(system, state), last)
+    with at_most(inf if method.compiled else max(FIRST, task.limits.run)):
+        run([time])
+    before = seconds = seconds_to(time)
+    while time < last and seconds < ENOUGH + before:
+        done, before = time, seconds
+        time = min(4 * time, last)
+        seconds = seconds_to(time)
+        if seconds >= ENOUGH + before:  # a real cost, or a hiccup of the machine?
+            seconds = min(seconds, seconds_to(time))
+    return seconds + max(0.0, seconds - before) / (time - done) * (last - time) if time < last else seconds

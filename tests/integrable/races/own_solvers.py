@@ -1,0 +1,46 @@
+"""Integrators that take part in races of tests."""
+
+import time
+
+import numpy as np
+
+CALLS = []
+
+
+def runge_kutta(problem, times, tolerance):
+    """The classical method, with a step that goes with the tolerance."""
+    longest = 0.5 * problem.time_scale * tolerance**0.25
+    y, now, rows = problem.y0, 0.0, []
+    for end in times:
+        count = max(1, int(np.ceil((end - now) / longest)))
+        h = (end - now) / count
+        for _ in range(count):
+            a = problem.rhs(now, y)
+            b = problem.rhs(now, y + h / 2 * a)
+            c = problem.rhs(now, y + h / 2 * b)
+            y = y + h / 6 * (a + 2 * b + 2 * c + problem.rhs(now, y + h * c))
+        now = end
+        rows.append(y)
+    return np.array(rows)
+
+
+def compiling(problem, times, tolerance):
+    """Which takes a while at its first call."""
+    if not CALLS:
+        time.sleep(0.5)
+    CALLS.append(tolerance)
+    return problem.truth(times).y
+
+
+def failing(problem, times, tolerance):
+    """Which gives up at tight tolerances, and before returns what is no number."""
+    if tolerance < 1e-6:
+        raise FloatingPointError("the step size is too small")
+    return np.full((len(times), len(problem.y0)), 1.0 if tolerance > 1e-5 else np.nan)
+
+
+def wrong_shape(problem, times, tolerance):
+    return problem.y0
+
+
+NOT_A_FUNCTION = 3
