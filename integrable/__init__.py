@@ -3,15 +3,18 @@
 >>> from integrable import ChaplyginBall
 >>> ball = ChaplyginBall(inertia=(1, 2, 3), d=0.7)
 >>> flow = ball.flow(ball.state(gamma=(0.48, 0.6, 0.64), M=(0.384, 1.28, -1.488)))
->>> flow.at([1000.0]).gamma.round(12)
-array([[-0.887809083621,  0.35373578021 , -0.294390945579]])
+>>> flow.at([1000.0]).gamma.round(6)
+array([[-0.887809,  0.353736, -0.294391]])
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+import jacobian
 
+TYPE_CHECKING = False
 if TYPE_CHECKING:
+    from typing import Any, NoReturn
+
     from integrable.deformations.gyroscopic import Gyroscopic
     from integrable.deformations.isometric import Check, Hat
     from integrable.deformations.tilde import Tilde
@@ -60,16 +63,32 @@ __all__ = [
 ]
 
 
+if getattr(jacobian, "__distribution__", "") != "jacobian-integrable":
+    raise ImportError(
+        f"{jacobian.__file__} is of another distribution than jacobian-integrable, which has its own package jacobian: "
+        "pip uninstall jacobian, then pip install --force-reinstall --no-deps jacobian-integrable"
+    )
+
 if not TYPE_CHECKING:
-    # hidden from type checkers, which would take any misspelt name for one that it gives
+    # type checkers do not see this, or they would accept any misspelt name
 
     def __getattr__(name: str) -> Any:
-        # a name is imported when it is used: one step of a ball needs neither numpy nor the reading of scenes
+        # names are imported on first use: one step of a ball needs neither numpy nor scene files
         if name not in _HOME:
             raise AttributeError(f"module 'integrable' has no attribute {name!r}")
         from importlib import import_module
 
         return getattr(import_module(_HOME[name]), name)
+
+
+def _command() -> NoReturn:
+    """The entry point of the installed command ``integrable``, and of ``python -m integrable``."""
+    from jacobian.interrupts import leave, stand
+
+    stand("integrable")
+    from importlib import import_module
+
+    leave(import_module("integrable.__main__").main())
 
 
 def __dir__() -> list[str]:

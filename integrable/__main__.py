@@ -2,12 +2,21 @@
 
 from __future__ import annotations
 
+from integrable import _command
+
+if __name__ == "__main__":
+    # here, because the rest of this file is imported once the command answers interrupts
+    _command()
+
 import argparse
 import os
+import re
 import sys
 import warnings
 from collections.abc import Sequence
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import wrap
 from typing import Any, NoReturn, TypeVar
 
 from integrable.scene.file import load_scene, scene_names
@@ -26,6 +35,7 @@ examples:
   integrable view chaplygin                   a page in which the ball rolls: runs/chaplygin/view.html
   integrable sweep chaplygin --vary d=0.1:2:50
                                               50 motions in one file (docs/many.md)
+  integrable race my.py:solve                 your integrator beside others (docs/howto/own_integrator.md)
   integrable report --quick                   error against run time of a few scenes, in two minutes
   integrable report                           of all scenes and methods; may be killed and started again
 """
@@ -45,6 +55,16 @@ A scene of your own is a file of ten lines: docs/scenes.md. In Python: import in
 """
 
 
+def _folded(text: str) -> str:
+    """The lines of a text; lines longer than the terminal are folded below their explanation."""
+    lines, width = [], get_terminal_size((120, 24)).columns
+    for line in text.splitlines():
+        hang = len(match[0]) if (match := re.match(r" *\S+(?: \S+)* {2,}", line)) else 4
+        below = " " * (hang if 2 * hang < width else 4)
+        lines += wrap(line, width, subsequent_indent=below, break_on_hyphens=False) or [""]
+    return "\n".join(lines)
+
+
 class _Parser(argparse.ArgumentParser):
     """An argument parser whose errors are one line."""
 
@@ -55,8 +75,8 @@ class _Parser(argparse.ArgumentParser):
 def _parser() -> argparse.ArgumentParser:
     parser = _Parser(
         prog="integrable",
-        description="Rigid-body motion by addition of divisors: run a scene, report error against run time.",
-        epilog=_EPILOG,
+        description=_folded("Rigid-body motion by addition of divisors: run a scene, report error against run time."),
+        epilog=_folded(_EPILOG),
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     parser.add_argument("--version", action="version", version=f"integrable {_version()}")
@@ -71,6 +91,7 @@ def _parser() -> argparse.ArgumentParser:
         "--digits", type=int, metavar="N", help="digits of the run: up to 15 floats, above that multiprecision"
     )
     run.add_argument("--out", metavar="DIR", help="folder for the files (default: runs/<scene>)")
+    run.add_argument("--force", action="store_true", help="write over the result that is in the folder, unasked")
     run.add_argument(
         "--format", choices=("png", "svg", "both"), default="png", help="format of the pictures (default: png)"
     )
@@ -85,6 +106,8 @@ def _parser() -> argparse.ArgumentParser:
     _add_sweep(commands)
     _add_view(commands)
     _add_report(commands)
+    _add_race(commands)
+    commands.add_parser("doctor", help="what is installed, compiled and kept, how fast it is here, and what is wrong")
     return parser
 
 
@@ -96,7 +119,7 @@ def _add_scene(command: argparse.ArgumentParser) -> None:
 
 
 def _scenes_and_files(prefix: str, **_: Any) -> list[str]:
-    """What a scene may be, for the shell's completion."""
+    """Possible scenes, for the shell's completion."""
     from argcomplete.completers import FilesCompleter
 
     return [*scene_names(), *FilesCompleter(["toml"])(prefix)]
@@ -120,8 +143,8 @@ def _add_sweep(commands: Any) -> None:
     sweep = commands.add_parser(
         "sweep",
         help="run a scene with many values of its numbers",
-        description="The states of a scene at its times, for all combinations of the values that are given, in one "
-        "file. Chunks are kept as they come: killed and started again, the sweep goes on.",
+        description="The states of a scene at its times, for all combinations of the given values, in one file. "
+        "Finished chunks are kept: a sweep that was killed resumes when started again.",
     )
     _add_scene(sweep)
     sweep.add_argument(
@@ -181,7 +204,7 @@ def _add_report(commands: Any) -> None:
         "report",
         help="error against run time of scenes, beside every comparator",
         description="Measure error against run time of the divisor flow, the Bäcklund steps and every comparator. Rows "
-        "are kept one by one: killed and started again, the study goes on; two at once on one folder share the work.",
+        "are kept one by one: a study that was killed resumes when started again. Two on one folder share the work.",
     )
     scenes: Any = report.add_argument(
         "scenes", metavar="NAME_OR_FILE", nargs="*", help="scenes (default: all that ship; with --quick a few of them)"
@@ -205,6 +228,58 @@ def _add_report(commands: Any) -> None:
         help="what report.json in the folder holds (integrable/schemas/report.json) as JSON on stdout too",
     )
     _add_quiet(report)
+    _add_progress(report)
+
+
+def _add_race(commands: Any) -> None:
+    race = commands.add_parser(
+        "race",
+        help="run your own integrator beside others on problems whose solution is known",
+        description="Run functions solve(problem, times, tolerance) over a ladder of tolerances, beside SciPy's "
+        "methods, heyoka and compiled ones (docs/howto/own_integrator.md). Writes race.json, race.txt and race.html.",
+    )
+    race.add_argument("own", metavar="MODULE:FUNCTION", nargs="*", help="yours: mymodule:solve or file.py:solve")
+    problems: Any = race.add_argument(
+        "--problem", metavar="NAME", action="append", help="a problem (default: t_handle); once for each, or all"
+    )
+    problems.completer = _scenes_and_files
+    race.add_argument(
+        "--rival", metavar="NAME", action="append", help="a method; once for each (default: the strong ones)"
+    )
+    race.add_argument("--limit", type=float, metavar="S", default=4.0, help="seconds that a run may take (default: 4)")
+    race.add_argument("--out", metavar="DIR", help="folder for the files (default: runs/race)")
+    race.add_argument(
+        "--json", action="store_true", help="what race.json holds as JSON on stdout; no files without --out"
+    )
+    _add_quiet(race)
+    _add_progress(race)
+
+
+def _race(arguments: argparse.Namespace) -> None:
+    from integrable.problems import problem_names
+    from integrable.races.entrants import RIVALS, loaded
+    from integrable.races.race import pieces_of_race, race
+    from integrable.scene.output import as_json
+    from integrable.scene.progress import bar_of_pieces
+
+    out = _place(arguments.out, None if arguments.json else Path("runs") / "race")
+    names = arguments.problem or ["t_handle"]
+    own = dict(map(loaded, arguments.own))
+    options: dict[str, Any] = {"rivals": tuple(arguments.rival or RIVALS), "limit": arguments.limit}
+    problems = problem_names() if names == ["all"] else names
+    if _bar_wanted(arguments):
+        with bar_of_pieces("race", pieces_of_race(problems, options["rivals"])) as tick:
+            found = race(problems, own, tick=tick, **options)
+    else:
+        found = race(problems, own, **options)
+    if arguments.json:
+        print(as_json(found.as_dict()), end="")
+    elif not arguments.quiet:
+        print(found.table())
+    if out is not None:
+        found.write(out)
+        if not (arguments.quiet or arguments.json):
+            print(f"\nfiles written to {out}")
 
 
 def _version() -> str:
@@ -234,6 +309,9 @@ def _run(arguments: argparse.Namespace) -> None:
 
     scene = load_scene(arguments.scene)
     out = _place(arguments.out, None if arguments.json else Path("runs") / portable(scene.name))
+    # a name that the file system refuses is no result either; Path.exists raises there, and writing gives the reason
+    if out is not None and not arguments.force and os.path.exists(out / "result.json"):
+        _ask(out)
     trajectory = run(
         scene,
         digits=arguments.digits,
@@ -241,6 +319,7 @@ def _run(arguments: argparse.Namespace) -> None:
         progress=_bar_wanted(arguments),
         pictures=not arguments.no_plots,
         formats=_formats(arguments),
+        lines=None if arguments.json or arguments.quiet else _line,
     )
     if arguments.json:
         digits = scene.digits if arguments.digits is None else arguments.digits
@@ -248,11 +327,30 @@ def _run(arguments: argparse.Namespace) -> None:
         return
     if arguments.quiet:
         return
-    if trajectory.report is not None:
+    if scene.steps is not None:
         print(trajectory.report.table())
-    else:
+    elif trajectory.report is None:
         print(f"{scene.title}: {len(trajectory.gamma)} times computed, no report asked for")
     print(f"\nfiles written to {out}")
+
+
+def _ask(out: Path) -> None:
+    """Whether to overwrite a result: a user at a terminal is asked, otherwise ArgumentError."""
+    if sys.stdin is not None and sys.stdin.isatty() and sys.stderr.isatty():
+        print(f"{out} has a result; write over it? [y/N] ", end="", file=sys.stderr, flush=True)
+        if sys.stdin.readline().strip().lower() in ("y", "yes"):
+            return
+    raise ArgumentError(f'out: "{out}" has a result; --force writes over it, --out names another folder')
+
+
+def _line(text: str) -> None:
+    """A line on stdout, above the progress bar if any."""
+    bar = sys.modules.get("tqdm")
+    if bar is None:
+        print(text, flush=True)
+    else:
+        bar.tqdm.write(text)
+        sys.stdout.flush()
 
 
 def _view(arguments: argparse.Namespace) -> None:
@@ -264,8 +362,16 @@ def _view(arguments: argparse.Namespace) -> None:
     print(f"open {view(scene, out, until=arguments.until, frames=arguments.frames)} in a browser")
 
 
+def _doctor() -> int:
+    from integrable.doctor import findings
+
+    found = findings()
+    print(found.text())
+    return int(bool(found.wrong))
+
+
 def _place(given: str | None, usual: Place) -> Path | Place:
-    """Where files go: what --out says, else the usual place."""
+    """The output folder: that of --out, else the usual place."""
     if given == "":
         raise ArgumentError('--out: "" given; the name of a file or folder is needed')
     return usual if given is None else Path(given)
@@ -286,7 +392,7 @@ def _report(arguments: argparse.Namespace) -> None:
         quick=arguments.quick,
         formats=() if arguments.no_plots else _formats(arguments),
         jobs=arguments.jobs,
-        progress=not (arguments.quiet or arguments.json),
+        progress=_bar_wanted(arguments) and not arguments.json,
     )
     if arguments.json:
         print((out / "report.json").read_text(encoding="utf-8"), end="")
@@ -318,18 +424,22 @@ def _silent(*_: Any, **__: Any) -> None: ...
 def _obey(arguments: argparse.Namespace) -> int:
     try:
         if arguments.command is None:
-            print(_FIRST, end="")
+            print(_folded(_FIRST))
         elif arguments.command == "scenes":
             _list_scenes(arguments)
         elif arguments.command == "report":
             _report(arguments)
+        elif arguments.command == "race":
+            _race(arguments)
         elif arguments.command == "sweep":
             _sweep(arguments)
         elif arguments.command == "view":
             _view(arguments)
+        elif arguments.command == "doctor":
+            return _doctor()
         else:
             _run(arguments)
-        if sys.stdout is not None:  # None: closed by who called
+        if sys.stdout is not None:  # None: closed by the caller
             sys.stdout.flush()
     except JacobianError as error:
         message = " ".join(str(error).split())
@@ -339,10 +449,12 @@ def _obey(arguments: argparse.Namespace) -> int:
         _write_no_more()
         return 141
     except OSError as error:
-        if error.filename is not None:  # of a file, about which what writes it should have said something
+        if error.filename is not None:  # of a file, an error that the writer should have explained
             raise
         _write_no_more()
-        print(f"integrable: error: the output cannot be written: {error.strerror}", file=sys.stderr)
+        from integrable.files.whole import reason
+
+        print(f"integrable: error: the output cannot be written: {reason(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("integrable: interrupted", file=sys.stderr)
@@ -351,9 +463,5 @@ def _obey(arguments: argparse.Namespace) -> int:
 
 
 def _write_no_more() -> None:
-    """Python would try to write the rest of the output at its end, and complain."""
+    """Otherwise Python would try to write the rest of the output at its end, and complain."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -1,4 +1,4 @@
-"""Libraries that this package does without where they are not installed, and which extra installs them."""
+"""Optional libraries, and the extras that install them."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ APP = ("scipy", "matplotlib", "tqdm")
 
 
 class MissingExtraWarning(UserWarning):
-    """A library is not installed, and what it does is left out."""
+    """A library is not installed, and its part of the work is left out."""
 
 
 def installed(module: str) -> bool:
@@ -24,20 +24,20 @@ def installed(module: str) -> bool:
 
 
 def command(extra: str = "app") -> str:
-    """What installs the libraries of an extra."""
+    """The command that installs the libraries of an extra."""
     return f"pip install 'jacobian-integrable[{extra}]'"
 
 
 def needed(module: str, what: str, extra: str = "app") -> None:
-    """ArgumentError where a library of an extra is not installed that ``what`` cannot do without."""
+    """ArgumentError where a library of an extra that ``what`` needs is not installed."""
     if not installed(module):
         raise ArgumentError(f"{what} needs {module}, which is not installed: {command(extra)}")
 
 
 def without(uses: Mapping[str, str]) -> set[str]:
-    """Which of these libraries of the extra ``app`` are not installed, said in one warning: call it before the work.
+    """The missing libraries of the extra ``app``, named in one warning: call it before the work.
 
-    ``uses`` says in words what is left out without each.
+    ``uses`` describes what is left out without each.
     """
     missing = [module for module in uses if not installed(module)]
     if missing:

@@ -1,1 +1,1 @@
-"""Many motions at once: one system, many bodies and states, each as its own flow has it."""
+"""Many motions at once: one system, many bodies and states, with the results of single flows."""

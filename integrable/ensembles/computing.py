@@ -28,7 +28,7 @@ from jacobian.numbers.threads import in_ranges
 
 COLUMNS = 7
 """γ, M and τ."""
-# states and members of a range: what one thread does at a time
+# states and members of a range, the unit of work of a thread
 STATES, MEMBERS = 1 << 16, 64
 WORDS = tuple(WAYS)
 SHORT = WORDS.index("short run")
@@ -36,8 +36,10 @@ REFUSED = -1
 
 
 class Outcome(NamedTuple):
-    """What became of the members: 0 or the number of a reason, shape (K,), the places of their ways in ``WORDS``,
-    the reasons, and the numbers of the reasons of all rows of members that some rows of were refused.
+    """The outcome for the members.
+
+    0 or the number of a reason, shape (K,), the indices of their ways in ``WORDS``, the reasons, and the reason numbers
+    of all rows of members with refused rows.
     """
 
     status: np.ndarray
@@ -47,7 +49,9 @@ class Outcome(NamedTuple):
 
 
 class Said(NamedTuple):
-    """What one member came to: its place of a way, why each row was refused, "" where it was had, or why all were."""
+    """The outcome for one member: the index of its way, and the reason of each refused row ("" for the others), or of
+    all.
+    """
 
     member: int
     way: int
@@ -74,7 +78,7 @@ def computed(
 
 
 def computed_singly(motion: Callable[[int], Motion], times: np.ndarray, out: np.ndarray) -> Outcome:
-    """:func:`computed` of motions that are made one by one, ``motion(k)`` or what refuses it, on one thread."""
+    """:func:`computed` for motions that are made one by one, ``motion(k)`` or its refusal, on one thread."""
     none = np.zeros(len(out), dtype=bool)
     return _Work(np.empty((len(out), 10)), False, none, motion, times, out).outcome(1)
 
@@ -88,12 +92,12 @@ class _Work(NamedTuple):
     out: np.ndarray
 
     def outcome(self, most: int | None) -> Outcome:
-        """Everything, range by range."""
+        """All members, range by range."""
         count, length = self.out.shape[:2]
         return gathered(count, length, self.part, most)
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """The members of a range; what is said of those without a short run."""
+        """The members of a range; the outcome of those without a short run."""
         left = np.ones(end - begin, dtype=bool)
         for rolls in (True, False):
             which = begin + np.flatnonzero(self.quick[begin:end] & ((self.members[begin:end, 3] != 0) == rolls))
@@ -123,8 +127,10 @@ class _Work(NamedTuple):
 def short_runs(
     members: np.ndarray, tilted: bool, rolls: bool, times: np.ndarray, which: np.ndarray
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Which of the members ``which`` had a short run, their γ and M, (H, N, 6), and τ, (H, N) or what broadcasts to it;
-    ``times`` (1, N), or (K, N) as there are ``members``.
+    """Short runs of the members ``which``: whether each has one, their γ and M, (H, N, 6), and τ, (H, N) or
+    broadcastable to it.
+
+    ``times`` is (1, N), or (K, N) for as many ``members``.
     """
     times = times_of_some(times, which)
     count, length = len(which), times.shape[1]
@@ -137,8 +143,10 @@ def short_runs(
 
 
 def gathered(count: int, length: int, part: Callable[[int, int], list[Said]], most: int | None = None) -> Outcome:
-    """What ``part(begin, end)`` says of ranges that make up ``count`` members at ``length`` times, on all threads, or
-    on ``most``. A member of which it says nothing had all its states and counts as a short run.
+    """The outcomes from ``part(begin, end)`` of ranges that make up ``count`` members at ``length`` times, on all
+    threads, or on ``most``.
+
+    A member without an outcome has all its states, from a short run.
     """
     size = max(1, min(MEMBERS, STATES // max(1, length)))
     return _outcome(count, [said for found in in_ranges(count, size, part, most) for said in found])
@@ -169,8 +177,8 @@ def statuses(status: np.ndarray, partial: dict[int, np.ndarray], length: int) ->
 
 
 def held(count: int, length: int, columns: int, instead: str) -> None:
-    """ArgumentError, which says what to do ``instead``, where memory does not hold so many columns of floats for
-    ``count`` members at ``length`` times.
+    """ArgumentError, which recommends ``instead``, where memory cannot hold that many columns of floats for ``count``
+    members at ``length`` times.
     """
     size = 8.0 * count * length * columns
     if size > _memory():
@@ -178,7 +186,7 @@ def held(count: int, length: int, columns: int, instead: str) -> None:
 
 
 def _memory() -> float:
-    """Bytes of this machine's memory; infinity where it does not say."""
+    """Bytes of this machine's memory; infinity if unknown."""
     try:
         return float(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     except (AttributeError, OSError, ValueError):

@@ -19,25 +19,24 @@ CHUNK_BYTES = 1 << 26
 
 def ensemble(system: Any, gamma: Any, M: Any, *, inertia: Any = None, d: Any = None, tilted: bool = False) -> Ensemble:
     """Many motions of ``system``, over RR: γ and M of shape (K, 3), and the moments ``inertia``, shape (K, 3), and
-    ``d``, shape (K,), where the members differ in them; each may also be one for all.
-
-    A member that a body or a flow refuses stops nobody: :meth:`Ensemble.at` says why. ArgumentError for shapes that do
-    not broadcast, another field, and bodies of their own for a deformation.
+    ``d``, shape (K,), where the members differ in them; each may also be one value for all. A refused member does not
+    affect the others: :meth:`Ensemble.at` has the reasons. ArgumentError for shapes that do not broadcast, another
+    field, and bodies of their own for a deformation.
     """
     return Ensemble(system, broadcast(system, gamma, M, inertia, d), flag(tilted, "tilted"))
 
 
 class Ensemble(Members):
-    """What :func:`ensemble` gives."""
+    """The result of :func:`ensemble`."""
 
     def at(self, times: Any, *, out: np.ndarray | None = None) -> Trajectories:
         """The states of all members at physical times, in any order, of any sign and size: shape (N,), the same for
         all, or (K, N).
 
-        Few turns are short runs, whose clock is right to 2·10⁻¹³ and 4·10⁻¹⁶ of the way, the rest is what :meth:`flow`
-        gives. A member or a time that is refused stops no other: :attr:`Trajectories.status`. ``out``, shape (K, N, 7),
-        is written to and returned in the result (γ, M, τ): a ``numpy.memmap`` for what memory does not hold, or take
-        :meth:`chunks`.
+        Few turns are short runs, whose clock is right to 2·10⁻¹³ plus 4·10⁻¹⁶ of the time; the rest comes from
+        :meth:`flow`. A refused member or time does not affect the others: :attr:`Trajectories.status`. ``out``, shape
+        (K, N, 7), receives γ, M and τ and is used in the result: a ``numpy.memmap`` for results larger than memory, or
+        use :meth:`chunks`.
         """
         given = time_rows(times, len(self))
         shape = (len(self), given.shape[1], COLUMNS)
@@ -51,7 +50,7 @@ class Ensemble(Members):
         return Trajectories(self, given, out, computed(self.system, self.members, self.tilted, given, out))
 
     def chunks(self, times: Any, members: int | None = None) -> Iterator[Trajectories]:
-        """:meth:`at` for so many members at a time, in order: memory for those alone, 64 MB by default."""
+        """:meth:`at` for that many members at a time, in order, in memory for those alone, 64 MB by default."""
         given = time_rows(times, len(self))
         if members is None:
             members = max(1, CHUNK_BYTES // (8 * COLUMNS * max(1, given.shape[1])))

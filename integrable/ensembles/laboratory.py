@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 __all__ = ["LaboratoryEnsemble", "LaboratoryRuns", "laboratory_ensemble"]
 
-# beside a rotation about an axis, where ω is constant
+# near a rotation about an axis, where ω is constant
 ASIDE = 1e-8
 # an orientation and ω
 COLUMNS = 12
@@ -41,12 +41,12 @@ WANTED = "rotations of shape (K, 3, 3) or (3, 3), or SciPy's Rotation, are neede
 
 
 def laboratory_ensemble(body: Any, orientation: Any, omega: Any, contact: Any = None) -> LaboratoryEnsemble:
-    """Many motions of a RollingBall or a RigidBody over RR: orientations of shape (K, 3, 3) or SciPy's Rotation of K,
-    ω in the laboratory, shape (K, 3), in rad/s, and points of contact, shape (K, 2), in m, by default (0, 0); each may
-    also be one for all.
+    """Many motions of a RollingBall or a RigidBody over RR.
 
-    A member that is refused stops nobody: :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not
-    broadcast and another field.
+    ``orientation`` has shape (K, 3, 3), or is SciPy's Rotation of K; ``omega`` is in the laboratory, shape (K, 3), in
+    rad/s; ``contact``, shape (K, 2), in m, is by default (0, 0). Each may also be one value for all. A refused member
+    does not affect the others: :attr:`LaboratoryRuns.status`. ArgumentError for shapes that do not broadcast and
+    another field.
     """
     if not isinstance(body, RigidBody) or body.field != RR:
         raise ArgumentError(f"body = {shown(body)}: give a RollingBall or a RigidBody of floats")
@@ -70,8 +70,8 @@ def _rotations(orientation: Any) -> np.ndarray:
 
 
 class LaboratoryEnsemble(Record):
-    """What :func:`laboratory_ensemble` gives: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2) at
-    time 0.
+    """The result of :func:`laboratory_ensemble`: ``orientations`` (K, 3, 3), ``omega`` (K, 3) and ``contacts`` (K, 2)
+    at time 0.
     """
 
     def __init__(self, body: RigidBody, orientations: np.ndarray, omega: np.ndarray, contacts: np.ndarray) -> None:
@@ -107,7 +107,7 @@ class LaboratoryEnsemble(Record):
         return replaced(self, **{name: np.concatenate([getattr(many, name) for many in every]) for name in names})
 
     def motion(self, member: int) -> LaboratoryMotion:
-        """The motion of one member; raises what refuses it."""
+        """The motion of one member; raises its refusal."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         place = () if self.body.radius is None else (self.contacts[member],)
         found: LaboratoryMotion = self.body.motion(self.orientations[member], self.omega[member], *place)
@@ -118,7 +118,7 @@ class LaboratoryEnsemble(Record):
         all, or (K, N).
 
         A few turns are short runs of compiled code, as those of :meth:`integrable.ensembles.ensemble.Ensemble.at`; the
-        rest is what :meth:`motion` gives. A member that is refused stops no other.
+        rest comes from :meth:`motion`. A refused member does not affect the others.
         """
         given = time_rows(times, len(self))
         held(len(self), given.shape[1], COLUMNS, "take parts of the members, such as [:1000]")
@@ -151,7 +151,7 @@ class _Work(NamedTuple):
         return _Work(many, members, frames, quick, times, np.empty((*shape, 3, 3)), np.empty((*shape, 3)))
 
     def part(self, begin: int, end: int) -> list[Said]:
-        """The members of a range; those that were refused, and why."""
+        """The members of a range; the refused ones, and the reasons."""
         left = np.ones(end - begin, dtype=bool)
         which = begin + np.flatnonzero(self.quick[begin:end])
         if len(which):
@@ -173,7 +173,7 @@ class _Work(NamedTuple):
         self.omega[which] = omega.reshape(*rows.shape[:2], 3) @ axes.T
 
     def one(self, member: int) -> str:
-        """One member by its own motion; why it was refused, or nothing."""
+        """One member by its own motion; the reason of its refusal, or nothing."""
         try:
             run = self.many.motion(member).at(times_of(self.times, member))
             self.matrices[member], self.omega[member] = run.matrices, run.omega_body
@@ -184,8 +184,8 @@ class _Work(NamedTuple):
 
 
 def _principal(many: LaboratoryEnsemble) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Moments, d, γ and M of all members in principal axes, the frames, and which of them are plain: what
-    :mod:`integrable.laboratory.bodies` says of one, in floats.
+    """Moments, d, γ and M of all members in principal axes, the frames, and which of them are plain:
+    :mod:`integrable.laboratory.bodies` in floats, for all members together.
     """
     body, given = many.body, many.orientations
     flipped = given.transpose(0, 2, 1)
@@ -213,8 +213,9 @@ class LaboratoryRuns(Runs, Exported):
     """Orientations and ω of K motions at N times each, ``times`` in s.
 
     ``matrices`` (K, N, 3, 3) take vectors from the axes of the tensor to the laboratory, ``omega_body`` (K, N, 3) is ω
-    along the former. ``status`` (K,) is 0, or the number of what refused the member among ``reasons``: its numbers are
-    NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept` are those of status 0.
+    along the former. ``status`` (K,) is 0, or the number of the reason for a refused member among ``reasons``, whose
+    numbers are NaN. A member is ``[k]``, a :class:`integrable.laboratory.motion.LaboratoryRun`; :attr:`kept` are those
+    of status 0.
     """
 
     def __init__(
@@ -246,8 +247,8 @@ class LaboratoryRuns(Runs, Exported):
 
     @cached_property
     def quaternion(self) -> np.ndarray:
-        """The same as unit quaternions (w, x, y, z), (K, N, 4): of each member the first with w ≥ 0, the others nearest
-        to the one before them.
+        """The same as unit quaternions (w, x, y, z), (K, N, 4): for each member the first with w ≥ 0, each other
+        nearest to the one before it.
         """
         found = attitude.quaternions(self.matrices.reshape(-1, 3, 3)).reshape(*self.matrices.shape[:2], 4)
         return read_only(going_on(found))
@@ -304,7 +305,7 @@ class LaboratoryRuns(Runs, Exported):
         return Frame(dims, coordinates, variables, said)
 
     def _value(self) -> tuple[Any, ...]:
-        # without the NaN of what was refused, which equal nothing
+        # without the NaN of refused members, which equal nothing
         kept = self.status == 0
         arrays = self._times, self.matrices[kept], self.omega_body[kept], self.status
         return self.ensemble, self.reasons, *(part for x in arrays for part in (x.shape, tuple(x.ravel().tolist())))

@@ -1,7 +1,7 @@
 """The members of an ensemble: their numbers, broadcast to one another, and which of them are plain.
 
-What a body, a state or a flow refuses is said by those, one member at a time; here are only bounds, for all members
-together, within which none of them refuses anything and short runs of compiled code may be tried.
+A body, a state or a flow checks one member at a time. Here are only bounds for all members together: within them
+nothing is refused, and short runs of compiled code may be tried.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from jacobian import RR
 from jacobian.errors import ArgumentError, chosen, floats, several, shown, whole
 from jacobian.immutable import Record, replaced
 
-# of what is refused: members nearer to a bound are looked at by themselves
+# margin of the bounds: members nearer to one are checked singly
 HALF, FAR_INSIDE = 0.5, 1e-3
-# the largest and the least moment differ by this part of the largest plus d; beside M ∥ γ and beside a principal axis
+# the largest and the least moment differ by this part of the largest plus d; next to M ∥ γ and to a principal axis
 DISTINCT, ASIDE = 1e-12, 1e-10
 
 
@@ -74,18 +74,20 @@ class Members(Record):
         return self.members[:, 7:]
 
     def flow(self, member: int) -> Motion:
-        """The motion of one member; raises what refuses it."""
+        """The motion of one member; raises its refusal."""
         member = whole(member, "member", f"the members are 0 … {len(self) - 1}", 0, len(self) - 1)
         return motion_of(self.system, self.members[member], self.tilted)
 
 
 def member_number(member: Any, count: int) -> int:
-    """The number of a member, from the end too, as 0 … count − 1."""
+    """The index of a member, negative ones from the end, as 0 … count − 1."""
     return whole(member, "member", f"the members are 0 … {count - 1}", -count, count - 1) % count
 
 
 def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarray:
-    """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for what is no number, or does not broadcast."""
+    """Moments, d, γ and M of all members, shape (K, 10); ArgumentError for entries that are not numbers or do not
+    broadcast.
+    """
     if isinstance(system, type) or not hasattr(system, "motion_through"):
         raise ArgumentError(
             f"system = {shown(system)}: give a system, such as ChaplyginBall((1, 2, 3), 0.7); bodies of the laboratory "
@@ -111,7 +113,9 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
 
 
 def common_count(parts: dict[str, np.ndarray]) -> int:
-    """How many members arrays of one row or of one for each member make; ArgumentError where they do not broadcast."""
+    """The number of members of arrays with one row or one row for each member; ArgumentError where they do not
+    broadcast.
+    """
     counts = {name: part.shape[0] for name, part in parts.items() if part.shape[0] != 1}
     if len(set(counts.values())) > 1:
         said = ", ".join(f"{name} has {count}" for name, count in counts.items())
@@ -163,7 +167,7 @@ def system_of(system: Any, row: np.ndarray) -> Any:
 
 
 def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") -> Motion:
-    """The motion of one member; raises what refuses it. ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
+    """The motion of one member; raises its refusal. ``kernel`` as for :class:`integrable.motion.flow.Flow`."""
     own = system_of(system, row)
     state = own.state(tuple(row[4:7].tolist()), tuple(row[7:].tolist()), **({"tilted": True} if tilted else {}))
     motion: Motion = own.flow(state, kernel) if isinstance(own, System) else own.motion_through(state)
@@ -171,7 +175,7 @@ def motion_of(system: Any, row: np.ndarray, tilted: bool, kernel: str = "auto") 
 
 
 def plain(members: np.ndarray, tilted: bool) -> np.ndarray:
-    """Which members nobody refuses, whose moments differ or are two equal ones, M beside every axis: shape (K,)."""
+    """Which members are certainly accepted, have distinct or two equal moments, and M off every axis: shape (K,)."""
     inertia, d, gamma, M = members[:, :3], members[:, 3], members[:, 4:7], members[:, 7:]
     with np.errstate(all="ignore"):
         least, most = inertia.min(axis=1), inertia.max(axis=1)

@@ -1,4 +1,4 @@
-"""Many motions at given times: what the results of all kinds of ensembles have in common."""
+"""Many motions at given times: the base of the results of all ensembles."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ Kind = TypeVar("Kind", bound="Runs")
 
 
 class Runs(Record):
-    """K motions of an ``ensemble`` at N times each. ``status`` (K,) is 0, or the number of what was refused among
-    ``reasons``. A member is ``[k]``; a slice or an array gives those of some, :attr:`kept` those of status 0.
+    """K motions of an ``ensemble`` at N times each. ``status`` (K,) is 0, or the number of a refusal among ``reasons``.
+    A member is ``[k]``; a slice or an array selects some, :attr:`kept` those of status 0.
     """
 
     ensemble: Any
@@ -50,7 +50,7 @@ class Runs(Record):
         return self._some(np.flatnonzero(self.status == 0))
 
     def __getitem__(self, which: Any) -> Any:
-        """A member (raises what refused it as a whole), or those of some members."""
+        """A member (raises its refusal as a whole), or some members."""
         if several(which):
             return self._some(np.arange(len(self))[chosen(which, len(self))])
         return self._one(member_number(which, len(self)))
@@ -59,18 +59,20 @@ class Runs(Record):
         return map(self.__getitem__, range(len(self)))
 
     def _dimensions(self) -> tuple[tuple[str, str], dict[str, Column]]:
-        """Those of a frame: "member" and "time", or "row" where every member has its own times, and the coordinates."""
+        """The dimensions of a frame, "member" and "time" (or "row" where every member has its own times), and the
+        coordinates.
+        """
         own = len(self._times) > 1
         dims = ("member", "row" if own else "time")
         time = Column(dims if own else dims[1:], self.times, "s", "physical time t")
         return dims, {"member": Column(dims[:1], np.arange(len(self)), "1", "number of the member"), "time": time}
 
     def _one(self, member: int) -> Any:
-        """The motion of a member at its times, with what is known of it."""
+        """The motion of a member at its times, with its cached results."""
         raise NotImplementedError
 
     def _of_some(self, places: np.ndarray) -> dict[str, Any]:
-        """What a subclass has of some members, by the names of its attributes."""
+        """The attributes of some members in a subclass, by name."""
         raise NotImplementedError
 
     def _refusal(self, member: int) -> ArgumentError:
@@ -82,7 +84,7 @@ class Runs(Record):
 
 
 def joined_times(every: Sequence[Runs]) -> np.ndarray:
-    """Times of the members of all: of shape (1, N) where they are the same, else (K, N)."""
+    """Times of all members: of shape (1, N) where they are the same, else (K, N)."""
     times = every[0]._times
     if len(times) == 1 and all(np.array_equal(runs._times, times) for runs in every):
         return times

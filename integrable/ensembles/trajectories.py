@@ -1,4 +1,4 @@
-"""The states of many motions at given times, and what became of each."""
+"""The states of many motions at given times, and the outcome for each."""
 
 from __future__ import annotations
 
@@ -25,9 +25,9 @@ __all__ = ["Trajectories"]
 class Trajectories(Runs, Exported):
     """States of K motions at N times each. ``times`` has shape (N,), or (K, N) where every member has its own.
 
-    ``status`` is 0 for a member all of whose states were had, shape (K,), n > 0 where one was not, for the reason
-    ``reasons[n]``; γ, M and τ of what was refused are NaN, and :meth:`row_status` says which rows these are. A member
-    is ``[k]``, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of some,
+    ``status``, shape (K,), is 0 for a member all of whose states were computed, otherwise n > 0 with the reason
+    ``reasons[n]``. γ, M and τ of refused rows are NaN, and :meth:`row_status` tells which rows these are. A member is
+    ``[k]``, a :class:`integrable.motion.trajectory.Trajectory`; a slice or an array gives the Trajectories of some,
     :attr:`kept` those of status 0.
     """
 
@@ -72,8 +72,8 @@ class Trajectories(Runs, Exported):
 
     @property
     def ways(self) -> list[str]:
-        """What has computed each member, a word of :data:`integrable.motion.trajectory.WAYS`; "" for one that was
-        refused as a whole.
+        """The way of each member, a word of :data:`integrable.motion.trajectory.WAYS`; "" for a member refused as a
+        whole.
         """
         return [WORDS[way] if way >= 0 else "" for way in self._ways.tolist()]
 
@@ -106,7 +106,7 @@ class Trajectories(Runs, Exported):
         return joined(every, joined_times(every))
 
     def _along(self, name: str) -> np.ndarray:
-        """A quantity of every state, not-a-number where there is none."""
+        """A quantity of every state, NaN where there is none."""
         parts = len(QUANTITIES[name].parts)
         found = np.full((*self._rows.shape[:2], parts), np.nan)
         for k in np.flatnonzero(self._ways >= 0).tolist():
@@ -115,7 +115,7 @@ class Trajectories(Runs, Exported):
         return found
 
     def _of_member(self, name: str, member: int, rows: np.ndarray) -> np.ndarray:
-        """What the Trajectory of a member has of that name; no flow is made where none is needed."""
+        """An attribute of a member's Trajectory; no flow is made where none is needed."""
         if name == "contact":
             points: np.ndarray = self[member].kept.contact
             return points
@@ -146,7 +146,7 @@ class Trajectories(Runs, Exported):
         return {"_rows": self._rows[places], "_ways": self._ways[places], "_partial": partial}
 
     def _value(self) -> tuple[Any, ...]:
-        # without the NaN of what was refused, which equal nothing
+        # without the NaN of refused rows, which equal nothing
         rows = tuple(np.nan_to_num(self._rows).ravel().tolist())
         return self.ensemble, self._times.shape, tuple(self._times.ravel().tolist()), rows, tuple(self.status.tolist())
 

@@ -1,1 +1,1 @@
-"""Bodies as a laboratory has them: tensors in any axes, orientations, angular velocities, metres and seconds."""
+"""Bodies in the laboratory: tensors in any axes, orientations, angular velocities, metres and seconds."""

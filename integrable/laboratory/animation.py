@@ -1,4 +1,4 @@
-"""A run as a moving picture: the body as it turns, the vertical as it sees it, and the way of its point of contact."""
+"""A run as a moving picture: the turning body, the vertical in its axes, and the path of its point of contact."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def animate(run: Any, path: Any, fps: int) -> None:
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
-    # laid out once: every frame would be again, and that takes longer than to draw it
+    # laid out once: repeating it for every frame takes longer than the drawing
     update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
@@ -58,7 +58,7 @@ def animate(run: Any, path: Any, fps: int) -> None:
 
 @contextmanager
 def _of_ffmpeg(target: Path) -> Iterator[None]:
-    """Where ffmpeg gives up, what it says last, in one line."""
+    """If ffmpeg fails, its last message, in one line."""
     try:
         yield
     except CalledProcessError as error:
@@ -93,7 +93,7 @@ def _body(ax: Any, run: Any) -> Any:
 
 
 def _sphere(ax: Any) -> None:
-    """Room for a unit sphere, and its outline."""
+    """An axis for a unit sphere, and its outline."""
     angles = np.linspace(0, 2 * np.pi, POINTS)
     ax.set(xlim=(-1.15, 1.15), ylim=(-1.15, 1.15), aspect="equal")
     ax.set_axis_off()
@@ -101,7 +101,7 @@ def _sphere(ax: Any) -> None:
 
 
 def _vertical(ax: Any, run: Any) -> Any:
-    """γ, the vertical, on the sphere of directions in the axes of the tensor: where it has been, the near half bold."""
+    """γ, the vertical, on the sphere of directions in the axes of the tensor: its path so far, the near half bold."""
     _sphere(ax)
     for axis, color in zip(VIEW.T, COLORS, strict=True):
         ax.plot([0, axis[0]], [0, axis[1]], color=color, linewidth=1)

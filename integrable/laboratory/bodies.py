@@ -1,9 +1,9 @@
 """A rolling ball and a free rigid body in SI units, from tensors in any axes.
 
 With J = Q diag(I) Qᵀ, R₀ the orientation at time 0 and z up: γ = QᵀR₀ᵀz and ω along the principal axes, M = (I + d)ω −
-d(γ, ω)γ, d = mr². R M is constant in space (about the point of contact where the body rolls, about the centre of mass
-where it is free), so that the states of the flow give the orientation without an integration
-(:mod:`integrable.phase.attitude`), and its path of contact the one in metres.
+d(γ, ω)γ, d = mr². R M is constant in space, about the point of contact of a rolling body or the centre of mass of a
+free one. So the states of the flow give the orientation without an integration (:mod:`integrable.phase.attitude`), and
+its contact path the one in metres.
 """
 
 from __future__ import annotations
@@ -15,25 +15,25 @@ from typing import Any
 import numpy as np
 
 from integrable.laboratory.motion import LaboratoryMotion
-from integrable.laboratory.tensor import cross, principal, rotation
+from integrable.laboratory.tensor import cross, matrix, principal, rotation
 from integrable.laboratory.vertical import Vertical
 from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
 from integrable.phase.body import Body, triple
+from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, SET_UP_DIGITS
 from integrable.phase.state import State
 from integrable.systems.chaplygin_ball import ChaplyginBall
 from integrable.systems.euler_top import EulerTop
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, entries, shown
-from jacobian.immutable import Immutable
 
 # digits of a set-up, and of a flow, beyond those of a field MP(digits)
 GUARD, INNER = 15, 5
-# M that is vertical to so many roundings counts as vertical; less than this of M across it costs floats digits
+# M counts as vertical within that many roundings; a smaller horizontal part of M costs digits in floats
 VERTICAL, NEARLY = 64, 1e-2
 
 
-class RigidBody(Immutable):
+class RigidBody(Made):
     """A free rigid body: no torque about its centre of mass, or a fixed point with no torque about it.
 
     ``inertia`` is its tensor about that point in any axes, or three moments in its principal axes, in kg·m²; ``field``
@@ -48,10 +48,11 @@ class RigidBody(Immutable):
         self._wide = _wide_field(field)
         self.field = field
         eps = field.eps
-        self._principal = principal(self._wide, inertia, eps)
+        self._tensor = matrix(self._wide, inertia, "inertia", "three moments or a 3×3 tensor", moments=True)
+        self._principal = principal(self._wide, self._tensor, eps)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
-        # of the free body that a motion follows: its own, or that of a ball whose momentum is vertical
+        # for the free body behind a motion: its own, or for a ball whose momentum is vertical another one
         self._free_moments = self._principal.moments
 
     @property
@@ -68,11 +69,11 @@ class RigidBody(Immutable):
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
     def _way(self, start: Any, spin: Any) -> Any:
-        """What computes the motion from principal axes at ``start`` and ω along them."""
+        """The way of a motion from principal axes at ``start`` and ω along them."""
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
             return Uniform(self.field, start, spin, None)
-        # any vector that rests in space will do for γ: one across M keeps all digits
+        # any vector fixed in space will do for γ: one orthogonal to M keeps all digits
         M = np.array([x * w for x, w in zip(moments, spin, strict=True)], dtype=object)
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
@@ -97,7 +98,7 @@ class RigidBody(Immutable):
 
     def _value(self) -> tuple[Any, ...]:
         moments, axes = self._principal
-        return self.field, moments, tuple(axes.ravel().tolist()), self.mass, self.radius
+        return self.field, moments, tuple(axes.ravel().tolist())
 
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
@@ -106,10 +107,11 @@ class RigidBody(Immutable):
         given = (("mass, kg", self.mass), ("radius, m", self.radius))
         return named(type(self).__name__, [*facts, *(x for x in given if x[1] is not None)])
 
-    def __repr__(self) -> str:
-        given = ", ".join(f"{name}={value}" for name, value in (("mass", self.mass), ("radius", self.radius)) if value)
-        numbers = ", ".join(str(x) for x in self.moments)
-        return f"{type(self).__name__}(moments ({numbers}){', ' if given else ''}{given})"
+    @property
+    def arguments(self) -> dict[str, Any]:
+        tensor = self._tensor
+        diagonal = not tensor[~np.eye(3, dtype=bool)].any()
+        return {"inertia": tuple(np.diagonal(tensor)) if diagonal else tuple(map(tuple, tensor))}
 
 
 class RollingBall(RigidBody):
@@ -127,7 +129,8 @@ class RollingBall(RigidBody):
             wide.append(K.coerce(value, name))
             if not wide[-1] > 0:
                 raise ArgumentError(f"{name} = {shown(value)} is not positive: a rolling ball has a mass and a radius")
-        self._radius, self._d = wide[1], wide[0] * wide[1] ** 2
+        self._mass, self._radius = wide
+        self._d = self._mass * self._radius**2
         self._free_moments = tuple(x + self._d for x in self._principal.moments)
         self.mass, self.radius = field.coerce(mass), field.coerce(radius)
         if sum(self._principal.moments) > 2 * self._d * (1 + 8 * field.eps):
@@ -136,6 +139,13 @@ class RollingBall(RigidBody):
                 f"{float(2 * self._d)}: some of the mass is outside the ball",
                 stacklevel=2,
             )
+
+    @property
+    def arguments(self) -> dict[str, Any]:
+        return {**super().arguments, "mass": self._mass, "radius": self._radius}
+
+    def _value(self) -> tuple[Any, ...]:
+        return *super()._value(), self._mass, self._radius
 
     def motion(self, orientation: Any, omega: Any, contact: Any = (0, 0)) -> LaboratoryMotion:
         """The motion from an orientation, an angular velocity and a point of contact.
@@ -166,7 +176,7 @@ class RollingBall(RigidBody):
         length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
         if length <= VERTICAL * self.field.eps * size:
             return self._vertical(start, gamma, c + d * (gamma @ spin))
-        # the axes of space are read off the horizontal part of M
+        # the axes of space follow from the horizontal part of M
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
         system = ChaplyginBall(
@@ -201,7 +211,7 @@ def _wide_field(field: Any) -> Any:
 
 
 def _inner(field: Any, lost: int) -> Any:
-    """The field of a flow that loses so many digits on the way to orientations."""
+    """The field of a flow that loses that many digits on the way to orientations."""
     if field == RR:
         return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
     return MP(field.dps + INNER + lost)
@@ -223,7 +233,7 @@ def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
 
 
 def _across(K: Any, M: Any) -> Any:
-    """A unit vector across M."""
+    """A unit vector orthogonal to M."""
     axis = min(range(3), key=lambda i: abs(M[i]))
     unit = np.array([K.one * (i == axis) for i in range(3)], dtype=object)
     found = cross(M, unit)

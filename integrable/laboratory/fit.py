@@ -1,9 +1,9 @@
-"""The motion of a free body from orientations that were measured: ratios of its moments, its start, their covariance.
+"""The motion of a free body fitted to measured orientations: ratios of its moments, its start, their covariance.
 
-Gauss–Newton's steps by SciPy's least squares (Levenberg 1944, Marquardt 1963) on the rotations that lead from the
-computed orientations to the measured ones. Their derivatives come from those of γ and M
-(:mod:`integrable.portrait.sensitivity`), which both rest in space: a turn ψ of the body in its own axes changes γ by
-γ × ψ and M by M × ψ, and the momentum of the start by what ω and I make of it.
+Gauss–Newton steps by SciPy's least squares (Levenberg 1944, Marquardt 1963) on the rotations from the computed
+orientations to the measured ones. Their derivatives come from those of γ and M
+(:mod:`integrable.portrait.sensitivity`), which are both fixed in space. A turn ψ of the body in its own axes changes γ
+by γ × ψ and M by M × ψ; changes of ω and I change the momentum of the start.
 """
 
 from __future__ import annotations
@@ -15,23 +15,23 @@ import numpy as np
 from integrable.extras import needed
 from integrable.laboratory.tensor import matrices_of
 from jacobian import RR
-from jacobian.errors import ArgumentError, floats, shown
+from jacobian.errors import ArgumentError, floats, shown, written
 from jacobian.immutable import Record
 
 LEAST_COUNT = 3
-# R Rᵀ of what was measured may differ from 1 by this
+# R Rᵀ of a measured rotation may differ from 1 by this
 MEASURED = 1e-3
 UNDETERMINED = "no body fits them best from this guess; give a nearer guess, or orientations at more and later times"
 NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", "log ratio2")
 
 
 class OrientationFit(Record):
-    """What :meth:`integrable.laboratory.motion.LaboratoryMotion.fitted` has found.
+    """The result of :meth:`integrable.laboratory.motion.LaboratoryMotion.fitted`.
 
     ``motion`` is the motion; ``ratios`` (2,) the moments of the first two principal axes over the third, ``omega`` (3,)
-    the angular velocity of the start in the laboratory, rad/s; ``rms`` the root mean square of the angles left, rad.
-    ``covariance`` (8, 8) is that of :data:`NAMES`: a turn of the start in the laboratory, ω of the start along the
-    principal axes, and the logarithms of the ratios, from the angles left.
+    the angular velocity of the start in the laboratory, rad/s; ``rms`` the root mean square of the residual angles,
+    rad. ``covariance`` (8, 8), estimated from these angles, is that of :data:`NAMES`: a turn of the start in the
+    laboratory, ω of the start along the principal axes, and the logarithms of the ratios.
     """
 
     def __init__(self, motion: Any, ratios: Any, rms: float, covariance: Any) -> None:
@@ -87,8 +87,10 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
     wanted = f"give 3×3 matrices, or SciPy's Rotation, of {count} times"
     found: np.ndarray = floats(matrices_of(orientations), "orientations", wanted)
     if found.shape != (count, 3, 3):
-        raise ArgumentError(f"orientations have the shape {found.shape}: give a rotation for each of {count} times")
-    # no rotation has a 2
+        raise ArgumentError(
+            f"orientations have the shape {found.shape}: give a rotation for each of {written(count)} times"
+        )
+    # no entry of a rotation is 2
     safe = np.where(np.isfinite(found), found, 2)
     off = abs(safe @ safe.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     wrong = (off > MEASURED) | (np.linalg.det(safe) < 0)
@@ -114,7 +116,7 @@ class _Problem:
         self._known: tuple[bytes, Any] = (b"", None)
 
     def moments(self, x: np.ndarray) -> np.ndarray:
-        # what is infinite is no body
+        # an infinite number is no body
         with np.errstate(over="ignore"):
             found: np.ndarray = self._moments * np.exp([x[6], x[7], 0.0])
         return found
@@ -133,7 +135,7 @@ class _Problem:
             try:
                 motion = type(self._body)(self.moments(x)).motion(turned, turned @ (self._omega + x[3:6]))
             except ArgumentError as error:
-                # a step has led to what is no body
+                # a step has led to an impossible body
                 raise ArgumentError(f"orientations: {UNDETERMINED} ({error})") from None
             self._known = key, motion
         return self._known[1]
@@ -151,7 +153,7 @@ class _Problem:
         motion = self._motion(x)
         if motion.flow is None:
             raise ArgumentError(
-                "fitted: ω is constant in the guess, which tells nothing of the moments; guess another ω"
+                "fitted: ω is constant in the guess and does not depend on the moments; guess another ω"
             )
         flow, matrices = motion.flow, motion.at(self._times).matrices
         run, moments, omega = flow.at(self._times), self.moments(x), self._omega + x[3:6]

@@ -1,4 +1,6 @@
-"""What files hold of motions in the laboratory: quantities with their parts and units, and what is said of the body."""
+"""The content of files about motions in the laboratory: quantities with their parts and units, and a description of the
+body.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from integrable.files.frame import Column, Frame
-from integrable.files.quantities import AXES, Quantity, checked, columns, number, provenance
+from integrable.files.quantities import AXES, Quantity, checked, columns, made_of
 
 __all__ = ["about_body", "columns_of", "run_frame", "usual"]
 
@@ -23,18 +25,17 @@ QUANTITIES = {
 
 
 def usual(body: Any) -> tuple[str, ...]:
-    """What is written where nothing else is said."""
+    """The quantities written by default."""
     return ("quaternion", "omega") if body.radius is None else ("quaternion", "omega", "contact")
 
 
 def about_body(body: Any, **more: Any) -> dict[str, Any]:
-    """What is said of a motion of this body: numbers, strings and lists of numbers. ``axes`` are those of the moments
+    """A description of a motion of this body: numbers, strings and lists of numbers. ``axes`` are those of the moments
     in the axes of the tensor, one after the other.
     """
-    said = {"inertia": [number(x) for x in body.moments], "axes": [number(x) for x in np.ravel(body.axes.T)]}
-    said |= {name: number(x) for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}
-    title = f"motion of {body!r}"
-    return {"title": title, "system": type(body).__name__, **said, **provenance(body.field), **more}
+    given = {"inertia": body.moments, "axes": np.ravel(body.axes.T)}
+    given |= {name: x for name, x in (("mass", body.mass), ("radius", body.radius)) if x is not None}
+    return {**made_of(body, given), **more}
 
 
 def columns_of(dims: tuple[str, ...], run: Any, quantities: Any) -> dict[str, Column]:

@@ -1,4 +1,4 @@
-"""A motion in the laboratory and what it is at given times."""
+"""A motion in the laboratory and its results at given times."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ if TYPE_CHECKING:
 class LaboratoryMotion(Immutable):
     """The motion of a ``body`` from its start. Get one from ``body.motion(...)``.
 
-    ``flow`` is the :class:`integrable.motion.flow.Flow` behind it, None where ω is constant; where M of a ball is
-    vertical that of the free body which turns as the ball does.
+    ``flow`` is the :class:`integrable.motion.flow.Flow` behind it, None where ω is constant; for a ball with vertical M
+    that of the free body that turns as the ball does.
     """
 
     def __init__(self, body: Any, start: Any, spin: Any, contact: Any) -> None:
         """``start`` is the wide matrix from principal axes to the laboratory, ``spin`` ω along them."""
         self.body, self._start, self._spin, self._contact = body, start, spin, contact
-        # what a flow would refuse is refused at once
+        # refusals of the flow are raised at once
         self.flow = self._way.flow
 
     @cached_property
@@ -47,7 +47,7 @@ class LaboratoryMotion(Immutable):
     def at(self, times: Any) -> LaboratoryRun:
         """The motion at times in s, in any order, of any sign and size, shape (N,).
 
-        PrecisionLoss where floats do not carry it so far.
+        PrecisionLoss where floats do not suffice for that time.
         """
         field = self.body.field
         items = [field.coerce(t, f"times[{i}]") for i, t in enumerate(one_or_more(times, "times"))]
@@ -65,7 +65,7 @@ class LaboratoryMotion(Immutable):
         """The motion of a free body nearest to orientations measured at ``times``, with this one as the guess: its
         start and the ratios of its moments, about the same principal axes (SciPy; :mod:`integrable.laboratory.fit`).
 
-        ``orientations`` are matrices, shape (N, 3, 3), or SciPy's Rotation of N. The guess has to be less than half a
+        ``orientations`` are matrices, shape (N, 3, 3), or SciPy's Rotation of N. The guess must be less than half a
         turn off at every time.
         """
         from integrable.laboratory.fit import fitted
@@ -136,9 +136,10 @@ class LaboratoryRun(Exported):
         return run_frame(self, quantities)
 
     def animate(self, path: Any, fps: int = 25) -> None:
-        """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or .mp4 (which takes ffmpeg):
-        the body as it turns with ω, γ on its sphere in the axes of the tensor, and the way of a ball's point of
-        contact. The extra ``app``; the file appears when it is complete.
+        """Write a moving picture of the run, a frame for each time, to ``path``, a .gif or (with ffmpeg) .mp4.
+
+        It shows the body as it turns with ω, γ on its sphere in the axes of the tensor, and the path of a ball's point
+        of contact. Needs the extra ``app``; the file appears when it is complete.
         """
         from integrable.laboratory.animation import animate
 
@@ -161,7 +162,7 @@ class LaboratoryRun(Exported):
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field
-        # Q is numbers of many digits, and most often the identity
+        # Q has many digits, and is most often the identity
         if (axes == np.eye(3)).all():
             return numbers(field, matrices), numbers(field, omega)
         axes = numbers(field, axes)
@@ -184,8 +185,8 @@ class LaboratoryRun(Exported):
 
     @cached_property
     def quaternion(self) -> Any:
-        """The same as unit quaternions (w, x, y, z), shape (N, 4): the first with w ≥ 0, the others nearest to the one
-        before them.
+        """The same as unit quaternions (w, x, y, z), shape (N, 4): the first with w ≥ 0, each other nearest to the one
+        before it.
         """
         return read_only(going_on(attitude.quaternions(self.matrices)))
 
@@ -204,7 +205,7 @@ class LaboratoryRun(Exported):
         """(x, y) of the point of contact in the laboratory, shape (N, 2), in m; NotRepresentable for a free body."""
         motion = self.motion
         if motion._contact is None:
-            raise NotRepresentable(f"{motion.body!r} does not roll: it has no point of contact")
+            raise NotRepresentable(f"{shown(motion.body)} does not roll: it has no point of contact")
         field = motion.body.field
         path = numbers(field, motion._way.contact(self.times))
         return read_only(path + numbers(field, np.array(motion._contact, dtype=object)))

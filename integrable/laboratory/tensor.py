@@ -8,11 +8,12 @@ import numpy as np
 
 from jacobian.errors import ArgumentError, entries, shown
 
-# a tensor is symmetric, and a body has I₁ + I₂ ≥ I₃, up to this part of the largest entry: drawings are rounded
+# a tensor is symmetric, and a body has I₁ + I₂ ≥ I₃, up to this part of the largest entry, since data of drawings are
+# rounded
 ROUNDED = 1e-9
 # R Rᵀ may differ from 1 by this
 ORTHOGONAL = 1e-8
-# principal moments that rounding cannot tell apart, in units of eps
+# principal moments that rounding does not separate, in units of eps
 ALIKE = 4
 SWEEPS = 60
 
@@ -27,12 +28,11 @@ class Principal(NamedTuple):
     axes: Matrix
 
 
-def principal(K: Any, inertia: Any, eps: Any) -> Principal:
-    """Those of three moments or of a 3×3 tensor, over K = MP(digits); moments within rounding (``eps``) are equal.
+def principal(K: Any, table: Matrix, eps: Any) -> Principal:
+    """Those of a tensor over K = MP(digits); moments within rounding (``eps``) are equal.
 
-    ArgumentError for another shape, a tensor that is not symmetric or not positive, and one that no body has.
+    ArgumentError for a tensor that is not symmetric, not positive, or not that of any body.
     """
-    table = matrix(K, inertia, "inertia", "three moments or a 3×3 tensor", moments=True)
     off = abs(table - table.T)
     size = abs(table).max()
     if (off > ROUNDED * size).any():
@@ -94,8 +94,10 @@ def diagonalised(K: Any, table: Matrix) -> tuple[Any, Matrix]:
 
 
 def rotation(K: Any, orientation: Any) -> Matrix:
-    """The rotation nearest to an orientation: a matrix that takes axes of the body to those of the laboratory, or one
-    of SciPy's. ArgumentError where it is more than rounding away, or a reflection.
+    """The rotation nearest to an orientation, a matrix from the axes of the body to those of the laboratory, or
+    SciPy's.
+
+    ArgumentError where it differs from a rotation by more than rounding, or is a reflection.
     """
     given = matrices_of(orientation)
     table = matrix(K, given, "orientation", "one rotation, a 3×3 matrix or SciPy's Rotation")
@@ -107,7 +109,7 @@ def rotation(K: Any, orientation: Any) -> Matrix:
         )
     if determinant(table) < 0:
         raise ArgumentError(f"orientation = {shown(given)} has determinant −1: a reflection is no rotation")
-    # its polar factor (Björck and Bowie 1971), in as many digits as there are: the error squares with every step
+    # its polar factor (Björck and Bowie 1971), to all digits: each step squares the error
     while off > 8 * K.eps:
         table = table @ (3 * one - table.T @ table) / 2
         off = off * off
@@ -115,16 +117,16 @@ def rotation(K: Any, orientation: Any) -> Matrix:
 
 
 def matrices_of(orientation: Any) -> Any:
-    """Those of a Rotation of SciPy; anything else as it is."""
+    """The matrices of a Rotation of SciPy; anything else unchanged."""
     made = hasattr(orientation, "as_matrix") and not isinstance(orientation, type)
     return orientation.as_matrix() if made else orientation
 
 
 def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = False) -> Matrix:
-    """A 3×3 matrix of K, of three ``moments`` a diagonal one; ArgumentError for other shapes."""
+    """A 3×3 matrix of K, diagonal for three ``moments``; ArgumentError for other shapes."""
     try:
         rows = entries(values, argument, wanted)
-        given = np.array([entries(row, argument) if hasattr(row, "__iter__") else row for row in rows], dtype=object)
+        given = np.array([_row(row, argument) for row in rows], dtype=object)
     except Exception:
         given = np.empty(0, dtype=object)
     if given.shape == (3,) and moments:
@@ -134,6 +136,10 @@ def matrix(K: Any, values: Any, argument: str, wanted: str, moments: bool = Fals
         raise ArgumentError(f"{argument} = {shown(values)}: give {wanted}")
     table = [[K.coerce(given[i, j], f"{argument}[{i}][{j}]") for j in range(3)] for i in range(3)]
     return np.array(table, dtype=object)
+
+
+def _row(row: Any, argument: str) -> Any:
+    return row if isinstance(row, str) or not hasattr(row, "__iter__") else entries(row, argument)
 
 
 def determinant(table: Matrix) -> Any:

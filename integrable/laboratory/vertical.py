@@ -1,9 +1,9 @@
 """A ball whose momentum about the point of contact is vertical: M = cγ.
 
-Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant: Euler's equations of the momentum λγ of a free body of moments
-I_i + d, which turns as the ball does; any vector across M is its γ. (Chaplygin 1903 excludes the case.) The centre
-moves with ẋ = r(ω_y, −ω_x). After a period T of γ in the body it has turned by an angle Δ about the vertical and gone
-δ, so that x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time takes the integral over one period.
+Then γ̇ = λγ × Aγ with λ = c/(1 − d(γ, Aγ)) constant: Euler's equations of the momentum λγ of a free body of moments I_i
++ d, which turns as the ball does. Any vector orthogonal to M is its γ. (Chaplygin 1903 excludes the case.) The centre
+moves with ẋ = r(ω_y, −ω_x). In a period T of γ in the body the ball turns by an angle Δ about the vertical and moves by
+δ, so x(nT + s) = Σ_{j<n} R(jΔ)δ + R(nΔ)x(s): any time takes the integral over one period.
 """
 
 from __future__ import annotations
@@ -23,19 +23,19 @@ from jacobian.errors import PrecisionLoss
 
 # the last coefficients of a panel's velocities, relative
 TOLERANCE = 1e-14
-# panels of a period to begin with
+# initial number of panels of a period
 PANELS = 8
 
 
 class Vertical(Along):
-    """Along the flow of the free body, with the path of a ball of this ``radius`` (wide); ``sign`` that of λ."""
+    """The flow of the free body, with the path of a ball of this ``radius`` (wide); ``sign`` is that of λ."""
 
     def __init__(self, flow: WideFlow, frame: Any, radius: Any, sign: int) -> None:
         super().__init__(flow, frame)
         self._radius, self._sign = numbers(self._field, np.array([radius]))[0], sign
 
     def contact(self, times: np.ndarray) -> Any:
-        """The way of the point of contact from the start."""
+        """The path of the point of contact from the start."""
         K = self._field
         pace, advance, wide = self._rates
         if K == RR:
@@ -68,7 +68,7 @@ class Vertical(Along):
         portrait = self.flow.portrait
         if portrait.axis is None:
             raise PrecisionLoss(
-                "contact: the period of γ in the body, beside an unstable rotation, is beyond all digits"
+                "contact: the period of γ in the body, next to an unstable rotation, is beyond all digits"
             )
         turn, rest = portrait.wide_turns
         return abs(turn + rest) / 2, self._sign * turn / abs(turn + rest), self.flow.setup.wide
@@ -96,7 +96,7 @@ class Vertical(Along):
 
     @cached_property
     def _panels(self) -> tuple[Panels, Panels]:
-        # a rounded time may lie a bit beyond
+        # a rounded time may lie slightly outside
         end = self._half_period * (1 + 1e-9)
         first, second = (
             Panels(lambda s, sign=sign: self._velocity(sign * s), 0.0, end, end / PANELS, TOLERANCE)  # type: ignore[misc]

@@ -1,7 +1,8 @@
-"""What computes a motion in the laboratory: orientations of the principal axes, angular velocities, contact points.
+"""The ways of computing a motion in the laboratory: orientations of the principal axes, angular velocities, contact
+points.
 
-Every way gives, at times of shape (N,): the rotations from principal axes to the laboratory, (N, 3, 3), and ω along
-the principal axes, (N, 3), by ``at``; and the way of the point of contact from the start, (N, 2), by ``contact``.
+At times of shape (N,) ``at`` gives the rotations from principal axes to the laboratory, (N, 3, 3), and ω along the
+principal axes, (N, 3). ``contact`` gives the path of the point of contact from the start, (N, 2).
 """
 
 from __future__ import annotations
@@ -29,8 +30,8 @@ TURN = 2 * PI
 class WideFlow(Flow):
     """A flow whose torus or closed form is set up from numbers with more digits than its field has.
 
-    Diagonalising a tensor and making M of ω round the floats that a user gave, and a phase keeps that error for every
-    radian it has turned.
+    Diagonalising a tensor and computing M from ω round the user's floats, and a phase multiplies that error by its
+    angle.
     """
 
     def __init__(self, system: Any, state: State, wide_body: Body, wide_state: State) -> None:
@@ -40,7 +41,7 @@ class WideFlow(Flow):
 
     @cached_property
     def setup(self) -> Setup:
-        """What the motion is computed from."""
+        """The set-up of the motion."""
         body, state = self._wide_body, self._wide_state
         if self.system.field != RR:
             return Setup(body, state.gamma, state.M, state.tilted, self.system.field.dps)
@@ -94,7 +95,7 @@ class Uniform:
 
 
 class Along:
-    """Along a flow: two vectors that rest in space, the γ and M of its state, and where they are in the laboratory."""
+    """A motion along a flow: γ and M of its state are fixed in space, and their place in the laboratory is known."""
 
     def __init__(self, flow: WideFlow, frame: Any) -> None:
         """``frame`` is the wide matrix from the axes of :attr:`Trajectory.attitude` to the laboratory."""
@@ -107,7 +108,7 @@ class Along:
         return self._frame @ run.attitude, run.omega
 
     def contact(self, times: np.ndarray) -> Any:
-        """The path of the flow, turned into the laboratory."""
+        """The path of the flow, rotated into the laboratory."""
         return self._run(times).contact @ self._frame[:2, :2].T
 
     def _run(self, times: np.ndarray) -> Trajectory:

@@ -1,4 +1,4 @@
-"""The two points of a motion's divisor on the ovals of its curve, and the angles that they make of the torus."""
+"""The two points of a motion's divisor on the ovals of its curve, and the angles of the torus that follow from them."""
 
 from __future__ import annotations
 
@@ -19,9 +19,10 @@ SHORT = 1e-7
 
 
 class Ovals(NamedTuple):
-    """Of N states: ``u`` and ``y``, shape (N, 2), the abscissa and ordinate of the point on either oval; ``angles``,
-    shape (N, 2), where the sum of both points is on the torus, in turns, not reduced; ``rates``, shape (2,), of the
-    angles, in turns a unit of τ; ``outlines``, for either oval (x, y), a closed line.
+    """For N states: ``u`` and ``y``, shape (N, 2), are the coordinates of the point on either oval.
+
+    ``angles``, shape (N, 2), are the position of the sum of both points on the torus, in turns, not reduced; ``rates``,
+    shape (2,), theirs in turns per unit of τ; ``outlines`` a closed line (x, y) for either oval.
     """
 
     u: np.ndarray
@@ -81,10 +82,11 @@ def _antiderivative(values: np.ndarray) -> np.ndarray:
 
 
 def ovals(system: Any, states: list[State]) -> Ovals:
-    """The points of the divisors of ``states`` of one motion; between states so near that no point goes half round its
-    oval the angles go on without a jump, otherwise they are right up to whole turns.
+    """The points of the divisors of ``states`` of one motion.
 
-    NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an axis) or both have met.
+    The angles continue without a jump between states so near that no point goes half round its oval; otherwise they are
+    right up to whole turns. NotRepresentable where an oval has shrunk to a point (equal moments, a rotation about an
+    axis) or both have met.
     """
     if states[0].tilted:
         system, _, change = system.upright(states[0])
@@ -105,7 +107,7 @@ def ovals(system: Any, states: list[State]) -> Ovals:
     integrals = sum(oval.integrals(oval.phi(u[:, k], y[:, k])) for k, oval in enumerate(pair))
     periods = np.stack([oval.periods for oval in pair], axis=1)
     angles = np.linalg.solve(periods, np.asarray(integrals).T).T
-    # Σ∫dx/y is τ, and Σ∫x dx/y rests
+    # Σ∫dx/y is τ, and Σ∫x dx/y is constant
     rates = np.linalg.solve(periods, [1.0, 0.0])
     return Ovals(u, y, angles, rates, (pair[0].outline(), pair[1].outline()))
 

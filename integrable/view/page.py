@@ -19,12 +19,15 @@ from jacobian.errors import shown as text_of
 
 __all__ = ["page", "plotly_script", "view"]
 
+ROLLING = "The ball as it rolls, seen from a camera that follows it. The line is where it has touched the plane."
+TURNING = "The body as it turns about its centre of mass."
+
 
 def view(scene: Scene | str | Path, out: str | Path, *, until: float | None = None, frames: int = FRAMES) -> Path:
     """Write the page of a scene (or of the scene of that name or file) to ``out``, an .html file, and return its path.
 
-    ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or not there, and opens
-    without a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over finite fields.
+    ``until`` and ``frames``: see :func:`integrable.view.shown.shown`. The file is complete or absent, and opens without
+    a network. ArgumentError where plotly is not installed, where ``out`` cannot be written, over finite fields.
     """
     if not isinstance(out, (str, os.PathLike)) or not Path(out).name:
         raise ArgumentError(f"out = {text_of(out)}: give the path of an .html file")
@@ -44,13 +47,14 @@ def plotly_script() -> str:
 
 
 def page(content: dict[str, Any], plotly: str) -> str:
-    """The page of what :func:`integrable.view.shown.shown` gives; ``plotly`` is the element that brings plotly.js."""
+    """The page of the data of :func:`integrable.view.shown.shown`; ``plotly`` is the element that loads plotly.js."""
     here = files("integrable.view")
     # "</" would end the element that holds the numbers
     data = json.dumps(content, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
     parts = {
         "title": escape(content["title"]),
         "description": escape(content["description"]),
+        "body": ROLLING if content.get("contact") else TURNING,
         "missing": "".join(f"<p>Not shown: {escape(text)}.</p>" for text in content["missing"]),
         "plotly": plotly,
         "data": data,

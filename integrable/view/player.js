@@ -165,7 +165,8 @@
     Plotly.newPlot("ovals", traces, {
       ...flat,
       xaxis: { ...axis, domain: [0, 0.42], title: { text: "x" } }, yaxis: { ...axis, title: { text: "y", standoff: 2 } },
-      xaxis2: { ...axis, domain: [0.58, 1], title: { text: "x" } }, yaxis2: { ...axis, anchor: "x2" },
+      xaxis2: { ...axis, domain: [0.64, 1], title: { text: "x" } },
+      yaxis2: { ...axis, anchor: "x2", ticklabelposition: "outside", ticks: "outside" },
     }, config);
     updates.push((frame) => {
       const p = motion.points[frame];
@@ -174,14 +175,25 @@
   }
 
   if (show("torus", motion.angles)) {
+    // a line that leaves the square on one side enters on the other: both pieces are drawn up to the edge
+    const folded = (value, upper) => {
+      const whole = Math.round(value);
+      return Math.abs(value - whole) < 1e-9 ? (upper ? 1 : 0) : value - Math.floor(value);
+    };
     const broken = (upTo) => {
-      const x = [], y = [];
-      for (let n = 0; n <= upTo; n++) {
-        const [a, b] = motion.angles[n];
-        if (n && (Math.abs(a - motion.angles[n - 1][0]) > 0.5 || Math.abs(b - motion.angles[n - 1][1]) > 0.5)) {
-          x.push(null); y.push(null);
+      let at = motion.angles[0];
+      const x = [at[0]], y = [at[1]];
+      for (let n = 1; n <= upTo; n++) {
+        const next = motion.angles[n], way = [0, 1].map((k) => next[k] - at[k] - Math.round(next[k] - at[k]));
+        const crossings = [0, 1].map((k) => (at[k] + way[k] > 1 ? (1 - at[k]) / way[k] : at[k] + way[k] < 0 ? -at[k] / way[k] : 2));
+        if (motion.steps) { x.push(null); y.push(null); }
+        else for (const part of crossings.filter((part) => part <= 1).sort()) {
+          const [a, b] = [0, 1].map((k) => at[k] + part * way[k]);
+          x.push(folded(a, way[0] > 0), null, folded(a, way[0] < 0));
+          y.push(folded(b, way[1] > 0), null, folded(b, way[1] < 0));
         }
-        x.push(a); y.push(b);
+        x.push(next[0]); y.push(next[1]);
+        at = next;
       }
       return { x, y };
     };
@@ -216,23 +228,72 @@
     slider.setAttribute("aria-valuetext", words);
   }
   slider.addEventListener("input", () => draw(Number(slider.value)));
-  const SECONDS = 40; // for the whole of it
+  const SECONDS = 40; // for the whole of it, at speed 1
+  const speed = byId("speed"), loop = byId("loop");
   let started = null, from = 0;
   function tick(now) {
     if (started === null) return;
-    const frame = Math.min(last, from + Math.round(((now - started) / 1000 / SECONDS) * last));
+    const ahead = Math.round(((now - started) / 1000 / SECONDS) * Number(speed.value) * last);
+    const frame = loop.checked ? (from + ahead) % count : Math.min(last, from + ahead);
     slider.value = frame;
     draw(frame);
-    if (frame === last) stop(); else requestAnimationFrame(tick);
+    if (frame === last && !loop.checked) stop(); else requestAnimationFrame(tick);
   }
   function stop() { started = null; play.textContent = "Play"; }
-  play.addEventListener("click", () => {
-    if (started !== null) { stop(); return; }
+  function start() {
     from = Number(slider.value) === last ? 0 : Number(slider.value);
     play.textContent = "Pause";
     started = performance.now();
     requestAnimationFrame(tick);
+  }
+  play.addEventListener("click", () => { if (started !== null) stop(); else start(); });
+  // another speed goes on from where the slider is
+  speed.addEventListener("change", () => { if (started !== null) { from = Number(slider.value); started = performance.now(); } });
+
+  // --- a picture or a video of the first panel
+
+  const main = ["ball", "sphere"].find((id) => !byId("figure-" + id).hidden);
+  const size = { format: "png", width: 960, height: 720 };
+  function save(url, name) {
+    const link = document.createElement("a");
+    link.href = url;
+    link.download = name;
+    link.click();
+  }
+  byId("picture").addEventListener("click", async () => save(await Plotly.toImage(main, size), `${motion.name}.png`));
+
+  const video = byId("video"), kinds = ["video/mp4", "video/webm"];
+  const kind = window.MediaRecorder && kinds.find((type) => MediaRecorder.isTypeSupported(type));
+  video.hidden = !kind;
+  // frames are drawn one by one and shown for as long as they take: the video is as fast as this browser draws
+  video.addEventListener("click", async () => {
+    stop();
+    video.disabled = true;
+    const canvas = Object.assign(document.createElement("canvas"), { width: size.width, height: size.height });
+    const context = canvas.getContext("2d"), stream = canvas.captureStream(), chunks = [];
+    const recorder = new MediaRecorder(stream, { mimeType: kind, videoBitsPerSecond: 8e6 });
+    recorder.ondataavailable = (event) => chunks.push(event.data);
+    const done = new Promise((resolve) => { recorder.onstop = resolve; });
+    context.fillStyle = "#fff";
+    const each = Math.max(1, Math.round(count / 200));
+    recorder.start();
+    for (let frame = 0; frame < count; frame += each) {
+      slider.value = frame;
+      draw(frame);
+      const image = new Image();
+      image.src = await Plotly.toImage(main, size);
+      await image.decode();
+      context.fillRect(0, 0, size.width, size.height);
+      context.drawImage(image, 0, 0);
+      video.textContent = `${Math.round((100 * frame) / count)} %`;
+    }
+    recorder.stop();
+    await done;
+    save(URL.createObjectURL(new Blob(chunks, { type: kind })), `${motion.name}.${kind.slice(6)}`);
+    video.textContent = "Video";
+    video.disabled = false;
   });
+
   draw(0);
   window.drawFrame = draw;
 })();

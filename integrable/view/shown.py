@@ -1,4 +1,4 @@
-"""What the page that moves shows of a scene: plain numbers, ready for JSON."""
+"""The data of the page that moves for a scene: plain numbers, ready for JSON."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from integrable.scene.file import load_scene
 from integrable.scene.orbit import orbit
 from integrable.view.ovals import Ovals, ovals
 from jacobian import RR
-from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, whole
+from jacobian.errors import ArgumentError, NotRepresentable, PrecisionLoss, whole, written
 
 __all__ = ["FRAMES", "shown"]
 
@@ -28,11 +28,12 @@ HALF = 0.5
 
 
 def shown(given: Scene | str | Path, until: float | None = None, frames: int = FRAMES) -> dict[str, Any]:
-    """The numbers of the page: ``times``, ``gamma`` and, where there is such a thing, ``turning`` (the body's axes in
-    space, nine numbers a frame), ``contact``, ``points`` and ``angles`` with the ``ovals``; ``missing`` says why not.
+    """The data of the page: ``times``, ``gamma`` and, where they exist, ``turning``, ``contact``, ``points``,
+    ``angles`` and ``ovals``.
 
-    ``until``: the last time shown, by default that of the scene or some ten turns, whichever is less; ``frames``
-    equally spaced times, of an orbit its first states. ArgumentError over a finite field, where nothing can be drawn.
+    ``turning`` has the body's axes in space, nine numbers a frame; ``missing`` gives the reasons for absent data.
+    ``until``: the last time, by default that of the scene or some ten turns, whichever is less; ``frames`` equally
+    spaced times, for an orbit its first states. ArgumentError over a finite field, which has no picture.
     """
     scene = given if isinstance(given, Scene) else load_scene(given)
     frames = whole(frames, "frames", "give an int from 2 to 20000", 2, 20000)
@@ -72,7 +73,7 @@ def _last(scene: Scene, system: Any, state: State, until: float | None) -> float
     if until is not None:
         last: float = RR.coerce(until, "until")
         if last <= 0:
-            raise ArgumentError(f"until = {last}: give a time > 0")
+            raise ArgumentError(f"until = {written(last)}: give a time > 0")
         return last
     rate = float(np.linalg.norm(system._omega_along(np.array([state.gamma]), np.array([state.M]))))
     return min(max(scene.times.floats()), 2 * np.pi * TURNS / rate)
@@ -80,14 +81,14 @@ def _last(scene: Scene, system: Any, state: State, until: float | None) -> float
 
 def _add_body(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
     if scene.steps is not None:
-        raise NotRepresentable("a step leads from one state to another; nothing rolls in between")
+        raise NotRepresentable("a step maps one state to another; nothing rolls in between")
     # space ← body, so that a point of the body is turned by one product
     content["turning"] = _rounded(run.attitude.reshape(-1, 9))
     content["contact"] = _rounded(run.contact / (system.radius or 1.0)) if scene.system == "chaplygin_ball" else None
 
 
 def _bend(found: Ovals, tau: np.ndarray) -> float:
-    """How far, in parts of a turn, the angles are from the straight line that they are in τ."""
+    """The largest distance of the angles, in turns, from a straight line in τ."""
     off = found.angles - found.angles[0] - np.outer(tau - tau[0], found.rates)
     return float(np.abs(off - np.rint(off)).max())
 
@@ -110,6 +111,6 @@ def _add_points(content: dict[str, Any], scene: Scene, system: Any, run: Any) ->
 
 
 def _rounded(values: Any, digits: int = 5) -> Any:
-    """Lists of floats with so many significant digits: what a picture shows."""
+    """Lists of floats with that many significant digits, enough for a picture."""
     flat = [float(f"{x:.{digits}g}") for x in np.asarray(values, dtype=float).ravel()]
     return np.array(flat).reshape(np.shape(values)).tolist()

@@ -1,6 +1,11 @@
-"""``python -m tests.fuzz flow|systems|engine|inexact|calls|command|all --seconds 60 --seed 1``: see docs/fuzz.md."""
+"""``python -m tests.fuzz SUITE|all --seconds 60 --seed 1``: see docs/fuzz.md."""
 
 from __future__ import annotations
+
+from jacobian.interrupts import leave, stand
+
+if __name__ == "__main__":
+    stand("fuzz")
 
 import argparse
 import json
@@ -8,16 +13,15 @@ import sys
 import time
 import warnings
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from importlib import import_module
-from multiprocessing import get_context
 from typing import Any
 
+from integrable.sweeps.orphans import processes
 from tests.fuzz.case import FAILURES, run
 from tests.fuzz.run import Plan, Suite, Tally, follow
 
-SUITES = ("flow", "systems", "engine", "inexact", "calls", "command")
+SUITES = ("flow", "systems", "engine", "inexact", "calls", "command", "outside")
 
 
 def suite_of(name: str) -> Suite:
@@ -102,8 +106,9 @@ def _tally(plan: Plan, given: argparse.Namespace) -> Tally:
     tasks = [
         (plan.suite.name, replace(plan, suite=Suite("", {}), start=k, stride=given.jobs)) for k in range(given.jobs)
     ]
-    with ProcessPoolExecutor(given.jobs, mp_context=get_context("spawn")) as pool:
-        for tally in pool.map(_share, tasks):
+    with processes(given.jobs) as pool:
+        # of the module by its name: a process of multiprocessing knows no __main__ of a package
+        for tally in pool.map(import_module("tests.fuzz.__main__")._share, tasks):
             total.add(tally)
     total.seconds = time.perf_counter() - began
     for failure in total.failures:
@@ -118,4 +123,4 @@ def _share(task: tuple[str, Any]) -> Tally:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

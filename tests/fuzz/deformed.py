@@ -42,6 +42,25 @@ def near(name: str, rng: Random) -> Case:
     )
 
 
+def poles(rng: Random) -> Case:
+    """Repelling poles, |M| to 10⁸: motions that go on for ever, so that nothing may be refused."""
+    from tests.fuzz.flow import judged
+
+    b = tuple(random.magnitude(rng, -8, 2) for _ in range(3))
+    inertia = tuple(random.magnitude(rng, -4, 4) for _ in range(3))
+    gamma = random.unit(rng)
+    M = random.cross(gamma, [random.magnitude(rng, 0, 27) * x for x in random.unit(rng)])
+    start = Motion(inertia, 0.0, gamma, M, False)
+    wanted = [t / float(np.linalg.norm(M)) for t in random.times(rng, replace(start, M=(1.0, 0.0, 0.0)), 3, -8, 3)]
+    return Case(
+        "import numpy as np\nfrom integrable import Tilde\n"
+        f"system = Tilde({inertia}, potential=(0, 0, *{b}))\nstate = system.state({gamma}, {M})\n",
+        f"np.hstack([(run := system.flow(state).at({wanted})).gamma, run.M])",
+        lambda names: judged(names["got"], start, Integrated(start, "poles", np.array(b)), wanted),
+        refusals=(),
+    )
+
+
 def far(name: str, rng: Random) -> Case:
     start, c = _start(name, rng)
     wanted = [t / _pace(name, start) for t in random.times(rng, start, 3, 5, 17 if start.d else 40)]
@@ -116,6 +135,7 @@ KINDS = {
     "check": partial(near, "check"),
     "hat": partial(near, "hat"),
     "gyroscopic": partial(near, "gyroscopic"),
+    "poles": poles,
     "far tilde": partial(far, "tilde"),
     "far check": partial(far, "check"),
     "far hat": partial(far, "hat"),

@@ -195,6 +195,15 @@ def orders(rng: Random) -> Case:
     return true(setup, checks, (NotRepresentable, Infeasible))
 
 
+def huge_multiples(rng: Random) -> Case:
+    """Scalars of up to 17,000 bits, against the remainder by the order of the group."""
+    curve = random_curve(rng, rng.choice(MIDDLE + SMALL), rng.choice((1, 2, 2, 3)))
+    m = rng.choice((-1, 1)) * (10 ** rng.choice((400, 1300, 5000)) + rng.randrange(10**6))
+    setup = curve.setup + f"D, m, N = J.random(Random({rng.randrange(10**6)})), {m:#x}, J.order()\n"
+    checks = ["m * D == m % N * D", "J.combination([m, 1], [D, D]) == (m + 1) % N * D", "J.fixed_base(D)(m) == m * D"]
+    return true(setup, checks, (NotRepresentable, Infeasible))
+
+
 def structures(rng: Random) -> Case:
     curve = random_curve(rng, rng.choice(SMALL + MIDDLE), rng.choice((1, 2, 2)))
     setup = curve.setup + "from math import prod\nS = J.structure()\n"
@@ -330,6 +339,7 @@ KINDS: dict[str, Callable[[Random], Case]] = {
     "batch": batch,
     "counted": counted,
     "orders": orders,
+    "huge multiples": huge_multiples,
     "structures": structures,
     "pairings": pairings,
     "logarithms": logarithms,

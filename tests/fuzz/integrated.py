@@ -64,7 +64,16 @@ def gyroscopic(a: Any, q: Any, d: Any, c: Any, x: Any, m: Any) -> tuple[Any, Any
     return w, added(cross(m, w), cross(x, mixed((c * c / 4 - dot(m, m), Ax), (c / 2, turned))))
 
 
-EQUATIONS = {"body": body, "tilde": tilde, "check": check, "hat": hat, "gyroscopic": gyroscopic}
+def poles(a: Any, q: Any, d: Any, b: Any, x: Any, m: Any) -> tuple[Any, Any]:
+    """H = (M, AM) − s(M, M) + Σb_i(a_j + a_k − 2s)/γ_i², d = 0."""
+    w, momentum = tilde(a, q, 0 * d, d, x, m)
+    s, inverse = dot(x, times(a, x)), [b[i] / (x[i] * x[i]) for i in range(3)]
+    falls = [inverse[i] * (a[i - 2] + a[i - 1] - 2 * s) / x[i] for i in range(3)]
+    slope = mixed((-1, falls), (-2 * sum(inverse), times(a, x)))
+    return w, added(momentum, cross(x, slope))
+
+
+EQUATIONS = {"body": body, "tilde": tilde, "check": check, "hat": hat, "gyroscopic": gyroscopic, "poles": poles}
 
 
 def dot(x: Any, y: Any) -> Any:
@@ -90,10 +99,11 @@ def added(x: Any, y: Any) -> list[Any]:
 class Integrated:
     """``rows`` (N, 6) of γ and M/|M(0)|, NaN beyond the horizon, and ``floor`` (N,) as in :class:`closed_forms.Closed`.
 
-    ``equations``: a name above; ``c``: the constant of the gyroscopic terms; that of a body is its (γ, M).
+    ``equations``: a name above; ``c``: the constant of the gyroscopic terms or the three of the poles; that of a body
+    is its (γ, M).
     """
 
-    def __init__(self, start: Motion, equations: str = "body", c: float = 0.0) -> None:
+    def __init__(self, start: Motion, equations: str = "body", c: Any = 0.0) -> None:
         self.start, self.equations, self.c = start, equations, c
         self.extended = heyoka() is not None
 
@@ -135,15 +145,19 @@ class Integrated:
             c = gamma @ M if self.start.tilted else 0 * c
         unit = np.sqrt(M @ M)
         a, wanted = 1 / (inertia + d), np.array(wanted) * unit
+        c = c / (unit * unit if self.equations == "poles" else unit)
         if self.extended:
             return by_heyoka(
-                _integrator(self.equations, tol), [*a, *(inertia * a), d, c / unit], [*gamma, *M / unit], wanted
+                _integrator(self.equations, tol),
+                [*a, *(inertia * a), d, *np.atleast_1d(c)],
+                [*gamma, *M / unit],
+                wanted,
             )
         # what no extended integrator reaches is left to cases of shorter times
         wanted = np.where(abs(wanted) * max(a) <= MOST_STEPS / 6, wanted, np.nan)
         if self.equations == "body":
             return _by_taylor(inertia, d, gamma, M / unit, wanted)
-        constants = *(np.array(v, dtype=float) for v in (a, inertia * a)), float(d), float(c / unit)
+        constants = *(np.array(v, dtype=float) for v in (a, inertia * a)), float(d), np.array(c, dtype=float)
 
         def rates(y: Any) -> list[Any]:
             w, momentum = EQUATIONS[self.equations](*constants, y[:3], y[3:])
@@ -168,6 +182,8 @@ def _integrator(name: str, tol: float) -> Any:
     hy = heyoka()
     x, m = hy.make_vars("x1", "x2", "x3"), hy.make_vars("m1", "m2", "m3")
     a, q, d, c = [hy.par[i] for i in range(3)], [hy.par[3 + i] for i in range(3)], hy.par[6], hy.par[7]
+    if name == "poles":
+        c = [hy.par[i] for i in range(7, 10)]
     w, momentum = EQUATIONS[name](a, q, d, c, x, m)
     equations = list(zip([*x, *m], [*cross(x, w), *momentum], strict=True))
     start = np.zeros(6, np.longdouble)
@@ -194,11 +210,11 @@ def by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.nd
 
 
 def _by_taylor(inertia: Any, d: Any, gamma: Any, M: Any, wanted: np.ndarray) -> np.ndarray:
-    from integrable.oracles.taylor_compiled import compiled_taylor
+    from integrable.oracles.methods import METHODS
 
     system, start = SimpleNamespace(inertia=inertia, d=d), SimpleNamespace(gamma=gamma, M=M)
     near, rows = ~np.isnan(wanted), np.full((len(wanted), 6), np.nan)
-    found = compiled_taylor(system, start, wanted[near].tolist(), tolerance=1e-17)
+    found = METHODS["Taylor, compiled"].solve(system, start, wanted[near].tolist(), 1e-17)
     rows[near] = np.hstack([found.gamma, found.M])
     return rows
 

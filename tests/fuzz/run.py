@@ -17,6 +17,8 @@ from typing import Any, Protocol
 from tests.fuzz.case import FAILURES, RAW, REFUSED, RIGHT, SLOW, UNJUDGED, WRONG, Case, Outcome, run
 
 WORDS = (RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW)
+# how many reasons the line of counts names of a kind; a run of calls has thousands
+REASONS = 8
 SHOWN = {REFUSED: "refused by name", RAW: "raw exceptions", SLOW: "over the time limit"}
 
 
@@ -98,7 +100,8 @@ class Tally:
         return any(self.of(word) for word in FAILURES)
 
     def line(self) -> str:
-        """All counts in one line: the sums, then kind by kind with the reasons of what was not judged."""
+        """All counts in one line: the sums, then kind by kind with the first reasons of what was not judged (data() has
+        all of them)."""
         total = sum(self.counts.values())
         sums = ", ".join(f"{self.of(word)} {SHOWN.get(word, word)}" for word in WORDS)
         kinds = dict.fromkeys(kind for kind, _ in self.counts)
@@ -108,6 +111,7 @@ class Tally:
     def _of_kind(self, kind: str) -> str:
         words = [f"{self.of(word, kind)} {word}" for word in WORDS if self.of(word, kind)]
         reasons = [f"{n} {why}" for (k, _, why), n in self.reasons.most_common() if k == kind and n]
+        reasons[REASONS:] = [f"{len(reasons) - REASONS} more reasons"] if len(reasons) > REASONS else []
         return f"{kind}: {', '.join(words)}" + (f" ({'; '.join(reasons)})" if reasons else "")
 
     def data(self) -> dict[str, Any]:

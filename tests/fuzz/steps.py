@@ -7,7 +7,8 @@ A point (x', Y') is added on Γ_i = g√(1 − da_i)γ_i, n_i = 2√(1 − da_i)
 
 two points one after the other, in complex numbers. The keyless map is e = γ×M/|M|, γ̃_i = σ_ie_i/(g̃√(1 − da_i)), M̃ =
 |M|γ̃ × (σ_ig√(1 − da_i)γ_i). A multiple of the state's own divisor, for which no such formula stands here, is compared
-with the step over MP(60). Tilted states: H1 and H2 are kept.
+with the step over MP(60). Tilted states: H1 and H2 are kept. Over GF(p) the differential of a step takes the field of
+the motion in τ, written out here in Python's ints, to itself, that of a multiple to so many times itself.
 """
 
 from __future__ import annotations
@@ -250,4 +251,61 @@ def _same_level(row: list[float], start: Motion) -> Complaint | None:
     return Complaint(f"|γ|, (γ, M), H1, H2 off by {[float(x) for x in off]}", "system.integrals(state)", "False")
 
 
-KINDS = {"translation": translation, "keyless": keyless, "multiplication": multiplication, "tilted step": tilted}
+def against_motion(rng: Random) -> Case:
+    """A step over GF(p) and the motion in τ."""
+    p, rolls = rng.choice((101, 499, 10007, 2**61 - 1)), rng.random() < 0.6
+    draw = lambda: rng.randrange(1, p)  # noqa: E731
+    inertia, d = (draw(), draw(), draw()), draw() if rolls else 0
+    x, y = draw(), draw()
+    below = pow(1 + x * x + y * y, p - 2, p)
+    gamma = tuple(c * below % p for c in (2 * x, 2 * y, 1 - x * x - y * y))
+    M = tuple(c % p for c in _cross(gamma, [draw() for _ in range(3)]))
+    m = rng.choice((1, 1, 2, -3, 7, 10**9, 10**400 + 1))
+    # how many times as fast the image moves
+    name, factor = rng.choice(
+        [(f"translation([{draw()}, {draw()}], multiple={m})", 1), ("keyless()", 1), (f"multiplication({m})", m)]
+        + [(f"translation([{draw()}], multiple={m})", 1), ("torsion()", 1)] * rolls
+        + [(f"conic(None, {draw()})", 1), (f"conic({draw()}, {draw()})", 0)] * (not rolls)
+    )
+    kind = f"ChaplyginBall({inertia}, {d}, field=GF({p}))" if rolls else f"EulerTop({inertia}, field=GF({p}))"
+    setup = (
+        f"from integrable import {kind.split('(')[0]}\nfrom integrable.phase.brackets import differential\n"
+        f"from jacobian import GF\nsystem = {kind}\nstate = system.state({gamma}, {M})\nstep = system.{name}\n"
+        "six = lambda x: (*x.gamma, *x.M)\n"
+    )
+    call = "(state.g, step(state), differential(system, lambda s, x: six(step.over(s)(x)), state))"
+    return Case(setup, call, lambda names: _moves_alike(names["got"], p, inertia, d, gamma, M, factor), limit=3)
+
+
+def _moves_alike(got: Any, p: int, inertia: Any, d: int, gamma: Any, M: Any, factor: int) -> Complaint | None:
+    g, image, rows = got
+    a = [pow(x + d, -1, p) for x in inertia]
+    first, here = _field(p, a, d, gamma, M, g)
+    second, there = _field(p, a, d, image.gamma, image.M, image.g)
+    if first != second:
+        return Complaint("H1 and H2 are others", "system.integrals(state)", "system.integrals(got[1]) == expected")
+    pushed = [sum(x * y for x, y in zip(row, here, strict=True)) % p for row in rows]
+    wanted = [x * (factor or 1) % p for x in there]
+    # a conic step through a plane point leaves the motion of M alone
+    if pushed[3 if not factor else 0 :] == wanted[3 if not factor else 0 :]:
+        return None
+    return Complaint("the motion in τ is another", f"{wanted}", f"{pushed} == expected")
+
+
+def _field(p: int, a: Any, d: int, gamma: Any, M: Any, g: int | None) -> tuple[tuple[int, int], list[int]]:
+    """(H1, H2) and (γ, M)' in τ: γ × ω/g and M × ω/g, ω = AM + dg²(γ, AM)Aγ."""
+    root = 1 if g is None else g
+    lean = sum(x * y * z for x, y, z in zip(a, gamma, M, strict=True))
+    w = [x * (m + d * root * root * lean * y) for x, y, m in zip(a, gamma, M, strict=True)]
+    slow = pow(root, -1, p)
+    h1 = sum(x * m for x, m in zip(w, M, strict=True)) % p
+    return (h1, sum(m * m for m in M) % p), [slow * x % p for x in (*_cross(gamma, w), *_cross(M, w))]
+
+
+KINDS = {
+    "translation": translation,
+    "keyless": keyless,
+    "multiplication": multiplication,
+    "tilted step": tilted,
+    "step and motion": against_motion,
+}

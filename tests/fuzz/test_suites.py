@@ -165,6 +165,7 @@ EVERYDAY = {
     "inexact": ("moderate",),
     "calls": ("operator",),
     "command": ("run", "view", "sweep", "report", "other"),
+    "outside": ("stamp",),
 }
 
 
@@ -176,7 +177,7 @@ def test_a_few_cases(name):
 
 
 # suites and as many cases of them as take about a minute; --cases runs any number
-MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000}
+MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000, "outside": 120}
 
 
 # motions whose oracle is a formula; other oracles take minutes where heyoka is not installed

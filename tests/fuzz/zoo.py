@@ -10,7 +10,8 @@ def listed(text: str) -> tuple[str, ...]:
 
 ZOO = listed(r"""
 None ¦ float('nan') ¦ float('inf') ¦ -float('inf') ¦ 0 ¦ -1 ¦ 1 ¦ 2 ¦ 3 ¦ 2.5 ¦ -0.0 ¦ 1e308 ¦ -1e308 ¦ 1e-320
-10**9 ¦ -10**9 ¦ 10**30 ¦ -10**30 ¦ 10**400 ¦ True ¦ False ¦ '' ¦ 'x' ¦ '1/3' ¦ '1e5' ¦ 'nan' ¦ 'chaplygin'
+10**9 ¦ -10**9 ¦ 10**30 ¦ -10**30 ¦ 10**400 ¦ 10**5000 ¦ -(10**5000)
+True ¦ False ¦ '' ¦ 'x' ¦ '1/3' ¦ '1e5' ¦ 'nan' ¦ 'chaplygin'
 '\ud800' ¦ b'ab' ¦ bytearray(b'a') ¦ [] ¦ () ¦ {} ¦ set() ¦ {1: 2} ¦ [1] ¦ [0, 1] ¦ (0, 1) ¦ (0, 1, 2)
 [1, 2, 3, 4] ¦ [None] ¦ [float('nan'), 0, 1] ¦ [float('inf')] ¦ [[1, 2], [3]] ¦ [[1, 2], [3, 4]] ¦ ['a', 'b', 'c']
 [(0, 1)] ¦ [(0, 1), (0, 1)] ¦ [(0, 100)] ¦ [1j, 2, 3] ¦ range(3) ¦ (x for x in (1, 2, 3)) ¦ iter(()) ¦ np.array(1.5)
@@ -20,7 +21,7 @@ Decimal('Infinity') ¦ Fraction(1, 3) ¦ object() ¦ int ¦ lambda *a: a ¦ lamb
 NoIndex() ¦ D ¦ other ¦ B ¦ C ¦ F ¦ Q ¦ J ¦ H ¦ L ¦ A ¦ N ¦ r ¦ state ¦ ball ¦ tilde ¦ flow ¦ motion ¦ step
 GF(101) ¦ GF(7, 2) ¦ QQ ¦ RR ¦ CC ¦ MP(20) ¦ MP(20).one ¦ C.points_at_infinity()[0] ¦ F.points_at_infinity()
 memoryview(b'abc') ¦ Ellipsis ¦ slice(3) ¦ [D, other] ¦ [D, 1] ¦ (1, 2, 10**400) ¦ (1e308, 1e308, 1e308)
-(1e-320, 0, 0) ¦ (0, 0, 0) ¦ (1, 0, 0) ¦ (0, 0, 1) ¦ (-1, 0, 0)
+-10**5000 ¦ 2**63 ¦ (1e-320, 0, 0) ¦ (0, 0, 0) ¦ (1, 0, 0) ¦ (0, 0, 1) ¦ (-1, 0, 0)
 """)
 HOSTILE = """
 class NoIter:
@@ -55,16 +56,17 @@ system: ball ¦ ball.D: ball.divisor(state) ¦ Q.x: 0 ¦ step.system: ball ¦ W.
 set_threads.count: 2 ¦ body: ball.body ¦ matrix: [[1, 2], [3, 4]]
 trace_hamiltonian.point: (1, 2, 3, 4) ¦ recursion_operator.point: (1, 2, 3, 4) ¦ second_bracket.point: (1, 2, 3, 4)
 eigenvalues.point: (1, 2, 3, 4) ¦ principal_divisor.a: [1, 1] ¦ principal_divisor.b: [1]
+X: 0.5 ¦ zeta: 0.2 ¦ Z: 0.3 ¦ added.multiple: 3
 """)
 )
 # whose methods are called
 OBJECTS = listed("""
 C ¦ Q ¦ J ¦ L ¦ D ¦ B ¦ A ¦ N ¦ R ¦ r ¦ U ¦ G ¦ g ¦ S ¦ T ¦ Z ¦ W ¦ Y ¦ ball ¦ top ¦ exact ¦ flow ¦ spin ¦ tilde ¦ hat
-gyro ¦ bent ¦ step ¦ keyless
+gyro ¦ bent ¦ step ¦ keyless ¦ diagram ¦ rolling
 """)
 # what is called itself
 CALLED = listed("""
-T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3)
+T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3) ¦ multiplied ¦ added
 """)
 FACTORIES = listed("""
 GF ¦ MP ¦ HyperellipticCurve ¦ ChaplyginBall ¦ EulerTop ¦ Tilde ¦ Check ¦ Hat ¦ Gyroscopic ¦ set_threads
@@ -75,8 +77,9 @@ QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(2
 """)
 # methods whose arguments are raw elements or internal numbers by contract
 RAW = listed("""
-add ¦ class_of ¦ compile ¦ condition ¦ coordinate ¦ curves_of ¦ double ¦ is_unit ¦ motion ¦ multiply ¦ negate ¦ norm
-normal ¦ over ¦ pace ¦ pair ¦ potential_energy ¦ residual ¦ scalars ¦ translated ¦ value ¦ wider
+add ¦ class_of ¦ compile ¦ condition ¦ coordinate ¦ curves_of ¦ double ¦ eigenvalue_sums ¦ is_unit ¦ motion ¦ multiply
+negate ¦ norm ¦ normal ¦ over ¦ pace ¦ pair ¦ potential_energy ¦ rates_in ¦ residual ¦ scalars ¦ translated ¦ value
+wider
 """)
 OPERATORS = listed("""
 D + {} ¦ {} + D ¦ D - {} ¦ {} - D ¦ D * {} ¦ {} * D ¦ D == {} ¦ A + {} ¦ {} + A ¦ A - {} ¦ {} * A ¦ A * {} ¦ A == {}

@@ -24,6 +24,7 @@ from integrable.classical.lagrange import LagrangeTop
 from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
+from integrable.classical.two_gaps import TwoGaps
 from integrable.classical.veselova import Veselova
 from integrable.laboratory.fit import OrientationFit
 from integrable.motion.conditioning import conditioning
@@ -63,6 +64,7 @@ def systems_over(K):
         "neumann": Neumann(inertia, K),
         "pendulum": SphericalPendulum(K),
         "toda": TodaLattice(3, K),
+        "two gaps": TwoGaps((0, -5, 0), K),
         "veselova": Veselova(inertia, K),
         "ball on the layer": BodyOnLayer(inertia, "0.7", K),
     }
@@ -98,6 +100,7 @@ def values_over(K):
         "path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).at([0, 1]),
         "enclosed path": systems["toda"].flow(systems["toda"].state((0, 1, 2), (1, 0, 0))).enclosure([0, 1]),
         "tilted flow": ball.flow(tilted),
+        "flow on the layer": systems["ball on the layer"].flow(systems["ball on the layer"].state(GAMMA, M)),
         "kdv": KdV((0, 1, 2), K),
         "run": flow.at([0, "1/3", 2]),
         "run in tau": flow.at_tau([1, 2]),

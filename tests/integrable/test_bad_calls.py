@@ -34,6 +34,18 @@ CASES = {
         "g is infinite",
     ),
     "a folder for a stream": (lambda: FLOW.stream("", 0, 1, 5), ArgumentError, "path = '': ", "a .npy file"),
+    "a stream beyond any disk": (
+        lambda: FLOW.stream("run.npy", 0, 1, 10**400),
+        ArgumentError,
+        "count = an int of 1329 bits: so many states do not fit, the disk has room for ",
+        "of 56 bytes",
+    ),
+    "a stream of 2⁶³ states": (
+        lambda: FLOW.stream("run.npy", 0, 1, 2**63),
+        ArgumentError,
+        "count = 92233",
+        "do not fit",
+    ),
     "a name that no file has": (
         lambda: FLOW.stream("\ud800", 0, 1, 5),
         ArgumentError,

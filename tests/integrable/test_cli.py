@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import subprocess
@@ -65,8 +66,8 @@ def test_a_run_with_everything(here, capsys):
     assert "20 digits" in captured.out
     assert "SciPy DOP853" in captured.out
     assert "ball: " in captured.err  # the bar
-    assert "7/7" in captured.err
-    assert main(["run", "ball.toml"]) == 0  # and again, over the same files
+    assert "8/8" in captured.err  # the truth of doubles among them
+    assert main(["run", "ball.toml", "--force"]) == 0  # and again, over the same files
     assert "ball: " not in capsys.readouterr().err  # no terminal, no bar
 
 
@@ -140,7 +141,13 @@ def test_an_output_that_cannot_be_written_gets_one_line(here):
     with open("/dev/full", "w", encoding="utf-8") as full:
         done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, timeout=60, check=False)
     assert done.returncode == 2
-    assert done.stderr == "integrable: error: the output cannot be written: No space left on device\n"
+    assert done.stderr == "integrable: error: the output cannot be written: No space left on device: the disk is full\n"
+
+
+def test_a_folder_of_too_long_a_name_gets_one_line(here, capsys):
+    """Whether a result is there already was asked before, and ended in an OSError."""
+    assert main(["run", "ball.toml", "--quiet", "--out", 300 * "x"]) == 2
+    assert capsys.readouterr().err.count("\n") == 1
 
 
 @pytest.mark.skipif(os.name != "posix", reason="a shell closes the output")
@@ -178,7 +185,7 @@ def test_a_file_is_written_whole_or_not_at_all(here, monkeypatch, capsys):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.replace", full)
-    assert main(["run", "ball.toml"]) == 2
+    assert main(["run", "ball.toml", "--force"]) == 2
     assert "No space left on device" in capsys.readouterr().err
     assert names(here / "runs" / "ball") == ["result.json"]
     assert (here / "runs" / "ball" / "result.json").read_text(encoding="utf-8") == "old"
@@ -266,12 +273,12 @@ def test_scenes_as_json(capsys):
 
 
 def test_the_first_row_is_what_people_will_use(here, capsys):
-    """The compiled loops, before the readable ones that check them; and the table says whose unit its times are in."""
+    """The result, before what it is compared with; and the table says whose unit its times are in."""
     (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
     assert main(["run", "ball.toml", "--no-plots"]) == 0
     lines = capsys.readouterr().out.splitlines()
     head = next(k for k, line in enumerate(lines) if line.startswith("method"))
-    assert lines[head + 1].split()[:3] == ["divisor", "flow", "compiled"]
+    assert lines[head + 1].split()[:3] == ["divisor", "flow", "floats"]
     assert "in the scene's unit of time" in "".join(lines[:head])
 
 
@@ -290,3 +297,48 @@ def test_a_shell_completes_commands_options_and_scenes(here, line, offered):
     asked |= {"_ARGCOMPLETE_STDOUT_FILENAME": str(here / "offered")}
     subprocess.run([sys.executable, "-m", "integrable"], env={**os.environ, **asked}, cwd=here, check=True)
     assert sorted(word.strip() for word in (here / "offered").read_text(encoding="utf-8").split("\n")) == offered
+
+
+def test_a_result_is_not_written_over_unasked(here, capsys, monkeypatch):
+    assert main(["run", "ball.toml", "--quiet"]) == 0
+    written = (here / "runs/ball/result.json").read_bytes()
+    assert main(["run", "ball.toml", "--quiet"]) == 2
+    said = f'out: "{Path("runs/ball")}" has a result; --force writes over it, --out names another folder'
+    assert capsys.readouterr().err == f"integrable: error: {said}\n"
+    assert main(["run", "ball.toml", "--quiet", "--digits", "20", "--force"]) == 0
+    assert (here / "runs/ball/result.json").read_bytes() != written
+    for answer, code in (("y\n", 0), ("\n", 2), ("", 2)):
+        monkeypatch.setattr("sys.stdin", Terminal(answer))
+        monkeypatch.setattr("sys.stderr", Terminal())
+        assert main(["run", "ball.toml", "--quiet"]) == code
+        assert "runs/ball has a result; write over it? [y/N] " in sys.stderr.getvalue().replace("\\", "/")
+
+
+class Terminal(io.StringIO):
+    """What a person types, or sees."""
+
+    def isatty(self):
+        return True
+
+
+def test_help_fits_the_terminal():
+    for width in (64, 80, 120):
+        for words in ([], ["--help"], ["run", "--help"], ["sweep", "--help"], ["report", "--help"], ["view", "--help"]):
+            done = subprocess.run(
+                [sys.executable, "-m", "integrable", *words], capture_output=True, text=True, timeout=60, check=True,
+                env={**os.environ, "COLUMNS": str(width)},
+            )  # fmt: skip
+            assert max(map(len, done.stdout.splitlines())) <= width, (words, width)
+
+
+def test_no_bar_in_a_file(here):
+    """A bar was drawn into a redirected stderr."""
+    line = [sys.executable, "-m", "integrable", "report", "ball.toml", "--quick", "--no-plots"]
+    running = subprocess.Popen(line, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, start_new_session=True)
+    try:
+        with pytest.raises(subprocess.TimeoutExpired):
+            running.communicate(timeout=4)
+    finally:
+        running.terminate()
+        _, err = running.communicate()
+    assert err == b""

@@ -139,12 +139,64 @@ def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width)
         )
         after = page.evaluate(drawn)
         assert before != after
+        page.select_option("#speed", "0.25")  # a busy machine must not reach the end before the second click
         page.click("#play")
         page.wait_for_function("() => Number(document.getElementById('slider').value) > 40")
         page.click("#play")
         assert page.text_content("#play") == "Play"
         assert page.text_content("#time") != ""
         assert page.evaluate("document.documentElement.scrollWidth") <= width
+        # fingers hit what is 44 pixels high
+        heights = "() => [...document.querySelectorAll('#controls > :not(output)')].map(e => e.offsetHeight)"
+        assert all(height == 0 or height >= 44 for height in page.evaluate(heights))
         unnamed = "() => [...document.querySelectorAll('.plot')].filter(p => !p.getAttribute('aria-label')).length"
         assert page.evaluate(unnamed) == 0
+        assert complaints == []
+
+
+@pytest.mark.slow
+def test_lines_on_the_torus_reach_its_edges(tmp_path):
+    """They ended at the last frame before the edge, so that every passage left a gap."""
+    pytest.importorskip("plotly")
+    out = view("chaplygin", tmp_path / "ball.html", frames=100)
+    with opened() as (page, complaints):
+        page.goto(out.as_uri())
+        page.wait_for_function("() => window.drawFrame")
+        x, y = page.evaluate("() => { const d = document.getElementById('torus').data[0]; return [d.x, d.y]; }")
+        gaps = [k for k, value in enumerate(x) if value is None]
+        assert len(gaps) > 5
+        for k in gaps:
+            assert any({side[k - 1], side[k + 1]} == {0, 1} for side in (x, y))
+        assert complaints == []
+
+
+@pytest.mark.slow
+def test_the_captions_are_of_the_body_that_is_shown(tmp_path):
+    """A top was said to be a ball that rolls on a plane."""
+    pytest.importorskip("plotly")
+    text = {
+        name: view(name, tmp_path / f"{name}.html", frames=20).read_text(encoding="utf-8")
+        for name in ("euler_top", "chaplygin")
+    }
+    captions = {
+        name: re.search(r'aria-label="The body, turning".*?</figcaption>', page, re.S)[0] for name, page in text.items()
+    }
+    assert "plane" not in captions["euler_top"]
+    assert "touched the plane" in captions["chaplygin"]
+
+
+@pytest.mark.slow
+def test_a_picture_and_a_video_are_saved(tmp_path):
+    pytest.importorskip("plotly")
+    out = view("euler_top", tmp_path / "top.html", frames=4)
+    with opened() as (page, complaints):
+        page.goto(out.as_uri())
+        page.wait_for_function("() => window.drawFrame")
+        with page.expect_download() as found:
+            page.click("#picture")
+        assert found.value.suggested_filename == "euler_top.png"
+        with page.expect_download() as found:
+            page.click("#video")
+        assert found.value.suggested_filename.startswith("euler_top.")
+        assert (found.value.path()).stat().st_size > 1000
         assert complaints == []

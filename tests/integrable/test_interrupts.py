@@ -1,0 +1,103 @@
+"""Ctrl-C: one line and exit code 130 from the first millisecond on, whatever is under way; nothing is left behind."""
+
+import os
+import signal
+import subprocess
+import sys
+
+import pytest
+
+from jacobian.interrupts import shielded
+from tests.fuzz.outside import COMMANDS, interrupted
+
+pytestmark = pytest.mark.skipif(os.name != "posix", reason="an interrupt of one process is sent to a process of POSIX")
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_at_once(command):
+    """Tracebacks, exit codes −2 and an interrupt without effect, in the first quarter of a second."""
+    found = interrupted(command, 0.0, group=True)
+    name = command.split()[0].rpartition(".")[2]
+    assert (found.code, found.err, found.out, found.left) == (130, f"{name}: interrupted\n", "", [])
+
+
+@pytest.mark.parametrize("delay", [0.05, 0.15, 0.4, pytest.param(2.0, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+def test_a_sweep(executor, delay):
+    """Six seconds, in which threads went on; and the tracebacks of workers."""
+    command = f"integrable sweep chaplygin --vary d=0:1:100000 --chunk 5000 --out out.zarr --executor {executor}"
+    found = interrupted(command, delay, group=True)
+    assert (found.code, found.err, found.out) == (130, "integrable: interrupted\n", "")
+    assert set(found.left) <= {"out.zarr.part"}
+
+
+ODD = """
+import sys, time
+from jacobian.interrupts import leave, stand
+stand("odd")
+class Loud:
+    def __del__(self):
+        print("up", flush=True)
+        {inside}
+{work}
+leave(0)
+"""
+WAIT = "time.sleep(60)"
+LOST = {
+    "in a destructor": ("Loud()", WAIT),
+    "taken for something else": (
+        f"try:\n    print('up', flush=True); {WAIT}\nexcept BaseException: raise ImportError",
+        "",
+    ),
+    "caught": (f"while True:\n    try:\n        print('up', flush=True); {WAIT}\n    except BaseException: pass", ""),
+    "in a thread": (
+        f"import threading\nthreading.Thread(target=lambda: {WAIT}).start(); print('up', flush=True); {WAIT}",
+        "",
+    ),
+    "in a worker": (
+        "from integrable.sweeps.orphans import processes\nwith processes(2) as pool:\n"
+        "    pool.submit(pow, 2, 2).result()\n    print('up', flush=True)\n    pool.submit(time.sleep, 60).result()",
+        "",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", LOST)
+def test_no_interrupt_is_lost(what):
+    work, inside = LOST[what]
+    program = ODD.format(work=work, inside=inside or "pass")
+    running = subprocess.Popen(
+        [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
+    try:
+        assert running.stdout.readline() == b"up\n"
+        os.killpg(running.pid, signal.SIGINT)
+        _, err = running.communicate(timeout=60)
+    finally:
+        running.kill()
+    assert (running.returncode, err) == (130, b"odd: interrupted\n")
+
+
+IGNORED = """
+import os, signal
+from jacobian.interrupts import leave, stand
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+stand("x")
+os.kill(os.getpid(), signal.SIGINT)
+print("on")
+leave(3)
+"""
+
+
+def test_interrupts_that_are_ignored_stay_so():
+    """``nohup``, and what a shell starts with &."""
+    done = subprocess.run([sys.executable, "-c", IGNORED], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (3, "on\n", "")
+
+
+def test_a_process_that_is_started_behind_a_shield_sees_no_interrupt():
+    program = "import os, signal; os.kill(os.getpid(), signal.SIGINT); print('on')"
+    with shielded():
+        done = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (0, "on\n", "")
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, ())

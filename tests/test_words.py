@@ -1,0 +1,146 @@
+"""The style guide of CONTRIBUTING.md as far as a machine can hold it; a person reads the rest."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent
+# made by `integrable report`, whose words are in integrable/study
+MADE = {"docs/error_against_run_time.md"}
+PAGES = sorted(
+    str(path.relative_to(ROOT))
+    for path in (
+        *(ROOT / "docs").rglob("*.md"),
+        *(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "SECURITY.md")),
+    )
+    if str(path.relative_to(ROOT)) not in MADE
+)
+# words at most; the guide asks for 25 and 99
+SENTENCE, PARAGRAPH = 40, 99
+
+
+def prose(page: str) -> str:
+    """The text of a page without code, tables, headings, pictures, formulas and addresses of links."""
+    text = re.sub(r"^(```|~~~).*?^\1", "", page, flags=re.M | re.S)
+    text = re.sub(r"\$\$.*?\$\$", "", text, flags=re.S)
+    text = re.sub(r"\$\$.*?\$\$", "", text, flags=re.S)
+    text = "\n".join("" if re.match(r"\s*([|#]|:{3}|:\w+:)|!\[| {4}", line) else line for line in text.split("\n"))
+    return without_code(re.sub(r"\]\([^)]*\)", "]", text))
+
+
+def without_code(text: str) -> str:
+    return re.sub(r"``[^`]*``|`[^`]*`|\$[^$]*\$", " X ", text)
+
+
+def paragraphs(text: str) -> Iterator[str]:
+    """Blocks between empty lines; the items of a list are blocks of their own."""
+    for block in re.split(r"\n\s*\n|\n(?=\s*(?:[-*†]|\d+\.)\s)", text):
+        if block.strip():
+            yield " ".join(block.split())
+
+
+def sentences(paragraph: str) -> list[str]:
+    """Parts that end with a full stop, a question mark, a colon or a semicolon before what can begin a sentence."""
+    return re.split(r"(?<=[.?!;:])[*\")\]]*\s+(?=[^a-z\W]|[*\[(\"]|X )", paragraph)
+
+
+def words(text: str) -> int:
+    """Words of two letters or more: symbols of formulas do not count."""
+    return len(re.findall(r"[^\W\d_]{2,}", text))
+
+
+def too_long(text: str) -> list[str]:
+    found = []
+    for paragraph in paragraphs(text):
+        if words(paragraph) > PARAGRAPH:
+            found.append(f"paragraph of {words(paragraph)} words: {paragraph[:80]}")
+        found += [f"sentence of {words(s)} words: {s[:80]}" for s in sentences(paragraph) if words(s) > SENTENCE]
+    return found
+
+
+def read(name: str) -> str:
+    return (ROOT / name).read_text(encoding="utf-8")
+
+
+def test_the_readme_is_a_page_that_a_terminal_shows():
+    lines = read("README.md").splitlines()
+    assert len(lines) <= 80
+    assert [line for line in lines if len(line) > 120] == []
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_sentences_and_paragraphs_are_short(page):
+    assert too_long(prose(read(page))) == []
+
+
+MODULES = sorted(path for room in ("jacobian", "integrable") for path in (ROOT / room).rglob("*.py"))
+
+
+def docstrings(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """(name, text) of the module and of public names in it; lines that are set off are formulas or code."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef) and (text := ast.get_docstring(node)):
+            name = getattr(node, "name", "module")
+            if not name.startswith("_"):
+                lines = without_code(text).split("\n")
+                yield name, "\n".join("" if line.startswith("    ") else line for line in lines)
+
+
+def messages(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
+            parts = [x.value for x in ast.walk(node.exc) if isinstance(x, ast.Constant) and isinstance(x.value, str)]
+            yield f"line {node.lineno}", " ".join(parts)
+
+
+@pytest.mark.parametrize("texts", [docstrings, messages])
+def test_sentences_of_docstrings_and_messages_are_short(texts):
+    found = {
+        f"{path.relative_to(ROOT)}, {name}": wrong
+        for path in MODULES
+        for name, text in texts(ast.parse(path.read_text(encoding="utf-8")))
+        if (wrong := too_long(text))
+    }
+    assert found == {}
+
+
+def test_what_is_too_long_is_found():
+    long = "One two " * 20
+    assert too_long(f"{long}three.") != []
+    assert too_long(f"{long.strip()}. {long.strip()}.") == []
+    assert too_long("Six words are in this sentence. " * 17) != []
+    assert too_long(prose("```\n" + "word " * 200 + "\n```\n")) == []
+    body = f'    """{long}three."""\n    raise ValueError("{long}three")\n'
+    source = f"def public():\n{body}\ndef _own():\n{body}"
+    assert [name for name, text in docstrings(ast.parse(source)) if too_long(text)] == ["public"]
+    assert [too_long(text) != [] for _, text in messages(ast.parse(source))] == [True, True]
+
+
+def glossary() -> list[str]:
+    blocks = re.findall(r"^```\{glossary\}\n(.*?)^```", read("docs/glossary.md"), re.M | re.S)
+    return [line for block in blocks for line in block.splitlines() if line and line[0] != " "]
+
+
+def test_a_word_has_one_definition_in_the_glossary():
+    assert [term for term, count in Counter(glossary()).items() if count > 1] == []
+
+
+def test_a_word_has_one_definition_in_the_pages_of_the_rooms():
+    found = Counter()
+    for path in (ROOT / "docs" / "rooms").rglob("*.md"):
+        defined = re.search(r"\*\*Words\.\*\*(.*?)\n\n", path.read_text(encoding="utf-8"), re.S)
+        found.update({word.lower().removesuffix("s") for word in re.findall(r"\*+([^*]+)\*+", defined[1])})
+    assert [word for word, count in found.items() if count > 1] == []
+
+
+def test_our_own_words_are_in_the_glossary():
+    guide = " ".join(read("CONTRIBUTING.md").split())
+    own = re.search(r"Our own words \(([^)]*)\)", guide)[1].split(", ")
+    assert len(own) >= 6
+    assert set(own) <= set(glossary())
