@@ -26,6 +26,7 @@ OTHERS = {
     "CONTRIBUTING.md": "contributing.md",
     "CHANGELOG.md": "changelog.md",
     "SECURITY.md": "security.md",
+    "CODE_OF_CONDUCT.md": "code_of_conduct.md",
     "benchmarks/README.md": "benchmarks.md",
     "tests/data/README.md": "test_data.md",
 }
@@ -47,7 +48,8 @@ def lay_out(source: Path) -> None:
             write(source, page, path)
     for name, page in OTHERS.items():
         write(source, page, ROOT / name)
-    shutil.copy(DOCS / "site" / "conf.py", source)
+    for name in ("conf.py", "mathml.py", "scorer.js"):
+        shutil.copy(DOCS / "site" / name, source)
     static = source / "_static"
     static.mkdir()
     for name in ("site.css", "sort.js"):
@@ -69,7 +71,8 @@ def write(source: Path, page: str, origin: Path) -> None:
         return
     text = origin.read_text(encoding="utf-8")
     target.write_text(
-        re.sub(r"(?<=\]\()([^)#\s:]*\.md)", lambda found: _moved(found[1], origin, page), text), encoding="utf-8"
+        re.sub(r"(?<=\]\()([^)#\s:]*\.(?:md|png))", lambda found: _moved(found[1], origin, page), text),
+        encoding="utf-8",
     )
 
 
@@ -87,10 +90,10 @@ def _how_it_works(source: Path) -> None:
     lines = "\n".join(f"/{name}" for name in (*first, *rest))
     (source / "works").mkdir()
     (source / "works" / "index.md").write_text(
-        "# How it works\n\nBegin with [rooms and arrows](../rooms.md): where things are, two walks from a call to its formula, and "
-        "a page for every room. The other pages are one each for what somebody may want to look up: how a sum is computed, how a "
-        "motion is, how many digits are right and how they are lost.\n\n```{toctree}\n:maxdepth: 2\n\n/rooms\n```\n\n"
-        f"```{{toctree}}\n:maxdepth: 1\n\n{lines}\n/contributing\n/benchmarks\n/test_data\n/security\n/readme\n```\n",
+        "# How it works\n\nBegin with [rooms and imports](../rooms.md): where things are, two walks from a call to its formula, and "
+        "a page for every room. Each other page answers one question: how a sum or a motion is computed, how many digits are "
+        "right, and where digits are lost.\n\n```{toctree}\n:maxdepth: 2\n\n/rooms\n```\n\n"
+        f"```{{toctree}}\n:maxdepth: 1\n\n{lines}\n/contributing\n/benchmarks\n/test_data\n/security\n/code_of_conduct\n/readme\n```\n",
         encoding="utf-8",
     )
     with (source / "rooms.md").open("a", encoding="utf-8") as rooms:

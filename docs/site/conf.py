@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import sys
 from importlib import metadata
+from pathlib import Path
 
 from docutils import nodes
 
@@ -12,13 +14,17 @@ author = "The jacobian-integrable authors"
 copyright = "2026, the jacobian-integrable authors"
 version = release = metadata.version("jacobian-integrable")
 
-extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_design"]
+sys.path.insert(0, str(Path(__file__).parent))
+
+extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx_design", "mathml"]
 exclude_patterns = ["figures"]
 html_theme = "pydata_sphinx_theme"
 html_title = "jacobian · integrable"
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
 html_js_files = [("sort.js", {"defer": "defer"})]
+html_search_scorer = str(Path(__file__).parent / "scorer.js")
+html_math_renderer = "mathml"
 html_theme_options = {
     "navbar_align": "left",
     "show_prev_next": False,
@@ -34,7 +40,7 @@ smartquotes = False  # in formulas an apostrophe is a prime
 html_show_sourcelink = False
 html_copy_source = False
 
-myst_enable_extensions = ["colon_fence", "deflist", "attrs_inline"]
+myst_enable_extensions = ["colon_fence", "deflist", "attrs_inline", "dollarmath"]
 myst_heading_anchors = 3
 # cells are run at every build, one kernel a page; what they raise fails the build
 nb_execution_mode = "force"

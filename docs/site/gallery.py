@@ -48,7 +48,8 @@ def write(source: Path, results: dict[str, Any]) -> None:
     names = "\n".join(scene_names())
     (folder / "index.md").write_text(
         "# Gallery\n\nEvery scene that ships. The picture is the curve that γ, the direction “up” seen from the body, draws on a "
-        "sphere; of a system without a body its coordinates against time; over a finite field two coordinates of every state. Behind it: what makes the motion hard to compute, the commands, what it cost here, and the body in motion.\n\n"
+        "sphere. For a system without a body it shows the coordinates against time, over a finite field two coordinates of every state. The page of a scene "
+        "explains why the motion is hard to compute, and has the commands, the run time and the body in motion.\n\n"
         f":::::{{grid}} 1 2 3 3\n:gutter: 3\n\n{''.join(cards)}:::::\n\n```{{toctree}}\n:hidden:\n\n{names}\n```\n",
         encoding="utf-8",
     )
@@ -63,17 +64,22 @@ def _page(scene: Any, what: str, content: dict[str, Any] | None, found: Any) -> 
         from integrable.scene.tables import duration, figure
 
         parts.append(
-            f"**Time it took.** {found.flow[0]['row']['method'].capitalize()}: {duration(found.best['total'])} with set-up, largest error "
+            f"**Run time.** {found.flow[0]['row']['method'].capitalize()}: {duration(found.best['total'])} with set-up, largest error "
             f"of {scene.letters[0]} {figure(found.best['error_gamma'])} ([all methods](../measured/{scene.name}.md)).\n"
         )
     elif found is not None:
-        parts.append(f"[What was measured](../measured/{scene.name}.md)\n")
+        parts.append(f"[Measurements](../measured/{scene.name}.md)\n")
     if content:
         parts.append(
             "## Watch it move\n\n"
             f'```{{raw}} html\n<details class="moves"><summary>Open the moving page here (5 MB)</summary>\n'
-            f'<iframe class="moving" loading="lazy" src="../_static/view/{scene.name}.html" '
+            f'<iframe class="moving" data-src="../_static/view/{scene.name}.html" '
             f'title="The motion: {scene.title}"></iframe></details>\n'
+            # five megabytes of drawing code are loaded when they are asked for
+            "<script>document.querySelector('.moves').addEventListener('toggle', (event) => {\n"
+            "  const frame = event.target.querySelector('iframe');\n"
+            "  if (!frame.src) frame.src = frame.dataset.src;\n"
+            "});</script>\n"
             f'<p>Or <a href="../_static/view/{scene.name}.html">by itself</a>.</p>\n```\n'
         )
     if (FIGURES / f"{scene.name}.svg").exists():

@@ -11,22 +11,23 @@ from integrable.scene.file import load_scene
 from integrable.scene.tables import duration, figure
 from integrable.study.columns import horizon_name, ratio_cell
 from integrable.study.findings import SceneFindings, Standing, Study, study_from
-from integrable.study.page import introduction, scene_section, sections
+from integrable.study.page import in_one_minute, introduction, scene_section, sections
 
 FIGURES = Path(__file__).parents[1] / "figures" / "report"
 INTRO = """\
 # Error against run time
 
-How near the truth does a method get, in how much time? Every scene was run by every method at several settings; the truth is
-the same motion at 40 digits or more, held against an integrator that shares no code with the flow.
+{minute}
 
-A cell says **how many times the run time of the divisor flow the fastest other method takes** among those that are near enough: their error
-is at most the flow's, or at most what rounding the inputs to doubles does anyway, so that nobody who knows the body to sixteen digits sees a
-difference. Above 1 (<span class="ahead">blue</span>) the flow is ahead, below (<span class="behind">orange</span>) the other; *none*: no setting of any
-method is so near. T is one time, in time scales of the motion (in one the body turns by about a radian), at which the state is asked for; *all its
-times* are those that the scene lists, up to its last. Run times include set-up. A click on a heading sorts; a cell says which method it is about.
+Each cell is **the run time of the fastest sufficiently accurate competitor divided by that of the divisor flow**. Sufficiently accurate means that its error
+is at most the flow's, or at most the effect of rounding the inputs to doubles. Above 1 (<span class="ahead">blue</span>) the flow is faster, below
+(<span class="behind">orange</span>) the competitor. *none*: no method that was run reached that accuracy; *stopped*: the methods could not run.
+
+The state is requested at one time T, in time scales of the motion (the body turns by about a radian in one), or at *all its times*, those that the
+scene lists. Run times count a start and its evaluation, on both sides; costs paid once a machine and once a system are listed separately. A click on a heading sorts;
+the tooltip of a cell names the method.
 """
-CLAIMS = "Each is measured; [details](details.md) and the pages of the scenes have the figures."
+CLAIMS = "Each claim is measured; [details](details.md) and the pages of the scenes have the figures."
 # from this ratio on, a cell looks like that
 LOOKS = ((100.0, "far-ahead"), (1.0, "ahead"), (0.01, "behind"), (0.0, "far-behind"))
 
@@ -50,12 +51,12 @@ def write(source: Path, data: dict[str, Any]) -> dict[str, SceneFindings]:
     names = "\n".join(found.scene.name for found in study.findings)
     others = ", ".join(f"[{f.scene.name}]({f.scene.name}.md)" for f in study.findings if not f.standings)
     if others:
-        others = f"Not in it, for nothing is timed there against others or no divisors move them: {others}.\n\n"
+        others = f"Omitted, without a timed competitor: {others}.\n\n"
     _write(
         folder / "index.md",
-        f"{INTRO}\n```{{raw}} html\n{_chart(study)}```\n\n{others}"
+        f"{INTRO.format(minute=in_one_minute(study))}\n```{{raw}} html\n{_chart(study)}```\n\n{others}"
         f"[All rows where the flow is not ahead](rows.md), in a table that can be sorted. [Details](details.md): long runs, floors, first use, orders, "
-        f"additions, rows without a figure.\n\n## Claims\n\n{CLAIMS}\n\n{claims}\n"
+        f"rows without a figure.\n\n## Claims\n\n{CLAIMS}\n\n{claims}\n"
         f"## How it was measured\n\n{introduction(study)}\n```{{toctree}}\n:hidden:\n\nrows\ndetails\n{names}\n```\n",
     )
     return {found.scene.name: found for found in study.findings}
@@ -84,9 +85,11 @@ def _line(found: SceneFindings, columns: list[float | None]) -> str:
 def _cell(standing: Standing | None) -> str:
     if standing is None:
         return "<td>–</td>"
-    flow, peer, ratio = standing.flow, standing.peer, standing.ratio
+    flow, peer, outcome = standing.flow, standing.peer, standing.outcome
     said = f"the flow: {duration(flow['total'])}, error {figure(flow['error_gamma'])}"
     if peer is not None:
         said = f"{peer['method']}, {peer['setting']}: {duration(peer['total'])}, error {figure(peer['error_gamma'])}; {said}"
-    look = "unmatched" if peer is None else next(name for least, name in LOOKS if ratio >= least)
-    return f'<td class="{look}" title="{html.escape(said)}">{ratio_cell(ratio)}</td>'
+    ratio = standing.least if standing.least is not None else standing.ratio
+    look = "unmatched" if outcome == "none" else next(name for least, name in LOOKS if ratio >= least)
+    colour = "" if outcome == "stopped" else f' class="{look}"'
+    return f'<td{colour} title="{html.escape(said)}">{ratio_cell(standing)}</td>'
