@@ -11,6 +11,7 @@ from jacobian.models.richelot import RichelotIsogeny, Splitting
 from jacobian.models.standard import move_to_infinity
 from jacobian.periods.abel import AbelMap
 from jacobian.periods.abel_balls import AbelBalls
+from jacobian.periods.kleinian import KleinianFunctions
 from jacobian.periods.matrix import periods, real_periods
 from jacobian.relatives.conic import representative
 from jacobian.relatives.extended import ExtendedGroup, Lift, SecondKind
@@ -65,6 +66,7 @@ def values_over(K):
     elif not getattr(K, "complex", K is CC):
         ovals = real_periods(HyperellipticCurve(K, [0, 4, 0, -5, 0, 1]))
         values |= {"Abel map": AbelMap(C), "periods": periods(C), "oval": ovals[0]}
+        values["Kleinian functions"] = KleinianFunctions(AbelMap(C))
     if K is QQ:
         values |= {"Abel map in balls": AbelBalls(C, 10), "Kummer surface": kummer_surface(C)}
     if K.characteristic != 2:

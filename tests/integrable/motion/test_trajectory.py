@@ -40,7 +40,7 @@ WAY = {
     "short run": (BALL, [1.0]),
     "torus": (BALL, [1e9]),
     "multiprecision": (ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), [1.0]),
-    "elliptic curves": (DEFORMED[0], [1.0]),
+    "elliptic curves": (DEFORMED[0], [1e4]),
     "integrated": (DEFORMED[1], [1.0]),
 }
 
