@@ -14,12 +14,15 @@ from typing import Any
 import numpy as np
 from numba.extending import register_jitable
 
-from jacobian.inexact import genus2_complex, genus2_real
+from jacobian.inexact import genus2_complex, genus2_real, retraction
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers.compiler import njit
 
-# the largest remainder f − V² mod U of a sum, beside the size of its terms
-NOISE = 2.0**-36
+# the largest remainder f − V² mod U of a sum, beside the size of its terms: that of the single sum (REMAINDER of
+# jacobian.inexact.composition). 1 or 2 rows of 100 in general position have a larger one, and are added again
+FINE = 2.0**-46
+# the largest before the way back onto the curve; beyond it (1 row of 10⁵) the single sum is taken
+NOISE = 2.0**-40
 # the same remainder of what is given
 GIVEN_NOISE = 2.0**-32
 # divisors opposite to this part of their size: next to nothing is known of their sum
@@ -58,8 +61,8 @@ def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
     return u0 * units[0], u1 * units[1], (columns[2, i] + t0) * units[2], (columns[3, i] + t1) * units[3]
 
 
-def on_curve(f: Any, divisor: Any, noise: Any) -> Any:
-    """Whether f − V² vanishes modulo U, to ``noise`` times the size of the terms."""
+def misfit(f: Any, divisor: Any) -> Any:
+    """The larger coefficient of f − V² modulo U, each over the size of its terms."""
     u0, u1, v0, v1 = divisor
     s0, s1, t0, t1 = extent(u0), extent(u1), extent(v0), extent(v1)
     r0, r1, r2, r3, r4, r5 = f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]
@@ -72,7 +75,7 @@ def on_curve(f: Any, divisor: Any, noise: Any) -> Any:
     r3, r2, a3, a2 = r3 - u1 * r4, r2 - u0 * r4, a3 + s1 * a4, a2 + s0 * a4
     r2, r1, a2, a1 = r2 - u1 * r3, r1 - u0 * r3, a2 + s1 * a3, a1 + s0 * a3
     r1, r0, a1, a0 = r1 - u1 * r2, r0 - u0 * r2, a1 + s1 * a2, a0 + s0 * a2
-    return (extent(r0) <= noise * a0) & (extent(r1) <= noise * a1)
+    return max(extent(r0) / (a0 + TINY), extent(r1) / (a1 + TINY))
 
 
 def apart(first: Any, second: Any) -> Any:
@@ -115,6 +118,25 @@ def steep(f: Any, size: Any) -> Any:
     return extent(size) > FLATTEST
 
 
+def decided(f: Any, block: Any, i: Any) -> Any:
+    """Whether the digits of column i's summands are enough for their sum."""
+    first, second = row(block, 0, i), row(block, 4, i)
+    return steep(f, block[12, i]) & apart(first, second) & even(f, first, second)
+
+
+def improved(f: Any, block: Any, i: Any) -> Any:
+    """Whether the sum of column i comes onto the curve: the one with the smaller remainder of a + b and b + a, whose
+    roundings differ, and a Newton step.
+    """
+    total, other = row(block, 8, i), added(f, row(block, 4, i), row(block, 0, i))[0]
+    if not misfit(f, total) <= misfit(f, other):
+        total = other
+    near = misfit(f, total) <= NOISE
+    total = retraction.retracted(f, total) if len(f) == 6 else genus2_complex.retracted(f, total)
+    block[8, i], block[9, i], block[10, i], block[11, i] = total
+    return near & (misfit(f, total) <= FINE)
+
+
 def row(block: Any, first: Any, i: Any) -> Any:
     """The divisor in rows ``first`` to ``first`` + 3 of a block, column i."""
     return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]
@@ -132,12 +154,14 @@ _KERNEL: tuple[Any, ...] = (
     genus2_complex.second_polynomial,
     genus2_complex.chord,
     genus2_complex.add,
+    genus2_complex.retracted,
+    improved,
 )
 for _function in _KERNEL:
     register_jitable(_function)
 # inlined before the loops are compiled: LLVM makes no vector instructions of a loop with a call in it, and the sum, of
 # some hundred operations, is too large for it to inline by itself
-for _function in (extent, shift, scaled, on_curve, apart, even, added, steep, row):
+for _function in (extent, shift, scaled, misfit, apart, even, added, steep, decided, row):
     register_jitable(forceinline=True)(_function)
 
 
@@ -172,9 +196,10 @@ def add_columns(
             total, block[12, i] = added(f, row(block, 0, i), row(block, 4, i))
             block[8, i], block[9, i], block[10, i], block[11, i] = total
         for i in range(count):
-            useful = on_curve(f, row(block, 8, i), NOISE) & steep(f, block[12, i])
-            known = apart(row(block, 0, i), row(block, 4, i)) & even(f, row(block, 0, i), row(block, 4, i))
-            doubtful[start + i] = not (useful & known)
+            doubtful[start + i] = not ((misfit(f, row(block, 8, i)) <= FINE) & decided(f, block, i))
+        for i in range(count):
+            if doubtful[start + i]:
+                doubtful[start + i] = not (decided(f, block, i) and improved(f, block, i))
         for i in range(count):
             u0, u1 = block[8, i] * units[0], block[9, i] * units[1]
             t0, t1 = shift(half, u0, u1)
@@ -186,6 +211,6 @@ def add_columns(
 def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
     """The first divisor that is not on the curve to GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
-        if not on_curve(f, scaled(half, inverses, divisors, i), GIVEN_NOISE):
+        if not misfit(f, scaled(half, inverses, divisors, i)) <= GIVEN_NOISE:
             return i
     return -1

@@ -221,3 +221,28 @@ def newton_step(
     j0, j1 = 2 * c0 * lean - b0 * top, 2 * (c1 * lean + c0) - b1 * top
     step = (j0.conjugate() * d0 + j1.conjugate() * d1) * (1 / (square(j0) + square(j1) + doubt))
     return c0 + step * lean, c1 + step
+
+
+def retracted(f: Seven, divisor: Four) -> Four:
+    """The divisor after one Newton step of least length towards f ≡ V² mod U, as
+    :func:`jacobian.inexact.retraction.retracted` makes it.
+    """
+    u0, u1, v0, v1 = divisor
+    w0, w1, w2, w3 = cofactor(f, divisor)
+    r0, r1 = f[0] - v0 * v0 - u0 * w0, f[1] - 2 * v0 * v1 - u1 * w0 - u0 * w1
+    # columns of the differential: 2V, 2xV, W, xW modulo U
+    a0, a1 = 2 * v0, 2 * v1
+    b0, b1 = -u0 * a1, a0 - u1 * a1
+    c0, c1 = remainder(w0, w1, w2, w3, f[6], u0, u1)
+    d0, d1 = -u0 * c1, c0 - u1 * c1
+    m00 = square(a0) + square(b0) + square(c0) + square(d0)
+    m11 = square(a1) + square(b1) + square(c1) + square(d1)
+    m01 = a0 * a1.conjugate() + b0 * b1.conjugate() + c0 * c1.conjugate() + d0 * d1.conjugate()
+    scale = 1 / (m00 * m11 - square(m01))
+    s0, s1 = (m11 * r0 - m01 * r1) * scale, (m00 * r1 - m01.conjugate() * r0) * scale
+    return (
+        u0 + c0.conjugate() * s0 + c1.conjugate() * s1,
+        u1 + d0.conjugate() * s0 + d1.conjugate() * s1,
+        v0 + a0.conjugate() * s0 + a1.conjugate() * s1,
+        v1 + b0.conjugate() * s0 + b1.conjugate() * s1,
+    )
