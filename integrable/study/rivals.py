@@ -6,7 +6,7 @@ ratio is of one process on one machine. Both sides count a start with its evalua
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from fractions import Fraction
 from math import inf
@@ -22,7 +22,7 @@ from integrable.study.timing import Tick, Timed, TooLong, at_most, interleaved
 from integrable.study.truth import Truth
 from jacobian.errors import JacobianError
 
-__all__ = ["affordable", "at_one_time", "flow_once", "method_once", "pilot", "standing"]
+__all__ = ["affordable", "at_one_time", "at_times", "flow_once", "method_once", "pilot", "standing"]
 
 PILOT = 2.0**-7
 """Time scales of the first trial of an integrator, from which the time of a whole run is told in advance."""
@@ -69,11 +69,20 @@ def method_once(scene: Scene, method: Method, value: float) -> tuple[Problem, Ca
     return problem, lambda: timed_run(method, problem, times, value)
 
 
+def at_times(scene: Scene, times: Iterable[Any]) -> Scene:
+    """The scene at other times."""
+    return replace(scene, times=Times(given=tuple(map(Fraction, times))))
+
+
 def at_one_time(task: Task) -> Task:
     """The task at the time of its setting, in time scales of the motion."""
     scale = time_scale(*task.scene.start(FLOAT_DIGITS))
-    scene = replace(task.scene, times=Times(given=(Fraction((task.value or 1.0) * scale),)))
-    return replace(task, scene=scene, value=None, limits=replace(task.limits, check=0.0))
+    return replace(
+        task,
+        scene=at_times(task.scene, [(task.value or 1.0) * scale]),
+        value=None,
+        limits=replace(task.limits, check=0.0),
+    )
 
 
 def standing(task: Task, truth: Truth, floor: float, tick: Tick) -> Data:

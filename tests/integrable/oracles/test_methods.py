@@ -6,7 +6,7 @@ import json
 import time
 from dataclasses import replace
 from fractions import Fraction
-from functools import cache
+from functools import cache, partial
 from itertools import pairwise
 from pathlib import Path
 
@@ -432,3 +432,28 @@ def test_an_integrator_is_built_once_for_all_bodies() -> None:
         assert spent.counted < 0.3
         assert spent.first == pytest.approx(sum(spent))
     assert len(built) == 1
+
+
+@pytest.mark.parametrize("name", ["heyoka", "heyoka, long double"])
+def test_heyoka_takes_times_of_any_sort(name):
+    """It is given a list of floats as it is; what it does not take as it is goes another way to the same states."""
+    pytest.importorskip("heyoka")
+    system, state = PROBLEMS["top"]
+    solve = partial(METHODS[name].solve, system, state, setting=1e-15)
+    usual = solve([0.0, 0.5, 1.0])
+    assert np.array_equal(usual.gamma[0], [float(x) for x in state.gamma])
+    for times, rows in (
+        ([0, 0.5, 0.5, 1.0], [0, 1, 1, 2]),
+        ([Fraction(0), Fraction(1, 2), Fraction(1)], [0, 1, 2]),
+        (iter([1.0]), [2]),
+        (np.array([1.0, 0.0, 0.5]), [2, 0, 1]),
+        ([0, 1], [0, 2]),
+        ([0.0], [0]),
+        ([0.5, 0.5], [1, 1]),
+    ):
+        found = solve(times)
+        assert found.gamma.dtype == found.M.dtype == float
+        assert np.allclose(found.M, usual.M[rows], rtol=0, atol=1e-15)
+    assert solve([]).gamma.shape == (0, 3)
+    back = METHODS[name].solve(system, type(state)(tuple(usual.gamma[1]), tuple(usual.M[1])), [-0.5], 1e-15)
+    assert np.allclose(back.gamma[0], usual.gamma[0], rtol=0, atol=1e-15)
