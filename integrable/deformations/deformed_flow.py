@@ -114,7 +114,9 @@ class DeformedFlow(EnclosedMotion):
     """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
 
     Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,
-    floats included. PrecisionLoss where more than MOST_LOST digits would be lost.
+    floats included. The same times have the same states, to the last bit, whatever was asked before; only when the walk
+    of a kind of systems is compiled, once on a machine, may last bits change (:class:`integrable.series.kinds.Kind`).
+    PrecisionLoss where more than MOST_LOST digits would be lost.
     """
 
     method = "elliptic curves"

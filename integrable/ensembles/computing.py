@@ -135,7 +135,7 @@ def short_runs(
     times = times_of_some(times, which)
     count, length = len(which), times.shape[1]
     rows, tau = np.empty((count, length, 6)), np.empty((count, length))
-    most = panels_within(ROLLING if rolls else FREE, length, False, 0, WORTH_OF_MANY)
+    most = panels_within(ROLLING if rolls else FREE, length, WORTH_OF_MANY)
     asked = Asked(members[which], tilted, rolls, False, most, DRIFT_OF_MANY, PACE_OF_MANY)
     status, _ = compiled_runs(asked, times, rows, tau)
     had = status == 0

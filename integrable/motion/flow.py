@@ -65,8 +65,9 @@ class Flow(BodyMotion):
 
     ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by the
     amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
-    :meth:`at` and :meth:`at_tau` may be called any number of times. Cached parts affect which way is cheapest for few
-    near times, so a later call may differ by rounding.
+    :meth:`at` and :meth:`at_tau` may be called any number of times. The same times have the same states, to the last
+    bit, whatever was asked before: ``kernel="compiled"``, which takes the torus at any time, is quicker for a flow that
+    is asked again and again for one time some hundreds away.
     """
 
     kernel: str
@@ -222,7 +223,7 @@ class Flow(BodyMotion):
         if runs is None:
             # without the lock of a cached_property
             runs = there["_short"] = ShortRuns(self.system, self.state, self.kernel)
-        return ShortFirst(runs, there.get("_torus") is not None or "_symmetric" in there, lambda: self._far)
+        return ShortFirst(runs, lambda: self._far)
 
     @property
     def _far(self) -> Way:
@@ -233,7 +234,7 @@ class Flow(BodyMotion):
             return self._torus
         if not self._compiled:
             return self._precise
-        return ShortFirst(self._guarded, False, lambda: self._precise)
+        return ShortFirst(self._guarded, lambda: self._precise)
 
     @property
     def _compiled(self) -> bool:

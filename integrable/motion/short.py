@@ -85,7 +85,8 @@ Found = tuple[np.ndarray, np.ndarray]
 class ShortRuns:
     """γ and M at a few turns' times from one state, in the user's units; None where another way is needed.
 
-    ``kernel`` as for :class:`integrable.motion.flow.Flow`. ``torus``: whether there is one already.
+    ``kernel`` as for :class:`integrable.motion.flow.Flow`. Times, body and state alone decide: the same ones have the
+    same states whatever was asked before.
     """
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
@@ -93,24 +94,24 @@ class ShortRuns:
         self._given = np.array([[*body.inertia, body.d, *state.gamma, *state.M]], dtype=np.float64)
         self._tilted, self._rolls, self._kernel = state.tilted, body.rolls, kernel
         self._cost = torus_cost(min(body.inertia), max(body.inertia), body.d)
-        # panels of this flow so far: that many would have paid for a torus
+        # of the last run; only measurements read them
         self.panels = 0
 
-    def at(self, times: np.ndarray, torus: bool = False) -> Found | None:
+    def at(self, times: np.ndarray) -> Found | None:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        return self._run(times, torus, self._rolls, False)
+        return self._run(times, self._rolls, False)
 
-    def at_tau(self, tau: np.ndarray, torus: bool = False) -> np.ndarray | None:
+    def at_tau(self, tau: np.ndarray) -> np.ndarray | None:
         """γ and M at values of τ, shape (N, 6)."""
-        found = self._run(tau, torus, False, False)
+        found = self._run(tau, False, False)
         return None if found is None else found[0]
 
-    def times(self, tau: np.ndarray, torus: bool = False) -> np.ndarray | None:
+    def times(self, tau: np.ndarray) -> np.ndarray | None:
         """Physical times at values of τ."""
-        found = self._run(tau, torus, False, True)
+        found = self._run(tau, False, True)
         return None if found is None else found[1]
 
-    def _run(self, times: np.ndarray, torus: bool, physical: bool, clock: bool) -> Found | None:
+    def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
         """The states, and τ at ``physical`` times or, if the ``clock`` is asked for, physical times at τ."""
         if len(times) > MOST_TIMES:
             return None
@@ -118,7 +119,7 @@ class ShortRuns:
         if self._kernel == "python" or interpreted():
             if len(times) < INTERPRETED_TIMES:
                 status, rows, other = self._interpreted(times, physical, clock)
-        elif (most := panels_within(self._cost, len(times), torus, self.panels)) > 0:
+        elif (most := panels_within(self._cost, len(times))) > 0:
             status, rows, other = self._compiled(times, physical, clock, most)
         return None if status else (rows, other if physical or clock else times)
 
@@ -126,8 +127,7 @@ class ShortRuns:
         self, times: np.ndarray, physical: bool, clock: bool, most: int
     ) -> tuple[int, np.ndarray, np.ndarray]:
         asked = Asked(self._given, self._tilted, physical, clock, most, DRIFT, PACE)
-        status, panels, rows, other = compiled_run(asked, times)
-        self.panels += panels
+        status, self.panels, rows, other = compiled_run(asked, times)
         return status, rows, other
 
     def _interpreted(self, times: np.ndarray, physical: bool, clock: bool) -> tuple[int, np.ndarray, np.ndarray]:
@@ -158,7 +158,7 @@ class GuardedRuns(ShortRuns):
         super().__init__(system, state)
         self._many = many
 
-    def _run(self, times: np.ndarray, torus: bool, physical: bool, clock: bool) -> Found | None:
+    def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
         setup = self._many.carrier.setup
         half = short.panel_half(float(setup.problem.half_step))
         rate = float(abs(rate_at(setup.problem.axes, setup.problem.start))) if physical else 1.0
@@ -257,35 +257,31 @@ def torus_cost(least: float, most: float, d: float) -> TorusCost:
     return THIN if most * (least + d) > THINNER * least * (most + d) else ROLLING
 
 
-def panels_within(torus: TorusCost, count: int, there: bool, spent: int, worth: float = WORTH) -> int:
-    """So many panels, after those ``spent`` on a motion before, are worth more than so many states off a torus, and the
-    torus itself if it is not ``there``.
-    """
-    cost = count * (torus.each if count < DENSE_FROM else torus.dense)
-    if not there:
-        cost += max(0.0, torus.set_up - PANEL_COST * spent)
+def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
+    """So many panels cost less than a torus and so many states off it."""
+    cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
     return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
 
 
 class ShortFirst:
     """The :class:`integrable.motion.trajectory.Way` of one call: a short run, or what ``other`` gives."""
 
-    def __init__(self, runs: ShortRuns, torus: bool, other: Callable[[], Way]) -> None:
-        self._runs, self._torus, self._other = runs, torus, other
+    def __init__(self, runs: ShortRuns, other: Callable[[], Way]) -> None:
+        self._runs, self._other = runs, other
         self.way = "short run"
 
     def at(self, times: np.ndarray) -> Found:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
-        return self._runs.at(times, self._torus) or self._far().at(times)
+        return self._runs.at(times) or self._far().at(times)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
-        found = self._runs.at_tau(tau, self._torus)
+        found = self._runs.at_tau(tau)
         return self._far().at_tau(tau) if found is None else found
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
-        found = self._runs.times(tau, self._torus)
+        found = self._runs.times(tau)
         return self._far().times(tau) if found is None else found
 
     def _far(self) -> Way:

@@ -107,7 +107,9 @@ class MumfordFlow:
         Floats are right to their last bits, numbers of MP(digits) to their digits; see
         :meth:`integrable.mumford.motion.MumfordMotion.row`. Floats near the start come from Taylor series
         (:mod:`integrable.series.near`). Others of a motion of genus 1 and 2 in floats are read off its real torus;
-        many of one of genus 3 to 6 come from tables. ArgumentError for times that are no numbers.
+        many of one of genus 3 to 6 come from tables. The same times have the same states, to the last bit, whatever was
+        asked before; only when the walk of a kind of systems is compiled, once on a machine, may last bits change.
+        ArgumentError for times that are no numbers.
         """
         import numpy as np
 

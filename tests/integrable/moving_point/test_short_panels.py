@@ -64,7 +64,7 @@ def test_compiled_runs_are_interpreted_ones(name) -> None:
     places = np.concatenate([half * (rule().nodes + 1), 2 * half * np.arange(-3, 4)])
     for tau in (places, places[:3], np.linspace(-2, 1, LANES), np.linspace(0, 2, LANES + 1), np.array([])):
         runs = [ShortRuns(system, state, kernel) for kernel in ("auto", "python")]
-        (rows, times), (expected, expected_times) = (x._run(tau, False, False, True) for x in runs)
+        (rows, times), (expected, expected_times) = (x._run(tau, False, True) for x in runs)
         assert abs(rows - expected).max(initial=0) < 2e-14
         assert abs(times - expected_times).max(initial=0) < 2e-14 * max(1, abs(times).max(initial=0))
         (rows, back), (expected, _) = (x.at(times) for x in runs)
