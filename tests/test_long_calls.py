@@ -11,6 +11,8 @@ import time
 
 import pytest
 
+from tests.fuzz.outside import LISTENING
+
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="processor time of a running process"),
@@ -90,7 +92,7 @@ def spent(pid: int) -> float:
 def test_a_long_call_speaks_and_stops(what):
     before, call = CALLS[what]
     running = subprocess.Popen(
-        [sys.executable, "-c", PROGRAM.format(before=before, call=call)],
+        [sys.executable, "-c", LISTENING + PROGRAM.format(before=before, call=call)],
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
     )  # fmt: skip
     try:

@@ -124,9 +124,14 @@ COMMANDS = (
     "integrable sweep chaplygin --vary d=0:1:2000 --executor threads", "integrable report --quick --jobs 2",
     "jacobian compile", "benchmarks --list", "tests.fuzz command --cases 20",
 )  # fmt: skip
-# the interrupt waits until the command's handler stands: before it Python itself is being started
+# a test run under nohup, or behind the & of a script, ignores interrupts, and so would all that it starts
+LISTENING = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+"""
+# the interrupt waits until the command's handler stands: before it Python itself and the packages are being loaded
 STARTED = """
-import os, runpy, signal, sys
+import os, runpy, sys
 import integrable
 import jacobian.interrupts as interrupts
 stand, known = interrupts.stand, set(sys.modules)
@@ -148,7 +153,7 @@ runpy.run_module(sys.argv[0], run_name="__main__", alter_sys=True)
 def interrupted(command: str, delay: float, group: bool) -> Ended:
     """A command that is interrupted after ``delay`` seconds, alone or with its group, as a terminal does it."""
     with TemporaryDirectory() as place:
-        words = [sys.executable, "-c", STARTED, *command.split()]
+        words = [sys.executable, "-c", LISTENING + STARTED, *command.split()]
         running = subprocess.Popen(
             words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, cwd=place, start_new_session=True,
             env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},

@@ -1,4 +1,4 @@
-"""Ctrl-C: one line and exit code 130 from the first millisecond on, whatever is under way; nothing is left behind."""
+"""Ctrl-C: one line and exit code 130 from where the handler stands, whatever is under way; nothing is left behind."""
 
 import os
 import signal
@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from jacobian.interrupts import shielded
-from tests.fuzz.outside import COMMANDS, interrupted
+from tests.fuzz.outside import COMMANDS, LISTENING, interrupted
 
 pytestmark = pytest.mark.skipif(os.name != "posix", reason="an interrupt of one process is sent to a process of POSIX")
 
@@ -65,7 +65,7 @@ LOST = {
 @pytest.mark.parametrize("what", LOST)
 def test_no_interrupt_is_lost(what):
     work, inside = LOST[what]
-    program = ODD.format(work=work, inside=inside or "pass")
+    program = LISTENING + ODD.format(work=work, inside=inside or "pass")
     running = subprocess.Popen(
         [sys.executable, "-c", program], stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     )
@@ -87,6 +87,15 @@ os.kill(os.getpid(), signal.SIGINT)
 print("on")
 leave(3)
 """
+
+
+def test_what_these_tests_start_listens_where_they_themselves_ignore_interrupts():
+    """Under ``nohup`` they failed, and waited ten minutes for processes that did not end."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        assert interrupted("integrable scenes", 0.0, group=True).code == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def test_interrupts_that_are_ignored_stay_so():
