@@ -7,12 +7,12 @@ from random import Random
 
 import pytest
 
-from integrable import Check, EulerTop, Hat, Tilde
+from integrable import ChaplyginBall, Check, EulerTop, Hat, Tilde
 from integrable.phase import separation
 from integrable.phase.brackets import differential, image_brackets, jacobian_matrix, over, root, weighted_matrix
 from integrable.phase.separation import Separated
 from integrable.steps.translation import moving_branch_point, on_line
-from jacobian import GF, poly
+from jacobian import GF, MP, poly
 from tests.integrable.exact_points import FIELDS_WITH_I, attempt, over_fields, random_case
 from tests.integrable.exact_states import random_state
 
@@ -170,6 +170,24 @@ def test_sums_on_two_curves_commute_with_the_motion_in_tau_and_at_d_0_in_t(K, na
     (in_t, in_tau), (met_t, met_tau) = _speeds(system, state), _speeds(system, image)
     assert tuple(K.dot(row, in_tau) for row in rows) == met_tau
     assert (tuple(K.dot(row, in_t) for row in rows) == met_t) == (not system.body.rolls)
+
+
+@pytest.mark.parametrize("F", [lambda h1, h2: h2 / 2, lambda h1, h2: h1 * h2 / 8])
+@pytest.mark.parametrize(
+    "system", [ChaplyginBall((1, 2, 3), "0.7", field=MP(20)), EulerTop((1, 2, 3), field=MP(20))], ids=["ball", "top"]
+)
+def test_a_shift_commutes_with_the_motion_in_tau(system, F) -> None:
+    """Over MP, as no finite field has shifts; in t at d = 0 only."""
+    start, step = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")), system.shift(F)
+
+    def moved(state, name):
+        run = getattr(system.flow(state), name)([3])
+        return system.state(run.gamma[0], run.M[0])
+
+    for name, commutes in (("at_tau", True), ("at", not system.body.rolls)):
+        one, two = step(moved(start, name)), moved(step(start), name)
+        off = max(abs(x - y) for x, y in zip(_six(one), _six(two), strict=True))
+        assert (off < 1e-17) if commutes else (off > 1e-4)
 
 
 @pytest.mark.parametrize(("point", "least"), [((2, 5), 0.01), ((0.1, 0.3), 0.1)])
