@@ -132,8 +132,9 @@ def _first_column(K: Any, F: poly.Poly, g: int, index: int = 0) -> list[Any]:
     start = K.power(F[0], (p - 1) // 2)
     ratios = [K.div(c, F[0]) for c in F[1:]]
     if PRODUCTS_FROM < p < PRODUCTS_TO and len(ratios) <= PRODUCTS_DEGREE:
-        from jacobian.finite.matrix_products import Products
+        from jacobian.finite.matrix_products import Products, compiled
 
+        compiled()
         return Products(p, ratios, (index, g)).last(start, g)
     import numpy as np
 

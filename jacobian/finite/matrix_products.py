@@ -10,6 +10,7 @@ vanishes: a is n/β or an integer, and t·β/n ≠ ±1 modulo p for |t| ≤ 2n, 
 
 from __future__ import annotations
 
+from functools import cache
 from math import log2
 from typing import Any
 
@@ -20,7 +21,6 @@ from jacobian.numbers.convolution import LEAST, LONGEST, Convolutions, balanced
 from jacobian.numbers.threads import in_ranges
 from jacobian.progress import Progress
 
-"""Seconds from one message to the next."""
 FIRST = LEAST // 2
 """The values of so many points are had factor by factor."""
 MEMORY = 3 << 30
@@ -55,17 +55,17 @@ class Products:
         values, room = (np.empty((self.d**2, beta)) for _ in range(2))
         self._double(values, room)
         points = (p - 1) // beta
-        kernels.chain(self.P, self.c, float(beta), 0, values[:, :points], part)
+        kernels.chain(self.P, self.c, float(beta), 0, values, min(points, beta), part)
         for first in range(beta, points, beta):
             self._shift(values, [(first, room)])
-            kernels.chain(self.P, self.c, float(beta), first, room[:, : points - first], part)
+            kernels.chain(self.P, self.c, float(beta), first, room, min(points - first, beta), part)
         kernels.walk(self.P, self.c, points * beta + 1, p, part)
         return [int(c) % p for c in window[:count]]
 
     def _double(self, values: Any, room: Any) -> None:
         """The values at 0, β, … (β − 1)β."""
         n = FIRST
-        kernels.direct(self.P, self.c, float(self.beta), n - 1, values[:, :n])
+        kernels.direct(self.P, self.c, float(self.beta), n - 1, values, n)
         while n < self.beta:
             a = n * pow(self.beta, -1, self.p) % self.p
             self._shift(values[:, :n], [(n, values[:, n:]), (a, room), (a + n, room[:, n:])])
@@ -100,6 +100,13 @@ class Products:
                 self.progress.add((1 + len(prepared)) * n * log2(n))
 
         in_ranges(self.d**2, 1, entries)
+
+
+@cache
+def compiled() -> None:
+    """Compiles all loops, by small products: seconds that the estimate of how long a computation takes is not to have
+    in it."""
+    Products(8191, [1], beta=2 * FIRST).last(1, 1)
 
 
 def step(p: int, d: int) -> int:

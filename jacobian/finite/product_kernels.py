@@ -92,21 +92,21 @@ def _step(P, c, d, k, S, row):  # type: ignore[no-untyped-def]
 
 
 @njit(**JIT)
-def direct(P, c, beta, steps, values):  # type: ignore[no-untyped-def]
-    """values = M(x + steps)·…·M(x + 1) at x = 0, β, 2β, …"""
+def direct(P, c, beta, steps, values, points):  # type: ignore[no-untyped-def]
+    """values = M(x + steps)·…·M(x + 1) at x = 0, β, 2β, …, so many points."""
     d = c.shape[1]
     S, row, x, k = np.empty((d * d, BLOCK)), np.empty((d, BLOCK)), np.empty(BLOCK), np.empty(BLOCK)
-    for begin in range(0, values.shape[1], BLOCK):
-        S[:] = 0.0
-        for i in range(d):
-            S[i * d + i] = 1.0
+    for begin in range(0, points, BLOCK):
+        for e in range(d * d):
+            for j in range(BLOCK):
+                S[e, j] = 1.0 if e % (d + 1) == 0 else 0.0
         for j in range(BLOCK):
             x[j] = mul(P, float(begin + j), beta)
         for step in range(1, steps + 1):
             for j in range(BLOCK):
                 k[j] = canonical(P, mul(P, x[j] + step, 1.0))
             _step(P, c, d, k, S, row)
-        size = min(BLOCK, values.shape[1] - begin)
+        size = min(BLOCK, points - begin)
         for e in range(d * d):
             for j in range(size):
                 values[e, begin + j] = S[e, j]
@@ -138,11 +138,11 @@ def join(P, c, beta, middle, upper, values, begin, end):  # type: ignore[no-unty
 
 
 @njit(**JIT)
-def chain(P, c, beta, first, values, window):  # type: ignore[no-untyped-def]
-    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for the points i from ``first`` on."""
+def chain(P, c, beta, first, values, points, window):  # type: ignore[no-untyped-def]
+    """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for so many points i from ``first`` on."""
     d = c.shape[1]
     new = np.empty(d)
-    for i in range(values.shape[1]):
+    for i in range(points):
         for r in range(d):
             total = 0.0
             for column in range(d):

@@ -43,7 +43,7 @@ def _join(Q, c0, c1, c2, c3, outer, inner, other):  # type: ignore[no-untyped-de
     return b0 + b2, b1 + b3, mul(Q, b0 - b2, outer), mul(Q, b1 - b3, outer)
 
 
-@register_jitable(**INLINED)
+@register_jitable
 def _halves(Q, x, m):  # type: ignore[no-untyped-def]
     """The level modulo X^(2m) − 1, one down or, times two, one up."""
     for j in range(m):
@@ -51,7 +51,7 @@ def _halves(Q, x, m):  # type: ignore[no-untyped-def]
         x[j], x[m + j] = low + high, low - high
 
 
-@register_jitable(**INLINED)
+@register_jitable
 def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
     """Two levels of block b, of length 4m: ``turn`` is :func:`_split` or :func:`_join`."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
@@ -61,7 +61,7 @@ def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
         x0[j], x1[j], x2[j], x3[j] = turn(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
 
 
-@register_jitable(**INLINED)
+@register_jitable
 def _beside(turn, Q, W, S, m, b):  # type: ignore[no-untyped-def]
     """The same for SIDE blocks from b on, of which number i of block b + k is S[i·SIDE + k]; m = 1 or 4, and for
     1 each is four blocks, from 4b on."""
@@ -89,12 +89,15 @@ def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
             S[i * SIDE + k] = x[begin + 16 * k + i]
     _beside(_split, Q, W, S, 4, b)
     _beside(_split, Q, W, S, 1, b)
-    x[begin : begin + LEAST] = S
+    # not x[begin:…] = S: for its message about lengths numba compiles its strings, which takes a second
+    for i in range(LEAST):
+        x[begin + i] = S[i]
 
 
 @register_jitable(**INLINED)
 def _first_up(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
-    S[:] = x[begin : begin + LEAST]
+    for i in range(LEAST):
+        S[i] = x[begin + i]
     _beside(_join, Q, W, S, 1, b)
     _beside(_join, Q, W, S, 4, b)
     for k in range(SIDE):
