@@ -18,7 +18,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from integrable.moving_point.elliptic_integrals import complete
-from integrable.portrait.angles import divisor_of, start_angles
+from integrable.portrait.angles import start_angles
 from integrable.portrait.ovals import Level, Ovals
 from jacobian.errors import NotRepresentable
 from jacobian.immutable import Immutable
@@ -55,11 +55,11 @@ class Portrait(Immutable):
     ``drift`` is the mean velocity of the point of contact along −y of :attr:`Trajectory.attitude`, in the unit of the
     radius or in radii; None for a body that does not roll. ``mean_spin`` is the mean of (γ, ω), ``mean_g`` that of g =
     dτ/dt over t. ``wide_frequencies`` are (f1, f2) to the digits of the set-up. ``ovals`` has the periods, None where
-    the ovals have met; ``level`` and ``divisor`` describe the curve and the start.
+    the ovals have met; ``level`` describes the curve.
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
-        self._field, self.divisor = system.field, divisor_of(setup)
+        self._field, self._given = system.field, (system, state, setup)
         level = self.level = Level.of(setup)
         self.region = _region(level)
         self.ovals = Ovals.of(level) if level.parted else None
@@ -98,8 +98,13 @@ class Portrait(Immutable):
         They are those of the divisor, 0 at (u1, u2) = (a₁, a₃): the eight states that share it have the same angles.
         NotRepresentable for equal moments and rotations, where one point of the divisor is at rest and has no angle.
         """
-        first, second = start_angles(self.divisor, self.level, self.moving("angles"))
+        first, second = self.wide_angles("angles")
         return self._field.coerce(first), self._field.coerce(second)
+
+    def wide_angles(self, name: str) -> tuple[Any, Any]:
+        """:attr:`angles` to the digits of the set-up; NotRepresentable names the requested quantity."""
+        self.moving(name)
+        return start_angles(*self._given)
 
     @cached_property
     def periods(self) -> tuple[Any, Any]:

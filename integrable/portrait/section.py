@@ -20,7 +20,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from integrable.moving_point.newton import step_inside
-from integrable.portrait.angles import start_sums
 from integrable.portrait.ovals import Level
 from jacobian import RR
 from jacobian.errors import one_of, whole
@@ -86,7 +85,8 @@ def section(flow: Any, count: int, axis: str) -> Section:
     portrait = flow.portrait
     level, ovals = portrait.level, portrait.moving("section")
     first = axis == "largest"
-    sums = start_sums(portrait.divisor, level)
+    one, two = (theta - theta.context.nint(theta) for theta in portrait.wide_angles("section"))
+    sums = 2 * (one * ovals.A0 + two * ovals.B0), 2 * (one * ovals.A1 + two * ovals.B1)
     own, other = ((ovals.A0, ovals.A1), (ovals.B0, ovals.B1)) if first else ((ovals.B0, ovals.B1), (ovals.A0, ovals.A1))
     series = OvalSeries(level, 1 if first else 0)
     # the first crossings are those of τ > 0: some n before are tried too; on the second oval n decreases
@@ -134,8 +134,8 @@ def _refined(flow: Any, tau: Any, axis: int) -> Any:
 
 
 class OvalSeries:
-    """∫dx/y of a point of an oval as a function of its ∫x dx/y, both from the outer end, in floats: Fourier series in
-    the angle of :mod:`integrable.portrait.angles`.
+    """∫dx/y of a point of an oval as a function of its ∫x dx/y, both from the outer end e, in floats: Fourier series in
+    φ, x = e + (e' − e)sin²φ, e' the inner end.
     """
 
     def __init__(self, level: Level, oval: int) -> None:
