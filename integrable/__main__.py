@@ -36,7 +36,7 @@ examples:
   integrable sweep chaplygin --vary d=0.1:2:50
                                               50 motions in one file (docs/many.md)
   integrable race my.py:solve                 your integrator beside others (docs/howto/own_integrator.md)
-  integrable report --quick                   error against run time of a few scenes, in two minutes
+  integrable report chaplygin --quick         error against run time of a scene beside other integrators (a minute)
   integrable report                           of all scenes and methods; may be killed and started again
 """
 
@@ -48,7 +48,7 @@ What you can do next:
   integrable run chaplygin      roll a ball: error against run time beside SciPy, pictures in runs/chaplygin (a minute)
   integrable view chaplygin     see it roll: a page for your browser, runs/chaplygin/view.html
   integrable scenes             the other scenes: tops, thin and heavy balls, separatrices, finite fields
-  integrable report --quick     error against run time of a few scenes beside other integrators (two minutes)
+  integrable report chaplygin --quick   error against run time beside other integrators (a minute)
   integrable --help             all commands; integrable COMMAND --help: their options
 
 A scene of your own is a file of ten lines: docs/scenes.md. In Python: import integrable; help(integrable).
@@ -207,10 +207,10 @@ def _add_report(commands: Any) -> None:
         "are kept one by one: a study that was killed resumes when started again. Two on one folder share the work.",
     )
     scenes: Any = report.add_argument(
-        "scenes", metavar="NAME_OR_FILE", nargs="*", help="scenes (default: all that ship; with --quick a few of them)"
+        "scenes", metavar="NAME_OR_FILE", nargs="*", help="scenes (default: all that ship)"
     )
     scenes.completer = _scenes_and_files
-    report.add_argument("--quick", action="store_true", help="fewer scenes, settings and repeats: under two minutes")
+    report.add_argument("--quick", action="store_true", help="fewer settings and repeats: about a minute a scene")
     report.add_argument("--out", metavar="DIR", help="folder of the study (default: runs/report, runs/report-quick)")
     report.add_argument(
         "--format", choices=("png", "svg", "both"), default="svg", help="format of the figures (default: svg)"
@@ -220,7 +220,13 @@ def _add_report(commands: Any) -> None:
         "--jobs",
         type=int,
         metavar="N",
-        help="rows measured at a time (default: the cores; 1: quietest timings)",
+        help="truths computed at a time (default: the cores); what is timed runs alone",
+    )
+    report.add_argument(
+        "--minutes",
+        type=float,
+        metavar="N",
+        help="begin no row after so many, and write the page with the others named as not measured (default: no limit)",
     )
     report.add_argument(
         "--json",
@@ -393,6 +399,7 @@ def _report(arguments: argparse.Namespace) -> None:
         formats=() if arguments.no_plots else _formats(arguments),
         jobs=arguments.jobs,
         progress=_bar_wanted(arguments) and not arguments.json,
+        minutes=arguments.minutes,
     )
     if arguments.json:
         print((out / "report.json").read_text(encoding="utf-8"), end="")

@@ -9,7 +9,7 @@ from typing import Any
 
 from integrable.scene.file import load_scene
 from integrable.scene.tables import duration, figure
-from integrable.study.columns import horizon_name, ratio_cell
+from integrable.study.columns import horizon_name, once_cells, ratio_cell
 from integrable.study.findings import SceneFindings, Standing, Study, study_from
 from integrable.study.page import in_one_minute, introduction, scene_section, sections
 
@@ -24,7 +24,7 @@ is at most the flow's, or at most the effect of rounding the inputs to doubles. 
 (<span class="behind">orange</span>) the competitor. *none*: no method that was run reached that accuracy; *stopped*: the methods could not run.
 
 The state is requested at one time T, in time scales of the motion (the body turns by about a radian in one), or at *all its times*, those that the
-scene lists. Run times count a start and its evaluation, on both sides; costs paid once a machine and once a system are listed separately. A click on a heading sorts;
+scene lists. Run times count a start and its evaluation, on both sides; the last columns have what is paid once a system and once a machine. A click on a heading sorts;
 the tooltip of a cell names the method.
 """
 CLAIMS = "Each claim is measured; [details](details.md) and the pages of the scenes have the figures."
@@ -70,7 +70,8 @@ def _write(path: Path, text: str) -> None:
 
 def _chart(study: Study) -> str:
     columns = study.horizons
-    heads = "".join(f"<th>{head}</th>" for head in ("scene", *map(horizon_name, columns)))
+    once = ("a system once: flow", "competitors", "a machine once: flow", "competitors")
+    heads = "".join(f"<th>{head}</th>" for head in ("scene", *map(horizon_name, columns), *once))
     lines = [_line(found, columns) for found in study.motions if found.standings]
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>\n{''.join(lines)}</tbody></table>"
     return f'<div class="sortable chart">{table}</div>\n'
@@ -79,6 +80,7 @@ def _chart(study: Study) -> str:
 def _line(found: SceneFindings, columns: list[float | None]) -> str:
     name, standings = found.scene.name, {standing.T: standing for standing in found.standings}
     cells = "".join(_cell(standings.get(T)) for T in columns)
+    cells += "".join(f"<td>{cell}</td>" for cell in once_cells(found.standings))
     return f'<tr><td><a href="{name}.html" title="{html.escape(found.scene.title)}">{name}</a></td>{cells}</tr>\n'
 
 
@@ -89,6 +91,7 @@ def _cell(standing: Standing | None) -> str:
     said = f"the flow: {duration(flow['total'])}, error {figure(flow['error_gamma'])}"
     if peer is not None:
         said = f"{peer['method']}, {peer['setting']}: {duration(peer['total'])}, error {figure(peer['error_gamma'])}; {said}"
+        said += f"; once a system {duration(peer['system'])}, the flow {duration(flow['system'])}"
     ratio = standing.least if standing.least is not None else standing.ratio
     look = "unmatched" if outcome == "none" else next(name for least, name in LOOKS if ratio >= least)
     colour = "" if outcome == "stopped" else f' class="{look}"'

@@ -8,12 +8,15 @@ from typing import Any
 
 from integrable.scene.tables import duration, figure, plain_power
 from integrable.study.findings import Behind, SceneFindings, Standing, Study
+from integrable.study.timing import SCATTER
 
 __all__ = [
-    "BEHIND", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "named",
-    "orbit_cells", "ratio_cell", "scene_cells", "shortened", "words",
+    "BEHIND", "ORBITS", "SCENES", "behind_cells", "horizon_cells", "horizon_name", "named", "once_cells",
+    "orbit_cells", "ratio_cell", "scene_cells", "shortened", "taken", "words",
 ]  # fmt: skip
 
+SCATTERS = " ±"
+"""After a run time that still scatters by more than a tenth after it was measured again."""
 SHORT = 110
 """Characters of an error message that a table shows; the row's file has it whole."""
 
@@ -38,7 +41,7 @@ def behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
     named = (name, behind.row["row"]["method"], str(count), behind.row["row"]["setting"])
     return (
         *named,
-        duration(row["total"]),
+        taken(row),
         figure(row["error_gamma"]),
         least,
         figure(floor["floor_gamma"] if floor else None),
@@ -69,7 +72,29 @@ def horizon_name(T: float | None) -> str:
 
 def horizon_cells(found: SceneFindings, columns: Sequence[float | None]) -> tuple[str, ...]:
     standings = {standing.T: standing for standing in found.standings}
-    return (found.scene.name, *(ratio_cell(standings.get(T)) for T in columns))
+    cells = (ratio_cell(standings.get(T)) for T in columns)
+    return (found.scene.name, *cells, *once_cells(found.standings))
+
+
+def once_cells(standings: Sequence[Standing]) -> tuple[str, str, str, str]:
+    """What a system and a machine cost once: the flow and its fastest competitors, each from least to most."""
+    sides = ([s.flow for s in standings], [s.peer for s in standings if s.peer is not None])
+    first, second, third, fourth = (
+        _span([row[part] for row in side]) for part in ("system", "machine") for side in sides
+    )
+    return first, second, third, fourth
+
+
+def _span(seconds: Sequence[float]) -> str:
+    if not seconds:
+        return "–"
+    least, most = duration(min(seconds)), duration(max(seconds))
+    return least if least == most else f"{least} … {most}"
+
+
+def taken(row: dict[str, Any]) -> str:
+    """The run time of a row, with a mark where it scatters."""
+    return duration(row["total"]) + (SCATTERS if row.get("mad", 0.0) > SCATTER else "")
 
 
 def ratio_cell(standing: Standing | None) -> str:
@@ -82,7 +107,9 @@ def ratio_cell(standing: Standing | None) -> str:
     ratio = standing.least if standing.least is not None else standing.ratio
     if isinf(ratio):
         return standing.outcome
-    return (">" if standing.outcome == "slower" else "") + (f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}")
+    scatters = max(side.get("mad", 0.0) for side in (standing.flow, standing.peer or {})) > SCATTER
+    bound = ">" if standing.outcome == "slower" else ""
+    return bound + (f"{ratio:.2g}" if ratio < 100 else f"{ratio:.0f}") + (SCATTERS if scatters else "")
 
 
 def _way(found: SceneFindings) -> str:
@@ -124,7 +151,7 @@ def scene_cells(found: SceneFindings) -> tuple[str, ...]:
         figure(best.get("error_M")),
         figure(floor.get("floor_M"), 1),
         over,
-        duration(best.get("total")),
+        taken(best) if best else "–",
         *checked,
     )
 

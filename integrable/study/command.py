@@ -5,6 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from contextlib import contextmanager
+from datetime import datetime
+from math import inf
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
@@ -16,8 +18,8 @@ from integrable.scene.output import OutputFolder, as_json, portable
 from integrable.scene.progress import going, often
 from integrable.study.findings import Study, study_from
 from integrable.study.page import answer, page
-from integrable.study.plan import Task, first_answer_tasks, tasks_of
-from integrable.study.runner import run_tasks
+from integrable.study.plan import NOT_MEASURED, Task, in_order, once_a_sort, tasks_of
+from integrable.study.runner import ONE_RUN, run_tasks
 from integrable.study.store import Store
 from jacobian.errors import ArgumentError
 from jacobian.numbers.compiler import look_for_a_place
@@ -25,10 +27,8 @@ from jacobian.numbers.compiler import look_for_a_place
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
-__all__ = ["QUICK", "report_data", "study_of"]
+__all__ = ["report_data", "study_of"]
 
-QUICK = ("chaplygin", "euler_top", "thin_ball", "neumann", "henon_heiles_bounded", "hat_turning_point", "finite_field")
-"""Scenes of a quick study that names none: one of each kind, whose truths take seconds."""
 FIGURES = "figures/report"
 
 
@@ -40,17 +40,21 @@ def study_of(
     formats: tuple[str, ...] = ("svg",),
     jobs: int | None = None,
     progress: bool = False,
+    minutes: float | None = None,
 ) -> Study:
     """Run or resume a study in the folder ``out``, and return it with ``report.md``, its figures and ``report.json``
     written.
 
-    ``sources``: names of scenes or paths of scene files; none: all that ship, or with ``quick`` a few of them. Rows in
-    ``out`` are kept unless code, scene or a library has changed. ``formats`` empty: no figures, and matplotlib is not
-    imported. ``jobs`` processes compute truths at a time (default: one per core); timed tasks run alone.
+    ``sources``: names of scenes or paths of scene files; none: all that ship. Rows in ``out`` are kept unless code,
+    scene or a library has changed; timed ones are of one machine, one commit and one day. ``formats`` empty: no
+    figures, and matplotlib is not imported. ``jobs`` processes compute truths at a time (default: one per core); timed
+    tasks run alone. No row is begun after ``minutes``: those that are left stand on the page as not measured.
     """
+    if minutes is not None and not minutes > 0:
+        raise ArgumentError(f"minutes: {minutes:g} given; a positive number is needed")
     if jobs is not None and jobs < 1:
         raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
-    chosen = list(sources) or (list(QUICK) if quick else scene_names())
+    chosen = list(sources) or scene_names()
     scenes = [load_scene(source) for source in chosen]
     names = [portable(scene.name).lower() for scene in scenes]
     for name in names:
@@ -65,25 +69,25 @@ def study_of(
     look_for_a_place()
     store = Store(out)
     with _bar(progress, rows) as tick:
-        contents = run_tasks(rows, store, jobs or os.cpu_count() or 1, tick)
-    data = report_data([contents[row.key] for row in rows], chosen, quick)
+        contents = run_tasks(rows, store, jobs or os.cpu_count() or 1, tick, 60 * minutes if minutes else inf)
+    data = report_data([contents[row.key] for row in rows], chosen, quick, minutes)
     study = study_from(data, scenes)
     _write(study, data, Path(out), formats)
     return study
 
 
 def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Task]:
-    """All rows of a study: the truths first, since others depend on them."""
+    """All rows of a study in the order in which they are measured."""
     rows = [row for scene, source in zip(scenes, sources, strict=True) for row in tasks_of(scene, source, mode)]
-    if mode == "full":
-        rows += first_answer_tasks(scenes, sources)
-    return sorted(rows, key=lambda row: row.kind != "truth")
+    return in_order([*rows, *once_a_sort(scenes, sources)])
 
 
-def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick: bool) -> dict[str, Any]:
+def report_data(
+    contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick: bool, minutes: float | None = None
+) -> dict[str, Any]:
     """The content of report.json (integrable/schemas/report.json): all rows except the states of truths."""
-    usual = set(chosen) == set(QUICK if quick else scene_names())
-    command = " ".join(["integrable report", *(() if usual else chosen), *(["--quick"] if quick else [])])
+    options = [*(["--quick"] if quick else []), *([f"--minutes {minutes:g}"] if minutes else [])]
+    command = " ".join(["integrable report", *(() if set(chosen) == set(scene_names()) else chosen), *options])
     states = ("gamma", "M", "tau")
     rows = [
         {
@@ -94,6 +98,7 @@ def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick
         }
         for content in contents
     ]
+    contents = [content for content in contents if content["status"] != NOT_MEASURED] or contents
     loads = [content["load"] for content in contents if content["load"] is not None]
     return {
         "schema": 2,
@@ -101,7 +106,7 @@ def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick
         "mode": "quick" if quick else "full",
         "scenes": list(chosen),
         "versions": contents[0]["versions"],
-        "machine": _machine(contents),
+        "machine": _one_run(contents),
         "dates": [min(content["date"] for content in contents), max(content["date"] for content in contents)],
         "load": median(loads) if loads else None,
         "commits": sorted({content["commit"] or "" for content in contents}),
@@ -110,12 +115,17 @@ def report_data(contents: Sequence[dict[str, Any]], chosen: Sequence[str], quick
     }
 
 
-def _machine(contents: Sequence[dict[str, Any]]) -> dict[str, Any]:
-    """The machine of the timed rows; their stamps contain it, so there is only one."""
-    timed = [content for content in contents if content["row"]["kind"] not in ("truth", "floor")]
-    machines = [dict(one) for one in {tuple(content["machine"].items()) for content in timed or contents}]
-    if len(machines) > 1:
-        raise RuntimeError(f"rows of {len(machines)} machines: their run times are no ratios; measure them again")
+def _one_run(contents: Sequence[dict[str, Any]]) -> dict[str, Any]:
+    """The machine of the timed rows; RuntimeError unless they are of one machine, one commit and one day."""
+    timed = [content for content in contents if content["row"]["kind"] not in ("truth", "floor")] or contents
+    machines = [dict(one) for one in {tuple(content["machine"].items()) for content in timed}]
+    commits = {content["commit"] for content in timed}
+    for name, found in (("machines", machines), ("commits", commits)):
+        if len(found) > 1:
+            raise RuntimeError(f"rows of {len(found)} {name}: their run times are no ratios; measure them again")
+    dates = sorted(datetime.fromisoformat(content["date"]) for content in timed)
+    if dates[-1] - dates[0] > ONE_RUN:
+        raise RuntimeError(f"rows of {dates[0]:%F} and of {dates[-1]:%F}: these are two runs; measure them again")
     return machines[0]
 
 

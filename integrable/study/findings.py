@@ -11,7 +11,7 @@ from integrable.oracles.methods import METHODS, time_scale
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.file import scene_names
-from integrable.study.plan import FLOW
+from integrable.study.plan import FLOW, NOT_MEASURED
 
 __all__ = [
     "LONG", "SCENE_FLOOR_FACTOR", "Behind", "SceneFindings", "Standing", "Study", "fitted_slope", "gather",
@@ -107,6 +107,8 @@ class SceneFindings:
     left_out: dict[str, Any] | None = None
     first_answers: list[dict[str, Any]] = field(default_factory=list)
     horizons: list[dict[str, Any]] = field(default_factory=list)
+    missing: list[dict[str, Any]] = field(default_factory=list)
+    """Rows that were not measured, since the time that the study was given was up."""
 
     @property
     def moved_by_divisors(self) -> bool:
@@ -185,17 +187,24 @@ class SceneFindings:
 
     def behind(self) -> list[Behind]:
         """The comparators' rows that the flow does not beat."""
-        flow = [content["result"] for content in self.flow]
-        first = min(flow, key=lambda row: float(row["total"]), default=None)
         found = []
         for content in self.comparators:
             row = content["result"]
+            flow = [self._beside(row, one) for one in self.flow]
+            first = min(flow, key=lambda one: float(one["total"]), default=None)
             errors = [r["error_gamma"] for r in flow if r["total"] <= row["total"]]
             least = min(errors, default=None)
             if least is None or least > row["error_gamma"]:
                 better = [r["total"] for r in flow if r["error_gamma"] <= row["error_gamma"]]
                 found.append(Behind(self.scene.name, content, least, first, min(better, default=None)))
         return found
+
+    @staticmethod
+    def _beside(row: dict[str, Any], own: dict[str, Any]) -> dict[str, Any]:
+        """A result of the flow, in floats with its run time in turn with a comparator's row."""
+        in_turn = own["row"]["setting"] == "floats" and "flow" in row
+        result: dict[str, Any] = own["result"]
+        return {**result, "total": row["flow"]} if in_turn else result
 
     def slopes(self) -> list[tuple[str, float, int | None]]:
         """(method, observed order, theoretical order) of the fixed-step methods with enough points."""
@@ -281,7 +290,9 @@ def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[
     lists = {"comparator": "comparators", "first answer": "first_answers", "horizon": "horizons"}
     for content in contents:
         kind, scene = content["row"]["kind"], found[content["row"]["scene"]]
-        if content["status"] != "done":
+        if content["status"] == NOT_MEASURED:
+            scene.missing.append(content)
+        elif content["status"] != "done":
             scene.failures.append(content)
         elif kind in (*lists, "flow", "backlund"):
             getattr(scene, lists.get(kind, kind)).append(content)

@@ -8,6 +8,7 @@ the pieces of a task.
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from functools import partial
 from time import perf_counter
 from typing import Any
@@ -19,8 +20,8 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.study.fresh import first_answer, left_out
 from integrable.study.plan import Task
-from integrable.study.rivals import affordable, at_one_time, flow_once, method_once, pilot, standing
-from integrable.study.timing import Tick, Timed, interleaved, silent
+from integrable.study.rivals import affordable, at_one_time, first_use, flow_once, method_once, pilot, standing
+from integrable.study.timing import Tick, Timed, Timing, interleaved, silent
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
@@ -98,12 +99,9 @@ def _flow(task: Task, kept: Data | None, tick: Tick) -> Data:
 def flow_run(task: Task, tick: Tick) -> tuple[Data, Any]:
     """The result of a task of the kind "flow" before it is judged, and the trajectory."""
     digits = int(task.value or FLOAT_DIGITS)
-    once = flow_once(task.scene, digits, task.kernel, apart=True)
-    # imports, compilation and loading compiled code count as spent once a machine
-    first = once()[0].counted if digits <= FLOAT_DIGITS else None
-    result, trajectory = _timed(once, task, tick)
-    if first is not None:
-        result |= {"machine": max(0.0, first - result["total"])}
+    machine, first = first_use(task) if digits <= FLOAT_DIGITS else (0.0, None)
+    result, trajectory = _timed(flow_once(task.scene, digits, task.kernel, apart=True), task, tick)
+    result["machine"] = machine
     return result | {"first": first, "way": trajectory.way}, trajectory
 
 
@@ -161,7 +159,14 @@ def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:
     truth = _truth_of(task, kept)
     affordable(pilot(task), task)
     _, once = method_once(task.scene, METHODS[task.method], task.value or 0.0)
-    result, solution = _timed(once, task, tick)
+    runs, flow = {"": once}, flow_once(task.scene, FLOAT_DIGITS, task.kernel)
+    with suppress(JacobianError, ArithmeticError):  # a flow that refuses the motion is a row of its own
+        if flow()[0].counted < task.limits.run:
+            runs["flow"] = flow
+    timings = _in_turn(runs, task, tick)
+    result, solution = timings[""].as_dict(), timings[""].found
+    # the flow's run time in turn with this method: the two are compared, whatever the machine did at other times
+    result |= {"flow": timings["flow"].total} if "flow" in timings else {}
     return result | {"evaluations": solution.evaluations} | truth.judge(solution.gamma, solution.M)
 
 
@@ -196,10 +201,15 @@ def _truth_of(task: Task, kept: Data | None) -> Truth:
 
 
 def _timed(once: Callable[[], Timed], task: Task, tick: Tick) -> tuple[Data, Any]:
-    """Repeated runs; a run longer than the limits allow counts once."""
-    limits = task.limits
-    timing = interleaved({"": once}, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))[""]
+    """Repeated runs of one thing."""
+    timing = _in_turn({"": once}, task, tick)[""]
     return timing.as_dict(), timing.found
+
+
+def _in_turn(runs: dict[str, Callable[[], Timed]], task: Task, tick: Tick) -> dict[str, Timing]:
+    """Repeated runs in turn; a run longer than the limits allow counts once."""
+    limits = task.limits
+    return interleaved(runs, limits.repeat, min(limits.patience, limits.run), partial(tick, task.label))
 
 
 def _horizon(task: Task, kept: Data | None, tick: Tick) -> Data:

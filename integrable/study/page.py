@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,6 +12,7 @@ from integrable.study.claims import claims
 from integrable.study.columns import (
     BEHIND,
     ORBITS,
+    SCATTERS,
     SCENES,
     behind_cells,
     horizon_cells,
@@ -20,6 +22,7 @@ from integrable.study.columns import (
     ratio_cell,
     scene_cells,
     shortened,
+    taken,
     words,
 )
 from integrable.study.findings import SceneFindings, Study
@@ -86,7 +89,13 @@ def in_one_minute(study: Study) -> str:
         if faster
         else ""
     )
-    return f"{text}\n\n{_markdown(rows)}\n{said}The tables below have each case, with times and errors of both."
+    alone = [
+        f"{f.scene.name} ({', '.join(horizon_name(s.T) for s in f.standings if s.outcome == 'none')})"
+        for f in study.motions
+        if any(s.outcome == "none" for s in f.standings)
+    ]
+    nobody = f"**No other method is as accurate** on {'; '.join(alone)}. " if alone else ""
+    return f"{text}\n\n{_markdown(rows)}\n{said}{nobody}The tables below have each case, with times and errors of both."
 
 
 def introduction(study: Study) -> str:
@@ -96,11 +105,12 @@ def introduction(study: Study) -> str:
         "**Run times.** One rule holds for all methods. Costs are counted *once a machine* (compilation that depends "
         "on no body and no start: numba's, ours, and heyoka's of equations whose constants are parameters), *once a "
         "system* (work for a body that serves all its starts), *once a start*, and for *evaluation*. A run time is "
-        "once a start + evaluation, and ratios use it. The table of first answers and each row of report.json have the "
-        "costs of a system and of a machine.\n\n"
+        "once a start + evaluation, and ratios use it. Costs of a system and of a machine stand beside the ratios, "
+        "in the table of first answers and in each row of report.json.\n\n"
         "Rows are timed one at a time, with nothing else of this study running, and are medians. A row that scatters "
-        "by more than a tenth (median absolute deviation over median) is measured again. The two sides of a ratio run "
-        "in turn in one process.\n\n"
+        f"by more than a tenth (median absolute deviation over median) is measured again, and marked{SCATTERS} if it "
+        "still does. The two sides of a ratio run in turn in one process, and so do each row of another method and the "
+        "flow. Timed rows are of one machine, one commit and one run.\n\n"
         "**Errors** are the largest over components and times, of M relative to |M|, against the divisor flow at 40 "
         "digits or more. That reference is compared with an integrator that shares no code with it. For a system "
         "without a body q and p take the place of γ and M, and errors of both are relative to the largest value at the "
@@ -130,6 +140,7 @@ def sections(study: Study) -> dict[str, str]:
         "orders": _orders(study),
         "orbits": _orbits(study),
         "failed": _failed(study),
+        "not measured": _not_measured(study),
     }
     return {name: section for name, section in found.items() if section}
 
@@ -174,41 +185,34 @@ def _horizons(study: Study) -> str:
         "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
         "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
         "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
-        "because they gave up. At one time T, in time scales of the motion, and at all times of the scene."
+        "because they gave up. At one time T, in time scales of the motion, and at all times of the scene. The last "
+        "columns have what is no part of a ratio: the costs once a system, and once a machine as first use in the "
+        "measuring process had them, of the flow and of these competitors."
     )
     columns = study.horizons
-    rows = [("scene", *map(horizon_name, columns)), *(horizon_cells(f, columns) for f in study.motions if f.standings)]
+    once = ("a system once: flow", "competitors", "a machine once: flow", "competitors")
+    rows = [
+        ("scene", *map(horizon_name, columns), *once),
+        *(horizon_cells(f, columns) for f in study.motions if f.standings),
+    ]
     return _section("The flow and its fastest accurate competitor", text, rows)
 
 
 def _faster(study: Study) -> str:
-    rows = [
-        ("scene", "at", "fastest", "its time", "its error γ", "flow", "error γ", "× the flow's", "machine", "system")
-    ]
+    once = ("its machine", "its system", "flow's machine", "flow's system")
+    head = ("scene", "at", "fastest", "its time", "its error γ", "flow", "error γ", "× the flow's", *once)
+    rows: list[tuple[str, ...]] = [head]
     for f in study.motions:
         for s in f.standings:
             if s.peer is not None and s.ratio < 1:
                 peer, flow = s.peer, s.flow
-                cells = (
-                    duration(peer["total"]),
-                    figure(peer["error_gamma"]),
-                    duration(flow["total"]),
-                    figure(flow["error_gamma"]),
-                )
-                once = (duration(peer["machine"]), duration(peer["system"]))
-                rows.append(
-                    (
-                        f.scene.name,
-                        horizon_name(s.T),
-                        f"{peer['method']}, {peer['setting']}",
-                        *cells,
-                        ratio_cell(s),
-                        *once,
-                    )
-                )
+                name = (f.scene.name, horizon_name(s.T), f"{peer['method']}, {peer['setting']}")
+                cells = (taken(peer), figure(peer["error_gamma"]), taken(flow), figure(flow["error_gamma"]))
+                spent = (duration(side[part]) for side in (peer, flow) for part in ("machine", "system"))
+                rows.append((*name, *cells, ratio_cell(s), *spent))
     text = (
-        "Every case in which another method is as accurate and faster, with its costs once a machine, in this process, "
-        "and once a system."
+        "Every case in which another method is as accurate and faster, with the costs of both once a machine, in this "
+        "process, and once a system."
     )
     return _section("Where others are faster", text, rows)
 
@@ -300,6 +304,15 @@ def _failed(study: Study) -> str:
     return _section("Rows without a figure", text, rows)
 
 
+def _not_measured(study: Study) -> str:
+    rows = [("scene", "rows")]
+    for f in study.findings:
+        counts = Counter(content["row"]["method"] for content in f.missing)
+        if counts:
+            rows.append((f.scene.name, ", ".join(f"{name}: {count}" for name, count in counts.items())))
+    return _section("Not measured", "Rows for which the time of this run was not enough.", rows)
+
+
 def scene_section(study: Study, found: SceneFindings) -> str:
     """A scene: its figure and its rows."""
     scene = found.scene
@@ -315,7 +328,7 @@ def scene_section(study: Study, found: SceneFindings) -> str:
             r = content["result"]
             drifts = (figure(r["drift"][name], 1) for name in names)
             errors = (figure(r["error_gamma"]), figure(r["error_M"]))
-            rows.append((*words(content), duration(r["total"]), *errors, *drifts, str(r["runs"])))
+            rows.append((*words(content), taken(r), *errors, *drifts, str(r["runs"])))
         lines.append(_markdown(rows))
     return "\n".join(lines)
 

@@ -21,7 +21,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
 from integrable.scene.doubles import in_doubles
 from integrable.scene.output import portable
-from integrable.study.store import code_stamp
+from integrable.study.store import code_stamp, commit
 from integrable.study.truth import DIGITS, INTEGRATED, moved_by
 
 __all__ = [
@@ -30,10 +30,12 @@ __all__ = [
     "HORIZONS",
     "INTEGRATED",
     "LIMITS",
+    "NOT_MEASURED",
     "STRONG",
     "Limits",
     "Task",
-    "first_answer_tasks",
+    "in_order",
+    "once_a_sort",
     "tasks_of",
 ]
 
@@ -41,6 +43,8 @@ FLOW = "divisor flow"
 STRONG = ("heyoka", "Taylor, compiled", "Gauss-Legendre 16", "Gauss-Legendre 16, adaptive", "SciPy DOP853, compiled")
 """Methods that have to have run before it is said that none is near enough."""
 BACKLUND = "Bäcklund steps"
+NOT_MEASURED = "not measured"
+"""The status of a row for which the time of a study has not been enough."""
 
 
 @dataclass(frozen=True)
@@ -99,12 +103,12 @@ class Task:
     @cached_property
     def stamp(self) -> str:
         """A hash of everything the result depends on: scene, setting, limits, the code, the version of each library,
-        and for a timed task the machine.
+        and for a timed task the machine and the commit.
         """
         from integrable.scene.output import machine, versions
 
         parts = [self.scene.describe(), self.kind, self.method, self.setting, self.value, asdict(self.limits)]
-        parts += [machine()] if self.timed else []
+        parts += [machine(), commit()] if self.timed else []
         text = json.dumps([*parts, code_stamp(), versions()], sort_keys=True)
         return sha256(text.encode()).hexdigest()[:16]
 
@@ -148,14 +152,29 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
     if name == FLOW:
         tasks += [task("horizon", name, f"T = {T}", T) for T in HORIZONS[mode]]
         tasks.append(task("horizon", name, "all its times", None, truth.key))
-    if all(map(installed, APP)):
-        tasks.append(task("left out", name, "what the scene leaves out"))
     return tasks
 
 
-def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """One task for the flow and for each strong method on the first body, the first system of any genus and the first
-    deformation: compiled code serves all systems of a kind.
+_ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "comparator")
+
+
+def in_order(tasks: Sequence[Task]) -> list[Task]:
+    """The rows of a study in the order in which they are measured.
+
+    What needs no machine for itself comes first, then what every scene is to have where time is short: the flow in
+    floats, and its rivals at single times. Last come the ladders of settings, those of strong methods before others.
+    """
+
+    def place(task: Task) -> tuple[int, bool]:
+        late = task.kind not in _ORDER or (task.kind == "flow" and (task.value or 0) > FLOAT_DIGITS)
+        return len(_ORDER) if late else _ORDER.index(task.kind), task.method not in (*STRONG, FLOW)
+
+    return sorted(tasks, key=place)
+
+
+def once_a_sort(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
+    """First answers, of the flow and each strong method, and what a scene leaves out, on the first body, the first
+    system of any genus and the first deformation: compiled code serves all systems of a kind.
     """
     tasks: dict[tuple[str, str], Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
@@ -165,6 +184,8 @@ def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[
         sort = "body" if scene.rolls_or_spins else "classical" if scene.classical else "deformation"
         for name in (FLOW, *(name for name in STRONG if METHODS[name].takes(system))):
             tasks.setdefault((sort, name), Task(scene, source, "first answer", name, "first answer"))
+        if all(map(installed, APP)):
+            tasks.setdefault((sort, ""), Task(scene, source, "left out", FLOW, "what the scene leaves out"))
     return list(tasks.values())
 
 

@@ -12,40 +12,52 @@ import time
 import warnings
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from datetime import UTC, datetime
+from datetime import UTC, datetime, timedelta
+from math import inf
 from multiprocessing.connection import Connection, wait
 from typing import Any
 
 from filelock import FileLock
 
-from integrable.study.plan import Task
-from integrable.study.store import Store
+from integrable.study.plan import NOT_MEASURED, Task
+from integrable.study.store import Store, commit
 from integrable.study.timing import TooLong
 from integrable.sweeps.orphans import end_with_parent
 from jacobian.interrupts import shielded
 from jacobian.numbers.compiler import NoCacheWarning
 
-__all__ = ["run_tasks"]
+__all__ = ["ONE_RUN", "run_tasks"]
 
+ONE_RUN = timedelta(days=1)
+"""Timed rows that are further apart are not of one run."""
 _POLL = 0.2
 _THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 
 
 def run_tasks(
-    tasks: Sequence[Task], store: Store, jobs: int, progress: Callable[[Task], None] = lambda _task: None
+    tasks: Sequence[Task],
+    store: Store,
+    jobs: int,
+    progress: Callable[[Task], None] = lambda _task: None,
+    seconds: float = inf,
 ) -> dict[str, dict[str, Any]]:
     """Every task, stored ones read and the others measured: contents of their files by key.
 
     ``jobs`` processes compute truths and floors; timed tasks run alone. Tasks that another process holds are awaited,
-    and taken over when it dies. ``progress`` is called with each finished one.
+    and taken over when it dies. ``progress`` is called with each finished one. None is begun after ``seconds``; those
+    that are left are not measured, and not stored.
     """
+    until = time.monotonic() + seconds
     pending = {task.key: task for task in tasks}
     finished: dict[str, dict[str, Any]] = {}
     looked: set[str] = set()
     workers = [_Worker() for _ in range(jobs)]
     try:
         while pending or any(worker.task for worker in workers):
-            done = _hand_out(pending, looked, workers, store, finished)
+            late = time.monotonic() > until
+            done = _hand_out(pending, looked, workers if not late else (), store, finished)
+            if late and not done and not any(worker.task for worker in workers):
+                break
             wait([w.connection for w in workers if w.task and w.connection], _POLL)
             done += _collect(workers, store, finished)
             for task in done:
@@ -56,7 +68,21 @@ def run_tasks(
         for worker in workers:
             worker.stop()
             worker.let_go(store)
+    for task in pending.values():
+        finished[task.key] = _kept(task, store) or _failure(task, "the time was up") | {
+            "status": NOT_MEASURED,
+            "seconds": 0.0,
+        }
     return finished
+
+
+def _kept(task: Task, store: Store) -> dict[str, Any] | None:
+    """The stored row of a task; timed rows of another day are of another run."""
+    content = store.read(task.key, task.stamp)
+    if content is None or not task.timed:
+        return content
+    age = datetime.now(UTC) - datetime.fromisoformat(content["date"])
+    return content if age < ONE_RUN else None
 
 
 def _hand_out(
@@ -67,7 +93,7 @@ def _hand_out(
     for task in [task for task in pending.values() if _ready(task, finished)]:
         if task.key not in looked:
             looked.add(task.key)
-            content = store.read(task.key, task.stamp)
+            content = _kept(task, store)
             if content is not None:
                 finished[task.key] = content
                 kept.append(pending.pop(task.key))
@@ -91,6 +117,7 @@ def _collect(workers: Sequence[_Worker], store: Store, finished: dict[str, Any])
         content, task = worker.finished(), worker.task
         if content is not None and task is not None:
             content.setdefault("seconds", worker.elapsed)
+            content["commit"] = commit()  # what this process found at its start: a worker may begin hours later
             finished[task.key] = store.write(task.key, task.stamp, content)
             worker.let_go(store)
             done.append(task)
@@ -121,7 +148,7 @@ class _Worker:
         # two processes on one folder do not time at the same time
         locks = [store.claim(name) for name in (task.key, *(["timing"] if task.timed else []))]
         held = [lock for lock in locks if lock is not None]
-        if len(held) < len(locks) or store.read(task.key, task.stamp) is not None:
+        if len(held) < len(locks) or _kept(task, store) is not None:
             for lock in held:
                 store.release(lock)
             return False
@@ -192,7 +219,6 @@ def _failure(task: Task, error: str, *, stopped: bool = False) -> dict[str, Any]
 
 def _head(task: Task) -> dict[str, Any]:
     from integrable.scene.output import machine, versions
-    from integrable.study.store import commit
 
     return {
         "row": {
@@ -220,7 +246,9 @@ def _work(connection: Connection) -> None:
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     from integrable.study.measure import Unjudged, measured
+    from integrable.study.rivals import first_use
 
+    used: set[tuple[str, str]] = set()
     while True:
         try:
             task, truth, stopped = connection.recv()
@@ -230,6 +258,10 @@ def _work(connection: Connection) -> None:
         if stopped:
             content = _failure(task, "not run: a cheaper setting takes too long", stopped=True)
         else:
+            if task.scene.steps is None and (kind := (task.scene.system, task.kernel)) not in used:
+                used.add(kind)
+                with suppress(Exception):  # where the flow refuses the motion, its own row says so
+                    first_use(task)  # before anything else has imported and compiled what it needs
             try:
                 result = measured(task, truth)
                 content = {**_head(task), "status": "done", "error": "", "stopped": False, "result": result}

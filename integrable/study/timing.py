@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from integrable.oracles.method import Spent
 
-__all__ = ["NOBODY", "Tick", "Timed", "Timing", "TooLong", "Watch", "at_most", "interleaved", "silent"]
+__all__ = ["NOBODY", "SCATTER", "Tick", "Timed", "Timing", "TooLong", "Watch", "at_most", "interleaved", "silent"]
 
 Tick = Callable[[str], None]
 """Called before a piece of work with its name, for a progress bar."""

@@ -58,9 +58,9 @@ def compute(
     """The truth at the scene's times as plain data, with its check against another integrator.
 
     With ``digits``, the truth at that many, checked at one ``time`` to as many digits. Otherwise it is the first of
-    :data:`DIGITS` that resolves the motion, checked as far in time as the integrator gets in ``patience`` seconds.
-    Where the flow of a body refuses the motion at any of them, the Taylor series alone is the truth, "check" is None
-    and "refusal" the message. ``tick(label)`` is called between the pieces of the work.
+    :data:`DIGITS` that resolves the motion, checked as far in time as the integrator gets in ``patience`` seconds (0:
+    no check). Where the flow of a body refuses the motion at any of them, the Taylor series alone is the truth, "check"
+    is None and "refusal" the message. ``tick(label)`` is called between the pieces of the work.
     """
     begun = perf_counter()
     if digits is not None:
@@ -71,7 +71,8 @@ def compute(
         try:
             flow, found = _carried(scene, digits, tick)
             seconds = perf_counter() - begun
-            return {**found, "seconds": seconds, "check": _check(scene, flow, CHECK_DIGITS, patience)}
+            check = _check(scene, flow, CHECK_DIGITS, patience) if patience else None
+            return {**found, "seconds": seconds, "check": check}
         except JacobianError as error:
             refusal = error
             if not isinstance(error, PrecisionLoss):

@@ -32,7 +32,7 @@ from integrable.study.command import planned, report_data, study_of
 from integrable.study.findings import Study, fitted_slope, gather, study_from
 from integrable.study.measure import measured
 from integrable.study.page import answer, in_one_minute, page
-from integrable.study.plan import FLOW, LIMITS, STRONG, Task, first_answer_tasks, tasks_of
+from integrable.study.plan import FLOW, LIMITS, STRONG, Task, once_a_sort, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store, code_stamp
 from integrable.study.timing import interleaved
@@ -103,7 +103,7 @@ def start(tmp_path, source, folder):
 
 def numbers(folder):
     """What the rows of a folder found, without what depends on the clock."""
-    clocked, found = ("seconds", *PARTS, "total", "mad", "runs", "check"), {}
+    clocked, found = ("seconds", *PARTS, "total", "flow", "mad", "runs", "check"), {}
     for path in sorted((folder / "rows").glob("*.json")):
         content = json.loads(path.read_text(encoding="utf-8"))
         assert not content["error"], path.name
@@ -466,12 +466,74 @@ def studied(done, **changes):
     return replace(study, **changes)
 
 
+def test_a_row_and_the_flow_are_compared_by_run_times_in_turn(done):
+    """The machine may have been slower when the flow's own row was measured."""
+    scene = replace(studied(done).findings[0])
+    every = [row for row in scene.comparators if row["row"]["method"] == "SciPy DOP853"]
+    assert all(row["result"]["flow"] > 0 for row in every)
+    alone = next(row["result"] for row in scene.flow if row["row"]["setting"] == "floats")
+    row = every[-1] | {"result": every[-1]["result"] | {"total": 2 * alone["total"], "error_gamma": 1.0}}
+    for in_turn, count in ((0.5 * alone["total"], 0), (4 * alone["total"], 1)):
+        row["result"]["flow"] = in_turn
+        assert len(replace(scene, flow=scene.flow[:1], comparators=[row]).behind()) == count
+
+
+def test_timed_rows_are_of_one_run(done, source, tmp_path):
+    """Rows of another machine, commit or day make no page, and those of another day are measured again."""
+    rows, contents, _ = done
+    every = [contents[row.key] for row in rows]
+    timed = next(row for row in rows if row.kind == "comparator")
+    other = contents[timed.key]
+    for changed, said in (
+        ({"machine": {"system": "Linux", "processor": "another", "cores": 4}}, "rows of 2 machines: their run times"),
+        ({"commit": "another"}, "rows of 2 commits: their run times are no ratios"),
+        ({"date": "2020-01-02T00:00:00+00:00"}, "rows of 2020-01-02 and of .*: these are two runs"),
+    ):
+        with pytest.raises(RuntimeError, match=said):
+            report_data([*every, other | changed], [source], True)
+    store = Store(tmp_path)
+    store.write(timed.key, timed.stamp, other)
+    assert runner._kept(timed, store)["result"] == other["result"]
+    store.write(timed.key, timed.stamp, other | {"date": "2020-01-02T00:00:00+00:00"})
+    assert runner._kept(timed, store) is None
+
+
+def test_rows_for_which_there_is_no_time_are_named(rows, source, tmp_path):
+    """They are not stored, the page has all the others, and a run without a limit measures them."""
+    store = Store(tmp_path / "out")
+    first = [row for row in rows if row.kind == "truth"]
+    kept = run_tasks(first, store, 1)
+    contents = run_tasks(rows, store, 1, seconds=0)
+    assert contents[first[0].key] == kept[first[0].key]
+    left = [content for content in contents.values() if content["status"] == "not measured"]
+    assert len(left) == len(rows) - 1
+    data = json.loads(json.dumps(report_data([contents[row.key] for row in rows], [source], True, 2.5)))
+    assert data["command"].endswith(" --quick --minutes 2.5")
+    study = study_from(data, [rows[0].scene])
+    assert f"SciPy DOP853: {sum(row.method == 'SciPy DOP853' for row in rows)}" in page(study)
+    assert not study.findings[0].failures
+    with pytest.raises(ArgumentError, match="minutes: -1 given"):
+        study_of([source], out=tmp_path, minutes=-1)
+    assert [path.stem for path in (tmp_path / "out" / "rows").glob("*.json")] == [first[0].key]
+
+
+def test_every_scene_has_its_flow_and_rivals_before_any_ladder():
+    names = ["neumann", "chaplygin", "finite_field"]
+    for mode in ("quick", "full"):
+        kinds = [(row.kind, row.setting) for row in planned([load_scene(name) for name in names], names, mode)]
+        places = {kind: [i for i, (each, _) in enumerate(kinds) if each == kind] for kind, _ in kinds}
+        assert kinds.index(("flow", "30 digits")) > max(places["comparator"])
+        for before, after in (("truth", "floor"), ("floor", "horizon"), ("horizon", "orbit"), ("orbit", "comparator"),
+                              ("first answer", "comparator"), ("comparator", "left out")):  # fmt: skip
+            assert max(places[before]) < min(places[after])
+
+
 def test_behind_is_what_no_row_of_the_flow_beats(done):
     scene = studied(done).findings[0]
     flow, other = scene.flow[0], scene.comparators[0]
 
     def behind(total, error):
-        row = {**other, "result": {**other["result"], "total": total, "error_gamma": error}}
+        row = {**other, "result": {**other["result"], "total": total, "error_gamma": error, "flow": 1.0}}
         found = replace(scene, comparators=[row], flow=[flow | {"result": flow["result"] | {"total": 1.0}}]).behind()
         return [(b.flow_error, b.first["total"], b.overtaken, b.cheaper) for b in found]
 
@@ -488,7 +550,7 @@ def test_of_rows_in_doubles_three_in_a_hundred_may_be_lost(done):
     mine = {**flow, "result": flow["result"] | {"total": 1.0}}
 
     def row(method, total):
-        result = other["result"] | {"total": total, "error_gamma": 1.0}
+        result = other["result"] | {"total": total, "error_gamma": 1.0, "flow": 1.0}
         return {**other, "row": other["row"] | {"method": method}, "result": result}
 
     def claim(lost, *more):
@@ -641,9 +703,10 @@ def test_a_trial_that_goes_on_for_ever_is_ended(done, monkeypatch):
     assert signal.getitimer(signal.ITIMER_REAL) == (0.0, 0.0)
 
 
-def horizon(scene, T, ratio, tried=None):
+def horizon(scene, T, ratio, tried=None, mad=0.0):
     flow = {"total": 0.5, "error_gamma": 1e-15}
-    once = {"machine": 1.0, "system": 0.1}
+    once = {"machine": 1.0, "system": 0.1, "mad": mad}
+    flow |= {"machine": 2.0, "system": 0.2}
     peer = ratio and {
         "total": 0.5 * ratio,
         "error_gamma": 1e-14,
@@ -666,10 +729,24 @@ def test_standings_say_how_many_times_the_flows_time_another_takes(done):
     outcomes = [standing.outcome for standing in found.standings]
     assert outcomes == ["met", "met", "none", "slower", "stopped"]
     text = page(replace(study, findings=[found]))
-    assert "| scene | T = 1 | T = 10 | T = 100 | T = 1000 | all its times |" in text
-    assert "| top | 0.25 | 3 | none | >4 | stopped |" in text
-    assert "| top | T = 1 | SciPy DOP853, tolerance 1e-12 | 125 ms | 1.0e-14 | 500 ms | 1.0e-15 | 0.25 |" in text
+    assert "| scene | T = 1 | T = 10 | T = 100 | T = 1000 | all its times | a system once: flow | comp" in text
+    assert "| top | 0.25 | 3 | none | >4 | stopped | 200 ms | 100 ms | 2 s | 1 s |" in text
+    cells = "125 ms | 1.0e-14 | 500 ms | 1.0e-15 | 0.25 | 1 s | 100 ms | 2 s | 200 ms |"
+    assert f"| top | T = 1 | SciPy DOP853, tolerance 1e-12 | {cells}" in text
+    assert "**No other method is as accurate** on top (T = 100). " in text
     assert text.index("**Others are faster** in 1 of these cases") < text.index("## How it was measured")
+
+
+def test_run_times_that_scatter_are_marked(done):
+    study = studied(done)
+    (found,) = study.findings
+    wild = replace(found, horizons=[horizon(found.scene, 1, 0.25, mad=0.2), horizon(found.scene, 10, 3)])
+    text = page(replace(study, findings=[wild]))
+    assert "| top | 0.25 ± | 3 | 200 ms | 100 ms |" in text
+    assert "| 125 ms ± | 1.0e-14 | 500 ms |" in text
+    row = found.comparators[0]
+    wild = replace(found, comparators=[row | {"result": row["result"] | {"mad": 0.2, "total": 0.5}}])
+    assert " | 500 ms ± | " in page(replace(study, findings=[wild]))
 
 
 def test_what_is_timed_runs_alone(rows, tmp_path, monkeypatch):
@@ -803,9 +880,10 @@ def test_tasks_of_every_shipped_scene_have_keys_of_their_own():
 
 def test_first_answers_are_those_of_one_system_of_each_sort():
     names = ["neumann", "chaplygin", "euler_top", "toda", "tilde", "check", "finite_field"]
-    tasks = first_answer_tasks([load_scene(name) for name in names], names)
+    tasks = once_a_sort([load_scene(name) for name in names], names)
     assert {task.scene.name for task in tasks} == {"neumann", "chaplygin", "tilde"}
     assert {task.method for task in tasks} - set(STRONG) == {FLOW}
+    assert [task.scene.name for task in tasks if task.kind == "left out"] == ["neumann", "chaplygin", "tilde"]
 
 
 def test_an_exact_orbit_has_error_zero(tmp_path):
