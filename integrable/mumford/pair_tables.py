@@ -20,7 +20,7 @@ from integrable.mumford import pair_sums
 from integrable.mumford.columns import Column
 from integrable.mumford.motion import OF_GENUS, Placed, Start
 from integrable.mumford.pair_sums import Space, TabledCurve
-from integrable.mumford.series import MotionSeries, taylor
+from integrable.mumford.series import MotionSeries, radius_of
 from integrable.mumford.translations import GroupTranslations
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
@@ -120,7 +120,7 @@ class PairTables:
             placed = Placed(K, units.start)
             if placed.rests:
                 raise PrecisionLoss("the state rests")
-            radius = series_of(placed, placed.start).radius
+            radius = radius_of(motion_of(placed).rows(row_of(placed.start), TERMS))
         self._step = 2.0 ** (math.frexp(radius)[1] - 1 - FRACTION)
         count = max(FEWEST, math.ceil(math.log(max(time / self._step, 1.0), RATIO)))
         if count > MOST:
@@ -179,11 +179,8 @@ class PairTables:
         turn = (RATIO ** (count - 1) - 1) // 3 + RATIO ** (count - 1)
         shifts = [self._step * turn * j for j in range(STARTS)]
         anchors = [self._step / 4 - sum(apart) - shift for shift in shifts]
-        # without Ω, which is behind U and V
-        series = [
-            pack(np.delete(np.array(series_of(placed, placed.at(K.coerce(a))).rows), 2 * self.genus, axis=0).T)
-            for a in anchors
-        ]
+        motion = motion_of(placed)
+        series = [pack(np.array(motion.rows(row_of(placed.at(K.coerce(a))), TERMS)).T) for a in anchors]
         self._problem = TabledCurve(
             pack(np.array(group.f)),
             pack(np.array(ends_of(group), dtype=object)).reshape(-1, 2),
@@ -208,13 +205,17 @@ class PairTables:
     def _row(self, group: ExtendedGroup, D: Extended) -> list[Any]:
         """What is added, with the sign of lifts that is the sum's."""
         sign = group.f[-1] if group.odd and self.genus % 2 else 1
-        return [*D.u[:-1], *D.v, *(x * sign for _, *pair in D.data for x in pair)]
+        return row_of(D, sign)
 
 
-def series_of(placed: Placed, D: Extended) -> MotionSeries:
-    """The motion from D, with its lifts."""
-    lifts = [(e, sigma, nu) for e, (_, sigma, nu) in zip(ends_of(placed.group), D.data, strict=True)]
-    return taylor(placed.field, placed.group.f, D[:2], placed.direction, TERMS, lifts=lifts)
+def motion_of(placed: Placed) -> MotionSeries:
+    """The series of its motion from any pair, with its lifts."""
+    return MotionSeries(placed.field, placed.group.f, placed.direction, ends_of(placed.group))
+
+
+def row_of(D: Extended, sign: Any = 1) -> list[Any]:
+    """U, V, and the σ and ν of lifts times a ``sign``."""
+    return [*D.u[:-1], *D.v, *(x * sign for _, *pair in D.data for x in pair)]
 
 
 def ends_of(group: ExtendedGroup) -> list[Any]:

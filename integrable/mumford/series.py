@@ -1,7 +1,7 @@
 """Power series of a motion on y² = f(x) from one pair.
 
-The equations are polynomial (:mod:`integrable.mumford.fields`), so the coefficients come one after the other by
-Picard's iteration on python-flint's power series. Where the points of the pair are known, series of one variable do:
+The equations are polynomial (:mod:`integrable.mumford.fields`), so the coefficients come one after the other by the
+recurrences of :mod:`integrable.series.recurrences`. Where the points of the pair are known, series of one variable do:
 the sums Σ∫x^k dx/y over the points grow as c_kτ; 1/y satisfies a linear equation of first order, so that the
 coefficients of each integral come one after the other; and Newton's method finds where the points are at τ.
 """
@@ -11,38 +11,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, multiplier, rates_and_quotients, second_kind_rate
+from integrable.mumford.fields import Poly, multiplier, rates_and_quotients
+from integrable.series.recurrences import coefficients
+from integrable.series.tape import recorded
 from jacobian import poly
 from jacobian.errors import PrecisionLoss
 from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
-from jacobian.numbers.long_reals import BallReals
 
 # the last coefficients that the radius of a series is estimated from
 LAST = 4
-# bits beyond those of the field
-GUARD = 64
 # of Newton's method, which is quadratic
 MOST_STEPS = 60
 # a step is the last one where its square, beside the way to the end of a series, is below the last bit by this factor
 SMALL = 2.0**-8
 
 
-class SeriesField(InexactField):
-    """Power series in time over balls, to flint's ``ctx.cap`` terms."""
+class Operators(InexactField):
+    """The numbers of a field with the operations of a formula that is recorded."""
 
-    name = "power series over balls"
+    name = "recorded numbers"
 
-    def __init__(self, complex: bool) -> None:
-        from flint import acb_series, arb_series
-
-        self._type: Any = acb_series if complex else arb_series
-        self.zero, self.one = self._type([0]), self._type([1])
+    def __init__(self, field: LongField) -> None:
+        self.zero, self.one = field.zero, field.one
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The constant series of a ball, the series of a list of them."""
-        return self._type(value if isinstance(value, list) else [value])
+        """A number as it is."""
+        return value
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Any:
         """Σ x_i y_i."""
@@ -50,34 +46,26 @@ class SeriesField(InexactField):
 
 
 class MotionSeries:
-    """A motion near a pair: coefficients of U, V, of the second-kind datum Ω, of the third-kind integrals
-    ∫n(x_e)/U(x_e)dτ of points x_e (0 at the pair) and of the σ and ν of lifts, ascending in time.
+    """Power series of the motions along a direction, with lifts at the branch points ``ends``."""
 
-    ``radius``: about that of convergence, a float.
-    """
+    def __init__(self, field: LongField, f: Poly, direction: Sequence[Any], ends: Sequence[Any]) -> None:
+        K, g = Operators(field), len(direction)
 
-    def __init__(self, field: LongField, rows: list[list[Any]], size: int) -> None:
-        self.field = field
-        self.rows = [[field.from_ball(c) for c in row] for row in rows]
-        self.size = size
-        self.order = len(rows[0])
-        self.radius = radius_of(self.rows)
+        def formula(y: Sequence[Any]) -> list[Any]:
+            u, v = (*y[:g], K.one), tuple(y[g : 2 * g])
+            turning = multiplier(K, u, direction)
+            (of_u, of_v), quotients = rates_and_quotients(K, f, u, v, turning)
+            return [*of_u[:-1], *of_v, *lift_rates(K, (turning, *quotients), ends, y[2 * g :])]
 
-    def at(self, time: Any) -> tuple[Poly, Poly, Any, list[Any]]:
-        """(U, V, Ω, the third-kind integrals) at a time well inside the radius."""
-        values = []
-        for row in self.rows:
-            total = self.field.zero
-            for c in reversed(row):
-                total = total * time + c
-            values.append(total)
-        size = self.size
-        return (
-            (*values[:size], self.field.one),
-            tuple(values[size : 2 * size]),
-            values[2 * size],
-            values[2 * size + 1 :],
-        )
+        self._zero, self._tape = field.zero, recorded(formula, 2 * (g + len(ends)))
+
+    def rows(self, start: Sequence[Any], order: int) -> list[list[Any]]:
+        """``order`` coefficients of U, V and the σ and ν of each lift, ascending in time, from their values."""
+        tape = self._tape
+        series = [self._zero] * (order * len(tape.kinds))
+        series[::order] = [*start, *tape.constants[len(start) :]]
+        coefficients(tape.kinds, tape.left, tape.right, tape.results, 0, order - 1, 1, series)
+        return [series[i * order : (i + 1) * order] for i in range(len(start))]
 
 
 def radius_of(rows: Sequence[Sequence[Any]]) -> float:
@@ -92,61 +80,6 @@ def radius_of(rows: Sequence[Sequence[Any]]) -> float:
             # the ratio may be beyond the floats, its root is not
             found.append(float((earlier / last) ** (1 / between)))
     return min(found, default=1.0)
-
-
-def taylor(
-    field: LongField,
-    f: Poly,
-    pair: tuple[Poly, Poly],
-    direction: Sequence[Any],
-    order: int,
-    points: Sequence[Any] = (),
-    lifts: Sequence[tuple[Any, Any, Any]] = (),
-) -> MotionSeries:
-    """``order`` coefficients of the motion from a pair along a direction, with the third-kind integrals of points, and
-    with ``lifts``, (e, σ, ν) at branch points e.
-    """
-    from flint import ctx
-
-    u, v = pair
-    size = len(v)
-    with BallReals(field.bits + GUARD):
-        roots = [x for _, *pair in lifts for x in pair]
-        rows = [[c] for c in field.balls((*u[:-1], *v, field.zero, *[field.zero for _ in points], *roots))]
-        curve, turning, places = field.balls(f), field.balls(direction), field.balls(points)
-        ends = field.balls([e for e, _, _ in lifts])
-        cap = ctx.cap
-        try:
-            for k in range(1, order):
-                ctx.cap = k
-                _extend(SeriesField(field.complex), rows, size, curve, turning, places, ends)
-        finally:
-            ctx.cap = cap
-    return MotionSeries(field, rows, size)
-
-
-def _extend(
-    K: SeriesField,
-    rows: list[list[Any]],
-    size: int,
-    f: list[Any],
-    direction: list[Any],
-    points: list[Any],
-    ends: list[Any],
-) -> None:
-    """One more coefficient to every row."""
-    k = len(rows[0])
-    moving = tuple(map(K.coerce, rows[: 2 * size]))
-    whole = (*moving[:size], K.one)
-    n = tuple(map(K.coerce, direction))
-    turning = multiplier(K, whole, n)
-    (of_u, of_v), quotients = rates_and_quotients(K, tuple(map(K.coerce, f)), whole, moving[size:], turning)
-    thirds = [poly.evaluate(K, turning, x) / poly.evaluate(K, whole, x) for x in map(K.coerce, points)]
-    second = second_kind_rate(K, whole, n)
-    roots = list(map(K.coerce, rows[len(rows) - 2 * len(ends) :]))
-    of_roots = lift_rates(K, (turning, *quotients), list(map(K.coerce, ends)), roots)
-    for row, rate in zip(rows, (*of_u[:-1], *of_v, second, *thirds, *of_roots), strict=True):
-        row.append(rate[k - 1] / k)
 
 
 def lift_rates(K: Any, factors: tuple[Poly, Poly, Poly], ends: Sequence[Any], roots: Sequence[Any]) -> list[Any]:

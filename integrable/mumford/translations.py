@@ -61,7 +61,7 @@ class GroupTranslations:
 
     def _expanded(self, points: Any, pair: Pair, direction: Sequence[Any], others: Sequence[Any]) -> Any:
         """E(τ) near E, given as (xs, ys) and as a pair, with the third-kind integrals of ``others``: what has ``at(τ)``
-        as a :class:`~integrable.mumford.series.MotionSeries` has. Sets the ``unit`` h.
+        as a :class:`~integrable.mumford.series.PointMotion` has. Sets the ``unit`` h.
         """
         order = self.field.bits // (FRACTION - 1) + 8
         found = PointMotion(self.field, self.group.f, points, direction, others, order)

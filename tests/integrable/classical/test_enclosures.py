@@ -15,7 +15,6 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.veselova import Veselova
 from integrable.mumford import balls, enclosure
 from integrable.mumford.flow import MumfordFlow, Point
-from integrable.mumford.series import taylor
 from integrable.mumford.translations import through
 from integrable.systems.on_layer import BodyOnLayer
 from jacobian import MP, RR
@@ -23,6 +22,7 @@ from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.numbers.long_reals import BallReals
 from jacobian.relatives.extended import PointLift
 from tests.integrable.classical.rows import CASES, REAL
+from tests.integrable.mumford.picard import taylor
 
 REALS = BallReals(300)
 # of the numbers that balls are held against

@@ -14,7 +14,7 @@ from integrable.mumford import pair_sums
 from integrable.mumford.flow import MumfordFlow
 from integrable.mumford.motion import Placed, Start
 from integrable.mumford.pair_sums import Space, TabledCurve
-from integrable.mumford.pair_tables import DiscUnits, PairTables, series_of
+from integrable.mumford.pair_tables import TERMS, DiscUnits, PairTables, motion_of, row_of
 from integrable.mumford.tabled import MANY, TabledStates
 from jacobian import MP
 from jacobian.errors import PrecisionLoss
@@ -102,7 +102,7 @@ def test_lifts_have_power_series() -> None:
     flow = neumann()
     with LongField(300) as K:
         placed, time = Placed(K, flow._place), K.coerce(0.01)
-        rows = series_of(placed, placed.start).rows[-2 * len(placed.start.data) :]
+        rows = motion_of(placed).rows(row_of(placed.start), TERMS)[-2 * len(placed.start.data) :]
         found = [sum((c * time**k for k, c in enumerate(row)), K.zero) for row in rows]
         expected = [x for _, *pair in placed.at(time).data for x in pair]
         assert max(abs(x - y) for x, y in zip(found, expected, strict=True)) < 1e-55
