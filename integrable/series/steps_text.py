@@ -51,20 +51,15 @@ class Room:
         self.lows_of_units = UNITS + order
         begin = self.lows_of_units + wide + 1
         self.groups = [(nodes, square) for nodes, square in _abreast(tape, WIDEST // lanes)]
-        grouped = {n for nodes, _ in self.groups for n in nodes}
-        # nodes whose earlier coefficients are read again: all others are in registers for one order
-        kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
-        for n, kind in enumerate(tape.kinds):
-            if kind == PRODUCT and n not in grouped:
-                kept |= {tape.left[n], tape.right[n]}
-            elif kind == QUOTIENT:
-                kept |= {n, tape.right[n]}
-            elif kind == ROOT:
-                kept |= {n}
-        for nodes, square in self.groups:
-            for side in (tape.left,) if square else (tape.left, tape.right):
-                if len({side[n] for n in nodes}) == 1:
-                    kept.add(side[nodes[0]])
+        squares = {n for nodes, square in self.groups for n in nodes if square}
+        self.factors = _factors(tape)
+        self.packs = _packs([n for n in self.factors if n not in squares], WIDEST // lanes)
+        packed = {n for nodes in self.packs for n in nodes}
+        # nodes whose earlier coefficients are read again: of all others that of the order 0, or none
+        self.kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
+        for n in self.factors.keys() - squares - packed:
+            self.kept |= set(self.factors[n])
+        kept = self.kept.union(*self.factors.values())
         self.highs = {n: begin + i * (order + 1) for i, n in enumerate(sorted(kept))}
         begin += len(kept) * (order + 1)
         self.lows = {n: begin + i * (max(wide, 0) + 1) for i, n in enumerate(sorted(kept))}
@@ -73,24 +68,41 @@ class Room:
         self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
         self.size = begin + 2 * len(divided)
         self.copies: dict[int, list[tuple[int, int, int]]] = {}
-        self.sides = {nodes: self._placed(nodes, square) for nodes, square in self.groups}
+        self.sides = {nodes: self._placed(nodes, len(nodes), square) for nodes, square in self.groups if square}
+        self.sides |= {nodes: self._placed(nodes, width, False) for nodes, width in self.packs.items()}
         self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
+        self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
 
-    def _placed(self, nodes: tuple[int, ...], square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
-        """For either side of a group its factors, and where copies of them are side by side."""
+    def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
+        """For either side of products abreast their factors, and where copies of them are side by side."""
         wide, order = self.orders
         found = []
-        for side in (self.tape.left,) if square else (self.tape.left, self.tape.right):
-            factors = tuple(side[n] for n in nodes)
-            self.size += -self.size % len(nodes)
-            if len(set(factors)) > 1:
-                for slot, n in enumerate(factors):
-                    self.copies.setdefault(n, []).append((self.size, len(nodes), slot))
-                found.append((factors, self.size))
-                self.size += len(nodes) * (order + 1 + max(wide, 0) + 1)
-            else:
-                found.append((factors[:1], -1))
+        for side in range(1 if square else 2):
+            factors = tuple(self.factors[n][side] for n in nodes)
+            self.size += -self.size % width
+            for slot, n in enumerate(factors):
+                self.copies.setdefault(n, []).append((self.size, width, slot))
+            found.append((factors, self.size))
+            self.size += width * (order + 1 + max(wide, 0) + 1)
         return tuple(found)
+
+
+def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
+    """Whose earlier coefficients products, quotients and roots are made of."""
+    found = {}
+    for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
+        if kind in (PRODUCT, ROOT) or (kind == QUOTIENT and tape.kinds[q] != CONSTANT):
+            found[n] = (p if kind == PRODUCT else n), (n if kind == ROOT else q)
+    return found
+
+
+def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
+    """Nodes whose sums of earlier coefficients are done abreast, as these wait for nothing, and in how many places."""
+    if most < 2 or len(nodes) < 2:
+        return {}
+    width = min(most, 4)
+    found = [tuple(nodes[i : i + width]) for i in range(0, len(nodes), width)]
+    return {each: width if len(each) > 2 else 2 for each in found}
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
@@ -122,6 +134,7 @@ class Series:
         self._recent: dict[tuple[int, int, int], str] = {}
         self._built: dict[tuple[int, int, int], str] = {}
         self._divisors: dict[int, Wide] = {}
+        self._sums: dict[int, Wide] = {}
         self._blocks = 0
 
     def function(self) -> str:
@@ -132,13 +145,14 @@ class Series:
             self._copy(n, 0, self._value(n, 0))
         for k in range(self.order):
             self._recent = {key: x for key, x in self._recent.items() if key[1] == k}
-            self._built, self._divisors = {}, {}
+            self._built, self._divisors, self._sums = {}, {}, {}
             for n in range(begin, len(tape.kinds)):
                 self._end_of_block()
-                if n not in self.room.members:
+                nodes = self.room.members.get(n, ())
+                if not nodes or (nodes not in self.room.sides and k > self.wide):
                     self._put(n, k, self._node(n, k))
-                elif self.room.members[n][0] == n:
-                    for each, x in self._group(self.room.members[n], k).items():
+                elif nodes[0] == n:
+                    for each, x in self._group(nodes, k).items():
                         self._put(each, k, x)
                 if k == 0 and n in self.room.inverses:
                     self._put_inverse(n)
@@ -171,17 +185,20 @@ class Series:
         return self._hi(n, k), self._lo(n, k) if k <= self.wide else ""
 
     def _put(self, n: int, k: int, x: Wide) -> None:
-        room, text = self.room, self.text
+        room, text, newest = self.room, self.text, x
         if x[1]:
             # floats of higher orders are made of the high parts, off by what a sum has cancelled else
             x = fast_two_sum(text, *x)
-        if n in room.highs:
+        if k == 0:
+            newest = x
+        if n in room.kept or (k == 0 and n in room.highs):
             text.store(x[0], room.highs[n] + k)
             if x[1] and k <= self.wide:
                 text.store(x[1], room.lows[n] + k)
-        self._recent[n, k, 0] = x[0]
+        # what is made of it next does not wait for that
+        self._recent[n, k, 0] = newest[0]
         if x[1]:
-            self._recent[n, k, 1] = x[1]
+            self._recent[n, k, 1] = newest[1]
         if k < self.order:
             self._copy(n, k, x)
 
@@ -200,13 +217,13 @@ class Series:
         if kind == MULTIPLE:
             return self._times(self._value(p, 0), self._value(q, k), k)
         if kind == PRODUCT:
-            return self._summed(_terms(p == q, 0, k + 1, k), p, q, k)
+            return self._convolved(n, 0, k + 1, k) or (self.text.real(0.0), "")
         if k == 0:
             x = self._value(p, 0)
             if self.wide < 0:
                 return (self.text.fsqrt(x[0]) if kind == ROOT else self.text.fdiv(x[0], self._hi(q, 0))), ""
             return square_root(self.text, *x) if kind == ROOT else quotient(self.text, *x, *self._value(q, 0))
-        rest = self._convolved(n, n, 1, k, k) if kind == ROOT else self._rest(n, q, k)
+        rest = self._convolved(n, 1 if kind == ROOT else 0, k, k) if n in self.room.factors else None
         top = None if self._constant(p) else self._value(p, k)
         if rest is not None:
             minus = (self.text.fneg(rest[0]), self.text.fneg(rest[1]) if rest[1] else "")
@@ -214,9 +231,6 @@ class Series:
         # of constants all further coefficients are 0
         nothing = self.text.real(0.0)
         return self._times(top or (nothing, nothing), self._divisor(n, k), k)
-
-    def _rest(self, n: int, q: int, k: int) -> Wide | None:
-        return None if self._constant(q) else self._convolved(n, q, 0, k, k)
 
     def _constant(self, n: int) -> bool:
         return self.tape.kinds[n] == CONSTANT
@@ -264,30 +278,60 @@ class Series:
 
     # --- sums of products
 
-    def _convolved(self, p: int, q: int, begin: int, end: int, k: int) -> Wide | None:
-        """Σ p_j q_{k−j}, begin ≤ j < end; None of nothing."""
-        terms = _terms(p == q, begin, end, k)
-        return self._summed(terms, p, q, k) if terms else None
-
-    def _summed(self, terms: Sequence[Term], p: int, q: int, k: int) -> Wide:
+    def _convolved(self, n: int, begin: int, end: int, k: int) -> Wide | None:
+        """Σ p_j q_{k−j}, begin ≤ j < end, of the factors of a node; None of nothing."""
+        p, q = self.room.factors[n]
+        terms, before = _terms(p == q, begin, end, k), None
+        if n in self.room.pack_of:
+            before = self._sum_of_earlier(n, k)
+            terms = [term for term in terms if not all(term[1:])]
         pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
-        return _summed(self.text, pairs, k <= self.wide)
+        return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
+
+    def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
+        """Σ p_j q_{k−j}, 0 < j < k, of the factors of a node, done with others."""
+        if k > 1 and n not in self._sums:
+            nodes = self.room.pack_of[n]
+            text = Text(self.room.lanes * self.room.packs[nodes], self.text)
+            self._sums |= self._apart(text, nodes, self._products(text, nodes, _terms(False, 1, k, k), k))
+        return self._sums.get(n)
 
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
         """The coefficients k of products abreast."""
-        sides, lanes = self.room.sides[nodes], self.room.lanes
-        text = Text(lanes * len(nodes), self.text)
-        terms = _terms(len(sides) == 1, 0, k + 1, k)
-        wide = k <= self.wide
+        text = Text(self.room.lanes * len(nodes), self.text)
+        if nodes in self.room.sides:
+            return self._apart(text, nodes, self._products(text, nodes, _terms(len(self.room.sides[nodes]) == 1, 0, k + 1, k), k))
+        sums = [self._sum_of_earlier(n, k) for n in nodes]
+        before = None
+        if k > 1:
+            before = self._joined(text, [x[0] for x in sums if x]), self._joined(text, [x[1] for x in sums if x])
+        factors = [[self.room.factors[n][side] for n in nodes] for side in (0, 1)]
+        pairs = []
+        for _, i, j in _terms(False, 0, 1, k) + (_terms(False, k, k + 1, k) if k else []):
+            x, y = (
+                (self._joined(text, [self._hi(n, o) for n in side]), self._joined(text, [self._lo(n, o) for n in side]))
+                for side, o in zip(factors, (i, j), strict=True)
+            )
+            pairs.append((1, x, y))
+        return self._apart(text, nodes, _summed(text, pairs, True, before))
+
+    def _joined(self, text: Text, parts: list[str]) -> str:
+        return joined_lanes(text, parts, self.room.lanes)
+
+    def _products(self, text: Text, nodes: tuple[int, ...], terms: Sequence[Term], k: int) -> Wide:
+        """Sums of products abreast whose factors lie side by side."""
+        sides, wide = self.room.sides[nodes], k <= self.wide
         pairs = []
         for f, i, j in terms:
-            factors = [
+            x, y = (
                 (self._fetched(text, side, order, 0), self._fetched(text, side, order, 1) if wide else "")
                 for side, order in ((sides[0], i), (sides[-1], j))
-            ]
-            pairs.append((f, factors[0], factors[1]))
-        found = _summed(text, pairs, wide)
-        return {n: (self._part(text, found[0], i), self._part(text, found[1], i)) for i, n in enumerate(nodes)}
+            )
+            pairs.append((f, x, y))
+        return _summed(text, pairs, wide, None)
+
+    def _apart(self, text: Text, nodes: tuple[int, ...], x: Wide) -> dict[int, Wide]:
+        return {n: (self._part(text, x[0], i), self._part(text, x[1], i)) for i, n in enumerate(nodes)}
 
     def _part(self, text: Text, x: str, slot: int) -> str:
         """One number of some abreast."""
@@ -303,9 +347,6 @@ class Series:
         """The coefficients k of one side of a group."""
         factors, base = side
         count = text.lanes // self.room.lanes
-        if base < 0:
-            x = (self._lo if low else self._hi)(factors[0], k)
-            return joined_lanes(text, [x] * count, self.room.lanes)
         if all((n, k, low) in self._recent for n in factors):
             key = base, k, low
             if key not in self._built:
@@ -345,16 +386,18 @@ def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:
     return sorted(found, key=lambda term: max(term[1:]))
 
 
-def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool) -> Wide:
-    """Σ of factor·x·y: twice those with the factor 2, and the others."""
+def _summed(text: Text, pairs: Sequence[tuple[int, Wide, Wide]], wide: bool, before: Wide | None) -> Wide:
+    """Σ of factor·x·y: twice those with the factor 2, and the others, and what is there before."""
     twice = [(x, y) for f, x, y in pairs if f == 2]
     once = [(x, y) for f, x, y in pairs if f == 1]
     if wide:
         total = _wide_total(text, twice, None) if twice else None
         if total is not None:
             total = text.fadd(total[0], total[0]), text.fadd(total[1], total[1])
+        if before is not None:
+            total = before if total is None else text.wide_sum(before, total)
         return _wide_total(text, once, total)
-    half, rest = _total(text, twice), _total(text, once)
+    half, rest = _total(text, twice, ""), _total(text, once, before[0] if before else "")
     if not half:
         return rest, ""
     return (text.fma(half, text.real(2.0), rest) if rest else text.fadd(half, half)), ""
@@ -373,9 +416,9 @@ def _wide_total(text: Text, pairs: Sequence[tuple[Wide, Wide]], total: Wide | No
     return total
 
 
-def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]]) -> str:
+def _total(text: Text, pairs: Sequence[tuple[Wide, Wide]], before: str) -> str:
     """In two sums, which do not wait for each other."""
-    sums: list[str] = []
+    sums: list[str] = [before] if before else []
     for i, ((x, _), (y, _)) in enumerate(pairs):
         if len(sums) < min(2, max(1, len(pairs) // 2)):
             sums.append(text.fmul(x, y))
