@@ -31,7 +31,7 @@ OTHERS = {
     "tests/data/README.md": "test_data.md",
 }
 # of this folder, those that are no pages, or not as they are
-LEFT_OUT = {"site", "build.py", "README.md", "__pycache__", "error_against_run_time.md", "error_against_run_time.json"}
+LEFT_OUT = {"site", "build.py", "publish.py", "README.md", "__pycache__", "error_against_run_time.md", "error_against_run_time.json"}
 # those with a place of their own or in no page as they are; the rest is "How it works"
 PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 

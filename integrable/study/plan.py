@@ -165,9 +165,10 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
     floats, and its rivals at single times. Last come the ladders of settings, those of strong methods before others.
     """
 
-    def place(task: Task) -> tuple[int, bool]:
+    def place(task: Task) -> tuple[int, bool, float]:
         late = task.kind not in _ORDER or (task.kind == "flow" and (task.value or 0) > FLOAT_DIGITS)
-        return len(_ORDER) if late else _ORDER.index(task.kind), task.method not in (*STRONG, FLOW)
+        far = (task.value or 0.0) if task.kind == "horizon" else 0.0
+        return len(_ORDER) if late else _ORDER.index(task.kind), task.method not in (*STRONG, FLOW), far
 
     return sorted(tasks, key=place)
 

@@ -973,6 +973,29 @@ def test_what_adds_on_two_elliptic_curves_is_a_divisor_flow(name, adds) -> None:
     assert methods == {FLOW if adds else "integrated"}
 
 
+def test_a_report_is_published_by_one_command(done, tmp_path):
+    from integrable.scene.output import as_json
+
+    spec = spec_from_file_location("publish", ROOT / "docs" / "publish.py")
+    module = module_from_spec(spec)
+    spec.loader.exec_module(module)
+    docs, folder = tmp_path / "docs", tmp_path / "report"
+    old, new = docs / "figures" / "report" / "old.svg", folder / "figures" / "report" / "top.svg"
+    for path in (old, new):
+        path.parent.mkdir(parents=True)
+        path.write_text("<svg/>", encoding="utf-8")
+    (docs / "peers.md").write_text((ROOT / "docs" / "peers.md").read_text(encoding="utf-8"), encoding="utf-8")
+    text = page(studied(done))
+    (folder / "report.md").write_text(text, encoding="utf-8")
+    (folder / "report.json").write_text(as_json({"rows": []}), encoding="utf-8")
+    module.publish(folder, docs)
+    table = "\n".join(line for line in in_one_minute(studied(done)).splitlines() if line.startswith("|"))
+    assert table in (docs / "peers.md").read_text(encoding="utf-8")
+    assert (docs / "error_against_run_time.md").read_text(encoding="utf-8") == text
+    assert json.loads((docs / "error_against_run_time.json").read_text(encoding="utf-8")) == {"rows": []}
+    assert [path.name for path in old.parent.iterdir()] == ["top.svg"]
+
+
 def test_what_is_published_is_of_one_report():
     """The page, and the table of peers.md, are what the JSON says; where others are faster is said on both."""
     docs = ROOT / "docs"
