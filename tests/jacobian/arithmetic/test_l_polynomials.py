@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import json
+import subprocess
+import sys
 from concurrent.futures import ProcessPoolExecutor
 from itertools import islice
 from math import isqrt
 from pathlib import Path
 from random import Random
+from time import sleep
 
 import numpy as np
 import pytest
@@ -17,6 +20,7 @@ from jacobian.arithmetic import forest, residues, saved
 from jacobian.arithmetic.l_polynomials import l_polynomials, of_curves
 from jacobian.arithmetic.residues import primes_up_to
 from jacobian.finite import counting
+from tests.jacobian.arithmetic.point_counts import counts, points
 
 # every degree, h = 0 and not, any leading coefficient, fractions, F(0) = 0, CM, split Jacobians
 EVERY_DAY = [
@@ -110,19 +114,42 @@ def test_orders_are_those_of_random_classes(f, h):
         assert order == sum(L.polynomial(p))
 
 
-def test_functional_equation():
-    """p^g T^2g L(1/pT) = L(T)."""
-    L = HyperellipticCurve(QQ, [2, 1, 0, -1, 4, 0, 0, 3]).l_polynomials(2000)
-    for p in L.p.tolist():
-        a = L.polynomial(p)
-        assert [a[6 - i] * p**i for i in range(7)] == [p**3 * c for c in a]
+def check_points(C, L, p, degrees):
+    """The points over GF(p^k) are those that all of L_p says, and not its lower half alone."""
+    said = counts(L.polynomial(p), p, max(degrees))
+    assert [said[k - 1] for k in degrees] == [points(C.discriminant, p, k) for k in degrees], (C, p)
+
+
+@pytest.mark.parametrize(("f", "h"), EVERY_DAY)
+def test_functional_equation(f, h):
+    """The upper half of L_p is made from the lower: it says how many points there are over GF(p^(g+1)) … GF(p^2g)."""
+    C = HyperellipticCurve(QQ, f, h)
+    g, L = C.genus, C.l_polynomials(100)
+    for p in L.p[(L.p > 2) & (L.p <= {1: 100, 2: 17, 3: 7}[g])].tolist():
+        check_points(C, L, p, range(1, 2 * g + 1))
+    if g == 2:
+        # beyond 16g²: by the forest, and not by counting
+        check_points(C, L, 67 if 67 in L.p else 71, (1, 2, 3))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(2, 200, 3))
+def test_genus_3_by_points_over_two_fields_below_500(seed):
+    """Beyond the 62 where counting in the package ends: a_1 everywhere, a_2 at 20 primes, a_3 at one."""
+    rng = Random(seed)
+    C = random_curve(rng, 3)
+    L = C.l_polynomials(500)
+    for p in L.p[L.p > 62].tolist():
+        check_points(C, L, p, (1,))
+    for p in rng.sample(L.p[L.p > 62].tolist(), 20):
+        check_points(C, L, p, (1, 2))
+    check_points(C, L, rng.choice(L.p[(L.p > 62) & (L.p < 110)].tolist()), (3,))
 
 
 def test_torsion_divides_all_orders():
-    """Of published curves, and of two whose classes of order 5 and 7 are known; the order of torsion is injective at
-    odd primes.
-    """
-    rows = [row for row in PUBLISHED if "torsion" in row][:12]
+    """Of published curves, and of two whose classes of order 5 and 7 are known; torsion injects at odd primes."""
+    rows = [row for row in PUBLISHED if "torsion" in row]
+    assert len(rows) == 55
     given = [(row["f"], row["h"], int(np.prod(row["torsion"]))) for row in rows]
     for f, h, order in [*given, ([1, 0, 0, 0, 0, 1], [], 10), ([1, 0, 0, 0, 0, 0, 0, 1], [], 14)]:
         L = HyperellipticCurve(QQ, f, h).l_polynomials(2000)
@@ -213,6 +240,38 @@ def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
         C.l_polynomials(10_000, file=path)
 
 
+RUN = """
+import sys
+from jacobian import QQ, HyperellipticCurve
+from jacobian.arithmetic import forest, residues, saved
+forest.WALKED_TO, forest.BLOCK, residues.PART, saved.EVERY = 1 << 10, 1 << 9, 50, -1.0
+HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(1 << 15, file=sys.argv[1])
+"""
+
+
+def test_a_process_that_is_killed_leaves_a_state_to_go_on_from(monkeypatch, tmp_path):
+    """By SIGKILL, which no process hears, whether it is writing just then or not."""
+    C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
+    process = subprocess.Popen([sys.executable, "-c", RUN, str(path)], cwd=Path(__file__).parents[3])
+    try:
+        sizes: set[int] = set()
+        while len(sizes) < 5:
+            assert process.poll() is None
+            sleep(0.005)
+            if path.exists():
+                sizes.add(path.stat().st_size)
+    finally:
+        process.kill()
+        process.wait()
+    monkeypatch.setattr(forest, "WALKED_TO", 1 << 10)
+    monkeypatch.setattr(forest, "BLOCK", 1 << 9)
+    done, _ = saved.Saved(path, C, 1 << 15, 2).load()
+    reached = []
+    found = l_polynomials(C, 1 << 15, path, lambda now, total: reached.append(now))
+    assert reached[0] > len(done) > 50
+    assert (found.coefficients == C.l_polynomials(1 << 15).coefficients).all()
+
+
 def test_a_file_that_is_no_state(tmp_path):
     C = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1])
     (tmp_path / "text").write_text("p,a1\n")
@@ -231,6 +290,19 @@ def test_many_curves_on_an_executor():
     assert all((a.coefficients == b.coefficients).all() for a, b in zip(alone, together, strict=True))
     with pytest.raises(ArgumentError, match="executor"):
         next(of_curves(curves, 300, "processes"))
+
+
+def test_many_curves_on_a_cluster_of_dask():
+    distributed = pytest.importorskip("distributed")
+    curves = [HyperellipticCurve(QQ, f, h) for f, h in EVERY_DAY[3:6]]
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        together = list(of_curves(curves, 300, client.get_executor()))
+    assert [L.curve for L in together] == curves
+    for C, L in zip(curves, together, strict=True):
+        assert (C.l_polynomials(300).coefficients == L.coefficients).all()
 
 
 # --- the record
