@@ -42,11 +42,13 @@ SMALL = {
 }  # fmt: skip
 # what returns a number for one
 READERS = {"abs", "check_scalar", "check_scalars", "coerce", "entries", "list", "map", "sorted", "tuple", "whole"}
-# rooms whose functions take what other rooms have checked: floats, times, digits; compiled code and its compiler
+# the compiler and what is compiled, and modules whose messages have what other rooms have checked: floats, digits, rows
 LOW = (
-    "jacobian.native.", "jacobian.numbers.", "integrable.ensembles.", "integrable.motion.", "integrable.moving_point.",
-    "integrable.oracles.", "integrable.portrait.", "integrable.problems.", "integrable.study.",
-    "integrable.sweeps.", "integrable.torus.",
+    "jacobian.native.", "jacobian.numbers.", "integrable.oracles.", "integrable.ensembles.computing",
+    "integrable.ensembles.members", "integrable.motion.contact", "integrable.motion.domain",
+    "integrable.motion.enclosure", "integrable.motion.events", "integrable.motion.precise",
+    "integrable.motion.symmetric_precise", "integrable.motion.trajectory", "integrable.moving_point.legendre",
+    "integrable.study.command", "integrable.torus.corners", "integrable.torus.panels",
 )  # fmt: skip
 
 

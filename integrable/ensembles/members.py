@@ -94,7 +94,7 @@ def broadcast(system: Any, gamma: Any, M: Any, inertia: Any, d: Any) -> np.ndarr
             "are for laboratory_ensemble"
         )
     if system.field != RR:
-        raise ArgumentError(f"system = {system!r}: an ensemble is of floats; use system.flow(...) for each member")
+        raise ArgumentError(f"system = {shown(system)}: an ensemble is of floats; use system.flow(...) for each member")
     own = {"inertia": inertia is not None, "d": d is not None}
     for name, given in own.items():
         if given and not isinstance(system, System):

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any
 
+from integrable.phase.state import MOST_BITS
 from jacobian import RR
 from jacobian.errors import ArgumentError
 from jacobian.immutable import Immutable
@@ -42,7 +43,7 @@ class Made(Immutable):
         return {"type": f"{kind.__module__}.{kind.__qualname__}", "arguments": given, "field": repr(self.field)}
 
     def __repr__(self) -> str:
-        given = [f"{name}={_plain(value)!r}" for name, value in self.arguments.items()]
+        given = [f"{name}={_text(_plain(value))}" for name, value in self.arguments.items()]
         if self.field != RR:
             given.append(f"field={self.field!r}")
         return f"{type(self).__name__}({', '.join(given)})"
@@ -53,8 +54,23 @@ def _plain(value: Any) -> Any:
     if isinstance(value, Sequence) and not isinstance(value, str):
         return tuple(map(_plain, value))
     if isinstance(value, Fraction):
-        return value.numerator if value.denominator == 1 else str(value)
+        top, below = _short(value.numerator), _short(value.denominator)
+        return top if below == 1 else f"{top}/{below}"
+    if type(value) is int:
+        return _short(value)
     return _decimal(value) if hasattr(value, "_mpf_") else value
+
+
+def _short(n: int) -> int | str:
+    """An int, in base 16 where Python writes no decimals."""
+    return n if n.bit_length() < MOST_BITS else hex(n)
+
+
+def _text(value: Any) -> str:
+    """``repr`` of a plain value; an int in base 16 without quotes."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_text, value))}{',' if len(value) == 1 else ''})"
+    return value if isinstance(value, str) and "0x" in value[:3] and "/" not in value else repr(value)
 
 
 def _decimal(x: Any) -> float | str:

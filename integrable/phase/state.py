@@ -2,10 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from fractions import Fraction
 from typing import Any
 
 from integrable.phase.body import Vector
+from jacobian.errors import written
+
+MOST_BITS = 14_000
+"""Python writes ints of 4300 digits, some 14,280 bits, at most."""
 
 
 @dataclass(frozen=True)
@@ -22,11 +27,22 @@ class State:
     g: Any = None
     tilted: bool = False
 
+    def __repr__(self) -> str:
+        return f"State({', '.join(f'{x.name}={_text(getattr(self, x.name))}' for x in fields(self))})"
+
     def _repr_html_(self) -> str:
         from jacobian.notebook import named
 
         facts = [("γ", self.gamma), ("M", self.M)]
         return named("state", facts if self.g is None else [*facts, ("g", self.g)])
+
+
+def _text(value: Any) -> str:
+    """``repr`` of a number or a vector; Python refuses to write fractions of more than 4300 digits."""
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_text, value))})"
+    long = isinstance(value, Fraction) and max(value.numerator.bit_length(), value.denominator.bit_length()) > MOST_BITS
+    return written(value) if long else repr(value)
 
 
 def onto_constraints(system: Any, state: State) -> State:

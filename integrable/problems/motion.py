@@ -12,7 +12,7 @@ from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.phase.state import State
 from integrable.problems.units import UNITS, Unit
 from integrable.scene.data import Scene
-from jacobian.errors import ArgumentError, PrecisionLoss
+from jacobian.errors import ArgumentError, PrecisionLoss, shown
 
 __all__ = ["Rows", "UnitMotion"]
 
@@ -113,8 +113,8 @@ class UnitMotion:
                 return fine, gaps
             first += FINER + ceil(max(0.0, log10(worst) + digits + 1))
         raise PrecisionLoss(
-            f"{self.scene.name}: no {digits} digits were found at t = {max(times, key=abs)} or before with {first} "
-            "digits; ask for fewer, or for nearer times"
+            f"{self.scene.name}: no {digits} digits were found at t = {shown(max(times, key=abs))} or before with "
+            f"{first} digits; ask for fewer, or for nearer times"
         )
 
 

@@ -88,7 +88,9 @@ def sweep(
     source = _Source.of(what, vary, times)
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
-    chunk = whole(chunk, "chunk", "an int ≥ 1 is needed", 1) if chunk is not None else source.usual_chunk
+    chunk = source.usual_chunk if chunk is None else whole(chunk, "chunk", "an int ≥ 1 is needed", 1)
+    # of all members at most: one chunk is one chunk, and the layout has no longer number
+    chunk = min(chunk, max(1, len(source)))
     bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
     store, count = Store(out, source.layout(chunk)), len(source)
     if store.complete:

@@ -40,6 +40,7 @@ LINES = {
     "motion": "motion = flow.at([0, 1, 20])",
     "top": "top = EulerTop((1, 2, 3))",
     "spin": "spin = top.flow(top.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))",
+    "many": "many = ensemble(top, (0.48, 0.6, 0.64), [(0.384, 1.28, -1.488)] * 3)",
     "exact": "exact = ChaplyginBall((1, 2, 3), 5, field=GF(10007))",
     "tilde": "tilde = Tilde((1, 2, 4))",
     "bent": "bent = tilde.flow(tilde.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))",

@@ -56,13 +56,14 @@ system: ball ¦ ball.D: ball.divisor(state) ¦ Q.x: 0 ¦ step.system: ball ¦ W.
 set_threads.count: 2 ¦ body: ball.body ¦ matrix: [[1, 2], [3, 4]]
 trace_hamiltonian.point: (1, 2, 3, 4) ¦ recursion_operator.point: (1, 2, 3, 4) ¦ second_bracket.point: (1, 2, 3, 4)
 eigenvalues.point: (1, 2, 3, 4) ¦ principal_divisor.a: [1, 1] ¦ principal_divisor.b: [1]
-X: 0.5 ¦ zeta: 0.2 ¦ Z: 0.3 ¦ added.multiple: 3
+ensemble.d: 0.7 ¦ member: 0 ¦ sweep.what: many ¦ sweep.out: 'run.zarr' ¦ executor: 'threads' ¦ chunk: 2
+progress: False ¦ X: 0.5 ¦ zeta: 0.2 ¦ Z: 0.3 ¦ added.multiple: 3
 """)
 )
 # whose methods are called
 OBJECTS = listed("""
 C ¦ Q ¦ J ¦ L ¦ D ¦ B ¦ A ¦ N ¦ R ¦ r ¦ U ¦ G ¦ g ¦ S ¦ T ¦ Z ¦ W ¦ Y ¦ ball ¦ top ¦ exact ¦ flow ¦ spin ¦ tilde ¦ hat
-gyro ¦ bent ¦ step ¦ keyless ¦ diagram ¦ rolling
+gyro ¦ bent ¦ many ¦ step ¦ keyless ¦ diagram ¦ rolling
 """)
 # what is called itself
 CALLED = listed("""
@@ -70,8 +71,8 @@ T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3) ¦ multiplied ¦ a
 """)
 FACTORIES = listed("""
 GF ¦ MP ¦ HyperellipticCurve ¦ ChaplyginBall ¦ EulerTop ¦ Tilde ¦ Check ¦ Hat ¦ Gyroscopic ¦ set_threads
-load_scene ¦ run ¦ RayClassGroup ¦ AbelMap ¦ GeneralizedJacobian ¦ representative ¦ periods ¦ Jacobian ¦ AffinePoint
-principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points ¦ FormalSum.from_divisor
+load_scene ¦ run ¦ sweep ¦ RayClassGroup ¦ AbelMap ¦ GeneralizedJacobian ¦ representative ¦ periods ¦ Jacobian
+ensemble ¦ AffinePoint ¦ principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points ¦ FormalSum.from_divisor
 eigenvalues ¦ second_bracket ¦ recursion_operator ¦ trace_hamiltonian ¦ rank
 QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(20).coerce
 """)

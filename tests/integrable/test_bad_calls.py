@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, load_scene, run
+from integrable import ChaplyginBall, EulerTop, Gyroscopic, Tilde, ensemble, load_scene, run, sweep
 from integrable.phase.brackets import image_brackets
 from integrable.scene.orbit import orbit
-from jacobian import CC, GF, ArgumentError, FieldError
+from jacobian import CC, GF, QQ, ArgumentError, FieldError
 from jacobian.errors import Infeasible, NotASquare
 from tests.messages import Raising, assert_says
 
@@ -209,6 +209,18 @@ CASES = {
         ArgumentError,
         "path = '/no such folder/run.npy': ",
         "a folder that exists",
+    ),
+    "a chunk of no member": (
+        lambda: sweep(ensemble(TOP, *START), times=[0, 1], out="a.h5", chunk=-(10**5000)),
+        ArgumentError,
+        "chunk = an int of 16610 bits: ",
+        "an int ≥ 1",
+    ),
+    "an ensemble of fractions": (
+        lambda: ensemble(EulerTop((10**5000, 2, 3), field=QQ), *START),
+        ArgumentError,
+        "system = EulerTop(inertia=(0x",
+        "an ensemble is of floats",
     ),
     "no name of a scene": (lambda: load_scene(3), ArgumentError, "name_or_path = 3: ", "the path of a .toml file"),
     "no scene": (lambda: run(None), ArgumentError, "scene = None: ", "the path of a .toml file"),

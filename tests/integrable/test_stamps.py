@@ -251,6 +251,19 @@ def test_the_sweep_of_a_scene_sees_every_entry(tmp_path):
             sweep(other, out=out, executor="threads")
 
 
+def test_numbers_that_python_does_not_write():
+    """Ints of more than 4300 digits: a repr and a stamp raised Python's ValueError, and so did the repr of a state."""
+    long = 10**5000
+    systems = [EulerTop((x, 2, 3), field=QQ) for x in (long, long + 1, Fraction(1, long), Fraction(1, long + 1))]
+    assert len({stamp(system) for system in systems} | {repr(system) for system in systems}) == 8
+    for system in systems[:2]:
+        assert eval(repr(system)) == system
+    assert "10000000…00000000[5001 digits]" in repr(systems[0].state((1, 0, 0), (0, long, 0)))
+    state = systems[0].state((1, 0, 0), (0, Fraction(1, 2), 0))
+    assert repr(state.M) == "(Fraction(0, 1), Fraction(1, 2), Fraction(0, 1))"
+    assert repr(state) == f"State(gamma={state.gamma!r}, M={state.M!r}, g=None, tilted=False)"
+
+
 @pytest.mark.parametrize("suffix", [".h5", ".nc", ".csv"])
 @pytest.mark.parametrize(
     ("kind", "given"), [*SWEPT, *MADE[-3:]], ids=lambda x: x.__name__ if isinstance(x, type) else "-".join(x)

@@ -103,6 +103,15 @@ def test_an_ensemble_is_swept(tmp_path):
 
 
 @needs_zarr
+def test_a_chunk_of_more_members_than_there_are_is_one_chunk(tmp_path):
+    """An int of 5001 digits was a ValueError of Python's own; and the same sweep by either number goes on."""
+    many, out = serial(), tmp_path / "out.zarr"
+    found = sweep(many, times=[1, 2], out=out, executor="threads", chunk=10**5000)
+    assert sweep(many, times=[1, 2], out=out, executor=Dead(), chunk=len(many)) == found
+    np.testing.assert_array_equal(read(out)[0]["gamma"], many.at([1, 2]).gamma)
+
+
+@needs_zarr
 def test_deformations_are_swept(tmp_path):
     path = tmp_path / "tilde.toml"
     path.write_text(TEXT.replace("chaplygin_ball", "tilde").replace("[1, 2, 3]", "[1, 2, 4]"), encoding="utf-8")
