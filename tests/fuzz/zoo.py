@@ -72,8 +72,8 @@ T ¦ Z ¦ J ¦ R ¦ step ¦ keyless ¦ ball.multiplication(3) ¦ multiplied ¦ a
 FACTORIES = listed("""
 GF ¦ MP ¦ HyperellipticCurve ¦ ChaplyginBall ¦ EulerTop ¦ Tilde ¦ Check ¦ Hat ¦ Gyroscopic ¦ set_threads
 load_scene ¦ run ¦ sweep ¦ RayClassGroup ¦ AbelMap ¦ GeneralizedJacobian ¦ representative ¦ periods ¦ Jacobian
-ensemble ¦ AffinePoint ¦ principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points ¦ FormalSum.from_divisor
-eigenvalues ¦ second_bracket ¦ recursion_operator ¦ trace_hamiltonian ¦ rank
+ensemble ¦ AffinePoint ¦ principal_divisor ¦ intersection ¦ FormalSum.zero ¦ FormalSum.from_points
+FormalSum.from_divisor ¦ eigenvalues ¦ second_bracket ¦ recursion_operator ¦ trace_hamiltonian ¦ rank
 QQ.coerce ¦ RR.coerce ¦ CC.coerce ¦ GF(101).coerce ¦ GF(7, 2).coerce ¦ MP(20).coerce
 """)
 # methods whose arguments are raw elements or internal numbers by contract
