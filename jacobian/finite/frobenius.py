@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
+import signal
+from functools import cache, lru_cache
+from threading import current_thread, main_thread
 from typing import Any
 
 from jacobian.curve.curve import HyperellipticCurve
@@ -10,6 +12,10 @@ from jacobian.errors import FieldError
 from jacobian.fields.extension import ExtensionField
 from jacobian.finite import complex_multiplication, counting, weil
 from jacobian.finite.search import counting_is_quick, search
+
+PARI_FROM, PARI_TO = 1 << 24, 10**22
+"""Fields for which PARI is asked in genus 1: at the first its import takes as long as a search, 50 ms; at the second the
+search ends."""
 
 
 @lru_cache(maxsize=256)
@@ -20,7 +26,7 @@ def _cached_polynomial(C: HyperellipticCurve) -> tuple[int, ...]:
         return tuple(weil.extend(list(_cached_polynomial(descended)), K.characteristic, K.degree))
     if K.order**C.genus <= counting_is_quick(C):
         return tuple(counting.frobenius_polynomial(C))
-    return tuple(complex_multiplication.frobenius_polynomial(C) or search(C))
+    return tuple(complex_multiplication.frobenius_polynomial(C) or by_pari(C) or search(C))
 
 
 def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
@@ -28,8 +34,8 @@ def frobenius_polynomial(C: HyperellipticCurve) -> list[int]:
 
     Computed over GF(p) when all coefficients lie there; by counting points where that is fast
     (:mod:`jacobian.finite.counting`); for y² = bx⁵ + a, and bx⁷ + a where p ≢ 2, 4 modulo 7, over GF(p) of any size by
-    complex multiplication (:mod:`jacobian.finite.complex_multiplication`); else by
-    :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
+    complex multiplication (:mod:`jacobian.finite.complex_multiplication`); in genus 1 over large prime fields by PARI,
+    where the extra ``pari`` is installed; else by :func:`jacobian.finite.search.search`, whose limits raise Infeasible.
     """
     if C.field.order is None:
         raise FieldError(f"field = {C.field.name}: points are counted over finite fields")
@@ -41,3 +47,34 @@ def _over_prime_field(C: HyperellipticCurve) -> HyperellipticCurve | None:
     if not isinstance(K, ExtensionField) or any(c >= K.characteristic for c in (*C.f, *C.h)):
         return None
     return HyperellipticCurve(K.base, C.f, C.h)
+
+
+def by_pari(C: HyperellipticCurve) -> list[int] | None:
+    """χ by PARI's ``ellap``, which is proven, in genus 1 over GF(p) of these sizes; None elsewhere, without cypari, and
+    off the main thread, which is the only one that cypari takes.
+
+    y² = F(x), deg F ≤ 4, has as many points as its Jacobian Y² = X³ − 27I·X − 27J with the invariants I and J of F
+    (An, Kim, Marshall, Marshall, McCallum and Perlis 2001).
+    """
+    K: Any = C.field
+    if C.genus > 1 or K.order != K.characteristic or not PARI_FROM <= K.order <= PARI_TO:
+        return None
+    if current_thread() is not main_thread() or (pari := _pari()) is None:
+        return None
+    e, d, c, b, a = [*map(int, C.discriminant), 0][:5]
+    I = 12 * a * e - 3 * b * d + c * c  # noqa: E741
+    J = 72 * a * c * e + 9 * b * c * d - 27 * (a * d * d + e * b * b) - 2 * c**3
+    return [K.order, -int(pari.ellap(pari.ellinit([-27 * I, -27 * J], K.order))), 1]
+
+
+@cache
+def _pari() -> Any:
+    """cypari's PARI, or None; Ctrl-C remains Python's."""
+    handler = signal.getsignal(signal.SIGINT)
+    try:
+        from cypari import pari
+    except ImportError:
+        return None
+    signal.signal(signal.SIGINT, handler)
+    pari.allocatemem(max(1 << 26, pari.stacksize()), silent=True)
+    return pari

@@ -1,5 +1,8 @@
 """Characteristic polynomials of Frobenius: the search against counts, closed forms, and the laws they all obey."""
 
+import signal
+import sys
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 from math import isqrt
 from random import Random
@@ -8,7 +11,7 @@ import numpy as np
 import pytest
 
 from jacobian import GF, QQ, FieldError, HyperellipticCurve, Infeasible
-from jacobian.finite import counting, hasse_witt, weil
+from jacobian.finite import counting, frobenius, hasse_witt, weil
 from jacobian.finite.search import search, twist
 from tests.jacobian.group_curves import random_curve
 
@@ -250,3 +253,24 @@ def test_what_is_not_compiled_ends_where_counting_does(monkeypatch):
     monkeypatch.setattr("jacobian.finite.search.interpreted", lambda: True)
     with pytest.raises(Infeasible, match=r"field = GF\(10000079\)"):
         HyperellipticCurve(GF(10_000_079), [1, 2, 0, 0, 0, 1]).jacobian().order()
+
+
+def test_genus_1_by_pari_and_by_search(monkeypatch):
+    """All models; off the main thread and without cypari the search answers. Ctrl-C remains Python's."""
+    pytest.importorskip("cypari")
+    p, rng = 2**30 - 35, Random(3)
+    curves = [
+        random_curve(GF(p), 1, seed, model=model) for seed in range(3) for model in ("ramified", "split", "inert")
+    ]
+    handler = signal.getsignal(signal.SIGINT)
+    frobenius._pari.cache_clear()
+    assert [frobenius.by_pari(C) for C in curves] == [search(C) for C in curves]
+    assert signal.getsignal(signal.SIGINT) is handler
+    J = random_curve(GF(2**61 - 1), 1, "long", model="ramified").jacobian()
+    assert not J.order() * J.random(rng)
+    with ThreadPoolExecutor(1) as pool:
+        assert pool.submit(frobenius.by_pari, curves[0]).result() is None
+    monkeypatch.setitem(sys.modules, "cypari", None)
+    frobenius._pari.cache_clear()
+    assert frobenius.by_pari(curves[0]) is None
+    frobenius._pari.cache_clear()
