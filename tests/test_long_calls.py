@@ -43,6 +43,7 @@ CALLS = {
         "J.random(Random(1))",
     ),
     "many points": (QUINTIC, "C.jacobian().from_points([(0, 1)] * 10**6)"),
+    "equal points": (QUINTIC, "C.jacobian().from_points([(0, 1)] * 2000)"),
     "all classes": ("J = HyperellipticCurve(GF(2**31 - 1), [1, 0, 0, 0, 0, 1]).jacobian()", "list(J.points())"),
     "multiple of 100000 digits": (
         "D = HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]).jacobian().from_points([(0, 1)])", "(10**100000) * D",

@@ -40,11 +40,16 @@ def signed_digits(m: int, width: int) -> list[int]:
     return digits
 
 
+def bits_of(K: Any, *polynomials: Any) -> int:
+    """Bits of the longest numerator or denominator of polynomials over QQ; 0 over other fields."""
+    if K is not QQ:
+        return 0
+    return max((max(c.numerator.bit_length(), c.denominator.bit_length()) for a in polynomials for c in a), default=0)
+
+
 def check_growth(K: Any, *polynomials: Any) -> None:
     """Infeasible where numbers of polynomials over QQ are too long to double the class; other fields have no such."""
-    if K is not QQ:
-        return
-    bits = max((max(c.numerator.bit_length(), c.denominator.bit_length()) for a in polynomials for c in a), default=0)
+    bits = bits_of(K, *polynomials)
     if bits > MOST_BITS:
         raise Infeasible(
             f"scalar: a multiple on the way has numbers of {bits} bits over {K.name}, and the next four times as many; "

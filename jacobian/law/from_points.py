@@ -8,9 +8,10 @@ from typing import Any, NamedTuple
 
 from jacobian import poly
 from jacobian.addition import cantor
+from jacobian.addition.ladder import MOST_BITS, bits_of
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.curve.points import AffinePoint, Point
-from jacobian.errors import ArgumentError, NotRepresentable, entries, shown, whole
+from jacobian.errors import ArgumentError, Infeasible, NotRepresentable, entries, shown, whole
 from jacobian.law.divisor import Divisor, GroupLaw
 
 # points are added one by one; larger sums should use multiples in the group
@@ -89,15 +90,50 @@ def _exact_sum(J: GroupLaw, points: list[AffinePoint], n: int | None, descent: D
     On a split model the weight of a class at ∞₊ counts from ⌈g/2⌉: the last part compensates those of the others.
     """
     C = J.curve
+    pairs = _equal_pairs(C, points) if descent is None else {}
+    if pairs:
+        # n counts 1 less for two points more; the class of a pair has its own weight
+        rest = list((Counter(points) - Counter({point: 2 * k for point, k in pairs.items()})).elements())
+        total = _exact_sum(J, rest, None if n is None else n + sum(pairs.values()), None)
+        for point, k in pairs.items():
+            total = _added(J, total, _multiple_of_pair(J, point, k))
+        return total
     *others, last = _parts(C, descent.orbits(points) if descent else [[point] for point in points])
     total = J.zero()
     for part in others:
         weight = None if n is None else (C.genus - len(part) + 1) // 2
         if n is not None and weight is not None:
             n += (C.genus + 1) // 2 - weight
-        total = total + _reduced(J, part, weight, descent)
+        total = _added(J, total, _reduced(J, part, weight, descent))
     final = _reduced(J, last, n, descent)
-    return total + final if others else final
+    return _added(J, total, final) if others else final
+
+
+def _equal_pairs(C: HyperellipticCurve, points: list[AffinePoint]) -> dict[AffinePoint, int]:
+    """How many times a point comes twice, for those that come more than 8g times: these pairs are a multiple."""
+    return {point: count // 2 for point, count in Counter(points).items() if count > AT_ONCE * C.genus}
+
+
+def _multiple_of_pair(J: GroupLaw, point: AffinePoint, k: int) -> Divisor:
+    """k(2P − (∞₊ + ∞₋)), on a ramified model 2k(P − ∞)."""
+    pair = divisor_of_points(J, [point, point])
+    try:
+        return J.multiply(k, pair)
+    except Infeasible:
+        raise _too_long(J) from None
+
+
+def _added(J: GroupLaw, D: Divisor, E: Divisor) -> Divisor:
+    if bits_of(J.curve.field, D.u, D.v) > MOST_BITS:
+        raise _too_long(J)
+    return D + E
+
+
+def _too_long(J: GroupLaw) -> Infeasible:
+    return Infeasible(
+        f"points: partial sums have numbers of more than {MOST_BITS} bits over {J.curve.field.name}, to which no more "
+        "is added; fewer points, or modulo primes (change_ring), where numbers stay short"
+    )
 
 
 def _parts(C: HyperellipticCurve, orbits: list[list[AffinePoint]]) -> list[list[AffinePoint]]:
