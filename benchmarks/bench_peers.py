@@ -1,18 +1,21 @@
-"""The flow beside integrators that are built once: twelve scenes at T = 1, 10, 100, 1000; ensembles; 30 digits.
+"""The flow beside integrators that are built once: twelve scenes at T = 1, 10, 100, 1000; set-up; ensembles; 30 digits.
 
 ``ms`` is what a start and its evaluation take, on both sides (:class:`integrable.oracles.method.Spent`): the clock, the
 median of runs in turn in one process. What is compiled is there; heyoka's integrator is built once for a kind of system
 and a tolerance, its constants being parameters. 101 times up to T, in the scene's unit of time; ``error`` is the
 largest of γ and M/|M|, or of q and p, at T, against 30 digits from the same doubles. ``heyoka/flow`` above 1: the flow
 is ahead. ``fastest`` is the fastest of heyoka, Gauss–Legendre 16 and Taylor, compiled, whose error is at most ten times
-the flow's or 1e-15; a dash where none is. Two minutes and a half on an idle machine, once everything has been compiled
-(the first time takes ten minutes more); heyoka's rows need ``pip install 'jacobian-integrable[peers]'``.
+the flow's or 1e-15; a dash where none is. Rows of set-up have what is spent once a system and once a start, and
+``machine s`` what heyoka's building took in this process. Two minutes on an idle machine, once everything has been
+compiled; the first time, that is done before on all cores, and said. heyoka: the extra ``peers``.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
-from fractions import Fraction
+from collections.abc import Callable, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
+from multiprocessing import get_context
 from time import perf_counter
 from typing import Any
 
@@ -22,10 +25,10 @@ from integrable.oracles.method import Spent
 from integrable.oracles.methods import METHODS, time_scale
 from integrable.oracles.reference import taylor
 from integrable.phase.precisions import FLOAT_DIGITS
-from integrable.scene.data import Scene, Times
+from integrable.scene.data import Scene
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
-from integrable.study.rivals import flow_once, method_once
+from integrable.study.rivals import at_times, flow_once, method_once
 from integrable.study.timing import Timed, interleaved
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
@@ -49,37 +52,66 @@ Row = dict[str, Any]
 
 def run(smoke: bool) -> list[Row]:
     """Rows (what, T, flow ms, its error, heyoka ms, its error, heyoka/flow, fastest, fastest/flow)."""
-    rows = []
-    for name in SCENES[:1] if smoke else SCENES:
+    names = SCENES[:1] if smoke else SCENES
+    if not smoke:
+        compile_on_all_cores(names)
+    rows: list[Row] = []
+    once: list[Row] = []
+    for name in names:
+        scene = in_doubles(load_scene(name))
         for T in HORIZONS[:1] if smoke else HORIZONS:
-            rows.append(compared(in_doubles(load_scene(name)), T))
-    return [*rows, ensembles(smoke), *(() if smoke else (thirty_digits(),))]
+            row, spent = compared(scene, T)
+            rows.append(row)
+            once += [set_up(name, spent)] if T == 1 else []
+    return [*rows, *once, ensembles(smoke), *(() if smoke else (thirty_digits(),))]
 
 
-def at_times(scene: Scene, times: tuple[Fraction, ...]) -> Scene:
-    """The scene at other times."""
-    return replace(scene, times=Times(given=times))
+def compile_on_all_cores(names: Sequence[str]) -> None:
+    """What is to be compiled once a machine: from a minute's work for each kind of system to the loading of it."""
+    print(f"compiling for {len(names)} kinds of systems, once a machine (a minute each) …", end="", flush=True)
+    begun = perf_counter()
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        list(pool.map(compiled, names))
+    print(f" {perf_counter() - begun:.0f} s", flush=True)
 
 
-def compared(scene: Scene, T: int) -> Row:
-    """One row: 101 times up to T."""
-    last = at_times(scene, (Fraction(T),))
-    truth = Truth(last, compute(last, 0.0))
-    many = at_times(scene, tuple(Fraction(T * k / (OUTPUTS - 1)) for k in range(OUTPUTS)))
+def compiled(name: str) -> None:
+    """Compile what a scene needs."""
+    scene = in_doubles(load_scene(name))
+    with suppress(JacobianError, ArithmeticError, RuntimeError):
+        for once in runs_of(at_times(scene, grid(1)))[0].values():
+            once()
+
+
+def grid(T: int) -> list[float]:
+    """The times."""
+    return [T * k / (OUTPUTS - 1) for k in range(OUTPUTS)]
+
+
+def runs_of(scene: Scene) -> tuple[dict[str, Callable[[], Timed]], str]:
+    """A run of the flow, "", and of each peer, which are built by a first run; and what a peer said that failed."""
     system, state = scene.start(FLOAT_DIGITS)
-    runs = {"": flow_once(many, FLOAT_DIGITS, "auto")}
-    row: Row = {"what": scene.name, "T": T}
+    runs, said = {"": flow_once(scene, FLOAT_DIGITS, "auto")}, ""
     for name, setting in PEERS.items():
         method = METHODS[name]
         if method.takes(system):
             value = setting * time_scale(system, state) if method.parameter == "step" else setting
-            once = method_once(many, method, value)[1]
+            once = method_once(scene, method, value)[1]
             try:
-                once()  # builds
+                once()
             except (JacobianError, ArithmeticError, RuntimeError) as error:
-                row["note"] = f"{name}: {error}"[:60]
+                said = f"{name}: {error}"[:60]
                 continue
             runs[name] = once
+    return runs, said
+
+
+def compared(scene: Scene, T: int) -> tuple[Row, dict[str, Spent]]:
+    """One row, 101 times up to T, and what each side has spent."""
+    last = at_times(scene, [T])
+    truth = Truth(last, compute(last, 0.0))
+    runs, said = runs_of(at_times(scene, grid(T)))
+    row: Row = {"what": scene.name, "T": T} | ({"note": said} if said else {})
     runs[""]()
     found = interleaved(runs, ROUNDS, PATIENCE)
     errors = {name: max(truth.errors(x.found.gamma[-1:], x.found.M[-1:]).values()) for name, x in found.items()}
@@ -92,6 +124,15 @@ def compared(scene: Scene, T: int) -> Row:
     if near:
         fastest = min(near, key=lambda name: found[name].total)
         row |= {"fastest": fastest, "fastest/flow": found[fastest].total / flow}
+    return row, {name: timing.spent for name, timing in found.items()}
+
+
+def set_up(name: str, spent: dict[str, Spent]) -> Row:
+    """A row: what is spent once a system and once a start."""
+    ours, theirs = (1e3 * (part.system + part.start) if part else None for part in (spent[""], spent.get("heyoka")))
+    row: Row = {"what": f"{name}, set-up", "flow ms": ours}
+    if theirs and ours:
+        row |= {"heyoka ms": theirs, "heyoka/flow": theirs / ours, "machine s": spent["heyoka"].machine}
     return row
 
 
@@ -112,7 +153,7 @@ def ensembles(smoke: bool) -> Row:
 
 def thirty_digits() -> Row:
     """One time of the rolling ball, the flow and the Taylor series, both at 30 digits on mpmath."""
-    scene = at_times(in_doubles(load_scene("chaplygin")), (Fraction(10),))
+    scene = at_times(in_doubles(load_scene("chaplygin")), [10])
 
     def series() -> Timed:
         system, state = scene.start(30)

@@ -25,8 +25,8 @@ def claims(study: Study) -> list[tuple[str, ...]]:
         _floor(study),
         *_far(study),
         *_near(study),
-        _ahead(study),
-        _ahead_in_doubles(study),
+        *_ahead(study),
+        *_ahead_in_doubles(study),
         _truth(study),
         _no_silence(study),
         *_exact(study),
@@ -67,26 +67,24 @@ def _near(study: Study) -> list[Claim]:
     return [(claim, f"{len(found) - won} of {len(found)} cases", not won)] if found else []
 
 
-def _ahead(study: Study) -> Claim:
+def _ahead(study: Study) -> list[Claim]:
     far = [f for f in study.motions if f.long]
     names = {f.scene.name for f in far}
     behind = [b for b in study.behind if b.scene in names]
-    return (
-        "The flow is ahead of every comparator in error at equal run time on scenes with T ≥ 1000.",
-        _standing(sum(len(f.comparators) for f in far), behind, len(far)),
-        not behind,
-    )
+    claim = "The flow is ahead of every comparator in error at equal run time on scenes with T ≥ 1000."
+    compared = sum(len(f.comparators) for f in far)
+    return [(claim, _standing(compared, behind, len(far)), not behind)] if compared else []
 
 
-def _ahead_in_doubles(study: Study) -> Claim:
+def _ahead_in_doubles(study: Study) -> list[Claim]:
     compared = sum(_in_doubles(row) for f in study.motions for row in f.comparators)
     behind = [b for b in study.behind if _in_doubles(b.row)]
-    return (
+    claim = (
         f"In at least {100 * AHEAD:.0f} % of the rows of methods in doubles, at any T, the flow is ahead in error at "
-        "equal run time.",
-        _standing(compared, behind, len(study.motions)),
-        len(behind) <= (1 - AHEAD) * compared,
+        "equal run time."
     )
+    holds = len(behind) <= (1 - AHEAD) * compared
+    return [(claim, _standing(compared, behind, len(study.motions)), holds)] if compared else []
 
 
 def _in_doubles(row: dict[str, Any]) -> bool:

@@ -86,7 +86,7 @@ def _handles(methods: Sequence[str], rows: Sequence[dict[str, Any]], found: Scen
     for method in methods:
         settings = [c["row"]["setting"] for c in rows if c["row"]["method"] == method] if method in OWN else [""]
         handles += [_handle(method, method in lost, setting) for setting in settings]
-    if lost:
+    if lost & set(methods):
         handles.append(Line2D([], [], linestyle="none", label="† at some settings too slow,\nor it gave up"))
     if silent := sorted(lost - set(methods)):
         names = "\n".join(silent)

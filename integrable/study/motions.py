@@ -56,13 +56,8 @@ def measure(scene: Scene, digits: int, tick: Tick, watch: Watch = NOBODY) -> tup
     run = _Run(scene, digits, tick)
     trajectory = run.flow(run.own)
     lines = _Lines(run, watch)
-    if (finer := run.finer) is not None:
-        run.flow(finer)
-        lines.add(run.flow_rows(run.own))
     watch.own(trajectory)
-    if finer is None:
-        lines.add(run.flow_rows(run.own))
-    for task in run.flows[1:]:
+    for task in run.flows:
         lines.add(run.flow_rows(task))
     for task in run.rivals:
         lines.add([run.rival(task)])

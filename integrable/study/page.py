@@ -32,6 +32,7 @@ __all__ = ["answer", "in_one_minute", "introduction", "page", "scene_section", "
 
 BUSY = 1.5
 """A load that is not this study alone."""
+NO_OTHERS = "No row of another method was measured."
 ORDER_TOLERANCE = 0.5
 """An observed order this near the order in theory agrees with it: step ladders reach few points of the asymptotics."""
 
@@ -39,7 +40,8 @@ ORDER_TOLERANCE = 0.5
 def answer(study: Study) -> str:
     """The study on the terminal: rows where the flow is not ahead, then a line for each scene."""
     behind = [behind_cells(study, *entry) for entry in study.behind_by_method]
-    lines = ["Rows where the divisor flow is not ahead:" if behind else "The divisor flow is ahead of every row."]
+    none = "The divisor flow is ahead of every row." if any(f.comparators for f in study.motions) else NO_OTHERS
+    lines = ["Rows where the divisor flow is not ahead:" if behind else none]
     if behind:
         lines += ["", *aligned([row[:-1] for row in (BEHIND, *behind)], left=2)]  # the page has room for the last
     lines += ["", *aligned([SCENES, *map(scene_cells, study.motions)], left=2)]
@@ -176,7 +178,8 @@ def _not_ahead(study: Study) -> str:
         "rows that are faster. Overtaken after: the run time in which the flow is at least as accurate."
     )
     rows = [behind_cells(study, *entry) for entry in study.behind_by_method]
-    return _section(title, text, [BEHIND, *rows]) or f"## {title}\n\n{text}\n\nNone.\n"
+    none = "None." if any(f.comparators for f in study.motions) else NO_OTHERS
+    return _section(title, text, [BEHIND, *rows]) or f"## {title}\n\n{text}\n\n{none}\n"
 
 
 def _horizons(study: Study) -> str:

@@ -119,8 +119,9 @@ class Task:
 
     @property
     def limit(self) -> float:
-        """Seconds after which the task is given up."""
-        return self.limits.truth if self.kind in ("truth", "floor", "horizon") else self.limits.task
+        """Seconds after which the task is given up; one with a truth and rivals has the time of both."""
+        truth = self.limits.truth if self.kind in ("truth", "floor", "horizon") else 0.0
+        return truth + (self.limits.task if self.kind not in ("truth", "floor") else 0.0)
 
 
 def _plain(word: str) -> str:
@@ -155,6 +156,8 @@ def tasks_of(scene: Scene, source: str, mode: str) -> list[Task]:
     return tasks
 
 
+MIDDLE = 500.0
+"""Time scales as which all times of a scene count in the order of rows."""
 _ORDER = ("truth", "floor", "flow", "horizon", "orbit", "first answer", "comparator")
 
 
@@ -167,7 +170,7 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
 
     def place(task: Task) -> tuple[int, bool, float]:
         late = task.kind not in _ORDER or (task.kind == "flow" and (task.value or 0) > FLOAT_DIGITS)
-        far = (task.value or 0.0) if task.kind == "horizon" else 0.0
+        far = (task.value or MIDDLE) if task.kind == "horizon" else 0.0
         return len(_ORDER) if late else _ORDER.index(task.kind), task.method not in (*STRONG, FLOW), far
 
     return sorted(tasks, key=place)
