@@ -5,6 +5,7 @@ import pytest
 from jacobian import GF, QQ, ArgumentError, FieldError, HyperellipticCurve, poly
 from jacobian.relatives.kummer import kummer_surface
 from jacobian.relatives.torsion_lifts import rational_class, rational_of
+from tests.jacobian.law.test_reference_cases import curve_of, of_kind
 
 # f, h and the torsion of the Jacobian. X0(N), N prime: cyclic of the order that is the numerator of (N − 1)/12 (Mazur
 # 1977); X1(13), X1(16), X1(18): Ogg 1974; X0(26), X0(50): Ogg 1974; order 29: Leprévost 1993
@@ -32,6 +33,14 @@ def test_published_groups(name):
     for d, D in zip(invariants, torsion.found.generators, strict=True):
         assert D.order() == d
     assert len(set(torsion.found.elements())) == torsion.found.order
+
+
+@pytest.mark.parametrize("case", of_kind("torsion"))
+def test_groups_that_the_lmfdb_has(case):
+    """In the models of its pages: among them 16, 18, 22, 27, 29, 2 × 12, 2 × 14, 2 × 2 × 4."""
+    torsion = curve_of(case).jacobian().rational_torsion()
+    assert torsion.proven
+    assert list(torsion.found.invariants) == case["expected"]["torsion_structure"]
 
 
 @pytest.mark.parametrize(
