@@ -1,5 +1,5 @@
 """The equations of motion of a deformation as a formula, and their walks near the start, compiled for a kind of systems
-(:mod:`integrable.series.kinds`).
+(:mod:`integrable.series.kinds`), or along its tape until that has paid.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from integrable.deformations.hamiltonian import Hamiltonian, Potential, dot
 from integrable.motion.trajectory import Way
 from integrable.phase.body import Body
 from integrable.phase.state import State, onto_constraints
-from integrable.series.kinds import Compiled, Formulas, Kind, kind_of
+from integrable.series.kinds import Formulas, Kind, kind_of
 from integrable.series.near import Near, both_ways
-from integrable.series.steps import FINE, FINEST, Steps
+from integrable.series.steps import FINE, FINEST, Steps, weight
 from integrable.series.symbols import Symbol
 from jacobian.immutable import replaced
 
@@ -57,36 +57,31 @@ class WalkFirst:
     def at(self, times: np.ndarray) -> Found:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,)."""
         found = self.walked(times, True)
-        return found if found is not None else self._timed(lambda way: way.at(times), True)
+        return found or self._left().at(times)
 
     def at_tau(self, tau: np.ndarray) -> np.ndarray:
         """γ and M at values of τ, shape (N, 6)."""
         found = self.walked(tau, False)
-        return found[0] if found is not None else self._timed(lambda way: way.at_tau(tau), False)
+        return found[0] if found else self._left().at_tau(tau)
 
     def times(self, tau: np.ndarray) -> np.ndarray:
         """Physical times at values of τ."""
         found = self.walked(tau, False)
-        return found[1] if found is not None else self._timed(lambda way: way.times(tau), False)
+        return found[1] if found else self._left().times(tau)
 
-    def _timed(self, compute: Callable[[Way], Any], physical: bool) -> Any:
-        begin, other = perf_counter(), self._other()
-        found = compute(other)
+    def _left(self) -> Way:
+        other = self._other()
         self.way = other.way
-        kind_in(self._system, physical).pay(perf_counter() - begin)
-        return found
+        return other
 
     def walked(self, times: np.ndarray, physical: bool) -> Found | None:
-        """The rows and τ, or in τ the times, where the walk is there and has all of them."""
+        """The rows and τ, or in τ the times, where the walk has all of them."""
         kind = kind_in(self._system, physical)
         most = self._most + STEPS_A_TIME * len(times)
         given = np.array([*constants_of(self._system), 0.0])
         start = *self._state.gamma, *self._state.M, 0.0, 0.0, 0.0
         for steps in (FINE, FINEST):
-            walk = kind.walk(steps.orders)
-            if walk is None:
-                return None
-            near = _reached(walk, given, start, times, steps, most)
+            near = _reached(kind, given, start, times, steps, most)
             if len(near.places) == len(times):
                 rows = np.empty((len(times), *SHAPE))
                 rows[near.places] = near.states
@@ -96,9 +91,15 @@ class WalkFirst:
 
 
 def _reached(
-    walk: Compiled, given: np.ndarray, start: tuple[float, ...], times: np.ndarray, steps: Steps, most: int
+    kind: Kind, given: np.ndarray, start: tuple[float, ...], times: np.ndarray, steps: Steps, most: int
 ) -> Near:
-    return both_ways(SHAPE, times, steps, lambda t: walk(given, start, t, steps, most / walk.weight))
+    """By the compiled walk, or by the tape until it has paid for one."""
+    walk, begin = kind.walk(steps.orders), perf_counter()
+    along, some = walk or kind.on_tape, most / (walk.weight if walk else weight(kind.rates, steps.orders))
+    near = both_ways(SHAPE, times, steps, lambda t: along(given, start, t, steps, some))
+    if walk is None:
+        kind.pay(perf_counter() - begin)
+    return near
 
 
 def constants_of(system: Hamiltonian) -> tuple[float, ...]:

@@ -8,6 +8,7 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations.deformed_flow import widened
 from integrable.deformations.equations import WalkFirst, kind_in
+from integrable.series.kinds import Kind
 from integrable.series.steps import FINE
 from jacobian import MP, NotRepresentable
 
@@ -112,3 +113,15 @@ def test_a_walk_that_is_not_compiled_is_left_to_others() -> None:
     assert first.at(np.array([1e9]))[0].shape == (1, 6)
     assert first.way == "other"
     assert asked == [1]
+
+
+@pytest.mark.parametrize("name", SYSTEMS)
+def test_states_are_those_along_the_tape_until_a_walk_is_compiled(name, monkeypatch) -> None:
+    system = SYSTEMS[name]
+    walks(system)
+    state = system.state(*START)
+    run = system.motion_through(state).at(TIMES)
+    monkeypatch.setattr(Kind, "walk", lambda *_, **__: None)
+    again = system.motion_through(state).at(TIMES)
+    assert again.way == run.way == "integrated"
+    assert_rounded(rows(again), rows(run))
