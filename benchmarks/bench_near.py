@@ -1,92 +1,100 @@
-"""Systems near their start beside heyoka built once: a fresh system, state and flow with 101 outputs, ÷ heyoka.
+"""Systems near their start: a fresh system, state and flow with 101 outputs, beside heyoka built once and additions.
 
-heyoka: constants as ``par``, state and time reset, ``propagate_grid``, tolerance 1e-15. The least of repeats in turns.
+``ms`` is the least of repeats, ``÷ heyoka`` the same over heyoka's in turn with it, at tolerance 1e-15. Errors are
+the largest differences of q and p from the states of the additions at T = 100, relative to the largest there. A unit of
+time is |q| of the earth's geodesic, else 1.
 """
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from statistics import median
+from time import perf_counter
 from typing import Any
 
 import numpy as np
 
-from benchmarks.bench_real_torus import MOTIONS
-from benchmarks.bench_series import BESIDE
+from benchmarks.bench_real_torus import MOTIONS, by_additions
 from benchmarks.bench_short import problem
-from integrable.deformations.equations import kind_in
-from integrable.extras import installed
+from benchmarks.curves import in_turn, least_seconds
+from integrable.classical.henon_heiles import HenonHeiles
+from integrable.classical.lagrange import LagrangeTop
+from integrable.classical.neumann import Neumann
+from integrable.classical.spherical_pendulum import SphericalPendulum
+from integrable.classical.toda import TodaLattice
 from integrable.oracles.methods import METHODS
 from integrable.scene.classical import ClassicalSystem
-from integrable.series.steps import MIDDLE, PLAIN, WIDE
 
+BESIDE: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
+    "Neumann on S³": (Neumann((1, 2, 4, 7)), (0.5, 0.5, 0.5, 0.5), (0.3, -0.4, 0.2, -0.1)),
+    "Toda, eight particles": (TodaLattice(8), (0, 0.5, -0.25, 0, 0.5, 0, 0, 0.25), (1, -1, 0.5, -0.5, 0, 0, 0.25, 0)),
+    "Hénon and Heiles, 1:6": (HenonHeiles.with_frequencies(1, 1.25), (0.05, 0.03), (0, 0.01)),
+    "Lagrange's top": (LagrangeTop(0.7), (0.48, 0.6, 0.64), (0.3, 0.1, 1.5)),
+    "spherical pendulum": (SphericalPendulum(), (0.6, 0, -0.8), (0.4, 0.5, 0.3)),
+}
 LENGTHS = (1, 10, 100, 1000)
 DEFORMED = ("check", "hat", "tilde", "tilde_poles", "gyroscopic")
-TOLERANCE, LOOSE = 1e-15, 1e-12
+TOLERANCE = 1e-15
+Row = dict[str, object]
 
 
-def run(smoke: bool) -> list[dict[str, object]]:
-    """A row for each system, the median and the worst of these, and of deformations; none without heyoka, the extra
-    ``peers``.
-    """
-    if not installed("heyoka"):
-        return []
-    motions = list((MOTIONS | BESIDE).items())[: 1 if smoke else None]
-    rows = [_row(name, *motion, (1,) if smoke else LENGTHS) for name, motion in motions]
-    deformed = [_deformed(name, (1,) if smoke else LENGTHS[:-1]) for name in DEFORMED[: 1 if smoke else None]]
-    names = [name for name in rows[0] if name != "system"]
-    for word, what in (("median", median), ("worst", max)):
-        rows.append(
-            {"system": word, **{name: what([float(str(row[name])) for row in rows[: len(motions)]]) for name in names}}
-        )
-    return [*rows, *deformed]
+def run(smoke: bool) -> list[Row]:
+    """A row for each system, the median and the worst ratio of these, and rows of deformations."""
+    lengths, few = ((1,), 1) if smoke else (LENGTHS, None)
+    rows = [_classical(name, *motion, lengths) for name, motion in list((MOTIONS | BESIDE).items())[:few]]
+    ratios = [name for name in rows[0] if name.endswith("÷ heyoka")]
+    summary: list[Row] = [
+        {"system": word, **{name: what([float(str(row[name])) for row in rows]) for name in ratios}}
+        for word, what in (("median", median), ("worst", max))
+    ]
+    return [*rows, *summary, *(_deformed(scene, lengths[:3]) for scene in DEFORMED[:few])]
 
 
-def _deformed(scene: str, lengths: tuple[int, ...]) -> dict[str, object]:
+def _classical(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...]) -> Row:
+    state, peer = system.state(q, p), ClassicalSystem(system)
+    unit = max(1.0, float(np.linalg.norm(q)))
+
+    def fresh() -> tuple[Any, Any]:
+        made = type(system)(**system.arguments)
+        return made, made.state(state.q, state.p)
+
+    row: Row = {"system": name} | _beside(fresh, peer, peer.state(q, p), unit, lengths)
+    few, flow = [50 * unit, 100 * unit], system.flow(state)
+    path, far = flow.at(few), by_additions(flow, few)
+    gaps = (np.abs(x - y).max() / np.abs(y).max() for x, y in ((path.q, far.q), (path.p, far.p)))
+    seconds = least_seconds(lambda: by_additions(system.flow(state), few), 2)
+    return row | {"additions, two points, ms": 1e3 * seconds, "error": float(max(gaps))}
+
+
+def _deformed(scene: str, lengths: tuple[int, ...]) -> Row:
     """A deformation of a scene."""
     system, state = problem(scene)
-    kind_in(system, True).walk(WIDE, compiles=True)
-    heyoka = METHODS["heyoka"].prepare(system, state, TOLERANCE)
-    row: dict[str, object] = {"system": scene}
+
+    def fresh() -> tuple[Any, Any]:
+        made = type(system)(**system.arguments)
+        return made, made.state(state.gamma, state.M)
+
+    return {"system": scene} | _beside(fresh, system, state, 1.0, lengths)
+
+
+def _beside(
+    fresh: Callable[[], tuple[Any, Any]], peer: Any, start: Any, unit: float, lengths: tuple[int, ...]
+) -> dict[str, object]:
+    """Columns for each length, those of heyoka where it is installed."""
+    heyoka, row = METHODS["heyoka"], dict[str, object]()
+    theirs = heyoka.prepare(peer, start, TOLERANCE) if heyoka.takes(peer) else None
     for length in lengths:
-        times = np.linspace(0, length, 101)
+        times = (unit * np.linspace(0, length, 101)).tolist()
 
-        def ours(times: np.ndarray = times) -> Any:
-            made = type(system)(**system.arguments)
-            return made.motion_through(made.state(state.gamma, state.M)).at(times)
+        def ours(times: list[float] = times) -> Any:
+            made, state = fresh()
+            return (
+                made.motion_through(state).at(times) if hasattr(made, "motion_through") else made.flow(state).at(times)
+            )
 
-        found = _least([lambda: heyoka(times), ours], 20)  # noqa: B023
-        row[f"T = {length}"] = round(found[1] / found[0], 2)
+        ours()  # compiles
+        runs = {"ours": ours} | ({"heyoka": lambda: theirs(times)} if theirs else {})  # noqa: B023
+        found = in_turn(runs, 60 if length < 100 else 7, perf_counter)
+        row[f"T = {length}, ms"] = 1e3 * found["ours"]
+        row[f"{length}: ÷ heyoka"] = found["ours"] / found["heyoka"] if theirs else None
     return row
-
-
-def _row(name: str, system: Any, q: Any, p: Any, lengths: tuple[int, ...]) -> dict[str, object]:
-    for orders in (WIDE, MIDDLE, PLAIN):
-        system._kind.walk(orders, compiles=True)
-    state, arguments, kind = system.state(q, p), system.arguments, type(system)
-    unit, peer = max(1.0, float(np.linalg.norm(q))), ClassicalSystem(system)
-    heyoka = METHODS["heyoka"].prepare(peer, peer.state(q, p), TOLERANCE)
-    row: dict[str, object] = {"system": name}
-    for length in lengths:
-        times = np.linspace(0, unit * length, 101)
-
-        def ours(tolerance: float | None = None, times: np.ndarray = times) -> Any:
-            made = kind(**arguments)
-            return made.flow(made.state(state.q, state.p), tolerance=tolerance).at(times)
-
-        found = _least([lambda: heyoka(times), ours, lambda: ours(LOOSE)], 60 if length < 100 else 7)  # noqa: B023
-        row[f"T = {length}"] = round(found[1] / found[0], 2)
-        row[f"T = {length}, tolerance 1e-12"] = round(found[2] / found[0], 2)
-    return row
-
-
-def _least(functions: list[Callable[[], Any]], repeats: int) -> list[float]:
-    """The least seconds of each, in turns."""
-    found = [np.inf] * len(functions)
-    for _ in range(repeats):
-        for i, each in enumerate(functions):
-            begin = time.perf_counter()
-            each()
-            found[i] = min(found[i], time.perf_counter() - begin)
-    return found

@@ -8,14 +8,12 @@ beside the states of the additions.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
-from math import inf
 from typing import Any
 
 import numpy as np
 
-from benchmarks.curves import least_seconds
+from benchmarks.curves import in_turn, least_seconds
 from integrable.classical.ellipsoid import Ellipsoid
 from integrable.classical.garnier import Garnier
 from integrable.classical.henon_heiles import HenonHeiles
@@ -24,11 +22,9 @@ from integrable.classical.neumann import Neumann
 from integrable.classical.spherical_pendulum import SphericalPendulum
 from integrable.classical.toda import TodaLattice
 from integrable.classical.veselova import Veselova
-from integrable.extras import installed
 from integrable.mumford.flow import Point
-from integrable.oracles.expressions import recorded
-from integrable.oracles.method import Given
 from integrable.oracles.methods import METHODS
+from integrable.scene.classical import ClassicalSystem
 from jacobian import RR
 
 MOTIONS: dict[str, tuple[Any, tuple[float, ...], tuple[float, ...]]] = {
@@ -70,15 +66,17 @@ def _row(name: str, system: Any, q: Any, p: Any, count: int, repeats: int) -> di
         # a system that has kept nothing
         return lambda: (lambda made: made.flow(made.state(q, p)).at(wanted))(system.over(RR))
 
-    runs = [fresh(times), fresh(far[-1:])]
-    if installed("heyoka") and name not in PAST_INFINITY:
-        runs.append(_heyoka(system, q, p, times))
-    many, one, *theirs = _interleaved(runs, repeats)
+    runs, heyoka, peer = {"many": fresh(times), "one": fresh(far[-1:])}, METHODS["heyoka"], ClassicalSystem(system)
+    if heyoka.takes(peer) and name not in PAST_INFINITY:
+        run = heyoka.prepare(peer, peer.state(q, p), TOLERANCE)
+        runs["heyoka"] = lambda: run(times.tolist())
+    found = in_turn(runs, repeats)
+    many, theirs = found["many"], found.get("heyoka")
     return {
         "system": name,
         "101 times to 1000, ms": 1e3 * many,
-        "÷ heyoka": many / theirs[0] if theirs else "",
-        "one at 10⁶, ms": 1e3 * one,
+        "÷ heyoka": many / theirs if theirs else None,
+        "one at 10⁶, ms": 1e3 * found["one"],
         "a point thereafter, µs": 1e6 * least_seconds(lambda: flow.at(far), min(repeats, 3)) / count,
         "by additions, ms": 1e3 * least_seconds(lambda: by_additions(flow, far[-3:]), min(repeats, 3)) / 3,
         "error": max(float(np.abs(x[-3:] - y).max() / np.abs(y).max()) for x, y in ((path.q, few.q), (path.p, few.p))),
@@ -90,27 +88,3 @@ def by_additions(flow: Any, times: Any) -> Point:
     rows = [flow._row(place) for place in flow._places([float(t) for t in times])]
     q, p = (np.array([[float(x) for x in row[i]] for row in rows]) for i in (0, 1))
     return Point(q, p)
-
-
-def _interleaved(runs: list[Callable[[], Any]], repeats: int) -> list[float]:
-    """The least processor seconds of each."""
-    least = [inf] * len(runs)
-    for _ in range(repeats):
-        for i, each in enumerate(runs):
-            begun = time.process_time()
-            each()
-            least[i] = min(least[i], time.process_time() - begun)
-    return least
-
-
-def _heyoka(system: Any, q: Any, p: Any, times: np.ndarray) -> Callable[[], Any]:
-    """heyoka at times, built here for all systems of the kind."""
-    n, start = len(q), (*map(float, q), *map(float, p))
-
-    def rates(numbers: Any, y: Any) -> tuple[Any, ...]:
-        found = system._vector_field(numbers, Point(tuple(y[:n]), tuple(y[n:])))
-        return (*found.q, *found.p)
-
-    kind, constants = recorded(type(system).__name__, rates, start)
-    run = METHODS["heyoka"].build(kind, TOLERANCE)(Given(constants, float))(start)
-    return lambda: run(times)

@@ -3,15 +3,13 @@
 The first rows are the constants of the cost model of :mod:`integrable.motion.short`, as they are ``kept`` there and as
 they are here: ``measured`` on each scene, in microseconds of processor time.
 The rows after them are fresh flows with so many times up to T: the milliseconds of a short run of
-any length (a dash where it is not sure of itself), of the torus, of a compiled walk along the equations of motion
-(:mod:`integrable.series`, which no ball takes), what "auto" takes, and ``lost``, what it takes longer
+any length (a dash where it is not sure of itself), of the torus, what "auto" takes, and ``lost``, what it takes longer
 than the cheaper of the two: the model is right where that is little, or a torus is up to twice as long. The last
 row says how often the slower one was taken, of how many, and the most that was lost by it.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import cache
 from typing import Any
 from unittest.mock import patch
@@ -22,13 +20,9 @@ from benchmarks.curves import least_seconds
 from integrable.motion import short
 from integrable.motion.flow import Flow
 from integrable.motion.short import ShortRuns
-from integrable.phase.body import Body, cross
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.doubles import in_doubles
 from integrable.scene.file import load_scene
-from integrable.series.kinds import Compiled, Formulas, Kind
-from integrable.series.steps import FINE, WIDE
-from integrable.series.symbols import Symbol
 
 SCENES = ("chaplygin", "euler_top", "thin_ball", "tilted_ball")
 TIMES, OUTPUTS = (1.0, 10.0, 100.0, 300.0, 1000.0, 3000.0), (1, 101, 2001, 6001)
@@ -40,7 +34,7 @@ Row = dict[str, Any]
 
 
 def run(smoke: bool) -> list[dict[str, object]]:
-    """Rows (scene, constant, kept, measured), then rows (scene, T, outputs, short run, torus, walk, auto, lost)."""
+    """Rows (scene, constant, kept, measured), then rows (scene, T, outputs, short run, torus, auto, lost)."""
     scenes, repeats = (SCENES[:1], 1) if smoke else (SCENES, REPEATS)
     found = {name: measured_costs(name, repeats) for name in scenes}
     rows: list[Row] = []
@@ -100,30 +94,6 @@ def _panels(name: str, times: np.ndarray) -> int:
     return runs.panels
 
 
-@cache
-def walk(rolls: bool) -> Compiled:
-    """That of the equations of motion of a ball, or of a top."""
-
-    def rates(N: Any, y: Sequence[Any]) -> tuple[Any, ...]:
-        I1, I2, I3, d = (Symbol("constant", i) for i in range(4))
-        gamma, M = (y[0], y[1], y[2]), (y[3], y[4], y[5])
-        omega = Body((I1, I2, I3), d if rolls else 0.0, N).omega(gamma, M)
-        return *cross(N, gamma, omega), *cross(N, M, omega)
-
-    found = Kind("ball" if rolls else "top", Formulas(rates, lambda N, y: y, 6, 6, 3)).walk(WIDE, compiles=True)
-    assert found is not None
-    return found
-
-
-def walked(name: str, times: np.ndarray) -> None:
-    """The states of a scene by its walk."""
-    system, state = problem(name)
-    found = walk(system.body.rolls)(
-        np.array([*system.inertia, system.d, 0.0]), (*state.gamma, *state.M), times, FINE, 1e9
-    )
-    assert found.reached == len(times)
-
-
 def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
     """What "auto" takes for so many times up to T."""
     times = np.linspace(0, T, outputs) if outputs > 1 else np.array([T])
@@ -133,6 +103,6 @@ def chosen(name: str, outputs: int, T: float, repeats: int) -> Row:
         sure = fresh(name, "auto").at(times).way == "short run"
         near = 1e3 * least_seconds(lambda: fresh(name, "auto").at(times), min(repeats, 5)) if sure else None
     row: Row = {"scene": name, "T": T, "outputs": outputs, "short run ms": near, "torus ms": torus}
-    row |= {"walk ms": 1e3 * least_seconds(lambda: walked(name, times), min(repeats, 3)), "auto": auto}
+    row["auto"] = auto
     row["lost"] = (near if auto == "short run" else torus) / min(torus, near) if near else None  # type: ignore[operator]
     return row

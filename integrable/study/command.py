@@ -18,7 +18,7 @@ from integrable.scene.output import OutputFolder, as_json, portable
 from integrable.scene.progress import going, often
 from integrable.study.findings import Study, study_from
 from integrable.study.page import answer, page
-from integrable.study.plan import NOT_MEASURED, Task, in_order, once_a_sort, tasks_of
+from integrable.study.plan import NOT_MEASURED, Task, first_answer_tasks, in_order, tasks_of
 from integrable.study.runner import ONE_RUN, run_tasks
 from integrable.study.store import Store
 from jacobian.errors import ArgumentError
@@ -79,7 +79,7 @@ def study_of(
 def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Task]:
     """All rows of a study in the order in which they are measured."""
     rows = [row for scene, source in zip(scenes, sources, strict=True) for row in tasks_of(scene, source, mode)]
-    return in_order([*rows, *once_a_sort(scenes, sources)])
+    return in_order([*rows, *first_answer_tasks(scenes, sources)])
 
 
 def report_data(

@@ -104,7 +104,6 @@ class SceneFindings:
     truth: dict[str, Any] | None = None
     floor: dict[str, Any] | None = None
     orbit: dict[str, Any] | None = None
-    left_out: dict[str, Any] | None = None
     first_answers: list[dict[str, Any]] = field(default_factory=list)
     horizons: list[dict[str, Any]] = field(default_factory=list)
     missing: list[dict[str, Any]] = field(default_factory=list)
@@ -296,8 +295,8 @@ def gather(scenes: Sequence[Scene], contents: Iterable[dict[str, Any]]) -> list[
             scene.failures.append(content)
         elif kind in (*lists, "flow", "backlund"):
             getattr(scene, lists.get(kind, kind)).append(content)
-        else:
-            setattr(scene, kind.replace(" ", "_"), content["result"])
+        elif kind in ("truth", "floor", "orbit"):
+            setattr(scene, kind, content["result"])
     return list(found.values())
 
 

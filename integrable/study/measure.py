@@ -18,7 +18,7 @@ from integrable.oracles.methods import METHODS
 from integrable.oracles.reference import dop853
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
-from integrable.study.fresh import first_answer, left_out
+from integrable.study.fresh import first_answer
 from integrable.study.plan import Task
 from integrable.study.rivals import affordable, at_one_time, first_use, flow_once, method_once, pilot, standing
 from integrable.study.timing import Tick, Timed, Timing, interleaved, silent
@@ -243,7 +243,6 @@ _KINDS: dict[str, Callable[[Task, Data | None, Tick], Data]] = {
     "comparator": _comparator,
     "tolerance": _tolerance,
     "growth": _growth,
-    "left out": lambda task, _, __: left_out(task.source),
     "horizon": _horizon,
     "orbit": _orbit,
 }

@@ -138,7 +138,6 @@ def sections(study: Study) -> dict[str, str]:
         "rows": _not_ahead(study),
         "floor": _floor(study),
         "first answers": _first_answers(study),
-        "left out": _leaves_out(study),
         "orders": _orders(study),
         "orbits": _orbits(study),
         "failed": _failed(study),
@@ -239,36 +238,6 @@ def _first_answers(study: Study) -> str:
         "in a process that has computed it before."
     )
     return _section("The first answer, cold and warm", text, rows)
-
-
-def _megabytes(size: int | None, without: int | None = 0) -> str:
-    """The difference of two sizes of memory; None where the system does not report them."""
-    return "–" if size is None or without is None else f"{(size - without) / 1e6:.0f} MB"
-
-
-def _leaves_out(study: Study) -> str:
-    rows = [("scene", "imported", "not imported", "way", "process", "saved", "memory", "saved")]
-    for f in study.findings:
-        if f.left_out is None:
-            continue
-        asked, everything = f.left_out["asked"], f.left_out["everything"]
-        rest = [name for name in everything["heavy"] if name not in asked["heavy"]]
-        rows.append((
-            f.scene.name,
-            ", ".join(asked["heavy"]),
-            ", ".join(rest),
-            asked["way"],
-            duration(asked["total"]),
-            duration(everything["total"] - asked["total"]),
-            _megabytes(asked["memory"]),
-            _megabytes(everything["memory"], asked["memory"]),
-        ))  # fmt: skip
-    text = (
-        "γ and M at the scene's times in a fresh process, compared with computing everything about the same motion: "
-        "every library imported, compiled kernels, angular velocity, attitude, contact, integrals, the clock in τ, "
-        "100 000 successive steps, the picture. The way names what computed the states (Trajectory.way)."
-    )
-    return _section("What a scene leaves out", text, rows)
 
 
 def _orders(study: Study) -> str:

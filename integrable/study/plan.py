@@ -15,7 +15,6 @@ from functools import cached_property
 from hashlib import sha256
 from typing import Any
 
-from integrable.extras import APP, installed
 from integrable.oracles.methods import METHODS
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import Scene
@@ -34,8 +33,8 @@ __all__ = [
     "STRONG",
     "Limits",
     "Task",
+    "first_answer_tasks",
     "in_order",
-    "once_a_sort",
     "tasks_of",
 ]
 
@@ -176,9 +175,9 @@ def in_order(tasks: Sequence[Task]) -> list[Task]:
     return sorted(tasks, key=place)
 
 
-def once_a_sort(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
-    """First answers, of the flow and each strong method, and what a scene leaves out, on the first body, the first
-    system of any genus and the first deformation: compiled code serves all systems of a kind.
+def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
+    """First answers of the flow and each strong method on the first body, the first system of any genus and the first
+    deformation: compiled code serves all systems of a kind.
     """
     tasks: dict[tuple[str, str], Task] = {}
     for scene, source in zip(scenes, sources, strict=True):
@@ -188,8 +187,6 @@ def once_a_sort(scenes: Sequence[Scene], sources: Sequence[str]) -> list[Task]:
         sort = "body" if scene.rolls_or_spins else "classical" if scene.classical else "deformation"
         for name in (FLOW, *(name for name in STRONG if METHODS[name].takes(system))):
             tasks.setdefault((sort, name), Task(scene, source, "first answer", name, "first answer"))
-        if all(map(installed, APP)):
-            tasks.setdefault((sort, ""), Task(scene, source, "left out", FLOW, "what the scene leaves out"))
     return list(tasks.values())
 
 

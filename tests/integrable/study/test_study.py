@@ -32,7 +32,7 @@ from integrable.study.command import planned, report_data, study_of
 from integrable.study.findings import Study, fitted_slope, gather, study_from
 from integrable.study.measure import measured
 from integrable.study.page import answer, in_one_minute, page
-from integrable.study.plan import FLOW, LIMITS, STRONG, Task, once_a_sort, tasks_of
+from integrable.study.plan import FLOW, LIMITS, STRONG, Task, first_answer_tasks, tasks_of
 from integrable.study.runner import run_tasks
 from integrable.study.store import Store, code_stamp
 from integrable.study.timing import interleaved
@@ -87,7 +87,7 @@ def done(tmp_path_factory):
     scene = load_scene(source)
     kept = ("SciPy DOP853", "Gauss-Legendre 6", "implicit midpoint", "closed elliptic form", FLOW, "Bäcklund steps")
     every = [r for r in planned([scene], [str(source)], "quick") if r.method in kept or r.kind in ("truth", "floor")]
-    rows = [r for r in every if r.kind != "left out" and r.setting != "compiled"]
+    rows = [r for r in every if r.kind != "first answer" and r.setting != "compiled"]
     # what they find is tested, and not how fast this machine is just now
     rows = [replace(r, limits=replace(r.limits, run=60.0)) for r in rows]
     store = Store(folder / "out")
@@ -273,7 +273,7 @@ def test_what_a_stopped_worker_has_started_ends_with_it(source, tmp_path):
         return found
 
     store = Store(tmp_path)
-    row = next(row for row in planned([load_scene(source)], [source], "quick") if row.kind == "left out")
+    row = next(row for row in planned([load_scene(source)], [source], "quick") if row.kind == "first answer")
     worker = runner._Worker()
     try:
         assert worker.take(row, store, {})
@@ -524,7 +524,7 @@ def test_every_scene_has_its_flow_and_rivals_before_any_ladder():
         places = {kind: [i for i, (each, _) in enumerate(kinds) if each == kind] for kind, _ in kinds}
         assert kinds.index(("flow", "30 digits")) > max(places["comparator"])
         for before, after in (("truth", "floor"), ("floor", "horizon"), ("horizon", "orbit"), ("orbit", "comparator"),
-                              ("first answer", "comparator"), ("comparator", "left out")):  # fmt: skip
+                              ("first answer", "comparator"), ("comparator", "backlund")):  # fmt: skip
             assert max(places[before]) < min(places[after])
 
 
@@ -880,10 +880,9 @@ def test_tasks_of_every_shipped_scene_have_keys_of_their_own():
 
 def test_first_answers_are_those_of_one_system_of_each_sort():
     names = ["neumann", "chaplygin", "euler_top", "toda", "tilde", "check", "finite_field"]
-    tasks = once_a_sort([load_scene(name) for name in names], names)
+    tasks = first_answer_tasks([load_scene(name) for name in names], names)
     assert {task.scene.name for task in tasks} == {"neumann", "chaplygin", "tilde"}
     assert {task.method for task in tasks} - set(STRONG) == {FLOW}
-    assert [task.scene.name for task in tasks if task.kind == "left out"] == ["neumann", "chaplygin", "tilde"]
 
 
 def test_an_exact_orbit_has_error_zero(tmp_path):
@@ -941,7 +940,7 @@ def test_the_command_from_end_to_end(source, tmp_path, capsys):
     said = capsys.readouterr().out
     assert "over floor" in said
     text = (out / "report.md").read_text(encoding="utf-8")
-    for section in ("What a scene leaves out", "The flow's error and the floor"):
+    for section in ("The first answer, cold and warm", "The flow's error and the floor"):
         assert f"## {section}" in text
     assert {path.name for path in (out / "figures" / "report").iterdir()} == {
         f"{name}.{suffix}" for name in ("top", "floors") for suffix in ("png", "svg")
