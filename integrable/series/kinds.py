@@ -122,7 +122,7 @@ class Kind:
 
 # the words of a call: codes, bounds, constants, state, half, order, highs, wide, spare, then room, units, times, rows
 # and found, each with its length
-WORDS = struct.Struct("=4q10dQqQq6q" + "Qq" * 5)
+WORDS = struct.Struct("=4q11dQqQq6q" + "Qq" * 5)
 BACK = struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 

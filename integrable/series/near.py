@@ -74,7 +74,7 @@ def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolera
     for steps in steps_for(tolerance):
         walk = compiled_walk(system, steps)
         if walk is None:
-            return None
+            continue
         found = walk(system._walk_constants, (*state.q, *state.p), times, steps, FASTER * most / walk.weight)
         if found.reached == len(times) and found.wrong is None:
             return found

@@ -20,6 +20,7 @@ WIDE_TERM = 20
 class Steps(NamedTuple):
     """Which terms a walk has, and what it leaves out beside each q and p: ``left_out`` by the last terms, ``rounded``
     the first one in floats; the second walk leaves out so many times as much; rows that agree to ``agreed`` are right.
+    Times more than ``farthest`` first steps off are not walked to.
     """
 
     orders: Orders
@@ -28,12 +29,15 @@ class Steps(NamedTuple):
     coarser: float
     rougher: float
     agreed: float
+    farthest: float = 1e300
 
 
 # right to the last bits of floats: an eighth of what they are rounded to is what rows may differ by, as terms in floats
 # may be off by nearly as much in the finer walk
 WIDE, WIDEST = Orders(8, 30), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
+# where few steps do, errors have no time to grow: the same bits in three quarters of the time (python -m benchmarks near)
+ROUGH = Steps(Orders(6, 26), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 20), Orders(3, 23)
 # beside a tolerance: what steps leave out, in floats, and where the first terms are double-doubles; the first term in
 # floats there; how much more the second walk leaves out, and how many times what the two differ by an error may be
@@ -43,7 +47,7 @@ SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 1e-3, 3.
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
     """What is tried, one after the other: the last are right to the last bits."""
     if tolerance is None:
-        return (FINE,)
+        return ROUGH, FINE
     agreed = tolerance / SPARE
     plain = Steps(PLAIN, tolerance * SHARE, 1.0, COARSER, 1.0, agreed)
     # in a walk of some thousand steps floats lose four digits more
@@ -80,7 +84,16 @@ def bounds_of(steps: Steps, most: float) -> tuple[float, ...]:
     # where all terms are floats none of them is a limit
     orders = 1 / (order - 1), 1 / order, 1 / max(1, wide + 1), 1 / max(1, wide + 2)
     rounded = log2(steps.rounded) if wide >= 0 else 1e3
-    return log2(steps.left_out), rounded, log2(steps.coarser), log2(steps.rougher), *orders, steps.agreed, most
+    return (
+        log2(steps.left_out),
+        rounded,
+        log2(steps.coarser),
+        log2(steps.rougher),
+        *orders,
+        steps.agreed,
+        most,
+        steps.farthest,
+    )
 
 
 def inverses(order: int) -> np.ndarray:

@@ -300,7 +300,9 @@ class Series:
         """The coefficients k of products abreast."""
         text = Text(self.room.lanes * len(nodes), self.text)
         if nodes in self.room.sides:
-            return self._apart(text, nodes, self._products(text, nodes, _terms(len(self.room.sides[nodes]) == 1, 0, k + 1, k), k))
+            return self._apart(
+                text, nodes, self._products(text, nodes, _terms(len(self.room.sides[nodes]) == 1, 0, k + 1, k), k)
+            )
         sums = [self._sum_of_earlier(n, k) for n in nodes]
         before = None
         if k > 1:

@@ -41,7 +41,8 @@ class Codes(NamedTuple):
 
 class Bounds(NamedTuple):
     """What a step may leave out, as logarithms to base 2: of the last two terms, and of the first two in floats; by how
-    much less in the second walk; 1 over the orders of the four terms; how many rows' numbers are ``agreed`` on.
+    much less in the second walk; 1 over the orders of the four terms; how many rows' numbers are ``agreed`` on; how many steps
+    are taken at most, as those go that are known, and as the first one goes.
     """
 
     left_out: float
@@ -54,6 +55,7 @@ class Bounds(NamedTuple):
     second_float: float
     agreed: float
     most: float
+    farthest: float
 
 
 class Given(NamedTuple):
@@ -105,6 +107,8 @@ def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, ti
     now, later = 0.0, 0.0
     ahead = -1.0 if times[limit - 1] < 0 else 1.0
     first, second = reach(bounds, room, 0), reach(bounds, room, 1)
+    if not abs(times[limit - 1]) <= bounds.farthest * first * unit:
+        return 0, 0, 0.0, 0
     if second < FARTHEST:
         second = BACK * second
     while True:

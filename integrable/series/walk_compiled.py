@@ -25,7 +25,7 @@ from jacobian.native.operators import Operators, real
 from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, INT, INT, INT, INT)
-BOUNDS = record(Bounds, *[FLOAT] * 10)
+BOUNDS = record(Bounds, *[FLOAT] * 11)
 GIVEN = record(Given, FLOATS, FLOATS, *[INT] * 6)
 
 
