@@ -15,7 +15,7 @@ from integrable.torus.states import Torus
 from integrable.torus.survey import RATES, REACH
 from integrable.torus.tables import SmallSteps, TableRoom
 from integrable.torus.walks import Fine, Walk
-from integrable.torus.witness import BORDERS, SEAM, TERMS, Line
+from integrable.torus.witness import BORDERS, LEAST, SEAM, TERMS, Line
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.double_double import EPS
 
@@ -92,7 +92,10 @@ class Corners:
 
     def _check_walk(self) -> None:
         """NotClosed where the states at the corners are not reliable."""
-        if self.compiled and not self.loops.seam(self.torus, np.empty(24 * BORDERS)) <= SEAM:
+        if not self.compiled:
+            return
+        kappa = float(np.abs(self.loops.floats(self.curve.axes[3:6])).min())
+        if not self.loops.seam(self.torus, np.empty(2 * BORDERS)) <= SEAM * min(1, max(10 * kappa, LEAST)):
             raise NotClosed("the cells of this motion's torus do not fit to rounding; use more digits")
 
     @property

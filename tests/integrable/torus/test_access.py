@@ -486,18 +486,35 @@ def test_beside_an_unstable_rotation_that_leans():
 
 
 def test_cells_that_do_not_fit(monkeypatch):
-    """Corners that are off by 1e-10 are seen on the borders of their cells, and the motion is left to more digits."""
+    """Corners that are off by 1e-12 are seen on the borders of their cells, and the motion is left to more digits."""
     flow = BALL.flow(BALL.state(*START))
     walk = Corners._walk
 
     def rough(self, forward, most):
         walk(self, forward, most)
         # of every other corner
-        self.states[::20, 0] += 1e-10
+        self.states[::20, 0] += 1e-12
 
     monkeypatch.setattr(Corners, "_walk", rough)
     with pytest.raises(NotClosed, match="cells of this motion's torus do not fit"):
         TorusFlow(flow.setup, CompiledLoops())
+
+
+def test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed():
+    """M₂ was off by 1e-10 of |M| near γ₂ = 0 where far times were asked for too, with moments 1e-9 of each other apart:
+    the cells fitted in floats, and H1 and H2 hardly depend on a small M₂.
+    """
+    system = EulerTop((1996.3869996547544, 1996.666046398925, 1996.3869984863165))
+    state = system.state(
+        (-0.8434497955794591, 0.0, 0.537208006583082), (0.0004549265492743406, 0.0, 0.0007142628186606689)
+    )
+    times = [11512057981.064451, 1.0, 100.0, -3542.3098443591402]
+    found = system.flow(state).at(times)
+    # Taylor series of order 45 in 50 digits
+    assert found.M[3].tolist() == pytest.approx(
+        [0.00045492654927434056, 3.3744424226481698e-16, 0.00071426281866066889], abs=1e-18
+    )
+    assert found.M[1:3, 1].tolist() == pytest.approx([-9.526107457882922e-20, -9.526107457882922e-18], rel=1e-9)
 
 
 class FromMoreDigits(CompiledLoops):
