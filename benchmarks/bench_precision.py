@@ -9,6 +9,8 @@ from typing import Any
 
 from integrable import load_scene
 from integrable.motion.precise import PreciseFlow
+from integrable.oracles.methods import METHODS
+from integrable.study.timing import TooLong, at_most
 from jacobian import MP
 
 DIGITS = (30, 50, 100, 200, 500, 1000)
@@ -17,31 +19,7 @@ PATIENCE = 60
 # how many digits more the run has that errors are against
 MORE = 20
 
-# each prints its seconds, without those of starting Python, and the largest difference of γ and M from its input
-ODEFUN = """
-import sys
-from time import process_time
-from mpmath import mp
-digits, T = int(sys.argv[1]), int(sys.argv[2])
-mp.dps = digits + 5
-I, d = [mp.mpf(x) for x in (1, 2, 3)], mp.mpf("0.7")
-a = [1 / (x + d) for x in I]
-y0 = [mp.mpf(x) for x in ("0.48", "0.6", "0.64", "0.384", "1.28", "-1.488")]
-def cross(x, y):
-    return [x[i - 2] * y[i - 1] - x[i - 1] * y[i - 2] for i in range(3)]
-def field(t, y):
-    g, M = y[:3], y[3:]
-    AM, Ag = [p * x for p, x in zip(a, M)], [p * x for p, x in zip(a, g)]
-    n = d * sum(x * y for x, y in zip(g, AM)) / (1 - d * sum(x * y for x, y in zip(g, Ag)))
-    w = [x + n * y for x, y in zip(AM, Ag)]
-    return cross(g, w) + cross(M, w)
-start = process_time()
-end = mp.odefun(field, 0, y0)(T)
-seconds = process_time() - start
-truth = [mp.mpf(x) for x in sys.stdin.read().split()]
-print(seconds, mp.nstr(max(abs(x - y) for x, y in zip(end, truth)), 3))
-"""
-
+# prints its seconds, without those of starting Python, and the largest difference of γ and M from its input
 TAYLOR = """
 import sys
 from time import process_time
@@ -134,20 +112,27 @@ def _truth(digits: int, T: int) -> tuple[list[Any], Any]:
 def _peers(digits: int, T: int, patience: float) -> list[dict[str, object]]:
     truth, K = _truth(digits, T)
     text = " ".join(K.context.nstr(x, digits + MORE) for x in truth)
+
+    def odefun() -> tuple[float, str]:
+        body, state = load_scene("chaplygin").start(digits + 5)
+        start = process_time()
+        with at_most(patience):
+            found = METHODS["mpmath odefun"].solve(body, state, [T], digits)
+        seconds = process_time() - start
+        gaps = (abs(K.coerce(x) - y) for x, y in zip((*found.gamma[0], *found.M[0]), truth, strict=True))
+        return seconds, K.context.nstr(max(gaps), 3)
+
+    def series() -> tuple[float, str]:
+        command = [sys.executable, "-c", TAYLOR, str(digits), str(T)]
+        options: dict[str, Any] = {"capture_output": True, "text": True, "check": True}
+        seconds, error = subprocess.run(command, input=text, timeout=patience, **options).stdout.split()
+        return float(seconds), error
+
     rows = []
-    for name, source in (("mpmath.odefun", ODEFUN), ("Taylor series in python-flint", TAYLOR)):
+    for name, peer in (("mpmath.odefun", odefun), ("Taylor series in python-flint", series)):
         try:
-            answer = subprocess.run(
-                [sys.executable, "-c", source, str(digits), str(T)],
-                input=text,
-                capture_output=True,
-                text=True,
-                timeout=patience,
-                check=True,
-            )
-            seconds, error = answer.stdout.split()
-            rows.append(_row(name, digits, T, "", float(seconds), error))
-        except subprocess.TimeoutExpired:
+            rows.append(_row(name, digits, T, "", *peer()))
+        except (TooLong, subprocess.TimeoutExpired):
             rows.append(_row(name, digits, T, "", f"given up after {patience:g}", ""))
     return rows
 
