@@ -11,6 +11,7 @@ The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests 
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 from jacobian.addition import cantor
@@ -21,6 +22,8 @@ from jacobian.fields.extension import ExtensionField
 from jacobian.fields.flint_polynomials import conversions
 from jacobian.fields.prime import PrimeField
 from jacobian.fields.rational import RationalField
+
+Flint = tuple[Any, Any, "int | None"]
 
 
 def pays(C: HyperellipticCurve) -> bool:
@@ -50,37 +53,62 @@ class FlintCantor:
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
         into = self._into
+        u, v, n, _ = self.composed((into(a[0]), into(a[1]), a[2]), (into(b[0]), into(b[1]), b[2]))
+        return self._reduced(u, v, n)
+
+    def double(self, a: cantor.Triple) -> cantor.Triple:
+        """The reduced triple of a + a."""
+        u, v, n, _ = self.doubled((self._into(a[0]), self._into(a[1]), a[2]))
+        return self._reduced(u, v, n)
+
+    def composed(self, a: Flint, b: Flint) -> tuple[Any, Any, int | None, Any]:
+        """A triple of a + b, all of flint's polynomials, and :func:`jacobian.addition.cantor.cancelled`."""
         (u1, v1, n1), (u2, v2, n2) = a, b
-        u1, v1, u2, v2 = into(u1), into(v1), into(u2), into(v2)
         d, _, s = u1.xgcd(u2)
         k = s * (v1 - v2)
         if d.degree() > 0:
             d, r, t = d.xgcd(v1 + v2 + self.h)
             k = r * k + t * self._cofactor(u2, v2)
             u1, u2 = u1 // d, u2 // d
-        return self._reduced(u1, u2, v2, k, d.degree(), None if n1 is None or n2 is None else n1 + n2)
+        return self._assembled(u1, u2, v2, k, d, None if n1 is None or n2 is None else n1 + n2)
 
-    def double(self, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of a + a."""
-        u, v, n = self._into(a[0]), self._into(a[1]), a[2]
+    def doubled(self, a: Flint) -> tuple[Any, Any, int | None, Any]:
+        """The same of a + a."""
+        u, v, n = a
         d, _, t = u.xgcd(v + v + self.h)
         k = t * self._cofactor(u, v)
         if d.degree() > 0:
             u = u // d
-        return self._reduced(u, u, v, k, d.degree(), None if n is None else 2 * n)
+        return self._assembled(u, u, v, k, d, None if n is None else 2 * n)
 
     def _cofactor(self, u: Any, v: Any) -> Any:
         return (self.f - v * (v + self.h)) // u
 
-    def _reduced(self, u1: Any, u2: Any, v: Any, k: Any, common: int, weights: int | None) -> cantor.Triple:
-        """The reduced triple of (u₁u₂, v + u₂·(k mod u₁)), ``common`` points having been taken out."""
-        u, v = u1 * u2, v + u2 * (k % u1)
-        n = None if weights is None else weights + common - (self.genus + 1) // 2
+    def _assembled(
+        self, u1: Any, u2: Any, v: Any, k: Any, d: Any, weights: int | None
+    ) -> tuple[Any, Any, int | None, Any]:
+        """(u₁u₂, v + u₂·(k mod u₁)), the points of d having been taken out."""
+        n = None if weights is None else weights + d.degree() - (self.genus + 1) // 2
+        return u1 * u2, v + u2 * (k % u1), n, d
+
+    def reductions(self, u: Any, v: Any, n: int | None) -> Iterator[tuple[Any, Flint]]:
+        """The steps of :func:`jacobian.addition.cantor.reduce`: the v of the function y − v, and (u', v', n')."""
         while u.degree() > self.limit:
+            line = v
             u, v, n = self._reflect(u, v, n)
+            yield line, (u, v, n)
         while n is not None and not 0 <= n <= self.genus - u.degree():
             part = self.parts[1 if n < 0 else 0]
-            u, v, n = self._reflect(u, part + (v - part) % u, n)
+            line = part + (v - part) % u
+            u, v, n = self._reflect(u, line, n)
+            yield line, (u, v, n)
+
+    def _reduced(self, u: Any, v: Any, n: int | None) -> cantor.Triple:
+        while u.degree() > self.limit:
+            u, v, n = self._reflect(u, v, n)
+        if n is not None:
+            for _, last in self.reductions(u, v, n):
+                u, v, n = last
         lead = u.leading_coefficient()
         if lead != 1:
             u = u * (1 / lead)

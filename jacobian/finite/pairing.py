@@ -10,17 +10,18 @@ genus. Small fields are enlarged for the random R, since Miller's functions woul
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import gcd
 from random import Random
 from typing import TYPE_CHECKING, Any
 
 from jacobian import poly
-from jacobian.addition import cantor
+from jacobian.addition.cantor_flint import Flint, FlintCantor
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, CurveMismatch, FieldError, Infeasible, shown
 from jacobian.fields import GF
 from jacobian.fields.change import change_of_field
+from jacobian.fields.flint_polynomials import conversions
 from jacobian.finite.counting import irreducible
 from jacobian.law.divisor import check_scalar
 
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 ATTEMPTS = 200
 # over fields of 3·g²·log₂ m elements one random shift in ten succeeds; smaller ones are extended
 ROOM = 3
-Step = tuple[poly.Poly, cantor.Triple]
 
 
 class _Collision(Exception):
@@ -50,7 +50,7 @@ def weil_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     if not D or not E:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, 1)
-    return move.back(_shifted(lambda *shifts: _weil(move(D), move(E), m, *shifts), move, rng))
+    return move.back(_shifted(lambda random: _weil(move(D), move(E), m, random(), random()), move, rng))
 
 
 def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
@@ -69,7 +69,7 @@ def tate_pairing(D: Divisor, E: Divisor, m: int, rng: Any = None) -> Any:
     if not D or not E:
         return D.jacobian.field.one
     move = _Extension(D.jacobian.curve, m, m)
-    value = _shifted(lambda R, _: _tate(move(D), move(E), m, R), move, rng)
+    value = _shifted(lambda random: _tate(move(D), move(E), m, random()), move, rng)
     L: Any = move.curve.field
     value = L.power(value, (L.order - 1) // m)
     # (Q − 1)/(q − 1) ≡ degree modulo m
@@ -103,7 +103,7 @@ def _shifted(pairing: Callable[..., Any], move: _Extension, rng: Any) -> Any:
     J = move.curve.jacobian()
     for _ in range(ATTEMPTS):
         try:
-            return pairing(J.random(rng), J.random(rng))
+            return pairing(lambda: J.random(rng))
         except _Collision:
             continue
     raise Infeasible(f"{ATTEMPTS} random shifts on {move.curve!r} all met zeros of Miller's functions")
@@ -136,54 +136,49 @@ def _quotient_at(J: Any, functions: tuple[Divisor, Divisor], at: tuple[Divisor, 
 
 
 def _values(J: Any, D: Divisor, at: tuple[Divisor, ...], m: int) -> list[Any]:
-    """f_m at the affine divisors ``at``, m·D = [mD] + div f_m (Miller's loop, from the leading bit of m)."""
-    C, K = J._model, J.field
-    start, places = J._in(D), [J._in(E)[:2] for E in at]
-    total, values = start, [K.one] * len(places)
+    """f_m at the affine divisors ``at``, of one degree, m·D = [mD] + div f_m, up to a common factor (Miller's loop from
+    the first bit of m). Numerators and denominators are kept modulo the u of each divisor: one norm is taken of each.
+    """
+    law, K = FlintCantor(J._model), J.field
+    into, back = conversions(K)
+    pairs = [J._in(E)[:2] for E in at]
+    places = [(into(u), into(v)) for u, v in pairs]
+    u, v, n = J._in(D)
+    total = start = into(u), into(v), n
+    one = into((K.one,))
+    values = [(one, one)] * len(places)
     for bit in bin(m)[3:]:
-        total, factors = _add(C, total, total, places)
-        values = [K.mul(K.mul(value, value), factor) for value, factor in zip(values, factors, strict=True)]
+        total, factors = _step(law, law.doubled(total), places)
+        values = [
+            (x * x % u * over % u, y * y % u * under % u)
+            for (x, y), (over, under), (u, _) in zip(values, factors, places, strict=True)
+        ]
         if bit == "1":
-            total, factors = _add(C, total, start, places)
-            values = list(map(K.mul, values, factors))
-    return values
+            total, factors = _step(law, law.composed(total, start), places)
+            values = [
+                (x * over % u, y * under % u)
+                for (x, y), (over, under), (u, _) in zip(values, factors, places, strict=True)
+            ]
+    norms = ([_non_zero(K, norm(K, u, back(z))) for z in value] for (u, _), value in zip(pairs, values, strict=True))
+    return [K.div(over, under) for over, under in norms]
 
 
-def _add(C: HyperellipticCurve, a: Any, b: Any, places: Any) -> tuple[cantor.Triple, list[Any]]:
-    """The reduced a + b and the values at ``places`` of the function that a + b is reduced by."""
-    K = C.field
-    result = cantor.compose(C, a, b)
-    over = [cantor.cancelled(C, a, b)]
-    lines, under = [], []
-    for line, reduced in _reductions(C, *result):
+def _step(law: FlintCantor, composed: Any, places: Any) -> tuple[Flint, list[tuple[Any, Any]]]:
+    """The reduced sum, and at each place the numerator and the denominator of the function that it is reduced by."""
+    u, v, n, cancelled = composed
+    total, lines, under = (u, v, n), [], []
+    for line, total in law.reductions(u, v, n):
         lines.append(line)
-        under.append(reduced[0])
-        result = reduced
-    values = []
+        under.append(total[0])
+    factors = []
     for place, height in places:
-        top = [poly.mod(K, c, place) for c in over] + [poly.sub(K, height, poly.mod(K, w, place)) for w in lines]
-        value = K.one
-        for c in top:
-            value = K.mul(value, norm(K, place, c))
-        for c in under:
-            value = K.div(value, _non_zero(K, norm(K, place, poly.mod(K, c, place))))
-        values.append(_non_zero(K, value))
-    return result, values
-
-
-def _reductions(C: HyperellipticCurve, u: poly.Poly, v: poly.Poly, n: int | None) -> Iterator[Step]:
-    """The steps of :func:`jacobian.addition.cantor.reduce`: the v of the function y − v, and (u', v', n')."""
-    K, g = C.field, C.genus
-    limit = g + (1 if C.model == "split" else 0)
-    while len(u) - 1 > limit:
-        line = v
-        u, v, n = cantor.reflect(C, u, v, n)
-        yield line, (u, v, n)
-    while n is not None and not 0 <= n <= g - (len(u) - 1):
-        part = C.principal_parts[1 if n < 0 else 0]
-        line = poly.add(K, part, poly.mod(K, poly.sub(K, v, part), u))
-        u, v, n = cantor.reflect(C, u, line, n)
-        yield line, (u, v, n)
+        over, below = cancelled % place, place**0
+        for line in lines:
+            over = over * (height - line) % place
+        for u in under:
+            below = below * u % place
+        factors.append((over, below))
+    return total, factors
 
 
 def _non_zero(K: Any, value: Any) -> Any:
