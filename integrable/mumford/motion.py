@@ -171,7 +171,7 @@ class MumfordMotion:
                     return fine
             except (PrecisionLoss, ZeroDivisionError):
                 pass
-            extra += extra // 2
+            extra *= 2
         raise PrecisionLoss(
             f"time = {shown(times if further else time)}: the additions lose more than {MOST_BITS} bits; "
             "the motion passes a special position"
@@ -199,7 +199,7 @@ class MumfordMotion:
             return read(K, D)
 
 
-def settled(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
+def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors:
     """What ``read`` makes in long numbers, with ``digits`` digits of each vector's size, at the first of the precisions
     that agrees with one 64 bits higher; PrecisionLoss where none does.
     """
