@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import logging
+from collections.abc import Iterable, Iterator
 from threading import Lock
 from time import perf_counter
+from typing import TypeVar
+
+Thing = TypeVar("Thing")
 
 LOG = logging.getLogger(__name__)
 # seconds until a computation judges how long it will take, from which on that is long, and between two messages
@@ -12,14 +16,15 @@ FIRST, LONG, SAID_AGAIN = 0.5, 5.0, 5.0
 
 
 class Progress:
-    """Says what part of ``work`` is done and how long the rest takes, every few seconds at level INFO; at first, where
-    the rest is long, as a warning, which Python shows by itself. ``part``: how many parts are before it, of how many.
+    """Says what part of ``work`` is done and how long the rest takes, every few seconds at level INFO; once, where the
+    rest is long or so much time has gone by, as a warning, which Python shows by itself. ``part``: how many parts are
+    before it, of how many.
     """
 
     def __init__(self, name: str, work: float, part: tuple[int, int] = (0, 1)) -> None:
         self.name, self.work, self.part = name, work, part
         self._done, self._begun, self._lock = 0.0, perf_counter(), Lock()
-        self._next, self._judged = self._begun + FIRST, False
+        self._next, self._warned = self._begun + FIRST, False
 
     def add(self, work: float) -> None:
         """Adds to the completed work."""
@@ -30,7 +35,16 @@ class Progress:
                 return
             done = self._done / self.work
             left = (now - self._begun) / done * (parts - before - done)
-            level = logging.INFO if self._judged or left < LONG else logging.WARNING
-            self._next, self._judged = now + SAID_AGAIN, True
+            long = left >= LONG or now - self._begun >= LONG
+            level = logging.WARNING if long and not self._warned else logging.INFO
+            self._next, self._warned = now + SAID_AGAIN, self._warned or long
             # still under the lock, so that messages of two threads keep their order
             LOG.log(level, "%s: %.0f %% done, about %.0f s left", self.name, 100 * (before + done) / parts, left)
+
+
+def counted(things: Iterable[Thing], name: str, count: float) -> Iterator[Thing]:
+    """The things, so many, while it is said how long they take."""
+    progress = Progress(name, count)
+    for thing in things:
+        yield thing
+        progress.add(1)

@@ -35,6 +35,7 @@ CALLS = {
         f"{QUINTIC}; from jacobian.relatives.heights import canonical_height", "canonical_height(D, digits=1000)",
     ),
     "large extension": ("", "GF(3, 500)"),
+    "large extension of a long prime": ("", "GF(2**61 - 1, 300)"),
     "order in genus 1": ("C = HyperellipticCurve(GF(2**70 + 25), [3, 5, 0, 1])", "C.jacobian().order()"),
     "order over GF(2^20)": ("C = HyperellipticCurve(GF(2, 20), [1, 0, 0, 3, 0, 1], [1, 1])", "C.jacobian().order()"),
     "primes of bad reduction": ("C = HyperellipticCurve(QQ, [10**40 + 7, 10**39 + 9, 0, 0, 0, 1])", "C.bad_primes()"),
@@ -45,6 +46,8 @@ CALLS = {
     "many points": (QUINTIC, "C.jacobian().from_points([(0, 1)] * 10**6)"),
     "equal points": (QUINTIC, "C.jacobian().from_points([(0, 1)] * 2000)"),
     "all classes": ("J = HyperellipticCurve(GF(2**31 - 1), [1, 0, 0, 0, 0, 1]).jacobian()", "list(J.points())"),
+    "fewer classes": ("J = HyperellipticCurve(GF(31607), [1, 0, 0, 0, 0, 1]).jacobian()", "list(J.points())"),
+    "all points": ("C = HyperellipticCurve(GF(2**61 - 1), [1, 0, 0, 0, 0, 1])", "list(C.points())"),
     "multiple of 100000 digits": (
         "D = HyperellipticCurve(QQ, [1, 0, 0, 0, 0, 1]).jacobian().from_points([(0, 1)])", "(10**100000) * D",
     ),

@@ -284,7 +284,8 @@ class HyperellipticCurve(CurveQuestions):
         """All rational points, those at infinity first. Over QQ: with numerator and denominator of x up to ``bound``,
         at most 10,000, found by a sieve over small primes.
 
-        Takes time proportional to the order of the field; ArgumentError over RR, CC and MP.
+        Takes time proportional to the order of the field, and the logger ``jacobian.progress`` says how long;
+        ArgumentError over RR, CC and MP.
         """
         return self._points(self._abscissas(bound))
 
@@ -298,7 +299,9 @@ class HyperellipticCurve(CurveQuestions):
         if bound is not None:
             bound = whole(bound, "bound", "the largest numerator and denominator of x is an int ≥ 1", 1)
         if K.order is not None:
-            return iter(K.elements())
+            from jacobian.progress import counted
+
+            return counted(K.elements(), f"the points of {self!r}", K.order)
         if not K.exact:
             raise FieldError(f"field = {K.name}: a curve over it has a continuum of points; use lift_x")
         if bound is None:

@@ -58,8 +58,16 @@ def default_modulus(base: PrimeField, k: int) -> tuple[int, ...]:
 
 
 def first_irreducible(base: PrimeField, k: int) -> tuple[int, ...]:
-    """The irreducible polynomial of degree k that comes first."""
-    return next(m for m in monic_polynomials(base, k) if is_irreducible(base, m))
+    """The irreducible polynomial of degree k that comes first: one in k is, about."""
+    from jacobian.progress import Progress
+
+    progress = Progress(f"an irreducible polynomial of degree {k} over {base.name}", k)
+    polynomials = monic_polynomials(base, k)
+    while not is_irreducible(base, found := next(polynomials)):
+        # however many have been tried, as many are left as at first
+        progress.work += 1
+        progress.add(1)
+    return found
 
 
 def monic_polynomials(base: PrimeField, k: int) -> Iterator[tuple[int, ...]]:

@@ -35,6 +35,7 @@ from jacobian.fields.randomness import random_below
 from jacobian.fields.residue import ResidueField, polynomial_number
 from jacobian.law.divisor import Divisor, GroupLaw
 from jacobian.law.from_points import Descent, divisor_of_points
+from jacobian.progress import Progress
 
 MOST_GENUS, LARGEST_GENUS = 12, 500
 """By rejection one of 2^g pairs (u, v) is kept. Sums of places take 0.4 s in genus 50, 2 in 200, 44 in 1000."""
@@ -135,7 +136,7 @@ def _try_random(J: GroupLaw, rng: Any) -> Divisor | None:
 
 def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
     """Every class once, over a finite field (NotRepresentable elsewhere); about q^g factorisations, at most 10^9
-    (Infeasible beyond).
+    (Infeasible beyond). The logger ``jacobian.progress`` says how long they take.
     """
     C, K = J.curve, J.field
     if K.order is None:
@@ -151,8 +152,10 @@ def all_divisors(J: GroupLaw) -> Iterator[Divisor]:
 def _listed(J: GroupLaw) -> Iterator[Divisor]:
     C = J.curve
     K: Any = J.field
+    progress = Progress(f"the classes of {C!r}", sum(K.order**degree for degree, _ in _degrees(C)))
     for degree, weights in _degrees(C):
         for number in range(K.order**degree):
+            progress.add(1)
             u = polynomial_number(K, number)
             u = (*u, *[K.zero] * (degree - len(u)), K.one)
             for pairs in product(*[pairs for _, pairs in _local_choices(C, u)]):
