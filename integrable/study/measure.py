@@ -21,7 +21,7 @@ from integrable.scene.data import Scene
 from integrable.study.fresh import first_answer
 from integrable.study.plan import Task
 from integrable.study.rivals import affordable, at_one_time, first_use, flow_once, method_once, pilot, standing
-from integrable.study.timing import Tick, Timed, Timing, interleaved, silent
+from integrable.study.timing import Tick, Timed, Timing, TooLong, at_most, interleaved, silent
 from integrable.study.truth import Truth, compute
 from jacobian.errors import JacobianError
 
@@ -160,9 +160,10 @@ def _comparator(task: Task, kept: Data | None, tick: Tick) -> Data:
     affordable(pilot(task), task)
     _, once = method_once(task.scene, METHODS[task.method], task.value or 0.0)
     runs, flow = {"": once}, flow_once(task.scene, FLOAT_DIGITS, task.kernel)
-    with suppress(JacobianError, ArithmeticError):  # a flow that refuses the motion is a row of its own
-        if flow()[0].counted < task.limits.run:
-            runs["flow"] = flow
+    # a flow that refuses the motion, or takes long, is a row of its own
+    with suppress(JacobianError, ArithmeticError, TooLong), at_most(task.limits.run):
+        flow()
+        runs["flow"] = flow
     timings = _in_turn(runs, task, tick)
     result, solution = timings[""].as_dict(), timings[""].found
     # the flow's run time in turn with this method: the two are compared, whatever the machine did at other times

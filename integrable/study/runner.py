@@ -21,7 +21,7 @@ from filelock import FileLock
 
 from integrable.study.plan import NOT_MEASURED, Task
 from integrable.study.store import Store, commit
-from integrable.study.timing import TooLong
+from integrable.study.timing import TooLong, at_most
 from integrable.sweeps.orphans import end_with_parent
 from jacobian.interrupts import shielded
 from jacobian.numbers.compiler import NoCacheWarning
@@ -246,7 +246,7 @@ def _work(connection: Connection) -> None:
     for name in _THREADS:
         os.environ.setdefault(name, "1")
     from integrable.study.measure import Unjudged, measured
-    from integrable.study.rivals import first_use
+    from integrable.study.rivals import FIRST, first_use
 
     used: set[tuple[str, str]] = set()
     while True:
@@ -260,7 +260,8 @@ def _work(connection: Connection) -> None:
         else:
             if task.scene.steps is None and (kind := (task.scene.system, task.kernel)) not in used:
                 used.add(kind)
-                with suppress(Exception):  # where the flow refuses the motion, its own row says so
+                # where the flow refuses the motion, or takes long, its own row says so
+                with suppress(Exception), at_most(FIRST):
                     first_use(task)  # before anything else has imported and compiled what it needs
             try:
                 result = measured(task, truth)

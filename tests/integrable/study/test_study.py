@@ -911,7 +911,7 @@ def test_the_report_goes_to_stdout_as_the_schema_says(tmp_path, capsys):
     published = json.loads((ROOT / "docs" / "error_against_run_time.json").read_text(encoding="utf-8"))
     assert valid(content)
     assert valid(published)
-    timed = next(row for row in published["rows"] if row["row"]["kind"] == "comparator")
+    timed = next(r for r in published["rows"] if r["row"]["kind"] == "comparator" and r["status"] == "done")
     for wrong in ({**content, "schema": 1}, {**content, "rows": [{}]},
                   {**published, "rows": [{**timed, "result": {"total": "long"}}]}):  # fmt: skip
         assert not valid(wrong)
