@@ -120,9 +120,9 @@ class Kind:
         return Compiled(room, self.count, self.half, machine.loaded(found.code, ENTRIES))
 
 
-# the words of a call: codes, bounds, constants, state, half, order, highs, wide, spare, then room, units, times, rows
-# and found, each with its length
-WORDS = struct.Struct("=4q11dQqQq6q" + "Qq" * 5)
+# the words of a call: codes, bounds, constants, state, half, order, highs, wide, spare, apart, then room, units, times,
+# rows and found, each with its length
+WORDS = struct.Struct("=4q11dQqQq7q" + "Qq" * 5)
 BACK = struct.Struct("=qqdq")
 from_buffer: Any = c_char.from_buffer
 
@@ -138,7 +138,7 @@ class Compiled:
         self.codes = Codes(*(entries[name].address for name in ENTRIES))
         begin = -(-room.size // 8) * 8
         self.spare, self.size = LANES * begin, LANES * begin + 2 * TIMES
-        self.places = half, count // half, room.orders.order, room.highs[0], room.orders.wide, self.spare
+        self.places = half, count // half, room.orders.order, room.begin, room.orders.wide, self.spare, room.apart
         self.units = inverses(room.orders.order)
         self._units_at = self.units.ctypes.data
         self._walked = LIBRARY.walked.entry.call

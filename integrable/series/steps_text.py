@@ -17,6 +17,8 @@ from jacobian.numbers.double_double_steps import fast_two_sum, quotient, recipro
 
 # floats abreast: those of a register
 WIDEST = 8 if "+avx512f" in features() else 4
+# as many variables side by side at most
+ABREAST = 4
 # lines after which a block ends: what LLVM does with a block grows with the square of its length
 BLOCK = 150
 # the vectors of a room: terms that the step is read off, whether the motion is bent, the steps, and unit/(k + 1)
@@ -54,24 +56,38 @@ class Room:
         squares = {n for nodes, square in self.groups for n in nodes if square}
         self.factors = _factors(tape)
         self.packs = _packs([n for n in self.factors if n not in squares], WIDEST // lanes)
+        self.packs |= {nodes: len(nodes) for nodes, square in self.groups if square}
         packed = {n for nodes in self.packs for n in nodes}
         # nodes whose earlier coefficients are read again: of all others that of the order 0, or none
         self.kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
         for n in self.factors.keys() - squares - packed:
             self.kept |= set(self.factors[n])
-        kept = self.kept.union(*self.factors.values())
-        self.highs = {n: begin + i * (order + 1) for i, n in enumerate(sorted(kept))}
-        begin += len(kept) * (order + 1)
-        self.lows = {n: begin + i * (max(wide, 0) + 1) for i, n in enumerate(sorted(kept))}
-        begin += len(kept) * (max(wide, 0) + 1)
+        # variables side by side, as all of them are moved at once
+        self.begin = begin + -begin % ABREAST
+        self.apart = count + -count % ABREAST
+        begin = self.begin + (order + max(wide, 0) + 2) * self.apart
+        rest = sorted(self.kept.union(*self.factors.values()) - set(range(count)))
+        self._highs = {n: begin + i * (order + max(wide, 0) + 2) for i, n in enumerate(rest)}
+        begin += len(rest) * (order + max(wide, 0) + 2)
         divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
         self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
         self.size = begin + 2 * len(divided)
         self.copies: dict[int, list[tuple[int, int, int]]] = {}
-        self.sides = {nodes: self._placed(nodes, len(nodes), square) for nodes, square in self.groups if square}
-        self.sides |= {nodes: self._placed(nodes, width, False) for nodes, width in self.packs.items()}
+        self.sides = {nodes: self._placed(nodes, width, nodes[0] in squares) for nodes, width in self.packs.items()}
         self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
         self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
+
+    def high(self, n: int, k: int) -> int:
+        """Where the coefficient k of a node is, or its high part."""
+        return self._highs[n] + k if n >= self.count else self.begin + k * self.apart + n
+
+    def low(self, n: int, k: int) -> int:
+        """Where its low part is."""
+        return self.high(n, self.orders.order + 1 + k)
+
+    def has(self, n: int, k: int) -> bool:
+        """Whether there is a place for it."""
+        return n in self.kept or (k == 0 and n in self._highs)
 
     def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
         """For either side of products abreast their factors, and where copies of them are side by side."""
@@ -149,7 +165,7 @@ class Series:
             for n in range(begin, len(tape.kinds)):
                 self._end_of_block()
                 nodes = self.room.members.get(n, ())
-                if not nodes or (nodes not in self.room.sides and k > self.wide):
+                if not nodes or k > self.wide:
                     self._put(n, k, self._node(n, k))
                 elif nodes[0] == n:
                     for each, x in self._group(nodes, k).items():
@@ -175,10 +191,10 @@ class Series:
     # --- coefficients in memory and in registers
 
     def _hi(self, n: int, k: int) -> str:
-        return self._recent.get((n, k, 0)) or self.text.load(self.room.highs[n] + k)
+        return self._recent.get((n, k, 0)) or self.text.load(self.room.high(n, k))
 
     def _lo(self, n: int, k: int) -> str:
-        return self._recent.get((n, k, 1)) or self.text.load(self.room.lows[n] + k)
+        return self._recent.get((n, k, 1)) or self.text.load(self.room.low(n, k))
 
     def _value(self, n: int, k: int) -> Wide:
         """(hi, lo) up to the last wide one, then (float, "")."""
@@ -191,10 +207,10 @@ class Series:
             x = fast_two_sum(text, *x)
         if k == 0:
             newest = x
-        if n in room.kept or (k == 0 and n in room.highs):
-            text.store(x[0], room.highs[n] + k)
+        if room.has(n, k):
+            text.store(x[0], room.high(n, k))
             if x[1] and k <= self.wide:
-                text.store(x[1], room.lows[n] + k)
+                text.store(x[1], room.low(n, k))
         # what is made of it next does not wait for that
         self._recent[n, k, 0] = newest[0]
         if x[1]:
@@ -286,6 +302,9 @@ class Series:
             before = self._sum_of_earlier(n, k)
             terms = [term for term in terms if not all(term[1:])]
         pairs = [(f, self._value(p, i), self._value(q, j)) for f, i, j in terms]
+        if before and not before[1]:
+            # the newest one waits for no other
+            pairs = [(1, (self.text.fadd(x[0], x[0]), "") if f == 2 else x, y) for f, x, y in pairs]
         return _summed(self.text, pairs, k <= self.wide, before) if pairs or before else None
 
     def _sum_of_earlier(self, n: int, k: int) -> Wide | None:
@@ -293,7 +312,9 @@ class Series:
         if k > 1 and n not in self._sums:
             nodes = self.room.pack_of[n]
             text = Text(self.room.lanes * self.room.packs[nodes], self.text)
-            self._sums |= self._apart(text, nodes, self._products(text, nodes, _terms(False, 1, k, k), k))
+            self._sums |= self._apart(
+                text, nodes, self._products(text, nodes, _terms(len(self.room.sides[nodes]) == 1, 1, k, k), k)
+            )
         return self._sums.get(n)
 
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
@@ -360,21 +381,37 @@ class Series:
 
     def _put_ratios(self) -> None:
         """The largest of the last coefficients, and of the first two in floats, each beside its variable."""
-        text, last = self.text, self.order
+        last, several = self.order, chunks(self._shown)
         orders = [last - 1, last, self.wide + 1, self.wide + 2]
-        best, bent = list[str](), ""
-        for i in range(self._shown):
-            size, turn = "", ""
-            for k in range(FIRST):
-                x = text.fabs(self._hi(i, k))
-                size = text.larger(x, size) if size else x
-                turn = turn if k < 2 else text.larger(x, turn) if turn else x
+        for first, width in several:
+            text = Text(self.room.lanes * width, self.text)
+
+            def at(k: int, first: int = first, width: int = width, text: Text = text) -> str:
+                return text.fabs(text.load(self.room.high(first, k) // width))
+
+            near = [at(k) for k in range(FIRST)]
+            size = near[0]
+            for x in near[1:]:
+                size = text.larger(x, size)
             over = text.fdiv(text.one, text.larger(size, text.real(1e-300)))
-            found = [text.fmul(text.fabs(self._hi(i, k)), over) for k in orders]
-            best = [text.larger(x, y) for x, y in zip(best, found, strict=True)] if best else found
-            bent = text.larger(turn, bent) if bent else turn
-        for m, x in enumerate([*best, bent]):
-            text.store(x, RATIOS + m)
+            found = [text.fmul(at(k), over) for k in orders] + [text.larger(near[3], near[2])]
+            for m, x in enumerate(found):
+                best = ""
+                for slot in range(width):
+                    part = self._part(text, x, slot)
+                    best = self.text.larger(part, best) if best else part
+                if first:
+                    best = self.text.larger(best, self.text.load(RATIOS + m))
+                self.text.store(best, RATIOS + m)
+
+
+def chunks(count: int) -> list[tuple[int, int]]:
+    """Variables side by side that are done at once: from which on, and how many."""
+    found = [(first, ABREAST) for first in range(0, count - ABREAST + 1, ABREAST)]
+    for width in (2, 1):
+        if count & width:
+            found.append((count - count % (2 * width), width))
+    return found
 
 
 def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:

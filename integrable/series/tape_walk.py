@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from integrable.series.steps import Reached, Steps, bounds_of, inverses
-from integrable.series.steps_text import UNITS
+from integrable.series.steps_text import FIRST, UNITS
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import (
     CONSTANT,
@@ -56,13 +56,13 @@ class TapeWalk:
         half, (wide, order), parts = self._half, steps.orders, len(state) // self._half
         begin, width = self._begun(constants, state), parts * half
         count, highs = len(begin), UNITS + order + wide + 1
-        spare = LANES * (highs + width * (order + 1))
+        spare = LANES * (highs + width * (FIRST + 2))
         floats, values = np.empty((count * (order + 1), LANES)), np.zeros((2, 2 * LANES))
         lines = Lines(
             self._tape, begin, np.empty((count, 2 * LANES)), np.empty((count * (wide + 1), 2 * LANES)), floats, values,
             floats.reshape(-1), values.reshape(-1), wide, order, width, highs,
         )  # fmt: skip
-        given = Given(np.empty(0), np.empty(0), half, parts, order, highs, wide, spare)
+        given = Given(np.empty(0), np.empty(0), half, parts, order, highs, wide, spare, width)
         again, found = np.empty(4 * (len(times) + TIMES) * width), np.empty((len(times), parts, half))
         reached, wrong, gap, done = ON_TAPES.walked(
             OnTape(lines, lines, lines, lines), Bounds(*bounds_of(steps, most)), given, np.zeros(spare + 2 * TIMES),

@@ -83,7 +83,7 @@ def put_ratios(lines: Lines, room: Any, lane: int) -> None:
         for k in range(FIRST + 2):
             x = rows[first + LANES * k]
             if lane == 0:
-                room[LANES * (lines.highs + i * (order + 1) + k)] = x
+                room[LANES * (lines.highs + i + k * lines.shown)] = x
             if k < FIRST:
                 size = max(size, abs(x))
                 bent = max(bent, abs(x)) if k > 1 else bent

@@ -41,8 +41,8 @@ class Codes(NamedTuple):
 
 class Bounds(NamedTuple):
     """What a step may leave out, as logarithms to base 2: of the last two terms, and of the first two in floats; by how
-    much less in the second walk; 1 over the orders of the four terms; how many rows' numbers are ``agreed`` on; how many steps
-    are taken at most, as those go that are known, and as the first one goes.
+    much less in the second walk; 1 over the orders of the four terms; what rows that are ``agreed`` on differ by; how
+    many steps are taken at most, as those go that are known, and as the first one goes.
     """
 
     left_out: float
@@ -60,8 +60,8 @@ class Bounds(NamedTuple):
 
 class Given(NamedTuple):
     """Constants, a state in floats, and where the room has what: ``half`` of its variables are q, as many p, as many
-    each further one of ``parts``; coefficients begin at ``highs``, ``order`` + 1 to a number, a spare row of eight
-    floats at ``spare``.
+    each further one of ``parts``; coefficients begin at ``highs``, the next ones of them ``apart`` from there; a spare
+    row of eight floats is at ``spare``.
     """
 
     constants: Any
@@ -72,6 +72,7 @@ class Given(NamedTuple):
     highs: int
     wide: int
     spare: int
+    apart: int
 
 
 class Compared(NamedTuple):
@@ -189,7 +190,7 @@ def largest(given: Given, room: Any, begin: int, k: int) -> float:
     """The largest coefficient k of q, or of p, which begin at ``begin``."""
     found = 0.0
     for i in range(begin, begin + given.half):
-        found = max(found, abs(room[LANES * (given.highs + i * (given.order + 1) + k)]))
+        found = max(found, abs(room[LANES * (given.highs + i + k * given.apart)]))
     return found
 
 

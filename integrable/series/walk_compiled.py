@@ -26,7 +26,7 @@ from jacobian.native.special import SPECIAL
 
 CODES = record(Codes, INT, INT, INT, INT)
 BOUNDS = record(Bounds, *[FLOAT] * 11)
-GIVEN = record(Given, FLOATS, FLOATS, *[INT] * 6)
+GIVEN = record(Given, FLOATS, FLOATS, *[INT] * 7)
 
 
 def _call(b: Operators, code: Value, *pointers: str) -> Value:

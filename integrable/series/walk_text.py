@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from math import factorial
 
-from integrable.series.steps_text import STEP, WIDEST, Room, Series
+from integrable.series.steps_text import STEP, WIDEST, Room, Series, chunks
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import CONSTANT, DIFFERENCE, GROWTH, MULTIPLE, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
-from integrable.series.text import Text, Wide
+from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import (
     fast_two_sum,
     product,
@@ -47,27 +48,40 @@ def _declared() -> str:
 
 def _advance(room: Room) -> str:
     """Variables a step further, where the coefficients of the order 0 are."""
-    text, (wide, order) = Text(room.lanes), room.orders
-    step, variables = text.load(STEP), range(room.count)
-
-    def hi(i: int, k: int) -> str:
-        return text.load(room.highs[i] + k)
-
-    rest = [hi(i, order) for i in variables]
+    single = Text(room.lanes)
+    step = single.load(STEP)
+    parts = [(first, width, Text(room.lanes * width, single)) for first, width in chunks(room.count)]
+    steps = {width: joined_lanes(text, [step] * width, room.lanes) for _, width, text in parts}
     # all variables abreast in time: one does not wait for the other
+    for _ in zip(*[_further(room, text, steps[width], first, width) for first, width, text in parts], strict=True):
+        pass
+    return _function("advance", "ptr noalias %s", single)
+
+
+def _further(room: Room, text: Text, step: str, first: int, width: int) -> Iterator[bool]:
+    """Some variables a step further, an order at a time."""
+    wide, order = room.orders
+
+    def high(k: int) -> str:
+        return text.load(room.high(first, k) // width)
+
+    def low(k: int) -> str:
+        return text.load(room.low(first, k) // width)
+
+    rest = high(order)
     for k in range(order - 1, max(wide, 0), -1):
-        rest = [text.fma(x, step, hi(i, k)) for i, x in enumerate(rest)]
+        rest = text.fma(rest, step, high(k))
+        yield True
+    found: Wide = rest, ""
     if wide < 0:
-        found = [two_sum(text, hi(i, 0), text.fma(x, step, text.load(room.lows[i]))) for i, x in enumerate(rest)]
-    else:
-        found = [(x, "") for x in rest]
-        for k in range(wide, -1, -1):
-            found = [_onward(text, x, (step, ""), (hi(i, k), text.load(room.lows[i] + k))) for i, x in enumerate(found)]
-        found = [fast_two_sum(text, *x) for x in found]
-    for i, (high, low) in enumerate(found):
-        text.store(high, room.highs[i])
-        text.store(low, room.lows[i])
-    return _function("advance", "ptr noalias %s", text)
+        found = two_sum(text, high(0), text.fma(rest, step, low(0)))
+    for k in range(wide, -1, -1):
+        found = _onward(text, found, (step, ""), (high(k), low(k)))
+        yield True
+    if wide >= 0:
+        found = fast_two_sum(text, *found)
+    text.store(found[0], room.high(first, 0) // width)
+    text.store(found[1], room.low(first, 0) // width)
 
 
 def _onward(text: Text, x: Wide, step: Wide, coefficient: Wide) -> Wide:
@@ -94,16 +108,16 @@ def _dense(room: Room, count: int) -> str:
 
     first, variables = (wide + 1) // FIRST_TERMS, range(count)
     # all variables abreast: one does not wait for the other
-    rest = [spread(room.highs[i] + order) for i in variables]
+    rest = [spread(room.high(i, order)) for i in variables]
     for k in range(order - 1, max(first, 1) - 1, -1):
-        rest = [text.fma(x, ahead[0], spread(room.highs[i] + k)) for i, x in enumerate(rest)]
+        rest = [text.fma(x, ahead[0], spread(room.high(i, k))) for i, x in enumerate(rest)]
     found: list[Wide] = [(x, "") for x in rest]
     if wide < 0:
         for i, x in enumerate(rest):
-            moved = text.fma(x, ahead[0], text.fma(spread(room.highs[i] + 1), ahead[1], spread(room.lows[i])))
-            found[i] = two_sum(text, spread(room.highs[i]), moved)
+            moved = text.fma(x, ahead[0], text.fma(spread(room.high(i, 1)), ahead[1], spread(room.low(i, 0))))
+            found[i] = two_sum(text, spread(room.high(i, 0)), moved)
     for k in range(first - 1, -1, -1):
-        terms = [(spread(room.highs[i] + k), spread(room.lows[i] + k)) for i in variables]
+        terms = [(spread(room.high(i, k)), spread(room.low(i, k))) for i in variables]
         found = [_onward(text, x, ahead, term) for x, term in zip(found, terms, strict=True)]
     for i, pair in enumerate(found):
         for part, x in enumerate(fast_two_sum(text, *pair)):
@@ -128,8 +142,8 @@ def _start(room: Room, start: Tape) -> str:
         # of constants in floats there is no low part
         both = kind == CONSTANT and wide < 0
         highs = [single.fadd(high, low), single.fadd(high, again)] if both else [high]
-        text.store(_gathered(text, highs), room.highs[n])
-        text.store(_gathered(text, [low, again]), room.lows[n])
+        text.store(_gathered(text, highs), room.high(n, 0))
+        text.store(_gathered(text, [low, again]), room.low(n, 0))
     return _function("start", "ptr noalias %constants, ptr noalias %state, ptr noalias %s", text)
 
 
