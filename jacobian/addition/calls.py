@@ -1,9 +1,9 @@
-"""One addition, doubling or multiple of reduced triples over a word-size field, each a single call of compiled code.
+"""One addition, doubling or multiple of reduced triples over a word-size field, each in a single compiled call.
 
-In genus 2 with h = 0 for odd p and, on a ramified model, a monic f, the explicit formulas take the general case;
-everything else is Cantor's (:mod:`jacobian.addition.cantor_words`), compiled too. A multiple is a whole ladder of
-signed windows in one call, its special cases included; in characteristic 2 all of it is Cantor's. Importing this
-module imports numba; what it compiles stays on disk, in numba's cache.
+In genus 2, with h = 0 for odd p and a monic f on a ramified model, the explicit formulas handle the general case.
+Everything else runs Cantor's algorithm (:mod:`jacobian.addition.cantor_words`), also compiled. A multiple is a whole
+ladder of signed windows in one call, special cases included; in characteristic 2 it uses Cantor's algorithm only.
+Importing this module imports numba; what it compiles stays on disk, in numba's cache.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ def _line(K, u, v):  # type: ignore[no-untyped-def]
 
 @compiled
 def _sum_of_lines(K, C, quotient, first, second):  # type: ignore[no-untyped-def]
-    """(whether the case is the general one, (u₁, u₀, v₁, v₀) of the sum)."""
+    """(whether the case is general, (u₁, u₀, v₁, v₀) of the sum)."""
     multiple = canonical(K, product(K, C, quotient))
     if multiple == 0:
         return False, first
@@ -76,7 +76,7 @@ def _sum_of_lines(K, C, quotient, first, second):  # type: ignore[no-untyped-def
 
 @compiled
 def _returned(K, general, line):  # type: ignore[no-untyped-def]
-    """(u, v), with v₁ = 0 where the case is not the general one."""
+    """(u, v), with v₁ = 0 in a special case."""
     e1, e0, v1, v0 = line
     v = (decode(K, v0), decode(K, v1)) if general else (0, 0)
     return (decode(K, e0), decode(K, e1), 1), v
@@ -84,7 +84,7 @@ def _returned(K, general, line):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def add_lines(K, C, u1, v1, u2, v2):  # type: ignore[no-untyped-def]
-    """(u, v) of the sum of two classes of weight 2; v₁ = 0 says that the general path has to add them."""
+    """(u, v) of the sum of two classes of weight 2; v₁ = 0 means that the general algorithm has to add them."""
     first, second = _line(K, u1, v1), _line(K, u2, v2)
     general, line = _sum_of_lines(K, C, chord(K, first, second), first, second)
     return _returned(K, general, line)
@@ -92,7 +92,7 @@ def add_lines(K, C, u1, v1, u2, v2):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def double_line(K, C, u, v):  # type: ignore[no-untyped-def]
-    """As :func:`add_lines`, for the double of one class."""
+    """As :func:`add_lines`, for doubling one class."""
     first = _line(K, u, v)
     general, line = _sum_of_lines(K, C, tangent(K, C, first), first, first)
     return _returned(K, general, line)
@@ -103,8 +103,8 @@ def double_line(K, C, u, v):  # type: ignore[no-untyped-def]
 
 @compiled
 def _entered(K, g, data, header, begin, a):  # type: ignore[no-untyped-def]
-    """Writes the class whose lengths and weight stand at ``header`` and its coefficients at ``begin`` into a; returns
-    where the next coefficients begin.
+    """Reads into a the class whose lengths and weight stand at ``header`` and whose coefficients begin at ``begin``;
+    returns where the next coefficients begin.
     """
     nu, nv = data[header], data[header + 1]
     a[:] = 0
@@ -118,7 +118,7 @@ def _entered(K, g, data, header, begin, a):  # type: ignore[no-untyped-def]
 
 @compiled
 def _left(K, g, data, a):  # type: ignore[no-untyped-def]
-    """Writes the class a into data, its words as elements."""
+    """Writes the class a into data, with its words converted to field elements."""
     data[:3] = a[:3]
     for i in range(3, width_of(g)):
         data[i] = decode(K, a[i])
@@ -129,7 +129,7 @@ width_of = compiled(width)
 
 @compiled
 def window_of(scalar):  # type: ignore[no-untyped-def]
-    """Bits of a digit of a scalar given as bytes."""
+    """The window width in bits for a scalar given as bytes."""
     return 2 if len(scalar) < 2 else 4 if len(scalar) < 24 else 5
 
 
@@ -160,7 +160,7 @@ def _line_of(g, a):  # type: ignore[no-untyped-def]
 
 @compiled
 def _keep(K, a, line):  # type: ignore[no-untyped-def]
-    """Writes a general sum of genus 2 into the class a; it carries no weight at infinity."""
+    """Writes a general sum of genus 2 into the class a, whose weight at infinity is 0."""
     a[4], a[3], a[7], a[6] = line
     a[5] = K.one
     a[0], a[1], a[2] = 3, 2 if a[7] != 0 else 1 if a[6] != 0 else 0, 0
@@ -168,7 +168,7 @@ def _keep(K, a, line):  # type: ignore[no-untyped-def]
 
 @compiled
 def _closed(K, curve, S, quotient, a, b, result):  # type: ignore[no-untyped-def]
-    """Whether the case was the general one: then result is the sum of a and b by the explicit formulas."""
+    """Whether the case is general; if so, result becomes the sum of a and b by the explicit formulas."""
     f, nf, _, _ = equation(curve)
     first, second = _line_of(2, a), _line_of(2, b)
     general, line = False, first
@@ -207,9 +207,10 @@ def _tangent(K, curve, first):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, **JIT)
 def packed(K, curve, data, scalar):  # type: ignore[no-untyped-def]
-    """Replaces a class by its multiple by the scalar > 0 that little-endian bytes give; without any, two by their sum.
+    """Replaces a class by its multiple by a scalar > 0 given as little-endian bytes; without a scalar, two classes by
+    their sum.
 
-    One function, and one for all curves over a field: what it calls is compiled once.
+    A single function serves all curves over a field, so that what it calls is compiled once.
     """
     g, words, S = curve[0], np.frombuffer(data, np.int64), scratch(curve)
     window = window_of(scalar)
@@ -257,7 +258,7 @@ _CURVE = types.Array(types.int64, 1, "C")
 def entry(function: Any, *arguments: Any) -> Callable[..., Any]:
     """The compiled version of a kernel for these types of arguments, from the disk or compiled now.
 
-    It is called without numba's search for the types of its arguments, which costs more than an addition.
+    Calling it bypasses numba's dispatch on argument types, which costs more than an addition.
     """
     if arguments not in function.overloads:
         begun = perf_counter()
@@ -277,7 +278,7 @@ class WordKernel:
         self._packed = entry(packed, typeof(self._K), _CURVE, _DATA, SCALAR)
         size = width(C.genus)
         self._result, self._middle = Struct(f"{size}q"), 4 + C.genus
-        # how to pack any number of words up to those of two classes of full weight, with room for the result
+        # packers for any number of words up to two classes of full weight and room for the result
         most = 6 + 2 * (2 * C.genus + 1)
         self._structs = [Struct(f"{count}q{8 * max(0, size - count)}x") for count in range(most + 1)]
 
@@ -329,7 +330,7 @@ class LineKernel(WordKernel):
     def sum_of(self, a: Triple, b: Triple) -> Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # with that many coefficients in v the weight is full
+        # v with that many coefficients has full weight
         if len(v1) == self._full == len(v2):
             u, v = self._add_lines(self._K, self._equation, u1, v1, u2, v2)
             if v[-1]:
@@ -347,7 +348,7 @@ class LineKernel(WordKernel):
 
 
 def context(K: Any) -> Any:
-    """The context for a field of word size. One class does for all primes: a second one would be compiled again, for a
+    """The context of a word-size field. One class serves all primes: a second one would have to be compiled, for a
     tenth of the time of a multiple.
     """
     return table_context(K) if isinstance(K, TableField) else Wide64(*word_context(K.p, 64))
@@ -359,11 +360,11 @@ def word_kernel(C: HyperellipticCurve) -> WordKernel:
 
 
 def is_kept(kernel: Any) -> bool:
-    """Whether numba's cache seems to have a kernel: nothing is compiled to find that out."""
+    """Whether numba's cache seems to hold a kernel; nothing is compiled to find out."""
     folder = kernel.stats.cache_path
     return folder is not None and any(Path(folder).glob(f"*.{kernel.__name__}-*.nbi"))
 
 
 def is_cached() -> bool:
-    """Whether it seems to have those of every curve."""
+    """Whether the cache seems to hold the kernels of every curve."""
     return is_kept(packed)

@@ -4,9 +4,9 @@ A triple (u, v, n) of a split model stands for the class of
 
     div(u, v) + n·∞₊ + (g − deg u − n)·∞₋ − D∞,    D∞ = ⌈g/2⌉∞₊ + ⌊g/2⌋∞₋,
 
-div(u, v) being the affine zeros common to u(x) and y − v(x); n is any integer on the way, and 0 ≤ n ≤ g − deg u at the
-end. On ramified and inert models n is None and the class is div(u, v) minus deg u times ∞, or deg u/2 times both
-points. Every function takes and returns n with (u, v): nothing re-derives it.
+where div(u, v) is the divisor of common affine zeros of u(x) and y − v(x). Intermediate n may be any integer; at the
+end 0 ≤ n ≤ g − deg u. On ramified and inert models n is None and the class is div(u, v) minus deg u times ∞, or deg u/2
+times both points. Every function takes and returns n with (u, v), so that it is never recomputed.
 
 Sources: Cantor 1987 and Koblitz 1989 (h ≠ 0, characteristic 2) for composition and reduction; Galbraith, Harrison and
 Mireles Morales 2008 for the balanced divisors and the steps at infinity.
@@ -52,7 +52,9 @@ def compose(C: HyperellipticCurve, a: Triple, b: Triple) -> Triple:
 
 
 def _assembled(C: HyperellipticCurve, d: Poly, u1: Poly, u2: Poly, v: Poly, k: Poly, weights: int | None) -> Triple:
-    """(u₁u₂, v + u₂·(k mod u₁)), u₁ and u₂ being already without d, and the weight: each point taken out adds one."""
+    """(u₁u₂, v + u₂·(k mod u₁)), with d already divided out of u₁ and u₂, and the weight: each removed point adds
+    one.
+    """
     K = C.field
     u, v = mul(K, u1, u2), add(K, v, mul(K, u2, mod(K, k, u1)))
     if len(d) == 1:
@@ -71,7 +73,7 @@ def _common_part(C: HyperellipticCurve, d: Poly, trace: Poly, k: Poly, u: Poly, 
 
 
 def cancelled(C: HyperellipticCurve, a: Triple, b: Triple) -> Poly:
-    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: a point of a for each opposite one of b."""
+    """gcd(u₁, u₂, v₁+v₂+h), the d of :func:`compose`: its roots are the points of a whose opposite is in b."""
     K = C.field
     (u1, v1, _), (u2, v2, _) = a, b
     return gcd(K, gcd(K, u1, u2), add(K, add(K, v1, v2), C.h))
@@ -133,7 +135,7 @@ def adjust(C: HyperellipticCurve, u: Poly, v: Poly, n: int) -> Triple:
 
 
 def reflect(C: HyperellipticCurve, u: Poly, v: Poly, n: int | None) -> Triple:
-    """The same class written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
+    """The same class, written with the other zeros of y − v: u' = (f − hv − v²)/u, v' = −v − h modulo u'.
 
     y − v has a pole of order a₊ at ∞₊, so div(u, v) ~ div(u', v') + (a₊ − deg u')∞₊ + (a₋ − deg u')∞₋. A pole is of
     order max(deg v, g+1) unless v and y agree in their leading terms there; a₊ + a₋ = deg u + deg u' gives that one.

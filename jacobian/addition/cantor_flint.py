@@ -1,12 +1,12 @@
-"""Cantor's composition and reduction on python-flint's polynomials, where it pays.
+"""Cantor's composition and reduction on python-flint's polynomials, for curves on which it is faster.
 
 Triples consist of raw elements (ints, Fractions); the polynomials inside are those of
-:mod:`jacobian.fields.flint_polynomials`. With the conversions an addition takes a third of the time of the Python one
-or less, over finite fields and over QQ (``python -m benchmarks single heights``). It is not used in two cases. Explicit
+:mod:`jacobian.fields.flint_polynomials`. Conversions included, an addition takes at most a third of the time in Python,
+over finite fields and over QQ (``python -m benchmarks single heights``). It is not used in two cases. Explicit
 formulas, in genus 2 over GF(p) and small extensions and in genus 3 over GF(p), are as fast or faster. The elements of a
 large field of characteristic 2 cost as much to convert as to multiply.
 
-The formulas are those of :mod:`jacobian.addition.cantor`, with which the tests equate this copy.
+The formulas are those of :mod:`jacobian.addition.cantor`; tests check that both agree.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def pays(C: HyperellipticCurve) -> bool:
     """Whether python-flint is faster than the Python kernels on this curve."""
     K = C.field
     if type(K) is DigitField:
-        # Python's explicit formulas are slow on elements split into digits
+        # Python's explicit formulas are slow on elements with more than one limb
         return K.p != 2
     if C.genus == 2 or genus3_formulas(C) is not None:
         return isinstance(K, RationalField)
@@ -73,7 +73,7 @@ class FlintCantor:
         return self._assembled(u1, u2, v2, k, d, None if n1 is None or n2 is None else n1 + n2)
 
     def doubled(self, a: Flint) -> tuple[Any, Any, int | None, Any]:
-        """The same of a + a."""
+        """The same for a + a."""
         u, v, n = a
         d, _, t = u.xgcd(v + v + self.h)
         k = t * self._cofactor(u, v)
@@ -87,7 +87,7 @@ class FlintCantor:
     def _assembled(
         self, u1: Any, u2: Any, v: Any, k: Any, d: Any, weights: int | None
     ) -> tuple[Any, Any, int | None, Any]:
-        """(u₁u₂, v + u₂·(k mod u₁)), the points of d having been taken out."""
+        """(u₁u₂, v + u₂·(k mod u₁)), after the points of d have been removed."""
         n = None if weights is None else weights + d.degree() - (self.genus + 1) // 2
         return u1 * u2, v + u2 * (k % u1), n, d
 
@@ -115,7 +115,7 @@ class FlintCantor:
         return self._back(u), self._back(v % u), n
 
     def _reflect(self, u: Any, v: Any, n: int | None) -> tuple[Any, Any, int | None]:
-        """:func:`jacobian.addition.cantor.reflect`, with u' left as it is, not monic."""
+        """:func:`jacobian.addition.cantor.reflect`, without making u' monic."""
         other = self._cofactor(u, v)
         if n is not None:
             size = self.genus + 1

@@ -1,18 +1,18 @@
-"""Which addition an exact Jacobian runs: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
+"""Which addition an exact Jacobian uses: explicit formulas, Cantor, NUCOMP, Cantor on python-flint, or compiled code.
 
-By measurement (``python -m benchmarks single nucomp heights``): genus 2 takes explicit formulas, except
-where Python's arithmetic is slow, and so does genus 3 over GF(p) on y² = x⁷ + … and on split models with h = 0;
-:func:`jacobian.addition.cantor_flint.pays` says what goes to python-flint; what is left goes to Cantor in Python, and
-to NUCOMP from a genus on that the model decides. All give the same triples.
+The choice follows measurements (``python -m benchmarks single nucomp heights``). Genus 2 takes explicit formulas,
+except where Python's arithmetic is slow; so does genus 3 over GF(p) on y² = x⁷ + … and on split models with h = 0.
+:func:`jacobian.addition.cantor_flint.pays` decides what goes to python-flint. The rest runs Cantor's algorithm in
+Python or, from a genus on that depends on the model, NUCOMP. All give the same triples.
 
 Over fields of word size (GF(p), p < 2^63 odd; GF(p^k) of at most 2^16 elements) the compiled kernels of
-:mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and to compile unless its
-cache has the kernels already. So a group begins with the kernel above, and changes over when the process has spent as
-much work on such groups as the change costs: READY additions where the kernels lie in numba's cache (``python -m
-jacobian compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
+:mod:`jacobian.addition.calls` are faster than all of them, but numba has to be loaded first, and has to compile them
+unless its cache holds them. So a group starts with the kernel above, and switches when the process has spent as much
+work on such groups as the switch costs: READY additions where numba's cache holds the kernels (``python -m jacobian
+compile`` puts them there), COLD ones otherwise. :meth:`jacobian.group.Jacobian.compile` does it at once.
 
 Genus 2 and y² = x⁷ + … over GF(p), p odd of two words (2^63 < p < 2^128), and genus 2 over GF(2^n), 16 < n < 128, are
-compiled without numba (:mod:`jacobian.addition.two_word_calls`), and had for less.
+compiled without numba (:mod:`jacobian.addition.two_word_calls`), at a lower cost.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ Multiple = Callable[[int, cantor.Triple], cantor.Triple]
 
 @dataclass
 class Work:
-    """What groups over word-sized fields have spent before compiled kernels: ``additions``, counted together."""
+    """The work done on word-size groups before compiled kernels: ``additions``, counted together."""
 
     additions: float = 0
 
@@ -81,8 +81,8 @@ class Kernel(NamedTuple):
 def kernel(C: HyperellipticCurve, adopt: Callable[[Kernel], None] | None = None, work: Work = PROCESS) -> Kernel:
     """The kernel for C, the arithmetic model of a curve over an exact field.
 
-    ``adopt`` is called with the compiled one when it has become worthwhile by ``work``, which it adds to; without it
-    none is considered.
+    The additions done are counted in ``work``; when these make the compiled kernel worthwhile, ``adopt`` is called with
+    it. Without ``adopt`` no compiled kernel is considered.
     """
     chosen = python_kernel(C)
     if cantor_flint.pays(C):
@@ -139,8 +139,8 @@ def is_two_words_long(C: HyperellipticCurve) -> bool:
 
 
 def has_two_word_rows(C: HyperellipticCurve) -> bool:
-    """Whether arrays on C are compiled on two words: the same, for any h and any f, as rows have an equation of their
-    own.
+    """Whether arrays on C are compiled on two words: the same condition, but for any h and f, since rows have an
+    equation of their own.
     """
     septic = C.genus == 3 and C.model == "ramified" and C.field.characteristic != 2
     return has_two_words(C.field) and (C.genus == 2 or septic)
@@ -154,7 +154,7 @@ def has_two_words(K: Field[Any]) -> bool:
 
 
 def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
-    """The compiled kernel for C, an arithmetic model, or None where there is none for its field, or no compiling."""
+    """The compiled kernel for C, an arithmetic model; None if its field has none or nothing is compiled."""
     if interpreted():
         return None
     if is_two_words_long(C):
@@ -176,7 +176,9 @@ def compiled_kernel(C: HyperellipticCurve) -> Kernel | None:
 
 
 class Counted:
-    """A kernel that counts its additions, and names the compiled kernel when all such groups have spent enough."""
+    """A kernel that counts its additions, and switches to the compiled kernel when all such groups have spent
+    enough.
+    """
 
     def __init__(self, C: HyperellipticCurve, chosen: Kernel, adopt: Callable[[Kernel], None], work: Work) -> None:
         self._curve, self._adopt, self._work = C, adopt, work
@@ -216,7 +218,8 @@ class Counted:
                 raise RuntimeError("NUMBA_DISABLE_JIT is set")
             chosen = compiled_kernel(self._curve) if self._work.additions >= cold or _is_cached(self._curve) else None
         except (ImportError, RuntimeError) as error:
-            # no numba, or no directory that it can write its cache to: nobody asked for it, so nobody's addition fails
+            # no numba, or no writable cache directory: the user did not ask for compilation, so the addition must not
+            # fail
             self._work.additions = -math.inf
             log.warning("no compiled kernels in this process: %s", error)
             return
@@ -226,14 +229,14 @@ class Counted:
 
 
 def costs(C: HyperellipticCurve) -> tuple[int, int]:
-    """Additions that take as long as having the compiled kernels of C, where they are on disk and where not."""
+    """The additions that take as long as obtaining the compiled kernels of C, if they are on disk and if not."""
     if not is_two_words_long(C):
         return READY, COLD
     return (BINARY_READY, BINARY_COLD) if C.field.characteristic == 2 else (TWO_WORDS_READY, TWO_WORDS_COLD)
 
 
 def _is_cached(C: HyperellipticCurve) -> bool:
-    """Whether they seem to be on disk."""
+    """Whether the kernels seem to be on disk."""
     if is_two_words_long(C):
         from jacobian.addition.two_word_libraries import SINGLE_LIBRARIES, context_of, equation_of
 
@@ -253,8 +256,8 @@ WORDS = "GF(p), p < 2^63 odd, and GF(p^k) of at most 2^16 elements"
 
 
 def explained(C: HyperellipticCurve, sum_of: Addition) -> str:
-    """Which kernel the addition ``sum_of`` of C, an arithmetic model, is, why it was chosen, and what may replace it:
-    a line each.
+    """Which kernel the addition ``sum_of`` of C, an arithmetic model, is, why it was chosen, and what may replace it;
+    one line each.
     """
     runner = getattr(sum_of, "__self__", sum_of)
     if isinstance(runner, Counted):

@@ -1,16 +1,16 @@
 """Explicit formulas for genus 2 over exact fields: two divisors of weight 2 in general position, added or doubled.
 
-With D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise, ℓ = V + U·(s₁x + s₀) is the cubic
-through both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for
-arithmetic on genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. Counted
-for h = 0 and a monic f (multiplications by a coefficient that is 0 or 1 are not made): an addition takes
-1I + 22M + 3S and, where f₄ = 0 too, a doubling 1I + 22M + 5S, as published. On models of degree 6, split or inert, the
-two divisors carry no weight at infinity, nor does their sum, and the same cubic serves; written out here for any h,
-it takes 1I + 29M + 3S, and 1I + 38M + 5S for a doubling (f₆ = 1, h = 0).
+With D = (U, V), U = x² + a₁x + a₀, V = b₁x + b₀, and D' = (U', V') likewise, ℓ = V + U·(s₁x + s₀) is the cubic through
+both, and D + D' = (u, −ℓ − h mod u) with u = (ℓ² + hℓ − f)/(U U') made monic. Lange 2005 ("Formulae for arithmetic on
+genus 2 hyperelliptic curves", tables 2 and 3) orders the steps so that one inversion is enough. Counted for h = 0 and a
+monic f (multiplications by a coefficient that is 0 or 1 are not made): an addition takes 1I + 22M + 3S and, where f₄ =
+0 too, a doubling 1I + 22M + 5S, as published. On models of degree 6, split or inert, the two divisors carry no weight
+at infinity, nor does their sum, and the same cubic serves; for any h it takes 1I + 29M + 3S, and 1I + 38M + 5S for a
+doubling (f₆ = 1, h = 0).
 
-Everything that is not general goes to Cantor: weights below 2, points in common (resultant r = 0), a cubic of lower
-degree on a ramified model (s₁ = 0), a cubic that meets infinity on one of degree 6 (s₁² + h₃s₁ = f₆). Over GF(p) the
-same steps are made on bare ints in :mod:`jacobian.addition.genus2_prime`.
+Special cases are left to Cantor's algorithm: weights below 2, common points (resultant r = 0), a cubic of lower degree
+on a ramified model (s₁ = 0), a cubic that meets infinity on one of degree 6 (s₁² + h₃s₁ = f₆). Over GF(p) the same
+steps run on bare ints in :mod:`jacobian.addition.genus2_prime`.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class ExplicitFormulas:
         return close(quotient, first, second)
 
     def _times(self, c: Any, x: Any) -> Any:
-        """c·x for a coefficient c of the curve: no multiplication is made for 0 and 1."""
+        """c·x for a coefficient c of the curve, without a multiplication if c is 0 or 1."""
         K = self.field
         return K.zero if c == K.zero else x if c == K.one else K.mul(c, x)
 
@@ -137,7 +137,7 @@ class ExplicitFormulas:
         k2 = sub(sub(k2, mul(a1, k3)), times(f6, a0))
         k1 = sub(sub(k1, mul(a1, k2)), mul(a0, k3))
         k0 = sub(k0, mul(a1, k1))
-        # and its remainder, by two more steps of the same division
+        # its remainder, by two more steps of the same division
         k3 = sub(k3, times(f6, a1))
         rest = sub(sub(k2, mul(a1, k3)), times(f6, a0))
         k1 = sub(sub(k1, mul(a1, rest)), mul(a0, k3))

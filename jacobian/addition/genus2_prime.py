@@ -1,9 +1,8 @@
-"""The formulas of :mod:`jacobian.addition.genus2` over GF(p) on bare ints: sums of products are reduced once, not one
-by one.
+"""The formulas of :mod:`jacobian.addition.genus2` over GF(p) on bare ints, with one reduction for each sum of products.
 
 In CPython a call costs as much as a multiplication of machine words, so this copy trades Karatsuba's tricks for fewer
-operations; tests equate it with Cantor, and with the other copy, in every special case. From some length of p on the
-same code runs on GMP's integers.
+operations; tests compare it with Cantor's algorithm and with the other copy in every special case. For long p the same
+code runs on GMP's integers.
 """
 
 from __future__ import annotations
@@ -26,13 +25,13 @@ class PrimeFormulas(ExplicitFormulas):
         K: Any = C.field
         self.p = K.p
         self.ramified = C.model == "ramified"
-        # one tuple for each formula: a single unpacking instead of an attribute for each coefficient
+        # one tuple for each formula: unpacking it once is cheaper than an attribute for each coefficient
         self.coefficients = (self.p, *self.h, *self.f[2:])
 
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # two lines of weight 2 with two coefficients each; anything shorter is Cantor's
+        # both of weight 2 with two coefficients in v; shorter ones are left to Cantor
         if len(u1) == 3 == len(u2) and len(v1) == 2 == len(v2):
             p = self.p
             (a0, a1, _), (b0, b1), (c0, c1, _), (d0, d1) = u1, v1, u2, v2
@@ -135,7 +134,7 @@ class GmpFormulas:
         from gmpy2 import mpz
 
         self._integer, formulas = mpz, kind(C)
-        # a sum with one mpz in it is an mpz: p and the coefficients are enough
+        # mpz is contagious: p and the coefficients are enough
         formulas.p = mpz(formulas.p)
         formulas.coefficients = tuple(map(mpz, formulas.coefficients))
         self._sum_of, self._double = formulas.sum_of, formulas.double
@@ -152,7 +151,7 @@ class GmpFormulas:
         return _on_ints(self._double(a))
 
     def multiple(self, m: int, a: cantor.Triple) -> cantor.Triple:
-        """The reduced triple of m·a, m > 0; what comes between stays on mpz."""
+        """The reduced triple of m·a, m > 0; intermediate results stay mpz."""
         u, v, n = a
         return _on_ints(self._ladder(m, (tuple(map(self._integer, u)), tuple(map(self._integer, v)), n)))
 

@@ -1,14 +1,14 @@
-"""Explicit formulas of genus 2 in two halves: what comes before the inversion, and what comes after it.
+"""Explicit formulas of genus 2 in two halves, before and after the inversion.
 
 They are for h = 0 in odd characteristic, and for any h in characteristic 2, without signs and with 2V + h = h. The
 formulas are those of :mod:`jacobian.addition.genus2` (Lange 2005; our own on models of degree 6) in the arithmetic
 of :mod:`jacobian.numbers.words`: sums of products are reduced once, and ``fit`` stands where a wide context needs it.
 Between the halves a batch inverts the products of many rows together (:mod:`jacobian.batch.genus2_kernels`).
 
-A line is (a₁, a₀, b₁, b₀) for U = x² + a₁x + a₀, V = b₁x + b₀. The first half gives (r, r·s₁, r·s₀), where
-ℓ = V + U·(s₁x + s₀) is the cubic through both divisors and r a resultant, and the product to be inverted, which is 0
-in every case that is not general. The second half, in three steps, gives the sum, canonical. Tests run all of it on
-intervals: no word overflows.
+A line is (a₁, a₀, b₁, b₀) for U = x² + a₁x + a₀, V = b₁x + b₀. The first half gives (r, r·s₁, r·s₀), where ℓ = V +
+U·(s₁x + s₀) is the cubic through both divisors and r a resultant, and the product to be inverted, which is 0 in every
+special case. The second half, in three steps, gives the sum in canonical form. Tests run all formulas on intervals to
+show that no word overflows.
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ def product_quintic(K: Any, C: Any, quotient: Quotient) -> Any:
 
 
 def cubic_quintic(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Line) -> Line:
-    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), now without r, from the inverse of the product."""
+    """(s₁, s₀/s₁, 1/s₁, 1/s₁²), without the factor r, from the inverse of the product."""
     r, s1, s0 = quotient
     shrink = mul(K, r, inverse)
     lead = mul(K, mul(K, s1, s1), inverse)
@@ -307,7 +307,7 @@ def opposite_binary_sextic(K: Any, C: Any, first: Line) -> Line:
     return a1, a0, add(K, b1, t1), add(K, b0, t0)
 
 
-# --- the steps under one name for all models; compiled code chooses when it is compiled
+# --- one name for the steps of all models; compiled code chooses at compile time
 
 
 def tangent(K: Any, C: Any, first: Line) -> Quotient:
@@ -316,7 +316,7 @@ def tangent(K: Any, C: Any, first: Line) -> Quotient:
 
 
 def product(K: Any, C: Any, quotient: Quotient) -> Any:
-    """What is to be inverted, 0 in every case that is not general."""
+    """The product to be inverted; 0 in every special case."""
     return STEPS[product][type(C)](K, C, quotient)
 
 

@@ -1,8 +1,8 @@
-"""One addition, doubling or multiple in genus 3 over GF(p), p < 2^63 odd, each a single call of compiled code.
+"""One addition, doubling or multiple in genus 3 over GF(p), p < 2^63 odd, each in a single compiled call.
 
-The explicit formulas of :mod:`jacobian.addition.genus3_words` take the general case on y² = f, f monic of degree 7;
-what is not general goes to the compiled Cantor of :mod:`jacobian.addition.calls`, and so does a whole multiple that
-meets such a case on its way. Importing this module imports numba.
+The explicit formulas of :mod:`jacobian.addition.genus3_words` handle the general case on y² = f, f monic of degree 7.
+Special cases go to the compiled Cantor of :mod:`jacobian.addition.calls`, and so does any multiple whose ladder meets
+one. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ def _row(K, u, v):  # type: ignore[no-untyped-def]
 
 @compiled
 def _closed(K, C, quotient, first, second):  # type: ignore[no-untyped-def]
-    """(whether the case is the general one, the row of the sum)."""
+    """(whether the case is general, the row of the sum)."""
     multiple = canonical(K, product(K, quotient))
     if multiple == 0:
         return False, first
@@ -48,7 +48,7 @@ def _twice(K, C, first):  # type: ignore[no-untyped-def]
 
 @compiled
 def _returned(K, general, row):  # type: ignore[no-untyped-def]
-    """(u, v), with v₂ = 0 where the case is not the general one."""
+    """(u, v), with v₂ = 0 in a special case."""
     u2, u1, u0, v2, v1, v0 = row
     v = (decode(K, v0), decode(K, v1), decode(K, v2)) if general else (0, 0, 0)
     return (decode(K, u0), decode(K, u1), decode(K, u2), 1), v
@@ -56,14 +56,14 @@ def _returned(K, general, row):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def add_cubics(K, C, u1, v1, u2, v2):  # type: ignore[no-untyped-def]
-    """(u, v) of the sum of two classes of weight 3; v₂ = 0 says that the general path has to add them."""
+    """(u, v) of the sum of two classes of weight 3; v₂ = 0 means that the general algorithm has to add them."""
     general, row = _sum(K, C, _row(K, u1, v1), _row(K, u2, v2))
     return _returned(K, general, row)
 
 
 @njit(**JIT)
 def double_cubic(K, C, u, v):  # type: ignore[no-untyped-def]
-    """As :func:`add_cubics`, for the double of one class."""
+    """As :func:`add_cubics`, for doubling one class."""
     general, row = _twice(K, C, _row(K, u, v))
     return _returned(K, general, row)
 
@@ -80,7 +80,7 @@ def _keep(odd, i, row):  # type: ignore[no-untyped-def]
 
 @njit(nogil=True, **JIT)
 def multiple_of_cubic(K, C, u, v, scalar):  # type: ignore[no-untyped-def]
-    """As :func:`add_cubics`, for the multiple of one class by the scalar > 0 that little-endian bytes give."""
+    """As :func:`add_cubics`, for the multiple of one class by a scalar > 0 given as little-endian bytes."""
     window = window_of(scalar)
     digits, odd = windows_of_bytes(scalar, window), np.empty((1 << (window - 2), 6), np.int64)
     first = _row(K, u, v)

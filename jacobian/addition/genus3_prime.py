@@ -1,8 +1,8 @@
 """The formulas of :mod:`jacobian.addition.genus3_words` over GF(p) on bare ints, or GMP's integers, and those of split
 models.
 
-A copy for Python, as :mod:`jacobian.addition.genus2_prime` is: sums of products are reduced once. Special positions are
-Cantor's, with whom tests equate it.
+A copy for Python, like :mod:`jacobian.addition.genus2_prime`: sums of products are reduced once. Special positions are
+left to Cantor's algorithm, with which tests compare it.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ class SepticFormulas:
     def sum_of(self, a: cantor.Triple, b: cantor.Triple) -> cantor.Triple:
         """The reduced triple of a + b."""
         (u1, v1, _), (u2, v2, _) = a, b
-        # with three coefficients in v the weight is 3; anything shorter is Cantor's
+        # v with three coefficients has weight 3; shorter ones are left to Cantor
         if len(v1) == 3 == len(v2):
             (a0, a1, a2, _), (b0, b1, b2), (c0, c1, c2, _), (d0, d1, d2) = u1, v1, u2, v2
             quotient = _quotient(self.p, (a2 - c2, a1 - c1, a0 - c0), (d2 - b2, d1 - b1, d0 - b0), u2)
@@ -72,12 +72,12 @@ class SepticFormulas:
         lead = s2 * s2 % p * inverse % p
         t1, t0, w4 = s1 * shrink % p, s0 * shrink % p, r * shrink % p
         w5, twice = w4 * w4 % p, w4 + w4
-        # (f − v₁²)/(u₁s₂²) from the top, of which a septic has the second as it is
+        # (f − v₁²)/(u₁s₂²) from the top; for a septic its second coefficient is unchanged
         q5, q4, q3 = 0, w5, w5 * (f6 - a2)
         if f8:
             g4 = f7 - a2 * f8
             q5, q4, q3 = w5 * f8, w5 * g4, w5 * ((f6 - a1 * f8 - a2 * g4) % p)
-        # t·u₁, and the four points that the quintic meets besides
+        # t·u₁, and the other four intersections of the quintic
         l4 = a2 + t1
         l3 = (a1 + t0 + t1 * a2) % p
         l2 = a0 + t1 * a1 + t0 * a2
@@ -87,7 +87,7 @@ class SepticFormulas:
         e2 = (l3 + t0 - c1 - q5 + t1 * l4 - c2 * e3) % p
         e1 = (y2 - c0 - q4 + t1 * l3 + t0 * l4 - c2 * e2 - c1 * e3) % p
         e0 = (l1 + twice * b1 + t1 * y2 + t0 * l3 - q3 - c2 * e1 - c1 * e2 - c0 * e3) % p
-        # the quintic there
+        # the quintic modulo their polynomial
         g = c2 - t1
         k3 = lead * ((l3 - e2 - g * e3) % p) % p
         k2 = (lead * ((l2 - e1 - g * e2) % p) + b2) % p
@@ -96,7 +96,7 @@ class SepticFormulas:
         return self._reduced((e3, e2, e1, e0), (k3, k2, k1, k0))
 
     def _reduced(self, e: Row, k: Row) -> cantor.Triple | None:
-        """The three points that the cubic k meets besides the four of e."""
+        """The three other intersections of the cubic k that passes through the four points of e."""
         (e3, e2, e1, _), (k3, k2, k1, k0) = e, k
         p, _, f4, f5, f6, *_ = self.coefficients
         n2 = (f6 - e3 - k3 * k3) % p
@@ -109,7 +109,7 @@ class OcticFormulas(SepticFormulas):
     """The same on split models, f of degree 8.
 
     The quintic through both divisors leaves four points, as above. Through these goes a quartic with the leading
-    coefficient of y at ∞₊, c, which meets the curve there and in three points more: this is the step at infinity of
+    coefficient of y at ∞₊, c, which meets the curve there and in three more points. This is the step at infinity of
     Galbraith, Harrison and Mireles Morales (2008). It costs a second inversion, of f₇ − 2c·(its next coefficient).
     """
 
@@ -128,7 +128,9 @@ class OcticFormulas(SepticFormulas):
         return (k2 - a2 * k3) % p, (k1 - a0 * k4 - a1 * k3) % p, (k0 - a0 * k3) % p
 
     def _reduced(self, e: Row, k: Row) -> cantor.Triple | None:
-        """The three points that the quartic k + c·e meets besides the four of e; None where it meets fewer."""
+        """The three other intersections of the quartic k + c·e that passes through the four points of e; None if there
+        are fewer.
+        """
         e3, e2, e1, _ = e
         p, _, f4, f5, f6, f7, _, c = self.coefficients
         w3, w2, w1, w0 = ((x + c * y) % p for x, y in zip(k, e, strict=True))
@@ -146,7 +148,7 @@ class OcticFormulas(SepticFormulas):
 
 
 def genus3_formulas(C: HyperellipticCurve) -> type[SepticFormulas] | None:
-    """Those that C has, or None."""
+    """The explicit formulas that apply to C, or None."""
     if type(C.field) is not PrimeField or C.genus != 3 or C.h:
         return None
     return SepticFormulas if is_short_septic(C) else OcticFormulas if C.model == "split" else None

@@ -1,11 +1,11 @@
 """Explicit formulas of genus 3 on y² = x⁷ + f₆x⁶ + … + f₀, in two halves: before the inversion, and after it.
 
-Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic
-ℓ = V + U·s, s of degree 2, runs through both; it meets the curve in four points more, u' = (ℓ² − f)/(UU's₂²), and the
-cubic through these, v' = −ℓ modulo u', in three points more, the sum: u = (f − v'²)/u', v = −v' modulo u. Composition
-and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan, Wollinger and
-Gong 2007 order such steps so that one inversion is enough, of the resultant times the leading coefficient of s. Where
-that product is 0 the case is not general, and only there: otherwise all degrees are as said.
+Let D = (U, V) with U = x³ + a₂x² + a₁x + a₀, V = b₂x² + b₁x + b₀, and D' = (U', V') likewise. The quintic ℓ = V + U·s,
+s of degree 2, passes through both; it meets the curve in four more points, u' = (ℓ² − f)/(UU's₂²), and the cubic
+through these, v' = −ℓ modulo u', in three more points, whose divisor is the sum: u = (f − v'²)/u', v = −v' modulo u.
+Composition and reduction are those of Cantor (1987); Wollinger, Pelzl and Paar 2005 ("Cantor versus Harley") and Fan,
+Wollinger and Gong 2007 order such steps so that one inversion is enough, of the resultant times the leading coefficient
+of s. The formulas fail exactly where that product is 0; elsewhere all degrees are as stated.
 
 The arithmetic is that of :mod:`jacobian.numbers.words`, as in :mod:`jacobian.addition.genus2_words`. A row is
 (a₂, a₁, a₀, b₂, b₁, b₀). A quotient is (r, r·s₂, r·s₁, r·s₀) with the resultant r. Tests run all of it on intervals:
@@ -87,12 +87,12 @@ def tangent(K: Any, C: Any, first: Row) -> Quotient:
 
 
 def product(K: Any, quotient: Quotient) -> Any:
-    """r·(r·s₂), which is inverted; 0 in every case that is not general."""
+    """r·(r·s₂), which is inverted; 0 in every special case."""
     return mul(K, quotient[0], quotient[1])
 
 
 def quintic(K: Any, quotient: Quotient, inverse: Any) -> Quotient:
-    """(s₂, s₁/s₂, s₀/s₂, 1/s₂), now without r, from the inverse of the product."""
+    """(s₂, s₁/s₂, s₀/s₂, 1/s₂), without the factor r, from the inverse of the product."""
     r, s2, s1, s0 = quotient
     shrink = fit(K, mul(K, r, inverse))
     lead = fit(K, mul(K, fit(K, mul(K, s2, s2)), inverse))
@@ -100,7 +100,7 @@ def quintic(K: Any, quotient: Quotient, inverse: Any) -> Quotient:
 
 
 def next_u(K: Any, C: Any, bent: Quotient, first: Row, second: Row) -> Quotient:
-    """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, the points that the quintic meets besides the two divisors."""
+    """(e₃, e₂, e₁, e₀) of u' = x⁴ + e₃x³ + …, whose roots are the other intersections of the quintic with the curve."""
     _, t1, t0, w4 = bent
     a2, a1, a0, b2, b1, _ = first
     c2, c1, c0, _, _, _ = second
@@ -162,7 +162,7 @@ def sum_v(K: Any, u: Triple, v: Quotient) -> Triple:
 
 
 def closed(K: Any, C: Any, quotient: Quotient, inverse: Any, first: Row, second: Row) -> Row:
-    """The sum, from the inverse of the product: all of the second half."""
+    """The sum, from the inverse of the product: the whole second half."""
     bent = quintic(K, quotient, inverse)
     meeting = next_u(K, C, bent, first, second)
     middle = next_v(K, bent, meeting, first, second)

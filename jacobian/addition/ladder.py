@@ -1,7 +1,7 @@
 """Multiples by doubling and adding, in any group: the non-adjacent form and the ladder over it.
 
-Over QQ the numbers of m·D have about m² times the digits of those of D: what grows beyond MOST_BITS on the way is
-Infeasible.
+Over QQ the coefficients of m·D have about m² times as many digits as those of D; Infeasible is raised if they exceed
+MOST_BITS.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def bits_of(K: Any, *polynomials: Any) -> int:
 
 
 def check_growth(K: Any, *polynomials: Any) -> None:
-    """Infeasible where numbers of polynomials over QQ are too long to double the class; other fields have no such."""
+    """Raises Infeasible if coefficients over QQ are too long to double the class; other fields have no limit."""
     bits = bits_of(K, *polynomials)
     if bits > MOST_BITS:
         raise Infeasible(

@@ -1,4 +1,5 @@
-"""Composition with built-in reduction for large genus: quadratic time in g, where step-by-step reduction takes cubic.
+"""Composition with built-in reduction for large genus: its cost is quadratic in g, that of step-by-step reduction
+cubic.
 
 A composition is (A·B, v₂ + B·(k mod A)) of degree up to 2g, and Cantor's reduction lowers it by two degrees a step.
 Here the Euclidean algorithm on A and k is stopped half-way instead, at r = ck − qA. The function cy − w with w = cv₂ +
@@ -7,8 +8,9 @@ v₂²)/B)/A, is N = rM₁ + cM₂, of degree about g. The sum, up to one or two
 
     u = N,    v = −h − (w + εc'N)/c modulo N,
 
-c' and r' the values of the step before and ε = ±1, εAB = cw' − c'w; the division by c is exact. Found by Shanks for
-quadratic forms (NUCOMP 1989); for curves: Jacobson and van der Poorten 2002, Jacobson, Scheidler and Stein 2007.
+where c' and r' are the values of the previous step, ε = ±1 and εAB = cw' − c'w. The division by c is exact. Found by
+Shanks for quadratic forms (NUCOMP 1989); for curves: Jacobson and van der Poorten 2002, Jacobson, Scheidler and Stein
+2007.
 
 The weight at infinity follows from the pole of w − cy at ∞₊ as in :func:`jacobian.addition.cantor.reflect`.
 """
@@ -78,7 +80,9 @@ def _shortened(
 
 
 def _half_euclid(K: Any, A: Poly, k: Poly, bound: int) -> tuple[Poly, Poly, Poly, int]:
-    """(r, c, c', ε): the first remainder r = ck − qA of degree ≤ bound, the multiplier c' before c, cr' − c'r = εA."""
+    """(r, c, c', ε): the first remainder r = ck − qA of degree ≤ bound, and the previous multiplier c'; cr' − c'r =
+    εA.
+    """
     r0, r1 = A, k
     c0: Poly = ()
     c1: Poly = (K.one,)

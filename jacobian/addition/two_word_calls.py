@@ -1,9 +1,9 @@
 """One addition, doubling or multiple in genus 2 or 3 over GF(p), p of two words, or in genus 2 over GF(2^n), n ≤ 127,
 each a single call of compiled code.
 
-The explicit formulas want h = 0 for odd p and, on a ramified model, a monic f
-(:mod:`jacobian.addition.two_word_loops`). What is not general goes to the kernel in Python; so does a
-whole multiple that meets such a case on its way.
+The explicit formulas need h = 0 for odd p and, on a ramified model, a monic f
+(:mod:`jacobian.addition.two_word_loops`). Special cases go to the kernel in Python; so does any multiple whose ladder
+meets one.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ WINDOW = 5
 
 
 class TwoWordKernel:
-    """Addition, doubling and multiples of reduced triples on one curve with a short equation; ``others`` are those of
+    """Addition, doubling and multiples of reduced triples on a curve with a short equation; ``others`` holds those of
     the kernel in Python.
     """
 
@@ -75,5 +75,5 @@ class TwoWordKernel:
         v = found[end:]
         while v and not v[-1]:
             v = v[:-1]
-        # one slice and one sum of tuples: a star would take as long as a product
+        # slicing and adding tuples: unpacking with a star would take as long as a product
         return found[1:end] + (1,), v, self._weight  # noqa: RUF005

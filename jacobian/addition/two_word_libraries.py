@@ -24,24 +24,24 @@ WITH_DEGREES, SPAN = TupleKind((ROWS, INTS)), TupleKind((INT, INT))
 
 
 def context_of(K: Any) -> TwoWords | BinaryContext:
-    """That of GF(p), p odd, or GF(2^n), n > 1."""
+    """The context of GF(p), p odd, or GF(2^n), n > 1."""
     if K.characteristic == 2:
         return binary_context(sum(c << i for i, c in enumerate(K.modulus)))
     return two_words(K.p)
 
 
 def equation_of(C: HyperellipticCurve, to_word: Any) -> Any:
-    """The coefficients that the explicit formulas of genus 2 or 3 use, where they apply, else None."""
+    """The coefficients that the explicit formulas of genus 2 or 3 use; None if they do not apply."""
     return genus2_words.short_equation(C, to_word) or genus3_words.short_equation(C, to_word)
 
 
 def _of_model(step: Any) -> Any:
-    """A step of each model of genus 2, known when it is compiled."""
+    """A step that has a version for each model of genus 2, chosen at compile time."""
     return lambda b, K, C, *arguments: b.call(genus2_words.STEPS[step][C.kind.named], [K, C, *arguments])
 
 
 def _of_genus(step: Any) -> Any:
-    """A step of either genus, likewise."""
+    """A step that has a version for each genus, likewise."""
     of, genus = two_word_steps.STEPS[step], two_word_steps.GENUS
     return lambda b, K, C, *arguments: b.call(of[genus[C.kind.named]], [K, C, *arguments])
 

@@ -1,8 +1,8 @@
 """Genus 2 and 3 over GF(p), p of two words, and genus 2 over GF(2^n), n ≤ 127, as :mod:`jacobian.native` compiles them:
 the formulas of one word in the same loops for both (:mod:`jacobian.addition.two_word_steps`).
 
-Loops over rows, one inversion for BLOCK of them (Montgomery 1987), and single classes: a sum, a double, a whole ladder.
-What is not general is reported and left to the caller. All run as they stand on Python ints too.
+Loops over rows make one inversion for BLOCK rows (Montgomery 1987); single classes have a sum, a double and a whole
+ladder. Special cases are reported and left to the caller. All loops also run unchanged on Python ints.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ SCRATCH = 6
 
 
 def keep(x: Any, j: Any, found: Any) -> None:
-    """A class as row j."""
+    """Store a class as row j."""
     g = len(found) >> 1
     k = g - 1
     for a in found:
@@ -40,8 +40,8 @@ def keep(x: Any, j: Any, found: Any) -> None:
 
 
 def opened(K: Any, C: Any, S: Any, j: Any, total: Any, quotient: Any) -> Any:
-    """The first half of a row, kept in the scratch array, and the product of all so far with that of this row; 0 is
-    left out.
+    """The first half of a row, kept in the scratch array, and the running product including this row's, unless that is
+    0.
     """
     multiple = to_invert(K, C, quotient)
     S[0, j], S[1, j] = multiple, total
@@ -53,8 +53,8 @@ def opened(K: Any, C: Any, S: Any, j: Any, total: Any, quotient: Any) -> Any:
 
 
 def closed_block(K: Any, C: Any, S: Any, block: Any, total: Any, rows: Any, special: Any, count: Any) -> Any:
-    """The sums of a block (start, size) of ``rows``, (x, y, out), from the product of all that are general; the number
-    of special ones so far.
+    """The sums of a block (start, size) of ``rows``, (x, y, out), from the product of all general rows; returns the
+    number of special rows so far.
     """
     (start, size), (x, y, out) = block, rows
     back = inverse(K, total)
@@ -72,7 +72,7 @@ def closed_block(K: Any, C: Any, S: Any, block: Any, total: Any, rows: Any, spec
 
 
 def is_same(x: Any, y: Any, j: Any) -> Any:
-    """Whether row j is the same in both."""
+    """Whether row j is equal in both."""
     k = 0
     while k < x.shape[0] and x[k, j] == y[k, j]:
         k += 1
@@ -115,7 +115,7 @@ def double_rows(K: Any, C: Any, first: Any, out: Any, span: Any, special: Any, S
 
 
 def modulo_u(K: Any, a: Any, x: Any, j: Any, degree: Any, R: Any) -> None:
-    """R[0] becomes the polynomial with the coefficients a modulo the u of row j, by Horner's rule."""
+    """R[0] becomes the polynomial with coefficients a modulo the u of row j, by Horner's rule."""
     for k in range(R.shape[1]):
         R[0, k] = 0
     for k in range(len(a) if degree > 0 else 0):

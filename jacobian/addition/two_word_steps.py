@@ -1,4 +1,5 @@
-"""What rows of genus 2 and 3 are to the loops of :mod:`jacobian.addition.two_word_loops`, and the two halves of a sum.
+"""How the loops of :mod:`jacobian.addition.two_word_loops` read and write rows of genus 2 and 3, and the two halves of
+a sum.
 
 A class of weight g is a tuple of 2g words in the order of the formulas (:mod:`jacobian.addition.genus2_words` and
 :mod:`jacobian.addition.genus3_words`), u and v from the top: its row in an array is a column in the order u₀ … u_{g−1},
@@ -85,7 +86,7 @@ def row_chord(K: Any, C: Any, first: Any, second: Any) -> Any:
 
 
 def row_product(K: Any, C: Any, quotient: Any) -> Any:
-    """What is inverted."""
+    """The product to be inverted."""
     return product_of_septic(K, quotient)
 
 
@@ -107,7 +108,7 @@ def row_decoded(K: Any, C: Any, D: Any) -> Any:
     return decode(K, a0), decode(K, a1), decode(K, a2), decode(K, b0), decode(K, b1), decode(K, b2)
 
 
-# --- the steps under one name for both; compiled code chooses when it is compiled
+# --- one name for the steps of both; compiled code chooses at compile time
 
 
 def class_at(K: Any, C: Any, x: Any, j: Any) -> Any:
@@ -131,7 +132,7 @@ def of_double(K: Any, C: Any, first: Any) -> Any:
 
 
 def to_invert(K: Any, C: Any, quotient: Any) -> Any:
-    """What is inverted; 0 in every case that is not general."""
+    """The product to be inverted; 0 in every special case."""
     return STEPS[to_invert][GENUS[type(C)]](K, C, quotient)
 
 
