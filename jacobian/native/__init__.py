@@ -1,1 +1,1 @@
-"""Loops of Python made machine code: the few statements and kinds of numbers that loops on bare reals consist of."""
+"""A small compiler for numeric Python loops: the few statements and kinds of numbers that loops on bare reals need."""

@@ -38,7 +38,7 @@ class Expressions(Operators):
     # --- blocks
 
     def begin(self, label: str) -> None:
-        """The next instructions are those of a block."""
+        """Start a block: the next instructions belong to it."""
         self.lines.append(f"{label}:")
         self.label = label
 
@@ -47,7 +47,7 @@ class Expressions(Operators):
         return [f"{name}{self.fresh()[2:]}" for name in names]
 
     def go(self, label: str) -> None:
-        """To a block."""
+        """A jump to a block."""
         self.lines.append(f"  br label %{label}")
 
     def condition(self, node: ast.expr) -> str:
@@ -58,23 +58,23 @@ class Expressions(Operators):
         return str(test.parts[0])
 
     def split(self, condition: str, true: str, false: str) -> None:
-        """To either block."""
+        """A branch to one of two blocks."""
         self.lines.append(f"  br i1 {condition}, label %{true}, label %{false}")
 
     # --- memory
 
     def loaded(self, kind: Any, slots: list[str]) -> Value:
-        """A value from where its scalars are."""
+        """A value loaded from the slots of its scalars."""
         loads = (self.write(f"load {leaf}, ptr {slot}") for leaf, slot in zip(kind.leaves, slots, strict=True))
         return Value(kind, tuple(loads))
 
     def keep(self, value: Value, slots: list[str]) -> None:
-        """A value to where its scalars are."""
+        """Store a value in the slots of its scalars."""
         for leaf, part, slot in zip(value.kind.leaves, value.parts, slots, strict=True):
             self.lines.append(f"  store {leaf} {part}, ptr {slot}")
 
     def joined(self, condition: str, true: ast.expr, false: ast.expr) -> Value:
-        """The value of one of two expressions: only that one is computed."""
+        """The value of one of two expressions; only the chosen one is computed."""
         yes, no, end = self.labels("yes", "no", "end")
         self.split(condition, yes, no)
         values, ends = [], []
@@ -86,7 +86,7 @@ class Expressions(Operators):
         casts = self.lines
         second = self.cast(values[1], kind)
         self.go(end)
-        # the other one's cast, and its way on, belong before the second block
+        # the cast and the jump of the first branch belong before the second block
         tail, self.lines = casts[ends[0][0] :], casts[: ends[0][0]]
         first = self.cast(values[0], kind)
         self.go(end)
@@ -111,7 +111,7 @@ class Expressions(Operators):
         return found(self, node)
 
     def place(self, node: ast.expr) -> tuple[Any, list[str]] | None:
-        """The kind and the slots of a variable or a part of one known while compiling, else None."""
+        """The kind and the slots of a variable, or of a part of one known at compile time; None otherwise."""
         if isinstance(node, ast.Name):
             return self.variables.get(node.id)
         if isinstance(node, ast.Attribute) and (place := self.place(node.value)) is not None:
@@ -130,7 +130,7 @@ class Expressions(Operators):
         return self.outside(self.program.looked_up(sys.modules[self.source.__module__], node.id))
 
     def outside(self, thing: Any) -> Value:
-        """Something known while compiling."""
+        """The value of an object known at compile time."""
         if isinstance(thing, bool):
             return Value(BOOL, ("1" if thing else "0",))
         if isinstance(thing, int):
@@ -146,7 +146,7 @@ class Expressions(Operators):
         return together(self.items(node.elts))
 
     def items(self, nodes: list[ast.expr]) -> list[Value]:
-        """The values of expressions, of those with a star all that are in them."""
+        """The values of expressions; starred ones are unpacked."""
         values = []
         for node in nodes:
             if isinstance(node, ast.Starred):
@@ -231,7 +231,7 @@ class Expressions(Operators):
             raise CompileError(f"an item of {row.kind}")
         if index.is_known:
             return row.item(index.known())
-        # of a tuple whose items are alike
+        # index into a tuple whose items are of one kind
         found, choose = row.item(0), self.chosen
         if is_abreast(index.kind):
             found, choose = self.cast(found, abreast(found.kind)), self.blended
@@ -241,7 +241,7 @@ class Expressions(Operators):
         return found
 
     def address(self, row: Value, index: ast.expr) -> Value:
-        """Where the item of an array is: a pointer of the index's kind, abreast if that is."""
+        """The pointer to an item of an array, of the index's kind; abreast if the index is."""
         indices = [self.value(x) for x in (index.elts if isinstance(index, ast.Tuple) else [index])]
         if len(indices) != row.kind.ndim or any(single(x.kind) is not INT for x in indices):
             raise CompileError(f"{len(indices)} indices of an array of {row.kind.ndim} axes, integers are needed")
@@ -261,7 +261,7 @@ class Expressions(Operators):
         )
 
     def element(self, row: Value, address: Value) -> Value:
-        """What is there."""
+        """The item at an address."""
         item = row.kind.item
         leaf = item.leaves[0]
         if is_abreast(address.kind):
@@ -273,7 +273,7 @@ class Expressions(Operators):
         return Value(item, tuple(parts))
 
     def lane(self, value: Value, leaf: str, k: int) -> Value:
-        """What a lane holds."""
+        """The value in one lane."""
         parts = (self.write(f"extractelement <{LANES} x {leaf}> {part}, i64 {k}") for part in value.parts)
         return Value(single(value.kind), tuple(parts))
 
@@ -288,7 +288,7 @@ class Expressions(Operators):
         return Value(abreast(lanes[0].kind), tuple(parts))
 
     def put(self, row: Value, address: Value, value: Value) -> None:
-        """A value to there."""
+        """Store a value at an address."""
         item = row.kind.item
         if is_abreast(address.kind):
             value = self.cast(value, abreast(item))
@@ -320,7 +320,7 @@ class Expressions(Operators):
         return self.call(called.parts[0], self.items(node.args))
 
     def call(self, thing: Any, arguments: list[Value]) -> Value:
-        """What a builtin, a NamedTuple or a function to be compiled gives."""
+        """The value of a call to a builtin, a NamedTuple or a function to be compiled."""
         if (special := self.program.special.get(thing)) is not None:
             found: Value = special(self, *arguments)
             return found

@@ -1,4 +1,4 @@
-"""Objects kept on disk: an object is good as long as the sources that were read for it are the same, to the letter."""
+"""Objects kept on disk. An object is valid as long as the sources that it was built from are unchanged."""
 
 from __future__ import annotations
 
@@ -17,9 +17,10 @@ HERE = Path(__file__).parent
 
 
 def place() -> Path | None:
-    """The folder for them, None where none can be written to: NUMBA_CACHE_DIR, what lies beside the source, the user's.
+    """The folder for objects, or None if no candidate can be written to: NUMBA_CACHE_DIR, beside the source, the user's
+    cache.
 
-    The same as where numba keeps its own.
+    numba uses the same folders.
     """
     named = os.environ.get("NUMBA_CACHE_DIR")
     base = os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")
@@ -47,7 +48,7 @@ class Object(NamedTuple):
 
 
 def find(folder: Path, name: str, made_for: str) -> Object | None:
-    """The object of that name, if it is good for this machine."""
+    """The object of that name, if it was built for this machine."""
     try:
         head, _, code = _file(folder, name).read_bytes().partition(b"\n")
         known = json.loads(head)
@@ -63,7 +64,7 @@ def find(folder: Path, name: str, made_for: str) -> Object | None:
 
 
 def keep(folder: Path, name: str, made_for: str, made: Object) -> None:
-    """An object for a machine, by this compiler."""
+    """Store an object built for a machine, with the stamps of this compiler."""
     sources = stamps(sorted({*made.modules, *compiler()}))
     known = {
         "made for": made_for, "size": len(made.code), "sources": sources, "numbers": made.numbers,
@@ -86,7 +87,7 @@ def _file(folder: Path, name: str) -> Path:
 
 @cache
 def compiler() -> frozenset[str]:
-    """The modules of the compiler, and of what it imports: algorithms of numbers that it writes are elsewhere."""
+    """The modules of the compiler and of what it imports, except the numerical algorithms that it writes out."""
     found: set[str] = set()
     left = {f"{__package__}.{path.stem}" for path in HERE.glob("*.py") if path.stem != "__init__"}
     while left:
@@ -97,7 +98,7 @@ def compiler() -> frozenset[str]:
 
 
 def _imported(module: str) -> set[str]:
-    """The modules of this package that names are imported from, or that are imported by name."""
+    """The modules of this package that a module imports, or imports names from."""
     package, found = __package__.partition(".")[0], set()
     for node in ast.walk(ast.parse(_source(module))):
         if isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] == package:
@@ -107,18 +108,18 @@ def _imported(module: str) -> set[str]:
 
 
 def _source(module: str) -> bytes:
-    """Of a module that is there, or of none."""
+    """The source of a module; empty if there is none."""
     path = HERE.parent.parent.joinpath(*module.split(".")).with_suffix(".py")
     return path.read_bytes() if path.is_file() else b""
 
 
 def number_of(module: str, name: str) -> str:
-    """A number of a module that is loaded, as text; none where there is no such number."""
+    """A number of a loaded module, as text; empty if there is no such number."""
     return repr(getattr(sys.modules.get(module), name, None))
 
 
 def stamps(modules: Iterable[str]) -> dict[str, str]:
-    """What is in the sources of modules, by their names."""
+    """The hash of each module's source, by module name."""
     found = {}
     for module in modules:
         there = sys.modules.get(module)
