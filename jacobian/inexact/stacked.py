@@ -1,5 +1,5 @@
-"""The stacked linear systems of inexact composition: one formula from generic position to exact doubling and to
-opposite points.
+"""The stacked linear systems of inexact composition: one formula from generic position to exact doubling and opposite
+points.
 
 Cantor's algorithm needs greatest common divisors, which do not exist in floats. Here the function q·y − p(x) that
 vanishes on both divisors is found as the null vector of a stacked linear system, by orthogonal transformations:
@@ -77,8 +77,7 @@ def compose(
     p = added([q * c for c in v1], product(u1, slope))
     if len(both) - 1 <= genus and not field.is_zero(q, size(p), of_degree=False):
         v = [c / q for c in p]
-        # L and q are accurate to the last digit relative to the largest of them, p relative to itself to
-        # correspondingly fewer
+        # L and q have full accuracy relative to the largest entry; p, relative to itself, correspondingly less
         return Total(both, v, p, q), max(departure(f, both, v), field.eps * size(u1) / (FEWER * (size(p) or 1)))
     p, q = _without_noise(field, f, p, q)
     u, rest, lean = _monic_quotient(field, f, p, q, both, plus)
