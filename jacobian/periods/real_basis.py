@@ -129,7 +129,7 @@ def nodes_needed(poles: Sequence[Any]) -> int:
         root = (pole * pole - 1) ** 0.5
         rates.append(abs(log(abs(pole + root))))
     count = ceil(DIGITS * log(10) / (2 * max(min(rates), 1e-9))) + 6
-    # in steps, as rules are kept
+    # a multiple of 8: quadrature rules are cached
     return count + -count % 8
 
 

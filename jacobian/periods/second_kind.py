@@ -38,7 +38,9 @@ def polynomials(cover: BranchedCover) -> Matrix:
 
 
 def second_kind(P: PeriodMatrix) -> SecondKind:
-    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in floats, many digits or balls, as that is."""
+    """The periods of ρ_1 … ρ_g along the cycles of a PeriodMatrix, in the arithmetic of that matrix: floats, many
+    digits or balls.
+    """
     cover, g = P.cover, P.cover.genus
     with cover.numbers.working():
         rows = polynomials(cover)
