@@ -16,7 +16,7 @@ from jacobian.errors import ArgumentError, PrecisionLoss, one_or_more
 from jacobian.immutable import Record, at_once, read_only
 from jacobian.inexact.long_field import LongField
 from jacobian.numbers.compiler import interpreted
-from jacobian.relatives.extended import Extended
+from jacobian.relatives.extended import Extended, Lift
 
 if TYPE_CHECKING:
     import numpy as np
@@ -247,10 +247,17 @@ class MumfordFlow:
         """Whether a torus would be one of theta functions of genus 2, whose set-up is as long as some additions."""
         if self._genus != 2 or not self._may_have_torus:
             return False
-        import numpy as np
+        from integrable.mumford.real_torus import BITS, OtherOvals, real_roots
 
-        f = [float(c) for c in reversed(self.system.spectral(self.start).f)]
-        return bool(np.isfinite(f).all() and np.roots(f).imag.any())
+        try:
+            with LongField(BITS) as N:
+                start = self._place(N)
+                real_roots(N, start.f, [kind.e for kind in start.kinds if isinstance(kind, Lift)])
+        except OtherOvals:
+            return True
+        except (PrecisionLoss, ZeroDivisionError):
+            pass
+        return False
 
     @cached_property
     def _torus(self) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
