@@ -30,7 +30,7 @@ def pays(C: HyperellipticCurve) -> bool:
     """Whether python-flint is faster than the Python kernels on this curve."""
     K = C.field
     if type(K) is DigitField:
-        # Python's explicit formulas are slow on elements with more than one limb
+        # Python's explicit formulas are slow on elements that are split into digits
         return K.p != 2
     if C.genus == 2 or genus3_formulas(C) is not None:
         return isinstance(K, RationalField)
