@@ -1,4 +1,4 @@
-"""What DivisorArray is given: checked, and the arrays of Mumford pairs brought to one type."""
+"""Checks of the arguments of DivisorArray, and conversion of Mumford pairs to one type of array."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from jacobian.fields import CC, RR
 from jacobian.fields.prime import PrimeField
 from jacobian.group import Jacobian
 
-# more do not fit into a memory
+# more rows do not fit into memory
 MOST_ROWS = 100_000_000
 
 
 def check_group(J: Any) -> Jacobian:
-    """``J``, or an ArgumentError; the classes of other groups on a curve (:mod:`jacobian.relatives`) are no rows."""
+    """``J``, or an ArgumentError; classes of other groups on a curve (:mod:`jacobian.relatives`) cannot be rows."""
     if type(J) is not Jacobian:
         raise ArgumentError(f"J = {shown(J)}: a Jacobian is needed, such as C.jacobian()")
     return J

@@ -24,7 +24,7 @@ OK = 0
 
 
 def engine(J: Jacobian) -> Any:
-    """What computes with rows of J, chosen by the field; kept with J."""
+    """The row arithmetic of J, chosen by the field; cached on J."""
     found = J.__dict__.get("_rows")
     if found is None:
         K = J.field
@@ -53,19 +53,19 @@ def engine(J: Jacobian) -> Any:
 class DivisorArray(Immutable):
     """N divisor classes of one Jacobian. Make one by :meth:`stack`, :meth:`from_arrays` or :meth:`zeros`.
 
-    ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``; one Divisor
-    stands for as many equal rows. ``A == B`` is the array (N,) of its rows' answers. ``A[i]`` is a Divisor,
-    ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Values do not change; arrays of two curves
+    ``A + B``, ``A − B``, ``−A``, ``A.double()``, ``m * A`` for one int or one for each row, ``A.sum()``. A single
+    Divisor is broadcast to all rows. ``A == B`` compares row by row and returns an array (N,). ``A[i]`` is a Divisor,
+    ``A[index]`` with a slice, a mask or an array of ints a DivisorArray. Arrays are immutable; arrays of two curves
     cannot be combined (CurveMismatch), nor arrays of two lengths (ArgumentError).
 
     ``u`` (N, g + 1), monic in the degree of each row, ``v`` (N, g) and ``n`` (N,), None where divisors have none, are
     ascending coefficients in the curve's own coordinates. They are ints over GF(p), p < 2^63, and over GF(p^k) of at
     most 2^16 elements, float64 and complex128 over RR and CC in genus 2, else objects (Python's ints over a longer
-    GF(p)). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, which over an exact field is
-    each.
+    GF(p)). ``degree`` (N,) is deg u. ``status`` (N,): 0 for a row that holds a class, as every row does over an exact
+    field.
 
     Over these fields the arithmetic is compiled, and large arrays are spread over the processors
-    (:func:`jacobian.batch.set_threads`). Genus 2 has explicit formulas with an inversion for 256 rows, also for p of
+    (:func:`jacobian.batch.set_threads`). Genus 2 has explicit formulas with one inversion for 256 rows, also for p of
     two words (p < 2^128) and GF(2^n), n < 128. So has genus 3 for f of degree 7 over GF(p), p < 2^128; other curves use
     Cantor's algorithm. RR and CC in genus 2 use the composition of :mod:`jacobian.inexact.composition`, unrolled. Over
     other fields the Jacobian adds row by row.
@@ -78,7 +78,7 @@ class DivisorArray(Immutable):
     _rows: Any
 
     __hash__ = None  # type: ignore[assignment]
-    # without this numpy would take an array of ints times a DivisorArray apart element by element
+    # otherwise numpy would multiply an array of ints and a DivisorArray element by element
     __array_ufunc__ = None
 
     def __init__(self, J: Jacobian, rows: Any) -> None:
@@ -93,7 +93,7 @@ class DivisorArray(Immutable):
 
     @classmethod
     def stack(cls, parts: Iterable[Divisor | DivisorArray], J: Jacobian | None = None) -> DivisorArray:
-        """The rows of Divisors and DivisorArrays one after the other. ``J`` is needed only where there are none."""
+        """The rows of Divisors and DivisorArrays, concatenated. ``J`` is needed only for an empty sequence."""
         parts = entries(parts, "parts", "a sequence, [D] for one Divisor,")
         J = None if J is None else check_group(J)
         for i, part in enumerate(parts):
@@ -177,8 +177,9 @@ class DivisorArray(Immutable):
 
     @property
     def status(self) -> Vector:
-        """(N,): 0 for a row that holds a class; over RR and CC 1 for one whose digits an addition lost, and 2 for a sum
-        with a point at infinity of a split model, which inexact divisors do not carry."""
+        """(N,): 0 for a row that holds a class; over RR and CC also 1 for a row whose digits were lost in an addition,
+        and 2 for a sum with a point at infinity of a split model, which inexact divisors cannot represent.
+        """
         of_rows = getattr(self._engine, "status", None)
         return of_rows(self._rows) if of_rows else np.full(len(self), OK, np.uint8)
 
@@ -226,14 +227,14 @@ class DivisorArray(Immutable):
 
     def __reduce__(self) -> Any:
         if self.status.any():
-            # rows that hold no class have no coefficients
+            # rows without a class have no coefficients
             return DivisorArray, (self.jacobian, self._rows)
         return _rebuilt, (self.jacobian, self.u, self.v, self.n)
 
     # --- the group law
 
     def _operand(self, other: Any) -> Any:
-        """The rows of ``other``, as many as here; NotImplemented for what is no divisor."""
+        """The rows of ``other``, as many as here; NotImplemented if it is not a divisor."""
         if not isinstance(other, DivisorArray):
             if not isinstance(other, Divisor):
                 if not is_zero_int(other):
@@ -288,8 +289,8 @@ class DivisorArray(Immutable):
     __rmul__ = __mul__
 
     def sum(self, axis: int | None = None, out: None = None) -> Divisor:
-        """Σ of all rows, by halves; of none, the identity. ``numpy.sum`` calls it with its ``axis`` and ``out``: there
-        is one axis, and nothing to write to.
+        """The sum of all rows, by pairwise summation; of no rows, the identity. ``numpy.sum`` passes ``axis`` and
+        ``out``: there is one axis, and no output array is supported.
         """
         if axis is not None:
             one_of(axis, "axis", (0, -1), "an array of divisors has the axis 0 alone")
@@ -334,7 +335,7 @@ def _index_array(key: Any) -> Any:
     try:
         return np.asarray(key, None if np.size(key) else np.int64)
     except Exception:
-        # nested lists of several lengths, or entries that numpy cannot ask
+        # ragged lists, or entries that numpy cannot compare
         raise ArgumentError(f"index = {shown(key)}: a slice, a mask or a flat array of ints is needed") from None
 
 

@@ -1,8 +1,8 @@
 """Batches over fields of word size, compiled: GF(p) for an odd p < 2^63, GF(p^k) of at most 2^16 elements.
 
-In genus 2, and on ramified models of genus 3 over GF(p), with h = 0 (after :mod:`jacobian.batch.equation`) the
-explicit formulas take the general rows, and Cantor the others; elsewhere all rows are Cantor's. Importing this module
-imports numba.
+In genus 2, and on ramified models of genus 3 over GF(p), with h = 0 (after :mod:`jacobian.batch.equation`) the explicit
+formulas handle the general rows, and Cantor's algorithm the others; elsewhere Cantor's algorithm handles all rows.
+Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class CompiledRows(StoredRows):
             self.K = word_context(K.p)
             self.dtype = self.word_dtype = np.int32 if self.K.bits == 32 else np.int64
             self.to_word = self.K.to_word
-            # canonical words are words of a wide context too: what matters less is compiled for that alone
+            # canonical words are valid in a wide context too: rarely used kernels are compiled for that one only
             self.slow_K = (Wide32 if self.K.bits == 32 else Wide64)(*self.K)
             if self.floats:
                 self.K, self.dtype = double_context(K.p), np.float64

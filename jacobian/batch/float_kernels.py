@@ -2,8 +2,8 @@
 :mod:`jacobian.inexact.genus2_real` for deg f = 5 over the floats, else that of :mod:`jacobian.inexact.genus2_complex`.
 
 The columns are those of :mod:`jacobian.batch.sums`. ``f`` has six coefficients and ``half`` = h/2 three where deg f = 5
-over the floats, else seven and four: numba knows these lengths while it compiles, and leaves the other branch out.
-Sizes are |re| + |im|, which needs no root. Importing this module imports numba.
+over the floats, else seven and four: numba knows these lengths at compile time, and drops the other branch. Sizes are
+|re| + |im|, which needs no square root. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -18,20 +18,21 @@ from jacobian.inexact import genus2_complex, genus2_real, retraction
 from jacobian.inexact.compiled import JIT
 from jacobian.numbers.compiler import njit
 
-# the largest remainder f − V² mod U of a sum, beside the size of its terms: that of the single sum (REMAINDER of
-# jacobian.inexact.composition). 1 or 2 rows of 100 in general position have a larger one, and are added again
+# the largest remainder f − V² mod U of a sum, relative to the size of its terms, as for single sums (REMAINDER of
+# jacobian.inexact.composition). 1 or 2 rows in 100 in general position exceed it, and are added again
 FINE = 2.0**-46
-# the largest before the way back onto the curve; beyond it (1 row of 10⁵) the single sum is taken
+# the largest remainder before projection onto the curve; beyond it (1 row in 10⁵) the row is added singly
 NOISE = 2.0**-40
-# the same remainder of what is given
+# the same remainder of given divisors
 GIVEN_NOISE = 2.0**-32
-# divisors opposite to this part of their size: next to nothing is known of their sum
+# divisors that are opposite to within this fraction of their size: almost no digits of their sum are known
 OPPOSITE = 2.0**-30
-# a sum with a slope below this part of the chord's size has a point that is far out or at infinity; so has one whose
-# p² − q²f has a leading coefficient below the other
+# if the slope is below this fraction of the chord's size, the sum has a point far out or at infinity; likewise if the
+# leading coefficient of p² − q²f is below the other
 FLATTEST_CHORD = 2.0**-12
 FLATTEST = 2.0**-20
-# f at the smallest point, and its leading term at the largest, beside f there: of 53 bits two fifths are left
+# least size of f at the smallest point, and of its leading term at the largest, relative to f there: two fifths of 53
+# bits remain
 EVEN = 2.0**-32
 TINY = 1e-300
 
@@ -62,7 +63,7 @@ def scaled(half: Any, units: Any, columns: Any, i: Any) -> Any:
 
 
 def misfit(f: Any, divisor: Any) -> Any:
-    """The larger coefficient of f − V² modulo U, each over the size of its terms."""
+    """The larger coefficient of f − V² modulo U, each relative to the size of its terms."""
     u0, u1, v0, v1 = divisor
     s0, s1, t0, t1 = extent(u0), extent(u1), extent(v0), extent(v1)
     r0, r1, r2, r3, r4, r5 = f[0] - v0 * v0, f[1] - 2 * v0 * v1, f[2] - v1 * v1, f[3], f[4], f[5]
@@ -79,7 +80,7 @@ def misfit(f: Any, divisor: Any) -> Any:
 
 
 def apart(first: Any, second: Any) -> Any:
-    """Whether the first divisor is not the opposite of the second, nor so near to it that their sum has few digits."""
+    """Whether the second divisor is not the opposite of the first, nor so near it that their sum has few digits."""
     u0, u1, v0, v1 = first
     s0, s1, t0, t1 = second
     distance = extent(u0 - s0) + extent(u1 - s1) + extent(v0 + t0) + extent(v1 + t1)
@@ -94,7 +95,7 @@ def even(f: Any, first: Any, second: Any) -> Any:
     a1, b1 = max(a1, sqrt(a0)), max(b1, sqrt(b0))
     large, small = max(a1, b1), min(a0 / max(a1, TINY), b0 / max(b1, TINY))
     high = low = extent(f[len(f) - 1])
-    # of a complex quintic the seventh coefficient is 0
+    # the seventh coefficient of a complex quintic is 0
     top = high * large + extent(f[5]) if len(f) == 7 else high
     for k in range(len(f) - 2, -1, -1):
         size = extent(f[k])
@@ -104,7 +105,7 @@ def even(f: Any, first: Any, second: Any) -> Any:
 
 
 def added(f: Any, first: Any, second: Any) -> Any:
-    """The sum, and what of it vanishes where the degree drops."""
+    """The sum, and the quantities that vanish where its degree drops."""
     if len(f) == 6:
         total, transfer = genus2_real.add(f, first, second)
         return total, transfer[1]
@@ -119,14 +120,14 @@ def steep(f: Any, size: Any) -> Any:
 
 
 def decided(f: Any, block: Any, i: Any) -> Any:
-    """Whether the digits of column i's summands are enough for their sum."""
+    """Whether the summands of column i have enough digits for their sum."""
     first, second = row(block, 0, i), row(block, 4, i)
     return steep(f, block[12, i]) & apart(first, second) & even(f, first, second)
 
 
 def improved(f: Any, block: Any, i: Any) -> Any:
-    """Whether the sum of column i comes onto the curve: the one with the smaller remainder of a + b and b + a, whose
-    roundings differ, and a Newton step.
+    """Whether the sum of column i could be moved onto the curve: of a + b and b + a, which round differently, the one
+    with the smaller remainder, after a Newton step.
     """
     total, other = row(block, 8, i), added(f, row(block, 4, i), row(block, 0, i))[0]
     if not misfit(f, total) <= misfit(f, other):
@@ -142,7 +143,7 @@ def row(block: Any, first: Any, i: Any) -> Any:
     return block[first, i], block[first + 1, i], block[first + 2, i], block[first + 3, i]
 
 
-# those of genus2_real are registered by jacobian.inexact.compiled
+# the functions of genus2_real are registered by jacobian.inexact.compiled
 _KERNEL: tuple[Any, ...] = (
     genus2_complex.square,
     genus2_complex.phase,
@@ -159,8 +160,8 @@ _KERNEL: tuple[Any, ...] = (
 )
 for _function in _KERNEL:
     register_jitable(_function)
-# inlined before the loops are compiled: LLVM makes no vector instructions of a loop with a call in it, and the sum, of
-# some hundred operations, is too large for it to inline by itself
+# inlined before the loops are compiled: LLVM does not vectorise loops with calls, and the sum, some hundred operations,
+# is too large for it to inline by itself
 for _function in (extent, shift, scaled, misfit, apart, even, added, steep, decided, row):
     register_jitable(forceinline=True)(_function)
 
@@ -175,11 +176,12 @@ def add_columns(
     begin: int,
     end: int,
 ) -> None:
-    """In blocks: what is the same for all rows goes through loops that LLVM makes vector instructions of. ``curve``:
-    f, h/2, the units of the kernel and their inverses.
+    """Adds in blocks: what is the same for all rows runs in loops that LLVM vectorises. ``curve``: f, h/2, the units of
+    the kernel and their inverses.
     """
     f, half, units, inverses = curve
-    # the summands, the sum and what of it vanishes where the degree drops: rows of one array, which do not overlap
+    # the summands, the sum and the quantities that vanish where its degree drops: rows of one array, which do not
+    # overlap
     block = np.empty((13, BLOCK), out.dtype)
     each = second.shape[1] > 1
     if not each:

@@ -19,7 +19,7 @@ from jacobian.errors import NotOnCurve, NotRepresentable, PrecisionLoss
 from jacobian.group import Jacobian
 from jacobian.law.divisor import Divisor
 
-# what a row is: two points; one point, with the weight 0 or 1 at ∞₊; none, with 0, 1 or 2; no known class
+# kinds of rows: two points; one point, with weight 0 or 1 at ∞₊; none, with weight 0, 1 or 2; no known class
 PAIR, POINT, NONE, LOST, AT_INFINITY = 0, 1, 3, 6, 7
 DEGREES = np.array([2, 1, 1, 0, 0, 0, 0, 0])
 WEIGHTS = np.array([0, 0, 1, 0, 1, 2, 0, 0])
@@ -76,11 +76,11 @@ class FloatRows:
         return _rows(np.concatenate([x.data for x in parts], axis=1), np.concatenate([x.kinds for x in parts]))
 
     def repeat(self, x: Rows, count: int) -> Rows:
-        """One row, ``count`` times: its numbers are kept once."""
+        """One row, ``count`` times, stored once."""
         return Rows(x.data, None if x.kind is None else np.repeat(x.kind, count), count)
 
     def equal(self, x: Rows, y: Rows) -> Any:
-        """Which rows have equal numbers, (N,); those that are lost equal none."""
+        """Which rows have equal numbers, (N,); lost rows equal none."""
         kinds = x.kinds
         return (kinds == y.kinds) & (kinds < LOST) & np.all(x.data == y.data, axis=0)
 
@@ -100,7 +100,7 @@ class FloatRows:
         return _rows(data, (FIRST[degree] + (0 if n is None else n)).astype(np.uint8))
 
     def to_arrays(self, x: Rows) -> tuple[Any, Any]:
-        """(u, v): numbers, (N, 3) and (N, 2); of a row that is lost, zeros."""
+        """(u, v): numbers, (N, 3) and (N, 2); zeros for lost rows."""
         kinds = x.kinds
         u = np.zeros((len(x), 3), self.sums.dtype)
         u[:, :2] = x.data[:2].T
@@ -116,7 +116,7 @@ class FloatRows:
         return _rows(np.ascontiguousarray(data), np.array([_kind(D) for D in divisors], np.uint8))
 
     def to_divisors(self, x: Rows) -> list[Divisor]:
-        """The rows as Divisors; PrecisionLoss or NotRepresentable with the first that is lost."""
+        """The rows as Divisors; PrecisionLoss or NotRepresentable at the first lost row."""
         lost = np.flatnonzero(x.kinds >= LOST)
         if len(lost):
             name = self.jacobian.field.name
@@ -220,7 +220,7 @@ class FloatRows:
     def multiply(self, x: Rows, scalars: int | Sequence[int]) -> Rows:
         """m·x for one m, or m_i·x_i."""
         nothing = self.zero(len(x))
-        # 0·x too is lost where x is
+        # 0·x is lost too where x is
         nothing = Rows(nothing.data, np.where(x.kinds < LOST, nothing.kind, x.kinds), len(x))
         if isinstance(scalars, int):
             if scalars == 0:

@@ -6,7 +6,7 @@ loops: the first halves; Montgomery's simultaneous inversion (1987), in LANES ch
 Rows that are not general (a weight below 2, a product that vanishes) take part with a 1 in the inversion and are
 reported to the caller; equal rows in an addition are doubled on the spot.
 
-All arrays of a block are rows of one scratch array, at constant distances: so the compiler sees that they do not
+All arrays of a block are rows of one scratch array at constant offsets, so that the compiler sees that they do not
 overlap. Importing this module imports numba.
 """
 
@@ -50,7 +50,7 @@ def line(K, S, at, j):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def load(S, at, x, start, size):  # type: ignore[no-untyped-def]
-    """Copies a block into the scratch array. An unsigned index is not asked whether it counts from the end."""
+    """Copies a block into the scratch array. The index is unsigned so that numba does not test for negative indices."""
     for k in range(x.shape[0]):
         for j in range(size):
             S[at + k * BLOCK + j] = x[k, np.uint64(start) + np.uint64(j)]
@@ -80,7 +80,7 @@ def keep_tangent(K, C, S, j):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def all_general(S, g, x_degree, y_degree, start, size):  # type: ignore[no-untyped-def]
-    """Whether every row of a block has weight g twice and a product ≠ 0: no branch for a row."""
+    """Whether every row of a block has weight g in both summands and a product ≠ 0, without a branch for each row."""
     special = 0
     for j in range(size):
         i = np.uint64(start) + np.uint64(j)
@@ -117,7 +117,7 @@ def invert_products(K, S):  # type: ignore[no-untyped-def]
 
 @register_jitable(**INLINED)
 def close_block(K, C, S, second, out, start, size):  # type: ignore[no-untyped-def]
-    """The second halves of a block, from its inverses. Short loops: more rows are in the processor's window at once."""
+    """The second halves of a block, from its inverses. Loops are short so that the processor overlaps more rows."""
     for j in range(BLOCK):
         r, s1, s0, inverted = quadruple(K, S, MIDDLE, j)
         found = cubic(K, C, (r, s1, s0), inverted, line(K, S, FIRST, j))
@@ -144,7 +144,7 @@ def same(S, one, other, columns, j):  # type: ignore[no-untyped-def]
 
 
 def adding(g, second_at, scratch, keep_chord, keep_tangent, close_block):  # type: ignore[no-untyped-def]
-    """The loop of :func:`add_rows` in genus g, from what the formulas there do with row j and with a block; the second
+    """The loop of :func:`add_rows` in genus g, built from the formulas' functions for row j and for a block; the second
     summand begins at ``second_at`` of ``scratch`` numbers.
     """
 
@@ -206,7 +206,7 @@ _add = adding(2, SECOND, SCRATCH, keep_chord, keep_tangent, close_block)
 _double = doubling(2, SCRATCH, keep_tangent, close_block)
 
 
-# numba's cache watches the file of an entry: each genus has its own
+# numba's cache watches the file of the entry function only, so each genus has its own
 
 
 @njit(**JIT)

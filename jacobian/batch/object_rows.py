@@ -1,5 +1,5 @@
-"""Batches where there is no compiled kernel for the field, or nothing is compiled: rows are Divisors, and the Jacobian
-adds them one by one.
+"""Batches over fields without a compiled kernel, or with compilation off: rows are Divisors, and the Jacobian adds them
+one by one.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class ObjectRows:
         return np.array([D.n for D in x], np.int64) if self.jacobian.curve.model == "split" else None
 
     def first_off_curve(self, x: Rows) -> int:
-        """−1: :meth:`from_arrays` takes no other."""
+        """−1: :meth:`from_arrays` accepts only rows on the curve."""
         return -1
 
     def add(self, x: Rows, y: Rows) -> Rows:

@@ -55,7 +55,7 @@ class RandomRows:
         self.possible = self.sets <= MOST_SETS
 
     def rows(self, rng: Any, count: int) -> Any:
-        """``count`` random classes, on all threads; the number of threads makes no difference to them."""
+        """``count`` random classes, on all threads; they do not depend on the number of threads."""
         seeds = np.random.SeedSequence(random_below(rng, 1 << 128)).spawn(-(-count // CHUNK))
 
         def work(begin: int, end: int) -> Any:
@@ -103,7 +103,7 @@ class RandomRows:
 
 
 def sampler(run: CompiledRows) -> RandomRows:
-    """The RandomRows of the rows of a group, kept with them."""
+    """The RandomRows for the rows of a group, cached with them."""
     if run.sampler is None:
         run.sampler = RandomRows(run)
     return run.sampler

@@ -1,6 +1,6 @@
 """Rows of divisor classes in arrays of words, whatever the words: storage, threads, multiples.
 
-What adds them is the business of :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
+Their sums are in :mod:`jacobian.batch.compiled_rows` and :mod:`jacobian.batch.two_word_rows`.
 """
 
 from __future__ import annotations
@@ -64,11 +64,11 @@ class StoredRows:
         raise NotImplementedError
 
     def _in_words(self, x: Rows) -> Rows:
-        """Rows in words, from what is stored."""
+        """Rows in words, from the stored form."""
         return x
 
     def stored(self, x: Rows) -> Rows:
-        """What is stored of rows in words."""
+        """The stored form of rows in words."""
         return x
 
     def _shift(self, x: Rows, shift: Sequence[Any]) -> None:
@@ -92,7 +92,7 @@ class StoredRows:
         raise NotImplementedError
 
     def _negate_weights(self, x: Rows, out: Rows, begin: int, end: int) -> None:
-        """The degrees and weights of −x where its u is that of x."""
+        """The degrees and weights of −x, for rows whose u it shares with x."""
         out.degree[begin:end] = x.degree[begin:end]
         if self.split:
             out.weight[begin:end] = self.genus - x.degree[begin:end] - x.weight[begin:end]
@@ -100,7 +100,7 @@ class StoredRows:
     # --- storage
 
     def empty(self, count: int) -> Rows:
-        """Rows to be written."""
+        """Uninitialised rows."""
         weight = np.zeros(count if self.split else 0, np.uint8)
         return Rows(np.empty((2 * self.genus, count), self.dtype), np.empty(count, np.uint8), weight)
 
@@ -111,7 +111,7 @@ class StoredRows:
         )
 
     def put(self, x: Rows, index: Any, part: Rows) -> None:
-        """The rows of an array of ints are from now on those of ``part``."""
+        """Replaces the rows of an array of ints by those of ``part``."""
         x.data[:, index], x.degree[index] = part.data, part.degree
         if self.split:
             x.weight[index] = part.weight

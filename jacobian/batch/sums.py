@@ -1,9 +1,9 @@
-"""Compiled sums of many divisors of genus 2 over the floats and the complex numbers: units, threads, the borders of the
-loops of :mod:`jacobian.batch.float_kernels`.
+"""Compiled sums of many divisors of genus 2 over the floats and complex numbers: units and threads around the loops of
+:mod:`jacobian.batch.float_kernels`.
 
-A row of the group is a column here, as in :mod:`jacobian.batch.genus2_kernels`: ``x[i, j]`` is the i-th coordinate
-(u₀, u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost,
-are reported, not returned: they are for :mod:`jacobian.inexact.composition`. Importing this module imports numba.
+A row of the group is a column here, as in :mod:`jacobian.batch.genus2_kernels`: ``x[i, j]`` is the i-th coordinate (u₀,
+u₁, v₀, v₁) of divisor j. The sums whose degree drops, or whose remainder f − V² mod U shows that digits were lost, are
+reported instead of returned; :mod:`jacobian.inexact.composition` computes them. Importing this module imports numba.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class FloatSums:
     def add(self, first: Columns, second: Columns) -> tuple[Columns, np.ndarray]:
         """(sums, doubtful): column by column, ``second`` of shape (4, N) or (4, 1) for one divisor added to all.
 
-        The columns with ``doubtful`` are not to be used. All divisors are of weight 2.
+        Columns marked in ``doubtful`` must not be used. All divisors have weight 2.
         """
         if first.ndim != 2 or len(first) != 4 or second.shape not in (first.shape, (4, 1)):
             raise ArgumentError(
@@ -76,7 +76,7 @@ class FloatSums:
 
 
 def _one_by_one(work: Callable[[int, int], None], doubtful: np.ndarray) -> Callable[[int, int], None]:
-    """The same for a loop that Python runs, where a division by zero is an error: of its column alone."""
+    """The same for interpreted loops, where a division by zero raises an error: only its own column is marked."""
 
     def each(begin: int, end: int) -> None:
         with np.errstate(all="ignore"):

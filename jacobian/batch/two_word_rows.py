@@ -82,7 +82,7 @@ class TwoWordRows(StoredRows):
     def _rows(
         self, name: str, single: Callable[..., Triple], operands: Sequence[Rows], out: Rows, span: tuple[int, int]
     ) -> None:
-        """The rows of a span by the loop of that name; by ``single`` those that are not general."""
+        """The rows of a span by the loop of that name; the special ones by ``single``."""
         begin, end = span
         special, scratch = np.empty(end - begin, np.int64), np.empty((SCRATCH, BLOCK, 2), np.int64)
         arrays = [(pairs(x.data), x.degree[begin:end].astype(np.int64)) for x in operands]
@@ -100,7 +100,7 @@ class TwoWordRows(StoredRows):
         self.put(out, chosen, self._from_triples(triples))
 
     def _triples(self, x: Rows) -> list[Triple]:
-        """Rows as triples on the equation that they are added on."""
+        """Rows as triples on the equation in which they are added."""
         columns = self._decoded(x.data).T.tolist()
         weights = x.weight.tolist() if self.split else [None] * len(x)
         found = []
