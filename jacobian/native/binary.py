@@ -1,4 +1,4 @@
-"""The arithmetic of :mod:`jacobian.numbers.binary` as compiled loops have it.
+"""The arithmetic of :mod:`jacobian.numbers.binary` in compiled loops.
 
 A product of two words without carries is one instruction where the processor has it (PCLMULQDQ); elsewhere
 :func:`jacobian.numbers.binary.product_of_words` is compiled as it stands.
@@ -23,7 +23,7 @@ PAIR = "<2 x i64>"
 
 
 def plus(b: Operators, *terms: str) -> str:
-    """Their exclusive or."""
+    """The exclusive or of all terms."""
     found = terms[0]
     for x in terms[1:]:
         found = b.write(f"xor i128 {found}, {x}")
@@ -43,7 +43,7 @@ def times(b: Any, x: str, y: str) -> str:
 
 
 def product(b: Any, x: str, y: str) -> tuple[str, str]:
-    """The low and the high 128 bits of a product of longs, of three products of words (Karatsuba and Ofman 1962)."""
+    """The low and high 128 bits of a product of longs, from three products of words (Karatsuba and Ofman 1962)."""
     (x0, x1), (y0, y1) = halves(b, x), halves(b, y)
     low, high = times(b, x0, y0), times(b, x1, y1)
     if x == y:
@@ -91,7 +91,7 @@ PORTABLE: dict[Any, Callable[..., Value]] = {
 
 
 def binary_functions() -> dict[Any, Callable[..., Value]]:
-    """The same for this processor."""
+    """These functions for this processor."""
     if "+pclmul" in features().split(","):
         return PORTABLE | {binary.product_of_words: in_one_instruction}
     return PORTABLE

@@ -1,4 +1,4 @@
-"""LLVM's instructions as text: a function's, one after the other, and those of double-double numbers."""
+"""LLVM instructions as text: those of a function in order, and those of double-double numbers."""
 
 from __future__ import annotations
 
@@ -8,13 +8,15 @@ from typing import NamedTuple
 from jacobian.numbers.double_double_steps import FUNCTIONS
 
 ONE, ZERO = "1.0", "0.0"
-# rounds of a loop that are done at once (:func:`jacobian.numbers.abreast.abreast`), and numbers of an array that go
-# together (:data:`jacobian.native.kinds.TWIN_WIDES`)
+# rounds of a loop done at once (:func:`jacobian.numbers.abreast.abreast`), and numbers of an array processed together
+# (:data:`jacobian.native.kinds.TWIN_WIDES`)
 LANES, TWO = 8, 2
 
 
 class Types(NamedTuple):
-    """LLVM's names of a float, an integer and a bit, or of ``lanes`` of them, and the endings of function names."""
+    """LLVM's names for a float, an integer and a bit, or vectors of ``lanes`` of them, and the suffixes of function
+    names.
+    """
 
     double: str
     word: str
@@ -28,7 +30,7 @@ SINGLE = Types("double", "i64", "i1", "f64", "", 1)
 
 
 def types_in(n: int) -> Types:
-    """Those of n lanes."""
+    """The Types of n lanes."""
     if n == 1:
         return SINGLE
     double, word, bit = (f"<{n} x {leaf}>" for leaf in SINGLE[:3])
@@ -51,7 +53,7 @@ def constant(x: float) -> str:
 class Code:
     """Instructions of one function: ``lines``, in the order in which they are written, and ``slots`` before them.
 
-    ``types`` are those of what floats, integers and bits are while they are written.
+    ``types`` are the current LLVM types of floats, integers and bits.
     """
 
     def __init__(self, types: Types = SINGLE) -> None:
@@ -66,7 +68,7 @@ class Code:
         return f"%x{self._count}"
 
     def write(self, text: str) -> str:
-        """An instruction with a result, whose name is returned."""
+        """An instruction with a result; returns the result's name."""
         name = self.fresh()
         self.lines.append(f"  {name} = {text}")
         return name
@@ -80,7 +82,7 @@ class Code:
         return self.literal("double", ONE)
 
     def slot(self, leaf: str) -> str:
-        """Room for a scalar."""
+        """Stack memory for a scalar."""
         name = self.fresh()
         self.slots.append(f"  {name} = alloca {leaf}")
         return name

@@ -37,8 +37,8 @@ def place() -> Path | None:
 class Object(NamedTuple):
     """Compiled code as it is stored.
 
-    It has the machine code, the ``struct`` letters of its entries' results (in brackets for tuples), the modules it was
-    made from, the numbers of the modules in it by their full names, and its text.
+    The fields: the machine code, the ``struct`` letters of its entries' results (in brackets for tuples), the source
+    modules, the module constants compiled in by their full names, and its text.
     """
 
     results: dict[str, str]
@@ -114,7 +114,7 @@ def _source(module: str) -> bytes:
 
 
 def number_of(module: str, name: str) -> str:
-    """A number of a loaded module, as text; empty if there is no such number."""
+    """The ``repr`` of a constant of a loaded module; "None" if there is none."""
     return repr(getattr(sys.modules.get(module), name, None))
 
 

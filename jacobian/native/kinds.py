@@ -1,7 +1,7 @@
-"""What values are in compiled loops, and how LLVM holds them: every value is a row of scalars.
+"""The kinds of values in compiled loops and their LLVM representation: every value is a row of scalars.
 
-Kinds are compared by identity of what they say. A value of compiled code is a :class:`Value`: its kind and the LLVM
-operands of its scalars; an integer known while compiling is written in digits.
+Kinds are equal if their fields are. A value of compiled code is a :class:`Value`: its kind and the LLVM
+operands of its scalars; an integer known at compile time is written as a literal.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from jacobian.native.code import LANES, TWO
 
 
 class CompileError(TypeError):
-    """A loop has what cannot be compiled, or is called with kinds of values that it does not take."""
+    """A loop contains something that cannot be compiled, or is called with kinds that it does not accept."""
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ _ABREAST = {
 
 
 def abreast(kind: Any, lanes: int = LANES) -> Any:
-    """The kind of as many values as there are lanes; of a tuple, of all that is in it."""
+    """The kind of a vector of ``lanes`` such values; for a tuple, of all its items."""
     if isinstance(kind, TupleKind):
         return TupleKind(tuple(abreast(item, lanes) for item in kind.items), kind.named)
     if is_abreast(kind) and kind.lanes == lanes:
@@ -58,12 +58,12 @@ def abreast(kind: Any, lanes: int = LANES) -> Any:
 
 
 def is_abreast(kind: Any) -> bool:
-    """Whether it is one of values abreast."""
+    """Whether it is a kind of values abreast."""
     return getattr(kind, "single", None) is not None
 
 
 def single(kind: Any) -> Any:
-    """What every lane holds, or the kind itself."""
+    """The kind of one lane, or the kind itself."""
     return kind.single if is_abreast(kind) else kind
 
 
@@ -81,17 +81,17 @@ class ArrayKind:
 
     @cached_property
     def dtype(self) -> np.dtype[Any]:
-        """That of the array as Python has it."""
+        """The NumPy dtype of the array."""
         return np.dtype(np.int64 if self.item in (INT, LONG) else np.float64)
 
     @cached_property
     def axes(self) -> int:
-        """Its axes there."""
+        """The number of its NumPy axes."""
         return self.ndim + (self.parts > 1)
 
     @property
     def memory(self) -> str:
-        """LLVM's type of what the pointer points to."""
+        """The LLVM type that the pointer points to."""
         return "i64" if self.item in (INT, LONG) else "double"
 
 
@@ -121,12 +121,12 @@ class TupleKind:
 
     @cached_property
     def plain(self) -> bool:
-        """Whether its items are single words of a call as they are."""
+        """Whether every item is passed as a single unconverted word."""
         return all(item in (BOOL, INT, FLOAT) for item in self.items)
 
     @cached_property
     def forms(self) -> tuple[tuple[Any, ...], ...] | None:
-        """Those of its items; None where their words are as they are."""
+        """The forms of its items; None if their words are passed unconverted."""
         return None if self.plain else tuple(map(form_of, self.items))
 
     def place(self, index: int) -> tuple[Any, int, int]:
@@ -145,7 +145,9 @@ class TupleKind:
 
 
 def form_of(kind: Any) -> tuple[Any, ...]:
-    """What a call looks at, known once for many: (kind, type and axes of an array or None and 0, forms of a tuple)."""
+    """What a call inspects, computed once for many calls: (kind, type and axes of an array or None and 0, forms of a
+    tuple).
+    """
     if isinstance(kind, ArrayKind):
         return kind, kind.dtype, kind.axes, None
     return kind, None, 0, kind.forms if isinstance(kind, TupleKind) else None
@@ -153,7 +155,7 @@ def form_of(kind: Any) -> tuple[Any, ...]:
 
 @dataclass(frozen=True)
 class ObjectKind:
-    """Something known while compiling: a function, a class."""
+    """An object known at compile time: a function, a class."""
 
     leaves: tuple[str, ...] = ()
 
@@ -178,14 +180,14 @@ class Value(NamedTuple):
         return Value(kind, self.parts[begin:end])
 
     def known(self) -> int:
-        """The integer, which must be known while compiling."""
+        """The integer, which must be known at compile time."""
         if not self.is_known:
             raise CompileError("an integer known while compiling is needed")
         return int(self.parts[0])
 
     @property
     def is_known(self) -> bool:
-        """Whether it is an integer known while compiling."""
+        """Whether it is an integer known at compile time."""
         return self.kind is INT and self.parts[0].lstrip("-").isdigit()
 
 
@@ -195,12 +197,12 @@ def together(values: list[Value], named: Any = None) -> Value:
 
 
 def is_number(kind: Any) -> bool:
-    """Whether it is that of a number."""
+    """Whether it is the kind of a number."""
     return isinstance(kind, Kind) and kind.rank >= 0
 
 
 def together_in(*kinds: Any) -> int:
-    """How many lanes numbers of these kinds take together, 1 where none is abreast."""
+    """The number of lanes of numbers of these kinds; 1 if none is abreast."""
     found = {kind.lanes for kind in kinds if is_abreast(kind)}
     if len(found) > 1:
         raise CompileError("numbers in different lanes")
@@ -208,7 +210,7 @@ def together_in(*kinds: Any) -> int:
 
 
 def meeting(first: Any, second: Any) -> Any:
-    """The kind in which values of both are held; CompileError where there is none."""
+    """The kind that holds values of both; CompileError if there is none."""
     if first == second:
         return first
     if is_number(first) and is_number(second):

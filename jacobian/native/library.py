@@ -1,4 +1,4 @@
-"""Compiled functions as Python calls them."""
+"""Compiled functions, callable from Python."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ from_buffer = c_char.from_buffer
 
 
 class Library:
-    """Functions that are compiled together, the first time that one of them is called.
+    """Functions that are compiled together, when one of them is first called.
 
     ``functions`` are the entries by name: the function and the kinds of its arguments. ``library.name(…)`` calls one:
     arrays are given as NumPy's (of double-doubles with a last axis (hi, lo)), tuples as tuples or :class:`Packed`.
-    Calls let other threads run. The logger of this module says when a library has to be compiled: it was not on disk.
+    Calls release Python's lock. The logger of this module reports when a library is not on disk and has to be compiled.
     """
 
     def __init__(
@@ -52,12 +52,12 @@ class Library:
         return self._entries[name]
 
     def is_kept(self) -> bool:
-        """Whether it is on disk, so that nothing has to be compiled."""
+        """Whether it is on disk, so that no compilation is needed."""
         folder = kept.place()
         return folder is not None and kept.find(folder, self.name, self._made_for()) is not None
 
     def _made_for(self) -> str:
-        """What an object of it is made for: this machine, and entries that are called like this."""
+        """The key of its object: this machine, and the entries with their kinds."""
         entries = {name: (f.__module__, f.__name__, *map(said, kinds)) for name, (f, kinds) in self._functions.items()}
         called = f"{entries} {[f.__name__ for f in self._fast]}"
         return f"{machine.name()} {sha256(called.encode()).hexdigest()}"
@@ -88,14 +88,14 @@ class Library:
 
 
 def said(kind: Any) -> str:
-    """All of a kind in words, fields of a NamedTuple too."""
+    """A kind in full as text, with the fields of a NamedTuple."""
     if not isinstance(kind, TupleKind):
         return str(kind)
     return f"{getattr(kind.named, '_fields', '')}({', '.join(map(said, kind.items))})"
 
 
 class Packed:
-    """An argument as the words of a call, made once for many calls; ``value`` is what it was made of."""
+    """An argument packed into the words of a call, once for many calls; ``value`` is the original."""
 
     __slots__ = ("value", "words")
 
@@ -137,7 +137,7 @@ class Call:
         return found
 
     def of_longs(self, *given: Any) -> Callable[..., tuple[Any, ...]]:
-        """The entry with its first arguments given; those that are left are longs."""
+        """The entry with its first arguments fixed; the remaining ones are longs."""
         words: list[Any] = []
         flatten(given, self._forms[: len(given)], words)
         letters = "".join(LETTERS[leaf] for kind in self._kinds[: len(given)] for leaf in kind.leaves)
@@ -145,7 +145,7 @@ class Call:
         room, call, read = bytes(self._out.size), self.entry.call, self._read
 
         def called(*longs: int) -> tuple[Any, ...]:
-            # the shortest way: it takes as long as the arithmetic
+            # written for speed: packing takes as long as the arithmetic
             memory = bytearray(b"".join([head, *[x.to_bytes(16, "little") for x in longs], room]))
             call(addressof(from_buffer(memory)))
             return read(memory)
@@ -157,16 +157,16 @@ LETTERS = {"i64": "q", "double": "d", "i1": "q", "ptr": "Q", "i128": "16s"}
 
 
 def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -> None:
-    """The words of values at the end of ``words``; ``forms`` are :func:`~jacobian.native.kinds.form_of` their kinds."""
+    """Append the words of values to ``words``; ``forms`` are their :func:`~jacobian.native.kinds.form_of`."""
     for value, (kind, dtype, axes, items) in zip(values, forms, strict=True):
         if type(value) is Packed:
             words += value.words
         elif dtype is not None:
-            # the kinds of most arguments: a call of a few panels takes not much longer than this
+            # the most common kinds: a call for a few panels takes not much longer than this
             if (value.dtype is not dtype and value.dtype != dtype) or value.ndim != axes:
                 raise _unfit(value, kind)
             try:
-                # refused where it is not C-contiguous
+                # raises if the array is not C-contiguous
                 words.append(addressof(from_buffer(value)))
             except (TypeError, ValueError):
                 words.append(_unwritten(value, kind))
@@ -185,7 +185,7 @@ def flatten(values: Any, forms: tuple[tuple[Any, ...], ...], words: list[Any]) -
 
 
 def _unwritten(array: np.ndarray, kind: Any) -> int:
-    """Where an array is in memory that is empty, or not to be written to."""
+    """The address of an array that is empty or read-only."""
     if not array.flags.c_contiguous:
         raise _unfit(array, kind)
     return int(array.ctypes.data)

@@ -1,4 +1,4 @@
-"""Arrays of natural numbers below 2^128, the longs of compiled loops, and what Python has for them."""
+"""Arrays of natural numbers below 2^128, the longs of compiled loops, and their conversion to and from Python ints."""
 
 from __future__ import annotations
 
@@ -22,5 +22,5 @@ def numbers_of(words: Any) -> Any:
 
 
 def pairs(words: Any) -> Any:
-    """The same memory as compiled loops take it, with a last axis of two words."""
+    """The same memory in the form that compiled loops take, with a last axis of two words."""
     return words.view(np.int64).reshape(*words.shape, 2)

@@ -1,4 +1,4 @@
-"""LLVM, as llvmlite has it: a module's text made an object, and an object's entries called."""
+"""LLVM through llvmlite: compiles a module's text to an object, and calls an object's entries."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import llvmlite.binding as llvm
 
 
 def _target(effort: int = 2) -> Any:
-    """A machine of its own: an engine takes it and frees it."""
+    """A new target machine: an engine takes ownership and frees it."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_triple(llvm.get_process_triple())
@@ -22,19 +22,21 @@ def _target(effort: int = 2) -> Any:
 
 @cache
 def features() -> str:
-    """Those of this processor, with commas between: +avx2 for what it has, -avx2 for what it has not."""
+    """The features of this processor, separated by commas: +avx2 if present, -avx2 if not."""
     return str(llvm.get_host_cpu_features().flatten())
 
 
 @cache
 def name() -> str:
-    """What an object is made for: the compiler, the processor and its features."""
+    """The key of an object: the compiler, the processor and its features."""
     version = ".".join(map(str, llvm.llvm_version_info))
     return f"{version} {llvm.get_process_triple()} {llvm.get_host_cpu_name()} {features()}"
 
 
 def object_of(text: str, as_written: bool = False) -> bytes:
-    """The module, optimized, as an object file; ``as_written``: long straight lines, which there is little to do to."""
+    """The module, optimized, as an object file; ``as_written``: for long straight-line code, which gains little from
+    optimization.
+    """
     machine = _target(1 if as_written else 2)
     module = llvm.parse_assembly(text)
     module.verify()
@@ -42,7 +44,7 @@ def object_of(text: str, as_written: bool = False) -> bytes:
     if as_written:
         return bytes(machine.emit_object(module))
     options = llvm.create_pipeline_tuning_options(speed_level=2)
-    # straight lines of scalar code lose by being made vectors
+    # vectorisation slows straight-line scalar code down
     options.loop_vectorization, options.slp_vectorization = True, False
     builder = llvm.create_pass_builder(machine, options)
     builder.getModulePassManager().run(module, builder)
@@ -50,7 +52,7 @@ def object_of(text: str, as_written: bool = False) -> bytes:
 
 
 class Entry:
-    """A function of an object, which lets other threads run; ``engine`` keeps the object in memory."""
+    """A function of an object, called without Python's lock; ``engine`` keeps the object in memory."""
 
     def __init__(self, engine: Any, name: str) -> None:
         self._engine = engine

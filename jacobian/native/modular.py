@@ -1,6 +1,6 @@
 """The arithmetic of :mod:`jacobian.numbers.two_words` for compiled loops: long numbers modulo p.
 
-Each function takes the context as its first argument, and writes the instructions without a jump.
+Each function takes the context as its first argument, and writes instructions without branches.
 """
 
 from __future__ import annotations
@@ -18,12 +18,12 @@ LOW = str((1 << 64) - 1)
 
 
 def halves(b: Operators, x: str) -> tuple[str, str]:
-    """The low and the high 64 bits of a long, as longs: LLVM sees that a product of two takes one instruction."""
+    """The low and high 64 bits of a long, as longs: LLVM then multiplies two of them in one instruction."""
     return b.write(f"and i128 {x}, {LOW}"), b.write(f"lshr i128 {x}, 64")
 
 
 def total(b: Operators, *terms: str) -> str:
-    """Their sum, which is a long."""
+    """The sum of the terms, a long."""
     found = terms[0]
     for x in terms[1:]:
         found = b.write(f"add i128 {found}, {x}")
@@ -84,7 +84,7 @@ def neg(b: Operators, K: Value, x: Value) -> Value:
 
 
 def least(b: Operators, K: Value, x: Value) -> Value:
-    """x, which is the least residue already."""
+    """x, which is already the least residue."""
     return x
 
 

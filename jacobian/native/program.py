@@ -1,4 +1,4 @@
-"""Functions compiled together: one module of LLVM, and what each of its entries takes and gives."""
+"""Functions compiled together: one LLVM module, and the argument and result kinds of each entry."""
 
 from __future__ import annotations
 
@@ -19,19 +19,19 @@ from jacobian.native.statements import Statements, returned_type
 
 
 class Instance(NamedTuple):
-    """A function for arguments of some kinds."""
+    """A function compiled for one choice of argument kinds."""
 
     name: str
     result: Any
 
     @property
     def returned(self) -> str:
-        """LLVM's type of what it returns."""
+        """The LLVM type of its result."""
         return returned_type(self.result)
 
 
 class Program:
-    """A module: ``special`` are functions with instructions of their own, ``fast`` those whose sums may be reordered.
+    """A module. ``special`` functions have instructions of their own; sums in ``fast`` functions may be reordered.
 
     Float operations may be contracted, but not in functions that take double-doubles.
     """
@@ -46,7 +46,7 @@ class Program:
         """The numbers of modules that are in it, by their whole names, as text."""
 
     def instance(self, function: Any, kinds: tuple[Any, ...]) -> Instance:
-        """The function for arguments of some kinds, compiled now if it is not yet."""
+        """The function for these argument kinds, compiled now if it is not yet."""
         key = function, kinds
         if key not in self._instances:
             if not inspect.isfunction(function):
@@ -63,8 +63,8 @@ class Program:
         return found
 
     def entry(self, name: str, function: Any, kinds: tuple[Any, ...]) -> Any:
-        """An entry that C can call: its only argument are words of 64 bits, those of the arguments in a row and then
-        room for those of the result, whose kind is returned. A long takes two.
+        """An entry that C can call. Its only argument is an array of 64-bit words: those of the arguments in a row,
+        then space for the result, whose kind is returned. A long takes two words.
         """
         instance = self.instance(function, kinds)
         body = Statements(self, function, "")
@@ -99,12 +99,12 @@ class Program:
         return "\n".join([DECLARED, wide_functions(), *self._texts])
 
     def looked_up(self, module: Any, name: str) -> Any:
-        """What a name of a module, or a builtin, is."""
+        """The object that a name in a module, or a builtin name, refers to."""
         found = getattr(module, name, getattr(builtins, name, self))
         if found is self:
             raise CompileError(f"{name} is not known, or not on every way")
         if isinstance(found, int | float):
-            # wherever it comes from, and whatever it is made of
+            # record the value, wherever it is defined and however it is computed
             self.numbers[f"{module.__name__}.{name}"] = repr(found)
         elif hasattr(found, "_fields"):
             self.modules.add(found.__module__)

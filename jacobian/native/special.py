@@ -1,4 +1,4 @@
-"""Functions of this package that compiled loops have instructions of their own for."""
+"""Functions of this package that the compiler replaces by its own instructions."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from jacobian.numbers.sums import joined, plus_product
 def adds_nothing(b: Operators, small: Value, large: Value) -> Value:
     """:func:`jacobian.numbers.roots.negligible`."""
     if single(large.kind) is WIDE:
-        # lo may hold digits far below those of the number
+        # compare with the whole number: lo may hold digits far below those of hi
         return b.compare("LtE", b.absolute(small), b.binary("Mult", real(EPS), b.absolute(large)))
     return b.compare("Eq", b.binary("Add", large, small), large)
 
 
 @in_lanes
 def one_more(b: Operators, total: Value, x: Value, y: Value) -> Value:
-    """:func:`jacobian.numbers.sums.plus_product`, written out where all are double-doubles."""
+    """:func:`jacobian.numbers.sums.plus_product`, as instructions if all are double-doubles."""
     if any(v.kind is not WIDE for v in (total, x, y)):
         return b.binary("Add", total, b.binary("Mult", x, y))
     return Value(WIDE, step_of_sum(b, *total.parts, *x.parts, *y.parts))

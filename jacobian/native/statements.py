@@ -1,4 +1,4 @@
-"""Statements of compiled loops, and functions as wholes."""
+"""Statements of compiled loops, and whole functions."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ from jacobian.numbers.abreast import abreast as rounds_abreast
 
 
 class _Wider(Exception):
-    """A name has to hold more than the kind of its first value."""
+    """Raised when a name has to hold a wider kind than that of its first value."""
 
 
 class Statements(Expressions):
     """One function for arguments of some kinds: ``result`` is the kind that it returns, ``text`` the function in LLVM.
 
-    A name has one kind, in which all its values meet. Where a later value shows that it is wider than the first, all
-    is begun again.
+    A name has one kind that holds all its values. If a later value needs a wider kind than the first, compilation
+    starts again.
 
-    Where a condition is one of values abreast, either branch is run for all lanes if any needs it, and changes those:
-    ``mask``, None for all, are the lanes that go on.
+    If a condition is abreast, each branch runs for all lanes if any lane needs it, and changes only those lanes:
+    ``mask``, None for all, marks the active lanes.
     """
 
     def __init__(self, program: Any, function: Any, contract: str) -> None:
@@ -79,7 +79,7 @@ class Statements(Expressions):
         return "\n".join([*lines, *self.slots, *self.lines, "}"])
 
     def block(self, body: list[ast.stmt]) -> None:
-        """Statements, as far as they are reached."""
+        """Statements, up to the last reachable one."""
         for node in body:
             if not self.open:
                 return
@@ -97,11 +97,11 @@ class Statements(Expressions):
     # --- assignments
 
     def assign_name(self, name: str, value: Value) -> None:
-        """A value into a variable."""
+        """Store a value in a variable."""
         if value.kind is OBJECT:
             raise CompileError(f"{name}: functions are no values of variables")
         if name == "_":
-            # what is not looked at may be of any kind
+            # an unused value may be of any kind
             return
         if self.mask is not None and not isinstance(value.kind, ArrayKind):
             value = self.cast(value, abreast(value.kind))
@@ -117,7 +117,7 @@ class Statements(Expressions):
         self.keep(self.cast(value, kind), self.variables[name][1])
 
     def assign(self, target: ast.expr, value: Value) -> None:
-        """A value to what is on the left of =."""
+        """Assign a value to the target on the left of =."""
         if isinstance(target, ast.Name):
             self.assign_name(target.id, value)
         elif isinstance(target, ast.Tuple):
@@ -153,7 +153,7 @@ class Statements(Expressions):
         else:
             self.assign(node.target, self.binary(operator, self.value(node.target), self.value(node.value)))
 
-    # --- the way through
+    # --- control flow
 
     def do_expr(self, node: ast.Expr) -> None:
         if not isinstance(node.value, ast.Constant):
@@ -163,7 +163,7 @@ class Statements(Expressions):
         self.give_back(Value(NONE, ()) if node.value is None else self.value(node.value))
 
     def give_back(self, value: Value) -> None:
-        """The result of the function."""
+        """Return the result of the function."""
         result = value.kind if self.result is None else meeting(self.result, value.kind)
         if result != self.result:
             first, self.result = self.result is None, result
@@ -177,7 +177,7 @@ class Statements(Expressions):
             self.end(value)
 
     def end(self, value: Value) -> None:
-        """The last instruction: the result is this."""
+        """The final instruction, which returns this result."""
         result, returned = value.kind, returned_type(value.kind)
         if len(value.parts) < 2:
             self.lines.append(f"  ret {returned} {value.parts[0]}" if value.parts else "  ret void")
@@ -188,7 +188,7 @@ class Statements(Expressions):
             self.lines.append(f"  ret {returned} {row}")
 
     def give_back_lanes(self, value: Value) -> None:
-        """What the lanes of the mask return, kept until all have."""
+        """Record the results of the lanes in the mask until all lanes have returned."""
         if value.kind is NONE or value.kind != abreast(value.kind):
             self.result = abreast(value.kind)
             raise _Wider
@@ -199,7 +199,7 @@ class Statements(Expressions):
         self.keep(value, self.results)
 
     def end_of_lanes(self) -> None:
-        """What all lanes have returned."""
+        """Return the results of all lanes."""
         self.go("returned")
         self.begin("returned")
         self.end(self.loaded(self.result, self.results))
@@ -226,7 +226,7 @@ class Statements(Expressions):
             self.begin(end)
 
     def if_in_lanes(self, node: ast.If, condition: str) -> None:
-        """Both branches, each for the lanes that take it, if any do; where lanes return, the others go on."""
+        """Both branches, each run if any lane takes it and applied to the lanes that do; lanes that return drop out."""
         bits, outer = abreast(BOOL).leaves[0], self.mask
         other = self.write(f"xor {bits} {condition}, {self.repeat('i1', '1')}")
         left = []
@@ -261,12 +261,12 @@ class Statements(Expressions):
         self.open = False
 
     def stored_by_all(self) -> None:
-        """CompileError where only some lanes are here: what the others hold would be stored too."""
+        """CompileError if only some lanes are active: the values of the others would be stored too."""
         if self.mask is not None:
             raise CompileError("some lanes only store to an array")
 
     def all_lanes(self) -> None:
-        """CompileError where only some lanes are here."""
+        """CompileError if only some lanes are active."""
         if self.mask is not None:
             raise CompileError("some lanes leave a round of a loop")
 
@@ -289,7 +289,7 @@ class Statements(Expressions):
             self.begin(end)
 
     def around(self, statements: list[ast.stmt], label: str, again: str, end: str) -> bool:
-        """The body of a loop; whether it has a break."""
+        """The body of a loop; returns whether it contains a break."""
         self.begin(label)
         self.loops.append([again, end])
         self.block(statements)
@@ -329,7 +329,7 @@ class Statements(Expressions):
         self.begin(end)
 
     def lanes_from(self, first: Value, stop: Value) -> Value:
-        """first, first + 1, …, none beyond the one before ``stop``."""
+        """first, first + 1, …, clipped to the last one before ``stop``."""
         numbers = ", ".join(f"i64 {k}" for k in range(LANES))
         places = self.binary("Add", first, Value(abreast(INT), (f"<{numbers}>",)))
         return self.extremum("Lt", [places, self.binary("Sub", stop, integer(1))])
@@ -357,7 +357,7 @@ class Statements(Expressions):
 
 
 def returned_type(kind: Any) -> str:
-    """LLVM's type of what a function returns."""
+    """The LLVM type of a function's result."""
     leaves = kind.leaves
     if len(leaves) < 2:
         return str(leaves[0]) if leaves else "void"
