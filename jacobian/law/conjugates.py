@@ -82,7 +82,7 @@ def _missing(D: Divisor, K: Any, rest: poly.Poly) -> str:
 
 
 def splitting_degree(D: Divisor) -> int | None:
-    """The degree over which u splits into linear factors; None over an infinite field."""
+    """The degree of the extension over which u splits into linear factors; None over an infinite field."""
     K = D.jacobian.field
     if K.order is None:
         return None

@@ -143,7 +143,7 @@ class Divisor(Immutable):
             raise FieldError(f"K = {J.field.name}: {self!r} has a point that goes to infinity there") from None
         if self.n is not None and J.curve.model == "inert" and 2 * self.n + self.degree != J.curve.genus:
             raise FieldError(f"K = {J.field.name}: {self!r} has unlike weights at ∞₊ and ∞₋, which are conjugate there")
-        # weights that are equal at both points at infinity stay so on a split model
+        # equal weights at the two points at infinity remain equal on a split model
         return J.from_mumford(u, v, self.n if J.weight_of_zero is not None else None)
 
     def to_galois(self) -> tuple[Any, Any]:

@@ -13,9 +13,9 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.dense import added, product, remainder, residue, value_at
 from jacobian.inexact.digits import Digits
 
-# the part of y that the value of a rounded v must keep
+# the relative accuracy of y that a rounded v must keep
 KNOWN = 2**-7
-# y counts as the rounded y of the curve where y² agrees with the curve to this many last digits
+# y is taken as a rounded point of the curve if y² agrees with f up to this many units of the last digit
 NEAR = 2**20
 
 
@@ -31,7 +31,7 @@ def opposite(C: HyperellipticCurve, P: AffinePoint, Q: AffinePoint) -> bool:
 
 
 def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
-    """(u, v) through the points, where equal x mean one point, repeated; none together with its opposite.
+    """(u, v) through the points, where equal x mean a repeated point; no point comes with its opposite.
 
     PrecisionLoss where the coefficients of v, once rounded, lose the y of some point: the x differ too much in size.
     """
@@ -48,8 +48,8 @@ def pair_of_points(C: HyperellipticCurve, points: Sequence[AffinePoint]) -> tupl
 
 
 def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[AffinePoint]) -> tuple[Any, Any]:
-    """Newton's interpolation: a new point adds u·k with k(x₀) = (y₀ − v(x₀))/u(x₀), one that is there already with
-    k(x₀) = w(x₀)/2v(x₀), w = (f − v²)/u, for y² = f with y + h/2 in the place of y.
+    """Newton's interpolation: a new point adds u·k with k(x₀) = (y₀ − v(x₀))/u(x₀), a repeated one with k(x₀) =
+    w(x₀)/2v(x₀), w = (f − v²)/u, for y² = f with y + h/2 for y.
     """
     one = digits.number(digits.field.one)
     u: list[Any] = [one]
@@ -71,7 +71,7 @@ def _through(digits: Any, f: list[Any], half: list[Any], points: Sequence[Affine
 
 
 def _on_curve(digits: Any, y: Any, square: Any) -> Any:
-    """The y of the curve, y² = ``square``, that was rounded; near a branch point the y that was given."""
+    """The exact y of the curve, y² = ``square``, nearest to the rounded one; near a branch point the given y."""
     if abs(square - y * y) > NEAR * digits.own_eps * abs(y * y):
         return y
     for _ in range(digits.bits.bit_length()):
@@ -80,7 +80,7 @@ def _on_curve(digits: Any, y: Any, square: Any) -> Any:
 
 
 def _rounded(digits: Any, points: Sequence[AffinePoint], f: list[Any], v: list[Any]) -> tuple[Any, ...]:
-    """v in the field, if it still has the points' y."""
+    """v in the field, if it still reproduces the points' y."""
     result = tuple(map(digits.element, v))
     kept = [digits.number(c) for c in result]
     for point in points:
