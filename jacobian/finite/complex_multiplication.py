@@ -1,5 +1,5 @@
-"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose groups are of known order. Not
-for p ≡ 2 or 4 modulo 7, of order 3.
+"""Frobenius of y² = bx^ℓ + a, ℓ = 2g + 1 = 5 or 7, over GF(p) of any size: curves whose group order can be computed.
+The primes p ≡ 2 or 4 modulo 7, of order 3, are excluded.
 
 The automorphism x → ζx, ζ an ℓ-th root of unity, makes Z[ζ] act on the Jacobian. For p ≡ 1 modulo ℓ Frobenius is an
 element π of it with ππ̄ = p (Weil 1952), and its ideal is that of α₁·…·α_g, the conjugates ζ → ζ^(1/t), t = 1 … g, of a

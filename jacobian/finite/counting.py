@@ -112,7 +112,7 @@ def _values(L: TableField, a: poly.Poly) -> Any:
         if L.p == 2:
             value ^= c
         elif c:
-            # a negative difference of logarithms indexes the table from its end
+            # a negative difference of logarithms indexes the table from its end, as intended
             more = zech[log[c] - log[value]]
             value = np.where(value == 0, c, np.where(more >= 0, exp[log[value] + more], 0))
     return value

@@ -152,7 +152,8 @@ def recurrence_on_words(ratios: Any, p: int, weights: Any, inverses: Any, window
 
     F·G' = n·F'·G says k·f_0·G_k = Σ ((n+1)i − k) f_i G_(k−i). Nine products of two residues, p < 2^29, stay below 2^63.
     ``window`` begins with the start and ends with the coefficients; ``weights`` are ((n+1)i − k)·f_i/f_0, which fall by
-    f_i/f_0 with each k, and begin with k = 0; ``inverses`` is room for 1/k, so many together (Montgomery 1987).
+    f_i/f_0 with each k, and begin with k = 0; ``inverses`` has room for a block of 1/k, inverted together (Montgomery
+    1987).
     """
     start, room = 1, 8 * p * p
     while start < p:

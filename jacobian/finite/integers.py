@@ -1,5 +1,5 @@
-"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve where that takes a
-second). Infeasible names the cofactor that resists, and every function that needs a factorisation accepts one from the
+"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve for what they do not find
+quickly). Infeasible names the cofactor that resists, and every function that needs a factorisation accepts one from the
 caller.
 """
 

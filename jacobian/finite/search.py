@@ -279,7 +279,7 @@ def _check_size(C: HyperellipticCurve, candidates: Candidates, known: str) -> No
 
 
 def _excess(C: HyperellipticCurve, residues: list[int] | None) -> int:
-    """#C(GF(q)) − q − 1, at most 2g√q in size: from the residue modulo p where that leaves one, else by counting."""
+    """#C(GF(q)) − q − 1, at most 2g√q in size: from the residue modulo p if that determines it, else by counting."""
     q: Any = C.field.order
     if residues is None or q != C.field.characteristic or q <= 16 * C.genus**2:
         return counting.count_points(C) - q - 1
