@@ -30,7 +30,8 @@ class Generators(NamedTuple):
 def generators(classes: Iterable[Divisor], digits: int = 20) -> Generators:
     """Generators of the group of these classes modulo torsion, each pairing with ``digits`` digits.
 
-    Errors as :func:`jacobian.relatives.heights.canonical_height`; PrecisionLoss where digits do not tell a relation.
+    Errors as :func:`jacobian.relatives.heights.canonical_height`; PrecisionLoss if this many digits do not decide a
+    relation.
     """
     basis: list[Divisor] = []
     for D in classes:

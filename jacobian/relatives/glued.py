@@ -47,7 +47,7 @@ class GeneralizedJacobian(Jacobian):
         return "Cantor's composition, or the stacked system over inexact fields, and one reflection"
 
     def _check_representable(self) -> None:
-        """Every curve that the constructor accepts is representable."""
+        """No check is needed: every curve that the constructor accepts is representable."""
 
     def from_mumford(self, u: Any, v: Any, n: int | None = None) -> Divisor:
         """The class of the pair (u, v) of degree two, u monic, u | f − v²; ``n`` must be left out."""

@@ -25,7 +25,7 @@ from jacobian.relatives.doubling_bounds import bad_part, real_bounds
 from jacobian.relatives.kummer import KummerSurface, kummer_surface
 
 MOST_DIGITS = 1000
-# bits that a doubling may lose
+# bits that one doubling may lose
 BITS_A_DOUBLING = 12
 TRIALS = 5
 

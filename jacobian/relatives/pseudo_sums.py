@@ -144,7 +144,7 @@ def normal(K: Any, x: Any) -> Any:
     )
 
 
-# --- one point: (0, the result), or (the index of the argument that is no point, undefined)
+# --- one point: (0, the result), or (the index of the argument that is not a point, undefined)
 
 
 def add_point(K: Any, F: Any, x: Any, y: Any, difference: Any, S: Any) -> Any:
@@ -175,7 +175,7 @@ def multiply_point(K: Any, F: Any, x: Any, bits: Any, S: Any) -> Any:
     return 0, normal(K, multiple_of(K, F, S, a, unit(a), bits))
 
 
-# --- columns of points: one that is no point stays unchanged, its argument in ``wrong``
+# --- columns of points: an entry that is not a point stays unchanged, with its argument in ``wrong``
 
 
 def add_points(K: Any, F: Any, operands: Any, out: Any, wrong: Any, span: Any, S: Any) -> None:

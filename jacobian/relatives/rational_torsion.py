@@ -48,7 +48,7 @@ class RationalTorsion(NamedTuple):
 
     @property
     def proven(self) -> bool:
-        """Whether what was found is all."""
+        """Whether the group found is the whole torsion subgroup."""
         return self.found.invariants == self.bound
 
 
@@ -139,7 +139,7 @@ def _invariants(exponents: dict[int, list[int]]) -> tuple[int, ...]:
 
 
 def _candidates(J: GroupLaw, height: int) -> Iterator[Divisor]:
-    """Classes that may be of finite order, the likelier first."""
+    """Classes that may be of finite order, the most likely first."""
     points = list(_differences(J, height))
     yield from points
     for D, E in combinations(points[:SUMMED], 2):
