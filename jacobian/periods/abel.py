@@ -97,7 +97,7 @@ class AbelMap(AbelImage):
         return D
 
     def _rough_inverse(self, target: Vector) -> list[Point]:
-        """Points whose image is near the target, as working numbers: in doubles, or where that fails in 40 digits."""
+        """Points whose image is near the target, as working numbers: in doubles or, if that fails, in 40 digits."""
         from jacobian.fields import CC, MP
 
         numbers, failure = self.cover.numbers, ""

@@ -1,4 +1,4 @@
-"""Period matrices as other programs write them, and what leads from one basis of the cycles to another.
+"""Period matrices as other programs write them, and changes between bases of the cycles.
 
 All have g rows of 2g, (∮ along a_1 … a_g, b_1 … b_g), with a_i·b_j = δ_ij; they differ by the differentials:
 
@@ -56,7 +56,7 @@ def whole_coordinates(P: PeriodMatrix, z: Sequence[Any]) -> list[int] | None:
 
 
 def _size(P: PeriodMatrix, program: str | None) -> Any:
-    """What a differential of the program is times one of here."""
+    """The factor between a differential of the program and ours."""
     if program is None:
         return 1
     one_of(program, "program", PROGRAMS, '"magma" or "sage" is needed')

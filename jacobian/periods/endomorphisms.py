@@ -74,7 +74,7 @@ def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
 
 
 def _equations(tau: Any, g: int) -> list[list[Any]]:
-    """For each entry of a, b, c, d, one after the other, what it adds to the entries of b + τd − aτ − τcτ."""
+    """For each entry of a, b, c, d in turn, its contribution to the entries of b + τd − aτ − τcτ."""
     rows = []
     for block, i, j in product("abcd", range(g), range(g)):
         entry = {

@@ -63,7 +63,7 @@ class AbelImage(Immutable):
         return horner([self.cover.numbers.convert(c) for c in h], x) / 2 if h else 0
 
     def _weight_of(self, D: Divisor) -> int:
-        """The multiple of ∞₊ that stands beside Σ(P_i − e₀); on a ramified model that of e₀ − ∞."""
+        """The multiple of ∞₊ that accompanies Σ(P_i − e₀); on a ramified model that of e₀ − ∞."""
         degree = len(D.u) - 1
         if D.jacobian.curve.model == "ramified":
             return degree

@@ -61,7 +61,7 @@ class Numbers:
         return 10.0**exponent if self.machine else self.context.mpf(10) ** exponent
 
     def working(self) -> AbstractContextManager[Any]:
-        """The precision of these numbers, which they carry themselves."""
+        """A context for the precision of these numbers, which the numbers carry themselves."""
         return nullcontext()
 
     def root(self, square: Any, approximation: Any) -> Any:
