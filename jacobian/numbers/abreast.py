@@ -1,4 +1,4 @@
-"""Rounds of a loop that know nothing of each other."""
+"""Loops whose rounds are independent."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from __future__ import annotations
 def abreast(begin: int, end: int) -> range:
     """``range(begin, end)`` for a loop whose rounds may be done in any order, and more than once.
 
-    Compiled (:mod:`jacobian.native`) eight of them are done at once, in the lanes of a processor's vectors; where fewer
-    are left, the last one is done again.
+    Compiled code (:mod:`jacobian.native`) does eight rounds at once, in the lanes of the processor's vectors; if fewer
+    are left, the last one is repeated.
     """
     return range(begin, end)

@@ -1,4 +1,4 @@
-"""numba's ``njit`` as this package uses it: compiled code is kept on disk where there is a place to keep it.
+"""numba's ``njit`` as this package uses it: compiled code is cached on disk if any folder is writable.
 
 numba keeps it in the folder that NUMBA_CACHE_DIR names, in ``__pycache__`` beside the source, or in the user's cache
 folder. Where it can write to none of them (a read-only installation and no home) every process compiles anew, and says
@@ -24,7 +24,7 @@ class NoCacheWarning(UserWarning):
 
 
 def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
-    """A decorator: ``numba.njit`` with the cache on disk, without it where numba finds no place for one."""
+    """A decorator: ``numba.njit`` with its cache on disk, or without one if numba finds no folder for it."""
     import numba
 
     def decorate(function: Callable[..., Any]) -> Any:
@@ -37,7 +37,7 @@ def njit(**options: Any) -> Callable[[Callable[..., Any]], Any]:
 
 
 def _kept(function: Callable[..., Any], options: dict[str, Any]) -> Any:
-    """The function for numba to compile and keep, None where there is no place to keep it."""
+    """The function compiled by numba with a cache, None if there is no folder for one."""
     import numba
 
     try:
@@ -59,7 +59,7 @@ def say_once() -> None:
 
 
 def look_for_a_place(*, needed: bool = False) -> None:
-    """Say now, if at all, that there is no place for compiled code, in a warning; ArgumentError where it is needed."""
+    """Warn now if there is no folder for compiled code; ArgumentError if one is needed."""
     if _kept(look_for_a_place, {}) is None:
         if needed:
             raise ArgumentError(f"{NO_PLACE}; {REMEDY}")

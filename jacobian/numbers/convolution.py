@@ -1,7 +1,7 @@
 """Cyclic convolutions modulo a prime p < 2^49 by transforms modulo two or three other primes, on arrays of floats.
 
-Residues are canonical: whole floats within ±p/2. A convolution is had over the integers, from its residues: its numbers
-are smaller than half the product of the primes.
+Residues are canonical: whole floats within ±p/2. A convolution is computed over the integers from its residues; its
+entries are smaller than half the product of the primes.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ CONTEXTS = tuple(double_context(q) for q in PRIMES)
 class Convolutions:
     """Cyclic convolutions modulo p; their lengths are powers of 2 from LEAST to ``longest`` ≤ LONGEST.
 
-    Of one of the two factors half of the numbers are 0 (or more).
+    At least half of the entries of one factor must be 0.
     """
 
     def __init__(self, p: int, longest: int) -> None:
@@ -33,7 +33,7 @@ class Convolutions:
         # a number of the product is a sum of longest/2 products of size (p/2)² at most
         count = 2 if longest * p * p < 4 * primes[0] * primes[1] else 3
         self.used = list(PRIMES.items())[:count]
-        # the factors of a shorter transform are the first of these
+        # a shorter transform uses the first of these factors
         self.down = [_factors(q, g, longest) for q, g in self.used]
         self.up = [_factors(q, pow(g, -1, q), longest) for q, g in self.used]
 
@@ -55,8 +55,9 @@ class Convolutions:
         combined(self.P, CONTEXTS, constants, residues[:, begin : begin + len(out)], scale, out)
 
     def _constants(self, length: int) -> Any:
-        """Those of :func:`jacobian.numbers.transform_kernels.combined`; a transform there and back multiplies by the
-        length."""
+        """The constants of :func:`jacobian.numbers.transform_kernels.combined`; a transform followed by its inverse
+        multiplies by the length.
+        """
         a, b, c = PRIMES
         pairs = [(pow(length, -1, q), q) for q in PRIMES]
         pairs += [(pow(a, -1, b), b), (a, self.p), (pow(a, -1, c), c), (pow(b, -1, c), c), (a * b, self.p)]

@@ -16,13 +16,14 @@ import numpy as np
 
 from jacobian.errors import ArgumentError
 
-# numbers of so many bits and such exponents are far inside the range of floats, and so is what their high part leaves
+# numbers with this many bits and these exponents are far inside the range of floats, and so is the remainder after
+# their high part
 MOST_BITS = 440
-# integers below it are floats
+# integers below it are exact as floats
 EXACT = 1 << 53
 EPS = 2.0**-104
 """A bound of the relative rounding error of one sum, product or square root (quotients: 2.5 times as much)."""
-# splits a float into two of half its digits
+# splits a float into two halves of its digits
 HALVER = 2.0**27 + 1
 
 
@@ -36,7 +37,7 @@ def split(x: Any) -> tuple[float, float]:
         return x, 0.0
     if type(x) is int and abs(x) < EXACT:
         return float(x), 0.0
-    # gmpy2's, which may have _mpf_ too, made at every call
+    # gmpy2's mpfr, which may have _mpf_ too, created at each access
     if type(x).__name__ == "mpfr":
         return _split_mpfr(x)
     if hasattr(x, "_mpf_"):

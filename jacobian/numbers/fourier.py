@@ -1,4 +1,4 @@
-"""The discrete Fourier transform of real samples on a grid of powers of 2, on bare reals compiled as it stands."""
+"""The discrete Fourier transform of real samples on a grid of powers of 2, on bare reals, compiled unchanged."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from jacobian.numbers.double_double import split
 Real = Any
 Row = Any
 
-# bits of the circle, from which its numbers are rounded
+# bits to which the points of the circle are computed before rounding
 BITS = 160
 
 
@@ -27,7 +27,7 @@ def half_spectrum(samples: Row, grid: tuple[int, int], circle: Row, room: Row, o
     rows, columns = grid
     for n in range(rows * columns):
         room[n] = samples[n]
-    # two neighbouring columns are the parts of complex numbers, whose transforms are then told apart
+    # two neighbouring columns form the parts of complex numbers, whose transforms are separated afterwards
     if transformed(room, rows, columns // 2, circle, other):
         across(other, grid, circle, room, out)
     else:

@@ -28,7 +28,7 @@ class BareReals:
         self._gmpy2: Any = gmpy2
         self._type: Any = type(gmpy2.mpfr(0))
         self._exact: Any = gmpy2.context(precision=bits)
-        # sums with products of it are complex
+        # adding multiples of it gives complex numbers
         self.i: Any = gmpy2.mpc(0, 1)
 
     def __enter__(self) -> BareReals:
@@ -97,7 +97,7 @@ class BareReals:
 
 
 class _Open(local):
-    """The contexts that a thread is in."""
+    """The contexts that a thread has entered."""
 
     def __init__(self) -> None:
         self.managers: list[AbstractContextManager[Any]] = []

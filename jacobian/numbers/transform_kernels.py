@@ -89,7 +89,7 @@ def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
             S[i * SIDE + k] = x[begin + 16 * k + i]
     _beside(_split, Q, W, S, 4, b)
     _beside(_split, Q, W, S, 1, b)
-    # not x[begin:…] = S: for its message about lengths numba compiles its strings, which takes a second
+    # not x[begin:…] = S: numba would compile strings for its length-mismatch message, which takes a second
     for i in range(LEAST):
         x[begin + i] = S[i]
 

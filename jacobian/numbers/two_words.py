@@ -70,7 +70,7 @@ def long(n: Any) -> Any:
 
 
 def trailing_zeros(x: Any) -> Any:
-    """How often 2 divides x > 0."""
+    """The exponent of 2 in x > 0."""
     return (x & -x).bit_length() - 1
 
 

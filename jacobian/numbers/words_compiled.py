@@ -51,12 +51,13 @@ def _montgomery(bits: int) -> Any:
             for product in products[1:]:
                 total = builder.add(total, product)
             multiple = builder.mul(low(builder.mul(low(total), low(reciprocal))), low(p))
-            # the low halves are equal: only the high ones are subtracted, and nothing overflows
+            # the low halves are equal: subtracting only the high ones cannot overflow
             shift = ir.Constant(double, bits)
             high = builder.sub(builder.ashr(total, shift), builder.ashr(multiple, shift))
             if double == full:
                 return high
-            # no vector instruction multiplies 64 bits by 64, and LLVM, which would do it lane by lane, is not to try
+            # no vector instruction multiplies 64 by 64 bits; hide the product from LLVM, which would emulate it lane by
+            # lane
             return opaque(builder, builder.trunc(high, full))
 
         return types.int64(terms, types.int64, types.int64), codegen
@@ -160,7 +161,7 @@ def _canonical(K, x):  # type: ignore[no-untyped-def]
         return lambda K, x: words.settled(K, x)
 
     def masked(K, x):  # type: ignore[no-untyped-def]
-        # first up, then down: so nothing overflows for |x| ≤ p < 2^63
+        # first up, then down, so that nothing overflows for |x| ≤ p < 2^63
         x = x + (K.p & (x >> 63))
         return x - (K.p & _sign(K.half - x))
 
