@@ -12,7 +12,7 @@ from numba.extending import overload, register_jitable
 from jacobian.inexact import genus2_real, retraction
 from jacobian.numbers.roots import negligible, root
 
-# nothing here may divide by zero: a zero divisor gives inf or nan, for which callers test once, at the end
+# no division may raise: a zero divisor gives inf or nan, which callers test for once, at the end
 JIT = {"nogil": True, "error_model": "numpy", "fastmath": {"contract"}}
 
 

@@ -19,7 +19,7 @@ STEPS = 40
 
 
 class MoreDigits(Exception):
-    """The working precision does not resolve a quantity: try again with more digits."""
+    """The working precision does not resolve a quantity; retry with more digits."""
 
 
 class Digits:
