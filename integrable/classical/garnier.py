@@ -21,7 +21,7 @@ from jacobian.errors import ArgumentError, shown
 class Garnier(QuadricSystem):
     """n = len(a) ≥ 1 axes, the a_i different, α ≠ 0: ``Garnier((0, 1, 3)).flow(system.state(q, p)).at(times)``.
 
-    With −αa_i − β the squares of the frequencies at rest.
+    The squared frequencies at rest are −αa_i − β.
     """
 
     def __init__(self, a: Any, alpha: Any = 1, beta: Any = 0, field: Any = RR) -> None:

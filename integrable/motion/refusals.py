@@ -62,7 +62,7 @@ def _place(reasons: list[str], why: str) -> int:
 
 
 def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """(rows, why) for the times in either direction from the first that is refused by itself."""
+    """(rows, reason): in each direction, the times from the first refused one on."""
     for sign in (1, -1):
         chosen = left[np.array([(t < 0) == (sign < 0) for t in values[left]], dtype=bool)]
         order = chosen[np.argsort(np.abs(values[chosen]), kind="stable")]

@@ -57,10 +57,10 @@ def around(middle: Any, radius: Any) -> Any:
 def picard_box(
     velocity: Callable[[Sequence[Any]], Sequence[Any]], point: Sequence[Any], sizes: Sequence[Any], radius: float
 ) -> tuple[list[Any], list[Any]] | None:
-    """(box, reach): a box of complex balls around a point that the solution of ẋ = ``velocity``(x) from there does not
-    leave at complex times |t| ≤ ``radius``, and how far it gets, by Picard's theorem; None where none was seen.
+    """(box, reach), by Picard's theorem: for complex |t| ≤ ``radius`` the solution of ẋ = ``velocity``(x) from a point
+    stays in the box of complex balls, and moves at most ``reach``. None if no box is found.
 
-    ``sizes`` are those of the box to begin with. The velocity is analytic where it is finite.
+    ``sizes``: the radii of the initial box. The velocity is assumed analytic where it is finite.
     """
     from flint import acb, arb
 

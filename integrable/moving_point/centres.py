@@ -1,8 +1,8 @@
-"""Centres of panels in as many digits as it takes, for short runs beside a separatrix
+"""Centres of panels, computed with as many digits as needed, for short runs near a separatrix
 (:mod:`integrable.moving_point.short`).
 
-There translations grow as errors do, and an addition of a far one loses the digits of both. Each centre is one panel
-after the one before: errors grow once, and a panel's translation loses nothing.
+Near a separatrix translations grow like errors, and adding a long one loses the digits of both. Each centre is
+therefore one panel beyond the last: errors grow once, and a panel's translation loses no digits.
 """
 
 from __future__ import annotations
