@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.finite import product_kernels as kernels
+from jacobian.finite.product_kernels import BLOCK, kernels, room_for
 from jacobian.numbers.convolution import LEAST, LONGEST, Convolutions, balanced
 from jacobian.numbers.threads import in_ranges
 from jacobian.progress import Progress
@@ -42,62 +42,64 @@ class Products:
         rows = [[half * i * c for i, c in enumerate(ratios, 1)], ratios]
         self.c = np.array([[balanced(c, p) for c in row] for row in rows])
         self.factorials = np.empty(beta)
-        kernels.inverse_factorials(self.P, self.factorials)
+        kernels().inverse_factorials(self.P, self.factorials)
         work = transforms(p, beta) * self.d**2
-        self.progress = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
+        self.progress: Progress | None = Progress(f"Cartier–Manin matrix modulo {p}, β = {beta}", work, part)
 
     def last(self, start: int, count: int) -> list[int]:
         """The ``count`` coefficients below x^p, the last first, ``start`` that of x^0."""
         p, beta = self.p, self.beta
         window = np.zeros(max(self.d, count))
         window[0] = balanced(-start, p)
-        part = window[: self.d]
+        part, new = window[: self.d], np.empty(self.d)
         values, room = (np.empty((self.d**2, beta)) for _ in range(2))
         self._double(values, room)
         points = (p - 1) // beta
-        kernels.chain(self.P, self.c, float(beta), 0, values, min(points, beta), part)
+        kernels().chain(self.P, self.c, float(beta), 0, values, min(points, beta), part, new)
         for first in range(beta, points, beta):
             self._shift(values, [(first, room)])
-            kernels.chain(self.P, self.c, float(beta), first, room, min(points - first, beta), part)
-        kernels.walk(self.P, self.c, points * beta + 1, p, part)
+            kernels().chain(self.P, self.c, float(beta), first, room, min(points - first, beta), part, new)
+        kernels().walk(self.P, self.c, points * beta + 1, p, part)
         return [int(c) % p for c in window[:count]]
 
     def _double(self, values: Any, room: Any) -> None:
         """The values at 0, β, … (β − 1)β."""
         n = FIRST
-        kernels.direct(self.P, self.c, float(self.beta), n - 1, values, n)
+        kernels().direct(self.P, self.c, float(self.beta), n - 1, values, n, room_for(self.d))
         while n < self.beta:
             a = n * pow(self.beta, -1, self.p) % self.p
             self._shift(values[:, :n], [(n, values[:, n:]), (a, room), (a + n, room[:, n:])])
             n *= 2
 
             def work(begin: int, end: int, n: int = n) -> None:
-                block = kernels.BLOCK
-                kernels.join(self.P, self.c, float(self.beta), float(n // 2), room, values, begin * block, end * block)
+                first, last = begin * BLOCK, end * BLOCK
+                beta, middle = float(self.beta), float(n // 2)
+                kernels().join(self.P, self.c, beta, middle, room, values, first, last, room_for(self.d))
 
-            in_ranges(n // kernels.BLOCK, max(64, n // kernels.BLOCK // 8), work)
+            in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 
     def _shift(self, values: Any, targets: list[tuple[int, Any]]) -> None:
         """The values at a, a + 1, … (in units of β) from those at 0, 1, … n − 1, into the first n columns, for each
         (a, array)."""
         n, work = values.shape[1], self.convolutions
         weights = np.empty(n)
-        kernels.lagrange(self.P, self.factorials, weights)
+        kernels().lagrange(self.P, self.factorials, weights)
         prepared = []
         for a, array in targets:
             reciprocals, falling = np.empty(2 * n - 1), np.empty(n)
-            kernels.inverses(self.P, balanced(a - n + 1, self.p), reciprocals)
-            kernels.falling(self.P, balanced(a, self.p), reciprocals, falling)
+            kernels().inverses(self.P, balanced(a - n + 1, self.p), reciprocals)
+            kernels().falling(self.P, balanced(a, self.p), reciprocals, falling)
             prepared.append((work.transform(reciprocals, 2 * n), falling, array))
 
         def entries(begin: int, end: int) -> None:
             weighted = np.empty(n)
             for e in range(begin, end):
-                kernels.scaled(self.P, values[e], weights, weighted)
+                kernels().scaled(self.P, values[e], weights, weighted)
                 transformed = work.transform(weighted, 2 * n)
                 for kernel, falling, array in prepared:
                     work.product(transformed, kernel, n - 1, falling, array[e, :n])
-                self.progress.add((1 + len(prepared)) * n * log2(n))
+                if self.progress:
+                    self.progress.add((1 + len(prepared)) * n * log2(n))
 
         in_ranges(self.d**2, 1, entries)
 
@@ -105,8 +107,11 @@ class Products:
 @cache
 def compiled() -> None:
     """Compiles all loops, by small products: seconds that the estimate of how long a computation takes is not to have
-    in it."""
-    Products(8191, [1], beta=2 * FIRST).last(1, 1)
+    in it.
+    """
+    small = Products(8191, [1], beta=2 * FIRST)
+    small.progress = None
+    small.last(1, 1)
 
 
 def step(p: int, d: int) -> int:

@@ -1,26 +1,71 @@
 """The loops of :mod:`jacobian.finite.matrix_products`, compiled: residues modulo p < 2^49 as floats within ±p/2.
 
 A matrix M(k) has the first row Σ (c_i(n + 1) − k·c_i), i = 1 … d, and k below its diagonal. A product of d × d matrices
-at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c, i]``. Importing this module
-imports numba.
+at many points is an array (d², points): its entry (r, c) at point i is ``values[d·r + c, i]``.
 """
 
 from __future__ import annotations
 
+from functools import cache
+from typing import Any, NamedTuple
+
 import numpy as np
-from numba.extending import register_jitable
 
-from jacobian.numbers.compiler import njit
-from jacobian.numbers.words import canonical, inverse, mul
-from jacobian.numbers.words_compiled import INLINED
+from jacobian.numbers.words import Double, canonical, mul
 
-JIT = {"nogil": True, "error_model": "numpy"}
 BLOCK = 64
 """Points that are computed side by side."""
 
 
-@njit(**JIT)
-def inverses(P, a, out):  # type: ignore[no-untyped-def]  # compiled, as all below
+class Room(NamedTuple):
+    """The memory of a loop over blocks of points: BLOCK numbers, d times as many, and twice d² times as many."""
+
+    k: Any
+    row: Any
+    S: Any
+    U: Any
+
+
+def room_for(d: int) -> Room:
+    """Room for d × d matrices."""
+    return Room(np.empty(BLOCK), np.empty((d, BLOCK)), np.empty((d * d, BLOCK)), np.empty((d * d, BLOCK)))
+
+
+@cache
+def kernels() -> Any:
+    """The loops, compiled by :mod:`jacobian.native`."""
+    from jacobian.native import doubles
+    from jacobian.native.kinds import FLOAT, FLOATS, INT, ArrayKind, record
+    from jacobian.native.library import Library
+    from jacobian.native.special import SPECIAL
+
+    P, table = record(Double, *[FLOAT] * 4), ArrayKind(FLOAT, 2)
+    room = record(Room, FLOATS, table, table, table)
+    entries = {
+        "inverses": (inverses, (P, FLOAT, FLOATS)),
+        "inverse_factorials": (inverse_factorials, (P, FLOATS)),
+        "lagrange": (lagrange, (P, FLOATS, FLOATS)),
+        "falling": (falling, (P, FLOAT, FLOATS, FLOATS)),
+        "scaled": (scaled, (P, FLOATS, FLOATS, FLOATS)),
+        "direct": (direct, (P, table, FLOAT, INT, table, INT, room)),
+        "join": (join, (P, table, FLOAT, FLOAT, table, table, INT, INT, room)),
+        "chain": (chain, (P, table, FLOAT, INT, table, INT, FLOATS, FLOATS)),
+        "walk": (walk, (P, table, INT, INT, FLOATS)),
+    }
+    return Library("matrix_products", entries, SPECIAL | doubles.OPERATIONS)
+
+
+def inverse(P: Any, x: Any) -> Any:
+    """1/x, canonical, of a canonical x ≠ 0, by Euclid's algorithm."""
+    back, other, rest, remainder = 0, 1, int(P.p), int(x if x > 0 else x + P.p)
+    while remainder > 0:
+        quotient = rest // remainder
+        back, other = other, back - quotient * other
+        rest, remainder = remainder, rest - quotient * remainder
+    return canonical(P, float(back))
+
+
+def inverses(P: Any, a: Any, out: Any) -> None:
     """out[t] = 1/(a + t), none of them 0 (Montgomery 1987)."""
     total = 1.0
     for t in range(len(out)):
@@ -32,8 +77,7 @@ def inverses(P, a, out):  # type: ignore[no-untyped-def]  # compiled, as all bel
         total = canonical(P, mul(P, total, canonical(P, mul(P, a + t, 1.0))))
 
 
-@njit(**JIT)
-def inverse_factorials(P, out):  # type: ignore[no-untyped-def]
+def inverse_factorials(P: Any, out: Any) -> None:
     """out[j] = 1/j!."""
     total = 1.0
     for j in range(1, len(out)):
@@ -44,8 +88,7 @@ def inverse_factorials(P, out):  # type: ignore[no-untyped-def]
         total = canonical(P, mul(P, total, float(max(j, 1))))
 
 
-@njit(**JIT)
-def lagrange(P, factorials, out):  # type: ignore[no-untyped-def]
+def lagrange(P: Any, factorials: Any, out: Any) -> None:
     """out[j] = (−1)^(k − j)/(j!(k − j)!), k = len(out) − 1: the weights of Lagrange's interpolation at 0 … k."""
     k = len(out) - 1
     for j in range(k + 1):
@@ -53,8 +96,7 @@ def lagrange(P, factorials, out):  # type: ignore[no-untyped-def]
         out[j] = -weight if (k - j) % 2 else weight
 
 
-@njit(**JIT)
-def falling(P, a, reciprocals, out):  # type: ignore[no-untyped-def]
+def falling(P: Any, a: Any, reciprocals: Any, out: Any) -> None:
     """out[i] = Π (a + i − j), j = 0 … k, k = len(out) − 1; ``reciprocals``: 1/(a − k), 1/(a − k + 1), …"""
     size = len(out)
     total = 1.0
@@ -65,15 +107,13 @@ def falling(P, a, reciprocals, out):  # type: ignore[no-untyped-def]
         total = canonical(P, mul(P, mul(P, total, a + i + 1), reciprocals[i]))
 
 
-@njit(**JIT)
-def scaled(P, x, y, out):  # type: ignore[no-untyped-def]
+def scaled(P: Any, x: Any, y: Any, out: Any) -> None:
     """out = x·y, number by number, canonical."""
     for j in range(len(out)):
         out[j] = canonical(P, mul(P, x[j], y[j]))
 
 
-@register_jitable(**INLINED)
-def _step(P, c, d, k, S, row):  # type: ignore[no-untyped-def]
+def _step(P: Any, c: Any, d: Any, k: Any, S: Any, row: Any) -> None:
     """S ← M(k_j)·S for the matrices S[:, :, j]; ``c`` (2, d): c_i(n + 1) and c_i; ``row`` is room for d × BLOCK."""
     for column in range(d):
         for j in range(BLOCK):
@@ -91,20 +131,16 @@ def _step(P, c, d, k, S, row):  # type: ignore[no-untyped-def]
             S[column, j] = canonical(P, mul(P, row[column, j], 1.0))
 
 
-@njit(**JIT)
-def direct(P, c, beta, steps, values, points):  # type: ignore[no-untyped-def]
+def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room: Any) -> None:
     """values = M(x + steps)·…·M(x + 1) at x = 0, β, 2β, …, so many points."""
-    d = c.shape[1]
-    S, row, x, k = np.empty((d * d, BLOCK)), np.empty((d, BLOCK)), np.empty(BLOCK), np.empty(BLOCK)
+    k, row, S, d = room.k, room.row, room.S, c.shape[1]
     for begin in range(0, points, BLOCK):
         for e in range(d * d):
             for j in range(BLOCK):
                 S[e, j] = 1.0 if e % (d + 1) == 0 else 0.0
-        for j in range(BLOCK):
-            x[j] = mul(P, float(begin + j), beta)
         for step in range(1, steps + 1):
             for j in range(BLOCK):
-                k[j] = canonical(P, mul(P, x[j] + step, 1.0))
+                k[j] = canonical(P, mul(P, mul(P, float(begin + j), beta) + step, 1.0))
             _step(P, c, d, k, S, row)
         size = min(BLOCK, points - begin)
         for e in range(d * d):
@@ -112,12 +148,9 @@ def direct(P, c, beta, steps, values, points):  # type: ignore[no-untyped-def]
                 values[e, begin + j] = S[e, j]
 
 
-@njit(**JIT)
-def join(P, c, beta, middle, upper, values, begin, end):  # type: ignore[no-untyped-def]
+def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, begin: Any, end: Any, room: Any) -> None:
     """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end, a multiple of BLOCK."""
-    d = c.shape[1]
-    S, U = np.empty((d * d, BLOCK)), np.empty((d * d, BLOCK))
-    row, k = np.empty((d, BLOCK)), np.empty(BLOCK)
+    k, row, S, U, d = room.k, room.row, room.S, room.U, c.shape[1]
     for first in range(begin, end, BLOCK):
         for j in range(BLOCK):
             k[j] = canonical(P, mul(P, mul(P, float(first + j), beta) + middle, 1.0))
@@ -137,11 +170,9 @@ def join(P, c, beta, middle, upper, values, begin, end):  # type: ignore[no-unty
                     values[i * d + column, first + j] = canonical(P, mul(P, k[j], 1.0))
 
 
-@njit(**JIT)
-def chain(P, c, beta, first, values, points, window):  # type: ignore[no-untyped-def]
+def chain(P: Any, c: Any, beta: Any, first: Any, values: Any, points: Any, window: Any, new: Any) -> None:
     """window ← Π M((i + 1)β)·values(iβ)·window, the first factor last, for so many points i from ``first`` on."""
     d = c.shape[1]
-    new = np.empty(d)
     for i in range(points):
         for r in range(d):
             total = 0.0
@@ -153,8 +184,7 @@ def chain(P, c, beta, first, values, points, window):  # type: ignore[no-untyped
         _turn(P, c, canonical(P, mul(P, float(first + i + 1), beta)), window)
 
 
-@register_jitable(**INLINED)
-def _turn(P, c, k, window):  # type: ignore[no-untyped-def]
+def _turn(P: Any, c: Any, k: Any, window: Any) -> None:
     """window ← M(k)·window."""
     total = 0.0
     for i in range(len(window)):
@@ -164,8 +194,7 @@ def _turn(P, c, k, window):  # type: ignore[no-untyped-def]
     window[0] = canonical(P, mul(P, total, 1.0))
 
 
-@njit(**JIT)
-def walk(P, c, begin, end, window):  # type: ignore[no-untyped-def]
+def walk(P: Any, c: Any, begin: Any, end: Any, window: Any) -> None:
     """window ← M(end − 1)·…·M(begin)·window."""
     for k in range(begin, end):
         _turn(P, c, canonical(P, mul(P, float(k), 1.0)), window)

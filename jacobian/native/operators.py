@@ -377,7 +377,7 @@ BUILTINS: dict[Any, Callable[..., Value]] = {
 }
 # LLVM's own, by the number of their arguments
 FUNCTIONS_OF_LLVM = {
-    1: ("sqrt", "fabs", "floor", "ceil", "sin", "cos", "log", "log2", "exp"),
+    1: ("sqrt", "fabs", "rint", "floor", "ceil", "sin", "cos", "log", "log2", "exp"),
     2: ("pow",),
     3: ("fma",),
 }
