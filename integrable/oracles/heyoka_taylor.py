@@ -72,7 +72,7 @@ class Shared(NamedTuple):
 def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number: Callable[[Any], Any]) -> Run:
     """A start of a shared integrator."""
     integrator, state, parameters, done = shared
-    half, zero = len(first) // 2, number(0)
+    zero = number(0)
 
     def propagated(times: Any) -> tuple[np.ndarray, int]:
         """States at one time, or at the times of a grid from 0 on."""
@@ -87,6 +87,15 @@ def _started(shared: Shared, coefficients: np.ndarray, first: np.ndarray, number
         if outcome != done:
             raise RuntimeError(f"heyoka stopped at t = {integrator.time}: {outcome}")
         return np.asarray(values, float), count
+
+    return _of_any_times(propagated, first, number)
+
+
+def _of_any_times(
+    propagated: Callable[[Any], tuple[np.ndarray, int]], first: np.ndarray, number: Callable[[Any], Any]
+) -> Run:
+    """A run for times of any order and sign, from one for a single time and for a grid from 0 on."""
+    half, zero = len(first) // 2, number(0)
 
     def reach(sign: float, distances: np.ndarray) -> tuple[np.ndarray, int]:
         grid, back = np.unique(distances, return_inverse=True)

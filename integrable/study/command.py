@@ -55,11 +55,7 @@ def study_of(
     if jobs is not None and jobs < 1:
         raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
     chosen = list(sources) or scene_names()
-    scenes = [load_scene(source) for source in chosen]
-    names = [portable(scene.name).lower() for scene in scenes]
-    for name in names:
-        if names.count(name) > 1:
-            raise ArgumentError(f'scenes: "{name}" given {names.count(name)} times; each once is needed')
+    scenes = _loaded(chosen)
     rows = planned(scenes, chosen, "quick" if quick else "full")
     uses = {"scipy": "SciPy's integrators"}
     uses |= {"matplotlib": "the figures"} if formats else {}
@@ -74,6 +70,16 @@ def study_of(
     study = study_from(data, scenes)
     _write(study, data, Path(out), formats)
     return study
+
+
+def _loaded(chosen: Sequence[str]) -> list[Scene]:
+    """The scenes; ArgumentError unless their names differ."""
+    scenes = [load_scene(source) for source in chosen]
+    names = [portable(scene.name).lower() for scene in scenes]
+    for name in names:
+        if names.count(name) > 1:
+            raise ArgumentError(f'scenes: "{name}" given {names.count(name)} times; each once is needed')
+    return scenes
 
 
 def planned(scenes: Sequence[Scene], sources: Sequence[str], mode: str) -> list[Task]:

@@ -245,9 +245,6 @@ def _work(connection: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where nothing shields this process (Windows)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
-    from integrable.study.measure import Unjudged, measured
-    from integrable.study.rivals import FIRST, first_use
-
     used: set[tuple[str, str]] = set()
     while True:
         try:
@@ -255,25 +252,39 @@ def _work(connection: Connection) -> None:
         except (EOFError, OSError):
             return
         begun = time.perf_counter()
-        if stopped:
-            content = _failure(task, "not run: a cheaper setting takes too long", stopped=True)
-        else:
-            if task.scene.steps is None and (kind := (task.scene.system, task.kernel)) not in used:
-                used.add(kind)
-                # where the flow refuses the motion, or takes long, its own row says so
-                with suppress(Exception), at_most(FIRST):
-                    first_use(task)  # before anything else has imported and compiled what it needs
-            try:
-                result = measured(task, truth)
-                content = {**_head(task), "status": "done", "error": "", "stopped": False, "result": result}
-            except TooLong as error:
-                content = _failure(task, str(error), stopped=True)
-            except Unjudged as error:
-                content = _failure(task, str(error))
-            except Exception as error:  # any failure of a method is a finding about it
-                content = _failure(task, f"{type(error).__name__}: {' '.join(str(error).split())}")
+        content = _failure(task, "not run: a cheaper setting takes too long", stopped=True)
+        if not stopped:
+            _use_first(task, used)
+            content = _content(task, truth)
         content["seconds"] = time.perf_counter() - begun
         try:
             connection.send(content)
         except (BrokenPipeError, OSError):
             return
+
+
+def _use_first(task: Task, used: set[tuple[str, str]]) -> None:
+    """The first use of the flow for a kind of system, before anything else has imported and compiled what it needs."""
+    from integrable.study.rivals import FIRST, first_use
+
+    kind = task.scene.system, task.kernel
+    if task.scene.steps is None and kind not in used:
+        used.add(kind)
+        # where the flow refuses the motion, or takes long, its own row says so
+        with suppress(Exception), at_most(FIRST):
+            first_use(task)
+
+
+def _content(task: Task, truth: dict[str, Any] | None) -> dict[str, Any]:
+    """The content of a task's file: its result, or the reason why there is none."""
+    from integrable.study.measure import Unjudged, measured
+
+    try:
+        result = measured(task, truth)
+        return {**_head(task), "status": "done", "error": "", "stopped": False, "result": result}
+    except TooLong as error:
+        return _failure(task, str(error), stopped=True)
+    except Unjudged as error:
+        return _failure(task, str(error))
+    except Exception as error:  # any failure of a method is a finding about it
+        return _failure(task, f"{type(error).__name__}: {' '.join(str(error).split())}")

@@ -794,6 +794,18 @@ def test_what_scatters_is_measured_again_and_machines_costs_are_no_part_of_a_rat
                                 "mad": timing.mad, "runs": timing.runs}  # fmt: skip
 
 
+def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monkeypatch):
+    """Later rows of the process have that figure too, and not what a warm process needs."""
+    spent = iter([Spent(0.0, 2.0, 1.0, 4.0), *[Spent(0.0, 0.5, 0.25, 0.5)] * 100])
+    rows = done[0]
+    monkeypatch.setattr(rivals, "_KEPT", {})
+    monkeypatch.setattr(rivals, "flow_once", lambda *_, **__: lambda: (next(spent), None))
+    flow = next(row for row in rows if row.kind == "flow")
+    assert rivals.first_use(flow) == (7 - 1.25, 5)
+    assert rivals.first_use(replace(flow, kind="comparator")) == (7 - 1.25, 5)
+    assert next(spent) == Spent(0.0, 0.5, 0.25, 0.5)
+
+
 def test_two_in_a_ratio_run_in_turn():
     order = []
 
