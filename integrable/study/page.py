@@ -189,7 +189,8 @@ def _horizons(study: Study) -> str:
         "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
         "because they gave up. At one time T, in time scales of the motion, and at all times of the scene. The last "
         "columns have what is no part of a ratio: the costs once a system, and once a machine as first use in the "
-        "measuring process had them, of the flow and of these competitors."
+        "measuring process had them, of the flow and of these competitors. Kinds of systems share code of the flow, "
+        "which the first of them imports or compiles."
     )
     columns = study.horizons
     once = ("a system once: flow", "competitors", "a machine once: flow", "competitors")
