@@ -15,6 +15,7 @@ import numpy as np
 
 from integrable.classical.axial_loops import LIBRARY, SERIES, AxialThetas
 from integrable.mumford.elliptic_torus import (
+    double_double_row,
     first_kind,
     half_turn,
     inverse_factorials,
@@ -22,7 +23,6 @@ from integrable.mumford.elliptic_torus import (
     means,
     nome_of,
     part_of_round,
-    row_of,
     terms_of,
     thetas,
 )  # fmt: skip
@@ -63,8 +63,8 @@ class AxialTorus:
             gaps = Gaps.of(N, system._curve(N, inner), axis)
         with long_numbers(FEWER_BITS) as N:
             numbers, table = _steady(N, gaps, axis) if gaps.steady else _turning(N, gaps, axis)
-            row = row_of((*numbers, *(top or (N.zero,) * 3)))
-            self._motion = AxialThetas(row, row_of(table), inverse_factorials(), top is not None)
+            row = double_double_row((*numbers, *(top or (N.zero,) * 3)))
+            self._motion = AxialThetas(row, double_double_row(table), inverse_factorials(), top is not None)
         self._nods, self._turns, self._place = map(float, numbers[:3])
         self._pace = max(abs(self._nods), abs(self._turns))
 

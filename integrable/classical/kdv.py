@@ -141,7 +141,7 @@ class Wave:
 
     def _place(self, N: Any) -> Start:
         f, u, v = self.kdv._spectral(N, self.start)
-        of_x, of_t = directions(N, f)
+        of_x, of_t = directions_of_waves(N, f)
         return Start(f, u, v, of_x, further=(of_t,))
 
     def at(self, x: Any, t: Any = 0) -> Any:
@@ -287,7 +287,7 @@ class Wave:
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 
-def directions(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
+def directions_of_waves(K: Any, f: poly.Poly) -> tuple[tuple[Any, ...], tuple[Any, ...]]:
     """(c, c'): Σ_j γ_j^k dγ_j/y_j = c_k dx + c'_k dt."""
     gaps = len(f) // 2 - 1
     of_x, of_t = [K.zero] * gaps, [K.zero] * gaps

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import exponential, growth, logarithm
+from integrable.mumford.fields import exponential, exponential_less_one, log_of
 from integrable.mumford.flow import Point
 from integrable.mumford.maps import plus_point_minus_infinity
 from integrable.mumford.system import MumfordSystem, Spectral, all_of
@@ -100,7 +100,7 @@ class TodaLattice(MumfordSystem):
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
         """The links less 1, which are small where all q nearly are the same."""
         q = state.q
-        return tuple(growth(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
+        return tuple(exponential_less_one(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
     def _rational_rates(self, N: Any, state: Point, auxiliary: tuple[Any, ...]) -> tuple[Any, ...]:
         p = state.p
@@ -124,7 +124,7 @@ class TodaLattice(MumfordSystem):
         p, links = self._chain(N, start, (D.u, D.v))
         q = [N.zero]
         for link in links:
-            q.append(q[-1] + logarithm(N, link))
+            q.append(q[-1] + log_of(N, link))
         # Σq = Σq(0) + tΣp
         total = sum(start.q, N.zero) + time * sum(start.p, N.zero)
         shift = (total - sum(q, N.zero)) / self.size
@@ -174,7 +174,7 @@ class TodaLattice(MumfordSystem):
                 w.append(w[-1] * link)
             if N.exact:
                 return Point(tuple(here.q[0] * c for c in w), tuple(p))
-            return Point(tuple(here.q[0] + logarithm(N, c) for c in w), tuple(p))
+            return Point(tuple(here.q[0] + log_of(N, c) for c in w), tuple(p))
 
         return self._mapped(state, point, formula)
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from math import ceil, log
 from typing import Any, NamedTuple
 
-from integrable.deformations.equations import rates
+from integrable.deformations.equations import right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.motion.enclosure import BOUND_BITS
 from integrable.motion.trajectory import Motion
@@ -54,10 +54,10 @@ class EnclosedMotion(Motion):
         found, as beyond the end of a motion. (:mod:`integrable.deformations.enclosed`)
         """
         given = self._checked(times, "times")
-        return enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
+        return deformed_enclosure(self.system, self.state, list(given), ball_digits(self.system.field, digits))
 
 
-def enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) -> Enclosure:
+def deformed_enclosure(system: Hamiltonian, state: State, times: list[Any], digits: int) -> Enclosure:
     """The motion of a system at physical times, in balls."""
     rows: list[Any] = [None] * len(times)
     for ahead in (True, False):
@@ -109,7 +109,7 @@ class _March:
             start = onto_constraints(wide, state)
             self._rolls, zero = system.body.rolls, wide.field.zero
             self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]
-            self._tape = recorded(rates(wide), len(self._point))
+            self._tape = recorded(right_hand_sides(wide), len(self._point))
             # what begins at rest has no size of its own
             self._momentum = wide.field.dot(start.M, start.M).sqrt() if any(state.M) else wide.field.one
             self._now = zero

@@ -20,7 +20,7 @@ from integrable.series.steps import FINE, FINEST, Steps, weight
 from integrable.series.symbols import Symbol
 from jacobian.immutable import replaced
 
-__all__ = ["WalkFirst", "rates"]
+__all__ = ["WalkFirst", "right_hand_sides"]
 
 Found = tuple[np.ndarray, np.ndarray]
 # a state: γ, M, and τ (of a walk in τ: t) with two zeros
@@ -30,7 +30,7 @@ SHAPE = 3, 3
 STEPS_TO_THETA, STEPS_A_TIME, STEPS_TO_DIGITS, MOST_STEPS = 600, 4, 8000, 200_000
 
 
-def rates(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
+def right_hand_sides(system: Any, physical: bool = True) -> Callable[[Sequence[Any]], list[Any]]:
     """The equations of motion y ↦ ẏ from ``system.vector_field``, y = (γ1, γ2, γ3, M1, M2, M3) and at d ≠ 0 τ̇ = g; or,
     unless ``physical``, the derivatives by τ, and of t.
     """
@@ -129,7 +129,7 @@ def kind_in(system: Hamiltonian, physical: bool) -> Kind:
         return [*inner.gamma, *inner.M, *y[6:]]
 
     def moved(N: Any, y: Sequence[Any]) -> list[Any]:
-        found = rates(of_constants(system, N, symbols), physical)(y[:6])
+        found = right_hand_sides(of_constants(system, N, symbols), physical)(y[:6])
         return [*found, *([N.zero] * (9 - len(found)))]
 
     def made() -> Kind:

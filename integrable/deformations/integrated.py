@@ -10,7 +10,7 @@ import numpy as np
 
 from integrable.deformations.deformed_flow import GUARD_DIGITS, digits_asked, widened
 from integrable.deformations.enclosed import EnclosedMotion
-from integrable.deformations.equations import MOST_STEPS, WalkFirst, rates
+from integrable.deformations.equations import MOST_STEPS, WalkFirst, right_hand_sides
 from integrable.deformations.hamiltonian import Hamiltonian
 from integrable.deformations.taylor import evaluate, integrate
 from integrable.motion.precise import rounded
@@ -107,7 +107,7 @@ class IntegratedStates:
         wide = system.field
         start = [*state.gamma, *state.M, *([wide.zero] if system.body.rolls else [])]
         times = [wide.coerce(x) for x in given.tolist()]
-        return integrate(wide, recorded(rates(system, physical), len(start)), start, times, digits, refused)
+        return integrate(wide, recorded(right_hand_sides(system, physical), len(start)), start, times, digits, refused)
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
         """How many of the digits asked for, but for LOST_DIGITS, H and K of each row lack."""

@@ -38,7 +38,7 @@ class SeparatedOval:
 
         self.height_of_oval = gap(self.middle, self.low)
         self.breadth, self.above = gap(self.high, self.low), gap(self.high, self.middle)
-        self.period = K.context.pi / K.context.agm(root(K, self.breadth), root(K, self.above))
+        self.period = K.context.pi / K.context.agm(root_of_rounded(K, self.breadth), root_of_rounded(K, self.above))
         mean = sum(self.e) / 3
         self.centred = [x - mean for x in self.e]
         one, two, three = self.centred
@@ -82,7 +82,7 @@ class SeparatedOval:
         for c in reversed(self.series):
             tail = tail * square + c
         # v²(℘ − e) = 1 − v²e + v⁴·tail
-        s = [root(K, 1 - square * e + square * square * tail) / v for e in self.centred]
+        s = [root_of_rounded(K, 1 - square * e + square * square * tail) / v for e in self.centred]
         for _ in range(halvings):
             s = self._doubled(s)
         return [sign * x for x in s]
@@ -94,7 +94,7 @@ class SeparatedOval:
         result = [self.field.zero] * 3
         middle = (s[self.middle] ** 4 + below * above) / down
         result[self.middle] = middle
-        result[self.low] = root(self.field, middle * middle + below)
+        result[self.low] = root_of_rounded(self.field, middle * middle + below)
         result[self.high] = (s[self.high] ** 4 - self.breadth * above) / down
         return result
 
@@ -103,8 +103,8 @@ class SeparatedOval:
         context, r = self.field.context, self.start
         sine, cosine, delta = abs(r[self.low]), r[self.middle], r[self.high]
         high, breadth = self.height_of_oval, self.breadth
-        time = sine / root(self.field, high) * context.elliprf(cosine**2 / high, delta**2 / breadth, 1)
-        time = time / root(self.field, breadth)
+        time = sine / root_of_rounded(self.field, high) * context.elliprf(cosine**2 / high, delta**2 / breadth, 1)
+        time = time / root_of_rounded(self.field, breadth)
         return time if r[0] * r[1] * r[2] >= 0 else -time
 
     def imaginary_half(self, z: Any) -> Any:
@@ -116,11 +116,14 @@ class SeparatedOval:
     def at_low(self) -> list[Any]:
         """The roots R_i where Z = e_low."""
         r = [self.field.zero] * 3
-        r[self.middle], r[self.high] = root(self.field, self.height_of_oval), root(self.field, self.breadth)
+        r[self.middle], r[self.high] = (
+            root_of_rounded(self.field, self.height_of_oval),
+            root_of_rounded(self.field, self.breadth),
+        )
         return r
 
 
-def root(K: Any, x: Any) -> Any:
+def root_of_rounded(K: Any, x: Any) -> Any:
     """√x of a number that is positive up to rounding."""
     return K.context.sqrt(abs(x))
 

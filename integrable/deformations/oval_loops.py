@@ -58,13 +58,13 @@ def states(first: Track, second: Track, frame: Frame, phases: Row, found: tuple[
     for n in range(count):
         p = roots[6 * n], roots[6 * n + 1], roots[6 * n + 2]
         q = roots[6 * n + 3], roots[6 * n + 4], roots[6 * n + 5]
-        gamma, M, drift = state(frame, p, q, first, second)
+        gamma, M, drift = state_of_curves(frame, p, q, first, second)
         if not drift <= worst:
             worst = drift
         if frame.lifted:
-            gamma, M = lifted(frame.back, gamma, M)
-        put(gamma, out, rest, 6 * n)
-        put(M, out, rest, 6 * n + 3)
+            gamma, M = lifted_row(frame.back, gamma, M)
+        put_split(gamma, out, rest, 6 * n)
+        put_split(M, out, rest, 6 * n + 3)
     return worst
 
 
@@ -80,7 +80,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
         roots[place + 2] = numbers[2] * high
 
 
-def put(vector: Three, out: Row, rest: Row, place: int) -> None:
+def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
     """Three numbers as floats, and the remainders."""
     out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
     rest[place] = float(vector[0] - out[place])
@@ -98,7 +98,7 @@ def height(track: Track, r: Three) -> Real:
     return numbers[6] - r[2] * r[2] * numbers[7]
 
 
-def state(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three, float]:
+def state_of_curves(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tuple[Three, Three, float]:
     """(γ, M, the change of H and K) of the tilde pair from the roots on both curves, μ1 > 0 > μ2: low and high are
     each other's on the second.
     """
@@ -122,7 +122,7 @@ def state(frame: Frame, p: Three, q: Three, first: Track, second: Track) -> tupl
     gamma = (x0 * size, x1 * size, x2 * size)
     momentum = b[17] * b[18] * root((b[15] - b[16]) / gap)
     M = crossed((momentum * e0, momentum * e1, momentum * e2), gamma)
-    return gamma, M, drift(frame, gamma, M)
+    return gamma, M, integrals_drift_of(frame, gamma, M)
 
 
 def crossed(x: Three, y: Three) -> Three:
@@ -130,7 +130,7 @@ def crossed(x: Three, y: Three) -> Three:
     return x[1] * y[2] - x[2] * y[1], x[2] * y[0] - x[0] * y[2], x[0] * y[1] - x[1] * y[0]
 
 
-def drift(frame: Frame, gamma: Three, M: Three) -> float:
+def integrals_drift_of(frame: Frame, gamma: Three, M: Three) -> float:
     """The larger change of H = λ1 + λ2 and K = −λ1λ2 over their sizes (:mod:`integrable.deformations.tilde`)."""
     b = frame.numbers
     d, a0, a1, a2 = b[12], b[9], b[10], b[11]
@@ -147,7 +147,7 @@ def drift(frame: Frame, gamma: Three, M: Three) -> float:
     return max(change, float(abs(second + b[15] * b[16])) / frame.sizes[1])
 
 
-def lifted(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
+def lifted_row(back: Row, gamma: Three, M: Three) -> tuple[Three, Three]:
     """:func:`integrable.phase.isometry.lift`."""
     b0, b1, b2 = back[0], back[1], back[2]
     turned = (b0 * gamma[0], b1 * gamma[1], b2 * gamma[2])

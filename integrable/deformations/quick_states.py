@@ -15,7 +15,13 @@ import numpy as np
 
 from integrable.deformations.oval_loops import LIBRARY, Frame, Track
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import half_turn, inverse_factorials, part_of_round, row_of, theta_table
+from integrable.mumford.elliptic_torus import (
+    double_double_row,
+    half_turn,
+    inverse_factorials,
+    part_of_round,
+    theta_table,
+)
 from integrable.torus.access import TorusClock, resolved_spectrum
 from integrable.torus.corners import FIRST_SIZE, resolved
 from integrable.torus.loops import CompiledLoops
@@ -192,7 +198,9 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
     # powers of 2: fractions without rounding
     places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
-    LIBRARY.paces(packed.first, packed.second, row_of((carrier.system.d, *carrier.weights)), places, table, room)
+    LIBRARY.paces(
+        packed.first, packed.second, double_double_row((carrier.system.d, *carrier.weights)), places, table, room
+    )
     return table.reshape(rows, columns, 2)
 
 
@@ -225,7 +233,10 @@ def packed(carrier: Any) -> Packed:
         tilde.side,
     ]
     frame = Frame(
-        row_of(numbers), row_of([back[i] for i in order]), lifted, (float(tilde.sizes[0]), float(tilde.sizes[1]))
+        double_double_row(numbers),
+        double_double_row([back[i] for i in order]),
+        lifted,
+        (float(tilde.sizes[0]), float(tilde.sizes[1])),
     )
     rates = Column.of(speed / one.period), Column.of(speed / two.period)
     return Packed(_track(one), _track(two), frame, order, rates)
@@ -241,7 +252,7 @@ def _track(curve: Any) -> Track:
     two, three, four = theta.at_zero
     numbers = [side * swing * three / two, swing * four / two, side * breadth * four / three, phase / half_turn()]
     numbers += [curve.e[i] / curve.mu for i in (low, middle, high)]
-    return Track(row_of([*numbers, 1 / curve.mu]), row_of(theta.table), inverse_factorials())
+    return Track(double_double_row([*numbers, 1 / curve.mu]), double_double_row(theta.table), inverse_factorials())
 
 
 def _pairs(first: Column, second: Column) -> np.ndarray:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from integrable.deformations.deformed_flow import CurvesCarrier, DeformedFlow, at_its_precision
 from integrable.deformations.equations import STEPS_TO_THETA
-from integrable.deformations.oval import SeparatedOval, root
+from integrable.deformations.oval import SeparatedOval, root_of_rounded
 from integrable.deformations.quick_states import quick_way
 from integrable.moving_point.losses import digits_of
 from integrable.phase.body import cross
@@ -111,9 +111,9 @@ class OvalCarrier(CurvesCarrier):
                 "motion_through(state) integrates"
             )
         self.sizes = self.lambdas[0] - self.lambdas[1], abs(second)
-        self.roots_of_weights = [r / root(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
+        self.roots_of_weights = [r / root_of_rounded(K, c) for r, c in zip(body.contact, body.differences, strict=True)]
         self._middle = sorted(range(3), key=lambda i: body.inertia[i])[1]
-        spin = root(K, h2)
+        spin = root_of_rounded(K, h2)
         e, slope = ([x / spin for x in v] for v in _image(K, state, _rate(system, state), h2))
         gaps, turns = _separated(body, e, slope)
         product = body.contact[0] * body.contact[1] * body.contact[2]
@@ -136,7 +136,7 @@ class OvalCarrier(CurvesCarrier):
     @at_its_precision
     def most_tau(self, t: Any) -> Any:
         # 1/g² is least where γ is along the axis of the least moment
-        return t / root(self.field, min(self.system.body.contact))
+        return t / root_of_rounded(self.field, min(self.system.body.contact))
 
     @at_its_precision
     def tau(self, times: list[Any], digits: int) -> list[Any]:
@@ -170,7 +170,7 @@ class OvalCarrier(CurvesCarrier):
         """dt/dτ = 1/g from z on both curves: g² = Σ|λ_k|(1 + dz_k)/Σ|λ_k|."""
         one, two = self.weights
         d = self.system.d
-        return 1 / root(self.field, one * (1 + d * first) + two * (1 + d * second))
+        return 1 / root_of_rounded(self.field, one * (1 + d * first) + two * (1 + d * second))
 
     @at_its_precision
     def point(self, tau: Any) -> tuple[list[Any], list[Any]]:
@@ -191,7 +191,7 @@ class OvalCarrier(CurvesCarrier):
         body, K = self.system.body, self.field
         one, two = self.curves
         e = [s * c * x * y for s, c, x, y in zip(self.signs, self.roots_of_weights, first, second, strict=True)]
-        length = root(K, K.dot(e, e))
+        length = root_of_rounded(K, K.dot(e, e))
         f = [1 / (1 + body.d * curve.height(r)) for curve, r in zip(self.curves, (first, second), strict=True)]
         # ũ2 − ũ1: of both sides of the middle axis, a sum
         middle = self._middle
@@ -208,9 +208,9 @@ class OvalCarrier(CurvesCarrier):
         square = sum(x * x / r for x, r in zip(e, body.contact, strict=True))
         lean = sum(x * y / r for x, y, r in zip(e, n, body.contact, strict=True)) / square
         gamma = [(lean * x - y) / r for x, y, r in zip(e, n, body.contact, strict=True)]
-        size = self.side * root(K, K.dot(gamma, gamma))
+        size = self.side * root_of_rounded(K, K.dot(gamma, gamma))
         gamma = [x / size for x in gamma]
-        momentum = self.side * root(K, (self.lambdas[0] - self.lambdas[1]) / gap)
+        momentum = self.side * root_of_rounded(K, (self.lambdas[0] - self.lambdas[1]) / gap)
         x1, x2, x3 = (momentum * x for x in e)
         return gamma, list(cross(K, (x1, x2, x3), (gamma[0], gamma[1], gamma[2])))
 
@@ -240,7 +240,7 @@ class LiftedCarrier(CurvesCarrier):
 
 def _eigenvalues(K: Any, H: Any, second: Any) -> tuple[Any, Any]:
     """λ1 ≥ 0 ≥ λ2 with H = λ1 + λ2, K = −λ1λ2: the smaller from the larger."""
-    spread = root(K, H * H + 4 * abs(second))
+    spread = root_of_rounded(K, H * H + 4 * abs(second))
     if H >= 0:
         one = (H + spread) / 2
         return one, -second / one
@@ -289,7 +289,7 @@ def interlaced(body: Any, squares: Sequence[Any]) -> list[list[Any]]:
     below, above = apart(middle, low), apart(high, middle)
     total = squares[high] * below - squares[low] * above + squares[middle] * (below - above)
     product = abs(c[middle]) * squares[middle]
-    larger = (abs(total) + root(K, total * total + 4 * product)) / 2
+    larger = (abs(total) + root_of_rounded(K, total * total + 4 * product)) / 2
     smaller = product / larger if larger else larger
     first, second = (larger, smaller) if total >= 0 else (smaller, larger)
     gaps = [[K.zero] * 3, [K.zero] * 3]
@@ -305,7 +305,7 @@ def _oval(body: Any, mu: Any, gaps: Any, turn: int) -> SeparatedOval:
     K = body.field
     # from the least of them: 1 − dũ = (1 − da_i) − d(ũ − a_i)
     slow = next(r - body.d * x for r, x in sorted(zip(body.contact, gaps, strict=True), key=lambda pair: abs(pair[1])))
-    sizes = [root(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
+    sizes = [root_of_rounded(K, mu * x / (slow * r)) for x, r in zip(gaps, body.contact, strict=True)]
     return SeparatedOval(K, body.inertia, mu, sizes, turn if mu > 0 else -turn)
 
 

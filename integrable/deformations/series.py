@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from integrable.series.recurrences import coefficients, values_at
 
-__all__ = ["Room", "evaluated", "march"]
+__all__ = ["SeriesRoom", "evaluated", "march_along"]
 
 # the number of steps after which the remaining ones are estimated from those done, and the factor by which they may
 # differ
@@ -21,7 +21,7 @@ ENDS, FAR = 1, 2
 STEPS, LONGEST, STEP, REACHED = range(4)
 
 
-class Room(NamedTuple):
+class SeriesRoom(NamedTuple):
     """The memory of a march: the value of every node at the centre of its series, that time, the series, and its
     report.
     """
@@ -32,9 +32,9 @@ class Room(NamedTuple):
     told: Any
 
 
-def march(
-    tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: Room, times: Any,
-    out: Any,
+def march_along(
+    tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, most: float, strict: bool, room: SeriesRoom,
+    times: Any, out: Any,
 ) -> int:  # fmt: skip
     """Writes the variables at ``times``, ascending from 0 or descending, into ``out``, row by row; 0, or why the last
     of them were not reached.
@@ -43,7 +43,7 @@ def march(
     time if ``strict``, else until each.
     """
     count, told, now = len(tape[3]), room.told, room.now
-    expand(tape, order, tolerance, room)
+    expand_about(tape, order, tolerance, room)
     for i in range(len(times)):
         told[REACHED] = i
         while abs(float(times[i] - now[0])) > told[STEP]:
@@ -55,7 +55,7 @@ def march(
             step = told[STEP] if float(times[i]) > 0 else -told[STEP]
             values_at(0 * now[0] + step, order, room.series, count, room.middles, 0)
             now[0] = now[0] + step
-            expand(tape, order, tolerance, room)
+            expand_about(tape, order, tolerance, room)
         values_at(times[i] - now[0], order, room.series, count, out, i * count)
     told[REACHED] = len(times)
     return 0
@@ -76,19 +76,19 @@ def evaluated(tape: tuple[Any, Any, Any, Any], rows: Any, middles: Any, series: 
             out[i + n] = series[2 * n + 1]
 
 
-def expand(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: Room) -> None:
+def expand_about(tape: tuple[Any, Any, Any, Any], order: int, tolerance: float, room: SeriesRoom) -> None:
     """Expands the series about the state in ``room.middles``; the step that it allows."""
     kinds, left, right, rates = tape
     for n in range(len(room.middles)):
         room.series[n * (order + 1)] = room.middles[n]
     coefficients(kinds, left, right, rates, 0, order, 1, room.series)
     room.told[STEPS] += 1
-    room.told[STEP] = reach(order, tolerance, len(rates), room.series)
+    room.told[STEP] = step_within(order, tolerance, len(rates), room.series)
     if room.told[LONGEST] == 0:
         room.told[LONGEST] = room.told[STEP]
 
 
-def reach(order: int, tolerance: float, count: int, series: Any) -> float:
+def step_within(order: int, tolerance: float, count: int, series: Any) -> float:
     """The step after which the last two coefficients are below the tolerance; 0 where they are not numbers."""
     width, found, most = order + 1, 1e300, abs(series[0])
     for n in range(1, count):

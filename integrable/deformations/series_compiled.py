@@ -7,12 +7,12 @@ from jacobian.native.kinds import BOOL, FLOAT, FLOATS, INT, INTS, WIDES, TupleKi
 from jacobian.native.library import Library
 from jacobian.native.special import SPECIAL
 
-_TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(series.Room, WIDES, WIDES, WIDES, FLOATS)
+_TAPE, _ROOM = TupleKind((INTS, INTS, INTS, INTS)), record(series.SeriesRoom, WIDES, WIDES, WIDES, FLOATS)
 LIBRARY = Library(
     "taylor_series",
     {
         "evaluated": (series.evaluated, (_TAPE, WIDES, WIDES, WIDES, WIDES)),
-        "march": (series.march, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES)),
+        "march": (series.march_along, (_TAPE, INT, FLOAT, FLOAT, BOOL, _ROOM, WIDES, WIDES)),
     },
     SPECIAL,
 )

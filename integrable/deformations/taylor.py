@@ -12,7 +12,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from integrable.deformations.series import ENDS, REACHED, STEPS, Room, evaluated, march
+from integrable.deformations.series import ENDS, REACHED, STEPS, SeriesRoom, evaluated, march_along
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, Tape
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss
 from jacobian.numbers.compiler import interpreted
@@ -62,7 +62,7 @@ class _Interpreted:
 
     def march(self, *arguments: Any) -> int:
         with self._reals:
-            return march(*arguments)
+            return march_along(*arguments)
 
     def evaluated(self, *arguments: Any) -> None:
         with self._reals:
@@ -169,7 +169,7 @@ def _marched(
     work = order * (order / 2 * products + len(tape.kinds)) + OVERHEAD[loops.kind]
     most = MOST_OPERATIONS[loops.kind] / work
     packed, middles = _middles(loops, field, tape, start)
-    room = Room(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
+    room = SeriesRoom(middles, loops.room(1), loops.room(len(middles) * (order + 1)), np.zeros(4))
     out = loops.room(len(times) * count)
     status = loops.march(packed, order, -digits * log(10), most, strict, room, loops.row(times), out)
     done = int(room.told[REACHED])

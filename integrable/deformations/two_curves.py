@@ -57,7 +57,7 @@ def divisors(system: Hamiltonian, state: State) -> TwoPoints:
         if slow == K.zero:
             raise NotRepresentable(f"ũ = {u} = 1/d: the point is at infinity")
         z, v = K.div(K.mul(mu, u), slow), K.div(K.mul(mu, y), K.mul(slow, slow))
-        points.append(curve(system, mu).jacobian().from_points([(z, v)]))
+        points.append(elliptic_curve_of(system, mu).jacobian().from_points([(z, v)]))
     return TwoPoints(*points)
 
 
@@ -102,7 +102,7 @@ def from_divisors(system: Hamiltonian, points: TwoPoints, like: State | None = N
     return _state(system, pairs, u, h1, h2, like)
 
 
-def curve(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
+def elliptic_curve_of(system: Hamiltonian, mu: Any) -> HyperellipticCurve:
     """Y² = 4Π(Z − μ/I_i)."""
     K = system.field
     f = poly.from_roots(K, [K.div(mu, moment) for moment in system.body.inertia])

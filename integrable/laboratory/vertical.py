@@ -17,7 +17,7 @@ import numpy as np
 from integrable.laboratory.ways import Along, WideFlow, numbers
 from integrable.motion.symmetric import turns_of
 from integrable.moving_point.legendre import integral
-from integrable.torus.panels import Panels, integrals
+from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
@@ -91,7 +91,7 @@ class Vertical(Along):
         for sign, panels in zip((1, -1), self._panels, strict=True):
             chosen = np.flatnonzero(sign * times > 0)
             if len(chosen):
-                found[chosen] = sign * integrals(panels, abs(times[chosen]))
+                found[chosen] = sign * panel_integrals(panels, abs(times[chosen]))
         return found
 
     @cached_property

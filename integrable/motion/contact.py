@@ -27,7 +27,7 @@ from integrable.phase.body import cross
 from integrable.phase.equal_moments import symmetry_axis
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
-from integrable.torus.panels import Panels, integrals
+from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
@@ -157,7 +157,7 @@ class Rolling:
                 later = np.abs(tau[chosen])
                 along = partial(self._at, sign)
                 panels = Panels(along, 0.0, float(later.max()), float(length), TOLERANCE, self.noise)
-                found[chosen] = sign * integrals(panels, later)
+                found[chosen] = sign * panel_integrals(panels, later)
         return found
 
     @property

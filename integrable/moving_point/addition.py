@@ -47,14 +47,14 @@ def carried(f: Row, axes: Row, point: Row, step: Row) -> Row:
 def settled(f: Row, axes: Row, point: Row, trust: Real) -> Row:
     """The point with every pair moved towards κσ² = U, κσν = V, κν² = −W, W = (f − V²)/U, at its branch point."""
     divisor = point[0], point[1], point[2], point[3]
-    rest = cofactor(f, divisor)
+    rest = cofactor_at(f, divisor)
     x1, y1 = settled_pair(divisor, rest, axes[0], axes[3], point[4], point[7], trust)
     x2, y2 = settled_pair(divisor, rest, axes[1], axes[4], point[5], point[8], trust)
     x3, y3 = settled_pair(divisor, rest, axes[2], axes[5], point[6], point[9], trust)
     return divisor[0], divisor[1], divisor[2], divisor[3], x1, x2, x3, y1, y2, y3
 
 
-def cofactor(f: Row, divisor: Row) -> Row:
+def cofactor_at(f: Row, divisor: Row) -> Row:
     """W = (f − V²)/U, ascending."""
     b0, b1, c1 = divisor[0], divisor[1], divisor[3]
     w2 = f[4] - b1 * f[5]
@@ -290,7 +290,7 @@ def opposite(step: Row) -> Row:
     return step[0], step[1], -step[2], -step[3], step[4], step[5], step[6], -step[7], -step[8], -step[9]
 
 
-def conditioning(step: Row) -> float:
+def trust_of(step: Row) -> float:
     """How well a translation adds, larger is better: its points away from the branch points, and not far out."""
     near = min(abs(float(step[4])), abs(float(step[5])), abs(float(step[6])))
     far = max(abs(float(step[0])), abs(float(step[1])), abs(float(step[2])), abs(float(step[3])))

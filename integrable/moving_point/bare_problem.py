@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from integrable.moving_point.problem import at_rest
 from integrable.moving_point.short_rows import NUMBERS
-from integrable.moving_point.short_start import curve, made_upright, moving_start
+from integrable.moving_point.short_start import made_upright, moving_start, put_curve
 from integrable.moving_point.translations import REACH
 from integrable.phase.upright import parallel
 from jacobian.numbers.long_reals import BareReals
@@ -76,7 +76,7 @@ def problem_row(given: Any, tilted: bool, out: Any, numbers: Any) -> None:
     M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
     contact = (I0 * a[0], I1 * a[1], I2 * a[2])
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
-    ratio = curve(given, a, (contact, d), (x, y, u), M, out)
+    ratio = put_curve(given, a, (contact, d), (x, y, u), M, out)
     moving_start(a, (contact, d), (x, y, u), M, spin, out)
     across = s * s / p
     out[12], out[13] = s, given[3] * k * across * top * spin

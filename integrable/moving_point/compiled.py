@@ -15,7 +15,7 @@ Real = Any
 Row = Any
 
 
-def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
+def _estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
     """:func:`integrable.moving_point.addition.estimate` of floats."""
     return -series[1] * f0 * eps * eps / 12, f0 * eps * eps / 4
 
@@ -35,7 +35,7 @@ addition_centre, addition_terms = addition.centre, addition.FLOAT_TERMS
 def estimated(b: Expressions, series: Value, f0: Value, eps: Value) -> Value:
     """:func:`integrable.moving_point.addition.estimate` for the kinds of these values."""
     if single(eps.kind) is not WIDE:
-        return b.call(estimate, [series, f0, eps])
+        return b.call(_estimate, [series, f0, eps])
     high = [b.rounded(x) for x in (f0, eps)]
     return b.call(estimate_in_floats, [Value(HIGHS, series.parts), *high])
 

@@ -168,20 +168,20 @@ def richelot(points: Row, rest: Row, values: Row) -> tuple[Row, Row, Row, Real]:
     (p1, p2, q1, q2), (r0, r1, r2) = points, rest
     one = 1 + 0 * p1
     a0, a1, b0, b1 = p1 * p2, -p1 - p2, q1 * q2, -q1 - q2
-    u0, u1, u2 = bracket(b0, b1, one, r0, r1, r2)
-    v0, v1, v2 = bracket(r0, r1, r2, a0, a1, one)
-    w0, w1, w2 = bracket(a0, a1, one, b0, b1, one)
+    u0, u1, u2 = bracket_of_quadratics(b0, b1, one, r0, r1, r2)
+    v0, v1, v2 = bracket_of_quadratics(r0, r1, r2, a0, a1, one)
+    w0, w1, w2 = bracket_of_quadratics(a0, a1, one, b0, b1, one)
     # Δ is the determinant of the coefficients; W and those of R complete it
     determinant = r0 * w2 - r1 * w1 / 2 + r2 * w0
     # the discriminants are resultants: no difference of near numbers but those of the ends
-    x1, x2 = between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
+    x1, x2 = roots_between(w0, w1, w2, root((p1 - q1) * (p1 - q2) * (p2 - q1) * (p2 - q2)))
     if u2 == 0:
         # R is constant, and ∞ a root of U and V
         y1, z1 = -u0 / u1, -v0 / v1
         factor = 2 * root(abs(determinant / (w2 * u1 * v1)))
         return (z1, x1, x2, y1), (one, 0 * one, 0 * one), (one, one, one, one), factor
-    y1, y2 = between(u0, u1, u2, root(abs(values[2] * values[3])))
-    z1, z2 = between(v0, v1, v2, root(abs(values[0] * values[1])))
+    y1, y2 = roots_between(u0, u1, u2, root(abs(values[2] * values[3])))
+    z1, z2 = roots_between(v0, v1, v2, root(abs(values[0] * values[1])))
     ends = (z1, x1, x2, y1)
     at_ends = (
         (y2 - z1) * (z2 - z1),
@@ -238,12 +238,12 @@ def slowed(ends: Row, middle: Real, d: Real, r: Real, pi: Real, near: float) -> 
     )
 
 
-def bracket(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: Real) -> tuple[Real, Real, Real]:
+def bracket_of_quadratics(p0: Real, p1: Real, p2: Real, q0: Real, q1: Real, q2: Real) -> tuple[Real, Real, Real]:
     """p'q − pq' of two quadratics, ascending."""
     return p1 * q0 - p0 * q1, 2 * (p2 * q0 - p0 * q2), p2 * q1 - p1 * q2
 
 
-def between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
+def roots_between(w0: Real, w1: Real, w2: Real, spread: Real) -> tuple[Real, Real]:
     """The roots of w0 + w1·x + w2·x², ascending, from the root of a quarter of its discriminant."""
     far = -w1 / 2
     far = far + spread if far >= 0 else far - spread

@@ -21,7 +21,7 @@ from __future__ import annotations
 from math import floor, frexp, ldexp
 
 from integrable.moving_point.addition import moving_point, put
-from integrable.moving_point.short_reading import drift, read_off
+from integrable.moving_point.short_reading import largest_drift, read_off
 from integrable.moving_point.short_rows import (
     AHEAD,
     BEGIN,
@@ -40,9 +40,9 @@ from integrable.moving_point.short_rows import (
     TAU_UNIT,
     TIME_UNIT,
     Request,
-    Room,
     Row,
     Rule,
+    ShortRoom,
     axes_of,
     curve_of,
 )  # fmt: skip
@@ -51,7 +51,7 @@ from integrable.moving_point.short_steps import (
     contact_in_floats,
     go_ahead,
     looked_at,
-    moved,
+    moved_row,
     node_steps,
     node_values,
     panel_steps,
@@ -85,7 +85,7 @@ PACED, UNSTEADY = 32, 1.05
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 
-def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
+def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
     """The states that are asked for, from the moments, d, γ and M: 0, or why they were not found."""
     numbers, wide = room.numbers, room.wide
     set_up(given, tilted, wide, numbers, room.point)
@@ -99,17 +99,17 @@ def short_run(room: Room, rule: Rule, request: Request, given: Row, tilted: bool
     cast_shadow(wide, room.ahead)
     if not panel_steps(room, h):
         return LOST
-    status = both_ways(room, rule, request, h, careful)
+    status = run_both_ways(room, rule, request, h, careful)
     if status == ROUNDING and not careful and room.made[3] * CAREFUL <= request.most:
         far = too_far(room, request, h, request.most // CAREFUL)
-        status = FAR if far else both_ways(room, rule, request, h, True)
-    if status == 0 and not drift(room, request.out, len(request.times)) <= INTEGRALS:
+        status = FAR if far else run_both_ways(room, rule, request, h, True)
+    if status == 0 and not largest_drift(room, request.out, len(request.times)) <= INTEGRALS:
         status = LOST
     at_start(given, tilted, request.times, request.out, request.other)
     return status
 
 
-def first_half(room: Room) -> float:
+def first_half(room: ShortRoom) -> float:
     """Half a panel of a motion: where branch points of very different size bound the series, but not the panels, the
     first is doubled until the body turns by so much on it.
     """
@@ -126,7 +126,7 @@ def panel_half(reach: float) -> float:
     return ldexp(floor(mantissa * 2**20) / 2**20, exponent)
 
 
-def too_far(room: Room, request: Request, h: float, most: int) -> bool:
+def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
     """Whether so many panels certainly do not lead to the first and the last time."""
     count = len(request.order)
     if count == 0:
@@ -136,7 +136,7 @@ def too_far(room: Room, request: Request, h: float, most: int) -> bool:
     return not (first <= reach and last <= reach)
 
 
-def both_ways(room: Room, rule: Rule, request: Request, h: float, careful: bool) -> int:
+def run_both_ways(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool) -> int:
     """The states that are asked for, in both directions: 0, or why they were not found."""
     first = 0
     while first < len(request.order) and request.high[request.order[first]] < 0:
@@ -147,8 +147,8 @@ def both_ways(room: Room, rule: Rule, request: Request, h: float, careful: bool)
     return status
 
 
-def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i: int, sign: int) -> int:
-    """:func:`both_ways` in one direction, from the ``i``-th time on."""
+def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, i: int, sign: int) -> int:
+    """:func:`run_both_ways` in one direction, from the ``i``-th time on."""
     for e in range(6):
         room.last[e] = room.point[BEGIN + e]
     room.sums[0], room.sums[1], room.sums[2] = 0.0, 0.0, 0.0
@@ -175,7 +175,7 @@ def one_way(room: Room, rule: Rule, request: Request, h: float, careful: bool, i
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
 
-def centre_given(room: Room, request: Request, n: int, sign: int) -> int:
+def centre_given(room: ShortRoom, request: Request, n: int, sign: int) -> int:
     """The centre of the n-th panel, of those that are given, into the first row of points: 0 or why there is none."""
     first, last = (n, request.ahead) if sign > 0 else (request.ahead + n, len(request.centres) // 10)
     if first >= last:
@@ -185,7 +185,7 @@ def centre_given(room: Room, request: Request, n: int, sign: int) -> int:
     return 0
 
 
-def centre_after(room: Room, n: int, sign: int) -> int:
+def centre_after(room: ShortRoom, n: int, sign: int) -> int:
     """The same by one addition to a centre before: LOST where wide numbers have too few digits for that."""
     place = (n + AHEAD - 1) % AHEAD
     if n == 0 or place == 0:
@@ -198,7 +198,7 @@ def centre_after(room: Room, n: int, sign: int) -> int:
 
 
 def panel(
-    room: Room, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
+    room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, n: int, hint: int, i: int, sign: int
 ) -> tuple[int, int, int]:
     """(status, least level, next time) after the n-th panel, halved where it must be; ``hint`` is the level at which
     panels were good before.
@@ -207,7 +207,7 @@ def panel(
     while True:
         if level > 0:
             side = sign if place & 1 else -sign
-            moved(room.wide, room.points, level - 1, room.steps, HALF - level, side, level, room.point)
+            moved_row(room.wide, room.points, level - 1, room.steps, HALF - level, side, level, room.point)
         if level >= hint:
             status = piece(room, rule, request, h, careful, level, sign)
             if status == UNRESOLVED and level == LEVELS:
@@ -229,7 +229,7 @@ def panel(
             return 0, max(0, least - (n & 1)), i
 
 
-def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
+def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
     """The values at the nodes of one panel: 0 where they are good."""
     numbers, count = room.numbers, len(rule.nodes)
     begin = 10 * level * count
@@ -258,7 +258,7 @@ def piece(room: Room, rule: Rule, request: Request, h: float, careful: bool, lev
     return UNRESOLVED if tail < before / 4 and level < LEVELS else ROUNDING
 
 
-def tails(room: Room, rule: Rule, request: Request) -> tuple[float, float]:
+def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
     """The last coefficients of γ, of w and of 1/g beside its mean, the largest, and the same of earlier ones."""
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
@@ -291,7 +291,7 @@ def two_ends(rule: Rule, values: Row, place: int) -> tuple[float, float]:
     return abs(a) + abs(b), abs(c) + abs(d)
 
 
-def stepless(room: Room, rule: Rule) -> float:
+def stepless(room: ShortRoom, rule: Rule) -> float:
     """The largest step of γ or w from the last panel to the left end of this."""
     worst = 0.0
     for e in range(6):

@@ -12,9 +12,9 @@ from integrable.moving_point.short_rows import (
     RATE,
     SHAPE,
     Request,
-    Room,
     Row,
     Rule,
+    ShortRoom,
 )  # fmt: skip
 from jacobian.numbers.abreast import abreast
 
@@ -24,7 +24,7 @@ LAST = 1e-9
 SPLIT = 2.0**27 + 1
 
 
-def read_off(room: Room, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
+def read_off(room: ShortRoom, rule: Rule, request: Request, left: float, half: float, i: int, sign: int) -> int:
     """The states at all times on the panel from ``left`` to left + 2·half, from the ``i``-th on; the next one."""
     clock = request.physical or request.clock
     full, rest = antiderivative(room, rule, half) if clock else (0.0, 0.0)
@@ -64,7 +64,7 @@ def passed(sums: Row, half: float, full: float, rest: float) -> None:
     sums[1] = more - (sums[0] - total)
 
 
-def gone_by(room: Room, request: Request, left: float, half: float, at: int, sign: int) -> float:
+def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int, sign: int) -> float:
     """How far a time that is asked for lies behind the left end of the panel, in halves of it."""
     high, low = abs(request.high[at]), sign * request.low[at]
     if request.physical:
@@ -72,7 +72,7 @@ def gone_by(room: Room, request: Request, left: float, half: float, at: int, sig
     return ((high - left) + low) / half
 
 
-def antiderivative(room: Room, rule: Rule, half: float) -> tuple[float, float]:
+def antiderivative(room: ShortRoom, rule: Rule, half: float) -> tuple[float, float]:
     """The coefficients of 1/g and of its integral from −1 on; that integral over the panel in two floats."""
     count, series, integral = len(rule.nodes), room.slowness, room.elapsed
     # what 1/g differs by from one of its values: of all of it, rounding of the matrix would take the same part always
@@ -107,7 +107,7 @@ def antiderivative(room: Room, rule: Rule, half: float) -> tuple[float, float]:
     return whole, 2 * odd - (whole - 2 * base)
 
 
-def place_of(room: Room, target: float, full: float) -> float:
+def place_of(room: ShortRoom, target: float, full: float) -> float:
     """x with the integral of 1/g from −1 to x equal to ``target``: Newton, held between the ends."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
@@ -135,7 +135,7 @@ def clenshaw(coefficients: Row, x: float) -> float:
     return result
 
 
-def interpolated(room: Room, rule: Rule, x: float, out: Row, place: int) -> None:
+def interpolated(room: ShortRoom, rule: Rule, x: float, out: Row, place: int) -> None:
     """γ and M at x on the panel (Berrut & Trefethen 2004)."""
     count, values = len(rule.nodes), room.values
     q0, q1, q2, q3, q4, q5, total = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -155,11 +155,11 @@ def interpolated(room: Room, rule: Rule, x: float, out: Row, place: int) -> None
         q4 += w * values[4 * count + j] + v * values[4 * count + k]
         q5 += w * values[5 * count + j] + v * values[5 * count + k]
     side = 1.0 if total > 0 else -1.0
-    state(room, side * q0, side * q1, side * q2, side * q3, side * q4, side * q5, out, place)
+    short_state(room, side * q0, side * q1, side * q2, side * q3, side * q4, side * q5, out, place)
 
 
-def state(
-    room: Room, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
+def short_state(
+    room: ShortRoom, s0: float, s1: float, s2: float, n0: float, n1: float, n2: float, out: Row, place: int
 ) -> None:  # fmt: skip
     """γ and M from a multiple of σ and ν."""
     numbers = room.numbers
@@ -178,7 +178,7 @@ def state(
     out[place + 3], out[place + 4], out[place + 5] = m0, m1, m2
 
 
-def drift(room: Room, out: Row, count: int) -> float:
+def largest_drift(room: ShortRoom, out: Row, count: int) -> float:
     """The largest relative change of H1 or H2 from the start, whose values are in ``numbers``."""
     worst = 0.0
     for i in range(count):

@@ -59,7 +59,7 @@ class Rule(NamedTuple):
     """:data:`SUMS`, one after the other."""
 
 
-class Room(NamedTuple):
+class ShortRoom(NamedTuple):
     """Rows to work in."""
 
     wide: Row
@@ -72,7 +72,7 @@ class Room(NamedTuple):
     nodes: Row
     """The same in floats."""
     series: Expansion
-    """Coefficients of translations (:func:`integrable.moving_point.translations.expand`)."""
+    """Coefficients of translations (:func:`integrable.moving_point.translations.expand_orders`)."""
     ahead: Row
     """The next centres and those of a motion that begins beside this one, in wide numbers
     (:func:`integrable.moving_point.short_steps.go_ahead`).
@@ -134,7 +134,7 @@ WIDES = WIDE + 10 * (POINTS + PANEL + AHEAD) + NODE_STEPS + 7 * ORDERS + 10 * AH
 FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
-def new_room(wide: Row, floats: Row, made: Row) -> Room:
+def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
     """Rows in ``wide`` and ``floats``, so many numbers of any value; ``made`` is :data:`MADE` zeros."""
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + AHEAD)
@@ -144,7 +144,7 @@ def new_room(wide: Row, floats: Row, made: Row) -> Room:
     seen = point + POINT
     values = seen + 2 * AHEAD * POINT
     last = values + 9 * NODES + 1
-    return Room(
+    return ShortRoom(
         wide[:points], floats[:NUMBERS], wide[points:steps], wide[steps:nodes], wide[nodes:series],
         floats[NUMBERS:point], expansion_of(wide[series:ahead]), wide[ahead:], made,
         floats[point:seen], floats[seen:values], floats[values : values + 6 * NODES],

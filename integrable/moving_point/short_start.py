@@ -46,7 +46,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     M = (M[0] - tilt * x, M[1] - tilt * y, M[2] - tilt * u)
     contact = (I0 * a[0], I1 * a[1], I2 * a[2])
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
-    ratio = curve(given, a, (contact, e), gamma, M, wide)
+    ratio = put_curve(given, a, (contact, e), gamma, M, wide)
     wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2] = contact
     # physical time is counted in units of s: what is left of the clock is 1 on the mean, to the last digit
     wide[12], wide[13] = 1 + 0 * s, d * k * s / p * top * spin
@@ -136,7 +136,7 @@ def transformation(c: Real, h1: Real, h2: Real, square: Real, d: Real) -> tuple[
     return k, left, 1 / root(1 + k * rise), rise
 
 
-def curve(given: Row, a: Any, body: Any, gamma: Any, M: Any, wide: Row) -> Real:
+def put_curve(given: Row, a: Any, body: Any, gamma: Any, M: Any, wide: Row) -> Real:
     """f = (x − ratio)·Π(α_i − x)·(1 − dX·x), ascending, α_i and κ_i into ``wide``; the ratio H1/(H2·X)."""
     contact, d = body
     xi, square, h1, h2 = 0 * d, 0 * d, 0 * d, 0 * d

@@ -9,7 +9,7 @@ from typing import Any
 
 from integrable.moving_point.addition import (
     carried,
-    cofactor,
+    cofactor_at,
     moving_point,
     noise,
     opposite,
@@ -34,14 +34,14 @@ from integrable.moving_point.short_rows import (
     RATE,
     SHADOW,
     WIDE_ORDERS,
-    Room,
     Row,
     Rule,
+    ShortRoom,
     axes_of,
     curve_of,
     unit_axes,
 )  # fmt: skip
-from integrable.moving_point.translations import Expansion, expand, high_parts
+from integrable.moving_point.translations import Expansion, expand_orders, high_parts
 from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -54,14 +54,14 @@ LEAST_SLOPE = 2.0**-20
 LEAST_KAPPA = 2.0**-33
 
 
-def panel_steps(room: Room, h: float) -> bool:
+def panel_steps(room: ShortRoom, h: float) -> bool:
     """The translations by h/2^l, as far down as FINEST: by their expansion where it is exact to wide numbers, or from
     where it is on by doubling; whether it is so anywhere.
     """
     rows = room.series
-    expand(curve_of(room.wide), rows, 0, WIDE_ORDERS)
+    expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
     # further ones count for so little that floats do
-    expand(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
+    expand_orders(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
     level, eps = 0, h
     while level < HALF and not exact_at(rows, eps):
         level, eps = level + 1, eps / 2
@@ -92,7 +92,7 @@ def exact_at(rows: Expansion, eps: float) -> bool:
     return exact
 
 
-def small_steps(room: Room, eps: float, first: int, last: int) -> None:
+def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
     """The translations at some levels, by eps at the first of them, by their expansion."""
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
@@ -121,7 +121,7 @@ def expanded(rows: Expansion, axes: Row, eps: Any) -> Any:
     return u0, u1, v0, v1, r1, r2, r3, (v0 + v1 * axes[0]) / r1, (v0 + v1 * axes[1]) / r2, (v0 + v1 * axes[2]) / r3
 
 
-def node_steps(room: Room, rule: Rule, h: float) -> None:
+def node_steps(room: ShortRoom, rule: Rule, h: float) -> None:
     """The translations by h·x/2^level for all nodes x, at the next level: wide, and rounded."""
     level, count = room.made[1], len(rule.nodes)
     while room.made[2] < FINEST + level:
@@ -137,7 +137,7 @@ def node_steps(room: Room, rule: Rule, h: float) -> None:
     room.made[1] += 1
 
 
-def put_node(room: Room, rule: Rule, level: int, j: int, origin: Any) -> None:
+def put_node(room: ShortRoom, rule: Rule, level: int, j: int, origin: Any) -> None:
     """The translations to the j-th positive node at a level, and to its mirror image, by one addition to an origin."""
     count, power = len(rule.nodes), rule.sums[2 * j + 1]
     step = moving_point(room.steps, 10 * (HALF - level - abs(power)))
@@ -153,14 +153,14 @@ def doubled(wide: Row, steps: Row, place: int) -> None:
     one = 1 + 0 * wide[0]
     before, here, step = 10 * (place - 1), 10 * place, moving_point(steps, 10 * (place - 1))
     divisor, transfer = summed(wide, steps, place - 1, step, steps, place)
-    rest, trust = cofactor(curve_of(wide), divisor), noise(step)
+    rest, trust = cofactor_at(curve_of(wide), divisor), noise(step)
     for i in abreast(0, 3):
         x, y = steps[before + 4 + i], steps[before + 7 + i]
         sigma, nu = pair(wide[6 + i], one, x, y, x, y, transfer)
         steps[here + 4 + i], steps[here + 7 + i] = settled_pair(divisor, rest, wide[6 + i], one, sigma, nu, trust)
 
 
-def moved(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
+def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
     """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and into ``point`` what
     :func:`looked_at` sees there.
     """
@@ -186,7 +186,7 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
     return divisor, transfer
 
 
-def steps_ahead(room: Room) -> None:
+def steps_ahead(room: ShortRoom) -> None:
     """The translations by 1 … :data:`AHEAD` panels, which are two more than two."""
     longer(room, HALF, HALF, PANEL)
     longer(room, PANEL, PANEL, PANEL + 1)
@@ -195,7 +195,7 @@ def steps_ahead(room: Room) -> None:
     room.made[0] = AHEAD
 
 
-def longer(room: Room, origin: int, by: int, target: int) -> None:
+def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
     """The sum of two rows of translations, put back on its level, into a third."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
@@ -214,7 +214,7 @@ def no_level(wide: Row, i: int) -> bool:
     return abs(float(wide[9 + i])) <= LEAST_KAPPA * float(wide[CONTACT + i])
 
 
-def go_ahead(room: Room, first: bool, sign: int) -> None:
+def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
     """The centre of the ``first`` panel, or those of the panels after the last that was made, with their shadows; and
     into ``seen`` what there is to see at them.
     """
@@ -232,7 +232,7 @@ def go_ahead(room: Room, first: bool, sign: int) -> None:
         seen(room, j)
 
 
-def led_on(room: Room, origin: int, place: int, sign: int, target: int, off: float) -> None:
+def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off: float) -> None:
     """Row ``target`` of ``ahead``: row ``origin`` after a translation or its inverse, put back on its level; ``off`` as
     for :func:`levelled`.
 
@@ -318,7 +318,7 @@ def less(x: Any, k: Any, y: Any) -> Any:
     return x[0] - k * y[0], x[1] - k * y[1], x[2] - k * y[2]
 
 
-def seen(room: Room, j: int) -> None:
+def seen(room: ShortRoom, j: int) -> None:
     """What there is to see at the j-th centre that is ahead, and how far its shadow is off it: in σ/|σ| and ν, where
     |w| = 1.
     """

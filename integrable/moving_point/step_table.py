@@ -7,7 +7,7 @@ from __future__ import annotations
 from functools import cached_property
 from typing import Any
 
-from integrable.moving_point.addition import conditioning, opposite, shift
+from integrable.moving_point.addition import opposite, shift, trust_of
 from integrable.moving_point.translations import Translations
 
 # neighbours of a doubled step count among which the best conditioned translation is taken
@@ -41,7 +41,7 @@ class StepTable:
         """About twice the last count: of some neighbours the translation that is best conditioned."""
         double = self._translations.sum(self._levels[-1], self._levels[-1])
         rough = {m: self._near_sum(double, m) for m in range(-min(SEARCH, self._counts[-1] - 1), SEARCH + 1)}
-        best = max(rough, key=lambda m: conditioning(rough[m]))
+        best = max(rough, key=lambda m: trust_of(rough[m]))
         exact = double if best == 0 else self._translations.sum(double, self._multiple(best))
         self._counts.append(2 * self._counts[-1] + best)
         self._levels.append(exact)

@@ -208,7 +208,7 @@ def high_parts(rows: Expansion) -> Expansion:
     )  # fmt: skip
 
 
-def expand(f: Row, rows: Expansion, begin: int, end: int) -> None:
+def expand_orders(f: Row, rows: Expansion, begin: int, end: int) -> None:
     """:func:`expansion` written to be compiled: orders ``begin`` … ``end`` − 1 from those before."""
     f0, f1, f2, f3, f4, f5 = f
     u0, u1, v0, v1, s0, squares, less = rows

@@ -140,7 +140,7 @@ class PointIntegrals:
         rest = part ** (self._order + 1) / (1 - part)
         if not rest >= 0:
             raise PrecisionLoss("a time is not known well enough to enclose the motion there: use more digits")
-        return [widened(row(move), rest * bound) for row, bound in zip(self._rows, self._bounds, strict=True)]
+        return [ball_around(row(move), rest * bound) for row, bound in zip(self._rows, self._bounds, strict=True)]
 
     def reached(self, move: Any) -> tuple[Any, Any]:
         """The point at x + ``move``, |move| < ``radius``: there √(f/f(x)) is the principal root."""
@@ -178,7 +178,7 @@ class EnclosedReference:
             middle, before = [(x + y).mid() for x, y in zip(middle, step, strict=True)], step
             step = self._newton(time, middle, middle)
             width = [2 * abs(x).abs_upper() for x in step]
-            found = self._newton(time, middle, [widened(x, w) for x, w in zip(middle, width, strict=True)])
+            found = self._newton(time, middle, [ball_around(x, w) for x, w in zip(middle, width, strict=True)])
             if all(abs(x) < w for x, w in zip(found, width, strict=True)) and not self._shrinks(step, before):
                 return [x + y for x, y in zip(middle, found, strict=True)]
         raise PrecisionLoss("a translation could not be enclosed at this precision: use more digits")
@@ -199,7 +199,7 @@ class EnclosedReference:
         return found
 
 
-def widened(x: Any, radius: Any) -> Any:
+def ball_around(x: Any, radius: Any) -> Any:
     """A real or complex ball with all numbers within an upper bound of ``radius`` of those in x."""
     from flint import acb
 
@@ -221,7 +221,7 @@ class EnclosedTranslations(GroupTranslations):
     def _reference(self) -> tuple[list[Any], list[Any]]:
         # points in different ovals: far from all branch points balls lose more
         K, group = self.field, self.group
-        xs: list[Any] = [] if K.complex else list(map(K.coerce, between(group.f)))[: group.genus + 1]
+        xs: list[Any] = [] if K.complex else list(map(K.coerce, middles_of_ovals(group.f)))[: group.genus + 1]
         ys = [K.sqrt(poly.evaluate(K, group.f, x)) for x in xs]
         more, roots = reference(group)
         return [*xs, *more][: group.genus + 1], [*ys, *roots][: group.genus + 1]
@@ -241,7 +241,7 @@ class EnclosedTranslations(GroupTranslations):
         return D
 
 
-def between(f: poly.Poly) -> list[float]:
+def middles_of_ovals(f: poly.Poly) -> list[float]:
     """The middles of the bounded intervals where f > 0, between its real roots as floats have them."""
     import numpy as np
 

@@ -129,8 +129,8 @@ class EllipticTorus:
             half = half_turn()
             turns = pace * quarter / half, (v if ahead else -v) / half
             numbers = (*turns, three / two, four / two, four / three)
-            self._numbers, self._inverse = row_of(numbers), inverse_factorials()
-            self._table = row_of(table)
+            self._numbers, self._inverse = double_double_row(numbers), inverse_factorials()
+            self._table = double_double_row(table)
             self._pace, self._side = float(numbers[0]), model.side
             self._first, self._swing = Column.of(model.first), Column.of(model.swing)
             self._pole = None if model.pole is None else Column.of(model.pole)
@@ -302,9 +302,9 @@ def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
 def inverse_factorials() -> np.ndarray:
     """2π and 1/n!, as :func:`circle` takes them."""
     with long_numbers(BITS) as N:
-        return row_of((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
+        return double_double_row((2 * half_turn(), *(N.one / factorial(n) for n in range(2 * PAIRS))))
 
 
-def row_of(values: Sequence[Any]) -> np.ndarray:
+def double_double_row(values: Sequence[Any]) -> np.ndarray:
     """Long numbers as double-doubles."""
     return np.array([split(x) for x in values])

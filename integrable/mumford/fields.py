@@ -53,13 +53,6 @@ def rates_and_quotients(K: Any, f: Poly, u: Poly, v: Poly, n: Poly) -> tuple[tup
     return ((*padded(K, of_u, size), K.zero), padded(K, of_v, size)), (m, w)
 
 
-def second_kind_rate(K: Any, u: Poly, direction: Sequence[Any]) -> Any:
-    """Σ x_i^g x_i'/y_i = −[x^{g−1}](x^g·n mod U) along a direction: the rate of the second-kind datum."""
-    size = len(u) - 1
-    moved = poly.mod(K, (*[K.zero] * size, *multiplier(K, u, direction)), u)
-    return K.neg(padded(K, moved, size)[-1])
-
-
 def generating_rates(K: Any, f: Poly, u: Poly, v: Poly, a: Any) -> tuple[Poly, Poly]:
     """(U', V') for c_k = a^k: U' = [U(a)V − V(a)U]/(x − a), V' = [r(a)U − U(a)r]/(2(x − a)), r = W mod U."""
     size = len(u) - 1
@@ -120,12 +113,12 @@ def exponential(N: Any, x: Any) -> Any:
     return _elementary(N, x, "exp")
 
 
-def growth(N: Any, x: Any) -> Any:
+def exponential_less_one(N: Any, x: Any) -> Any:
     """e^x − 1 in the numbers of RR, MP or long numbers, without a difference."""
     return _elementary(N, x, "expm1")
 
 
-def logarithm(N: Any, x: Any) -> Any:
+def log_of(N: Any, x: Any) -> Any:
     """log x in the numbers of RR, MP or long numbers."""
     return _elementary(N, x, "log")
 

@@ -40,7 +40,9 @@ class Space(NamedTuple):
     weights: Row
 
 
-def carried(problem: TabledCurve, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows) -> None:
+def tabled_pairs(
+    problem: TabledCurve, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows
+) -> None:
     """To each row of ``out`` the value of a power series at ``near`` and the sum with the rows ``which`` of a table."""
     for i in range(near.shape[0]):
         row = out[i]
@@ -70,7 +72,7 @@ def add(problem: TabledCurve, row: Row, other: Row, space: Space) -> None:
     for j in range(ends.shape[0]):
         sigma, nu = row[2 * genus + 2 * j], row[2 * genus + 2 * j + 1]
         far = other[2 * genus + 2 * j]
-        row[2 * genus + 2 * j + 1] = (nu + sigma * value(factor, genus, ends[j])) / (problem.kappa * far)
+        row[2 * genus + 2 * j + 1] = (nu + sigma * value_of(factor, genus, ends[j])) / (problem.kappa * far)
         row[2 * genus + 2 * j] = sigma * far
     multiply(genus, row, other, factor, u, v)
     degree = 2 * genus
@@ -137,7 +139,7 @@ def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
     genus = (f.shape[0] - 2) // 2
     low = 2 * degree - 2 < f.shape[0] - 1
     new = (f.shape[0] - 1 if low else 2 * degree - 2) - degree
-    cofactor(f, u, v, degree, new, w)
+    put_cofactor(f, u, v, degree, new, w)
     scale, lead = -w[new], v[degree - 1]
     for i in range(new):
         w[i] = w[i] / w[new]
@@ -152,7 +154,7 @@ def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
         v[i] = -v[i]
     for j in range(ends.shape[0]):
         sigma, nu = row[2 * genus + 2 * j], row[2 * genus + 2 * j + 1]
-        slope = value(k, degree - new, ends[j])
+        slope = value_of(k, degree - new, ends[j])
         if low:
             if degree % 2 == 0:
                 sigma, nu = -sigma, -nu
@@ -163,7 +165,7 @@ def reduce(problem: TabledCurve, degree: int, row: Row, space: Space) -> int:
     return new
 
 
-def cofactor(f: Row, u: Row, v: Row, degree: int, size: int, w: Row) -> None:
+def put_cofactor(f: Row, u: Row, v: Row, degree: int, size: int, w: Row) -> None:
     """To w the quotient (f − v²)/u of degree ``size``, u monic, all ``degree`` coefficients of v."""
     for i in range(size, -1, -1):
         total = coefficient(f, v, degree, i + degree)
@@ -182,7 +184,7 @@ def coefficient(f: Row, v: Row, count: int, i: int) -> Real:
     return total
 
 
-def value(a: Row, count: int, x: Real) -> Real:
+def value_of(a: Row, count: int, x: Real) -> Real:
     """a(x) of ``count`` coefficients."""
     total = a[count - 1]
     for i in range(count - 2, -1, -1):
@@ -197,7 +199,7 @@ def retract(problem: TabledCurve, row: Row, space: Space) -> None:
     f, u, v, w = problem.f, space.u, space.v, space.other
     genus = (f.shape[0] - 2) // 2
     size = f.shape[0] - 1 - genus
-    cofactor(f, u, v, genus, size, w)
+    put_cofactor(f, u, v, genus, size, w)
     turned, weights = space.turned, space.weights
     for i in range(genus):
         total = coefficient(f, v, genus, i)

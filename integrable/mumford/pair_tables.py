@@ -46,7 +46,7 @@ LIBRARY = Library(
     "pair_tables",
     {
         "carried": (
-            pair_sums.carried,
+            pair_sums.tabled_pairs,
             (
                 record(TabledCurve, WIDES, WIDES, FLOAT, WIDES),
                 _TABLE,

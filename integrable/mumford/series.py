@@ -28,7 +28,7 @@ MOST_STEPS = 60
 SMALL = 2.0**-8
 
 
-class Operators(InexactField):
+class _Operators(InexactField):
     """The numbers of a field with the operations of a formula that is recorded."""
 
     name = "recorded numbers"
@@ -49,7 +49,7 @@ class MotionSeries:
     """Power series of the motions along a direction, with lifts at the branch points ``ends``."""
 
     def __init__(self, field: LongField, f: Poly, direction: Sequence[Any], ends: Sequence[Any]) -> None:
-        K, g = Operators(field), len(direction)
+        K, g = _Operators(field), len(direction)
 
         def formula(y: Sequence[Any]) -> list[Any]:
             u, v = (*y[:g], K.one), tuple(y[g : 2 * g])

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from integrable.mumford.fields import padded
 from integrable.mumford.flow import MumfordFlow, Point, element, long_digits
-from integrable.mumford.motion import Start, settled
+from integrable.mumford.motion import Start, settled_digits
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS
@@ -402,7 +402,7 @@ class MumfordSystem(Made):
     def _settled(self, read: Callable[[LongField], Point]) -> Point:
         """A state that is made in long numbers, to the digits of the field."""
         K = self.field
-        rows = settled(read, getattr(K, "dps", ROUNDED_TO_FLOATS))
+        rows = settled_digits(read, getattr(K, "dps", ROUNDED_TO_FLOATS))
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 
     def _inside(self, N: Any, state: Point) -> Point:

@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from integrable.mumford.columns import Column
-from integrable.mumford.elliptic_torus import circle, half_turn, inverse_factorials, long_numbers, row_of
+from integrable.mumford.elliptic_torus import circle, double_double_row, half_turn, inverse_factorials, long_numbers
 from integrable.mumford.fields import cofactor
 from integrable.mumford.motion import Start
 from integrable.torus.access import MOST_TURNS
@@ -289,7 +289,7 @@ def theta_sums(
     weights, scales = zip(*(weights_of(lattice, char) for char in chars), strict=True)
     kinds = np.array([(e1 * d1 + e2 * d2) % 2 for e1, e2, d1, d2 in chars], dtype=np.int64)
     shifts = np.array([x for e1, e2, *_ in chars for x in (e1, e2)], dtype=np.int64)
-    table = row_of([x for row in weights for x in row])
+    table = double_double_row([x for row in weights for x in row])
     return ThetaSums(table, (len(chars), *counts), shifts, kinds, inverse_factorials()), list(scales)
 
 

@@ -78,7 +78,7 @@ def _roots(K: Any, u: poly.Poly) -> Two:
     return (min(roots), max(roots)) if not K.exact else (roots[0], roots[1])
 
 
-def to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
+def separated_to_mumford(body: Body, point: Separated) -> tuple[poly.Poly, poly.Poly]:
     """(U, V) with roots u_k and V(u_k) = φ(u_k)p_k; NotRepresentable where u1 = u2."""
     K, ((u1, u2), _) = body.field, point
     if u1 == u2:
@@ -103,7 +103,7 @@ def from_separated(body: Body, point: Separated, like: State | None = None) -> S
     NotASquare where a γ_i² or g² has no root in the field (over the reals: u outside of its oval), NotRepresentable
     where u1 = u2 or moments coincide.
     """
-    u, v = to_mumford(body, point)
+    u, v = separated_to_mumford(body, point)
     f = body.polynomial(*integrals(body, point))
     model = None if like is None else coordinates.to_pairs(body, like)
     return coordinates.from_pairs(body, coordinates.pairs_of(body, f, u, v, model))

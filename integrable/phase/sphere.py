@@ -18,7 +18,7 @@ from jacobian.relatives.conic import Representative
 Divisor = tuple[poly.Poly, poly.Poly]
 
 
-def phi(K: Any, a: Sequence[Any]) -> poly.Poly:
+def phi_poly(K: Any, a: Sequence[Any]) -> poly.Poly:
     """φ(x) = 4Π(a_i − x), ascending."""
     value: poly.Poly = (poly.integer(K, 4),)
     for e in a:
@@ -31,13 +31,13 @@ def momentum_line(K: Any, a: Sequence[Any], point: Separated) -> poly.Poly:
     (u1, u2), _ = point
     if u1 == u2:
         raise NotRepresentable(f"u1 = u2 = {written(u1)}: (u, p) are no coordinates there")
-    return poly.through(K, [(x, K.mul(poly.evaluate(K, phi(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
+    return poly.through(K, [(x, K.mul(poly.evaluate(K, phi_poly(K, a), x), p)) for x, p in zip(*point, strict=True)])[1]
 
 
-def integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
+def sphere_integrals(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
     """(H1, H2) with φ(u_k)p_k² = H1·u_k + H2."""
     (u1, u2), _ = point
-    first, second = (K.mul(poly.evaluate(K, phi(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
+    first, second = (K.mul(poly.evaluate(K, phi_poly(K, a), x), K.mul(p, p)) for x, p in zip(*point, strict=True))
     h1 = K.div(K.sub(first, second), K.sub(u1, u2))
     return h1, K.sub(first, K.mul(h1, u1))
 
@@ -54,10 +54,10 @@ def conic_sum(K: Any, f: poly.Poly, divisor: Divisor, x0: Any, y0: Any) -> Divis
 
 def conic(K: Any, a: Sequence[Any], point: Separated, x0: Any, y0: Any) -> Separated:
     """The image of (u, p) under :func:`conic_sum`; NotASquare where ũ1, ũ2 are not in the field."""
-    h1, h2 = integrals(K, a, point)
+    h1, h2 = sphere_integrals(K, a, point)
     divisor = poly.from_roots(K, point[0]), momentum_line(K, a, point)
-    image, v = conic_sum(K, poly.mul(K, phi(K, a), (h2, h1)), divisor, x0, y0)
-    return of_roots(K, image, v, lambda x: poly.evaluate(K, phi(K, a), x))
+    image, v = conic_sum(K, poly.mul(K, phi_poly(K, a), (h2, h1)), divisor, x0, y0)
+    return of_roots(K, image, v, lambda x: poly.evaluate(K, phi_poly(K, a), x))
 
 
 def rho(K: Any, point: Separated) -> Separated:
@@ -82,7 +82,8 @@ def hat(K: Any, a: Sequence[Any], point: Separated) -> Separated:
 def hat_eigenvalues(K: Any, a: Sequence[Any], point: Separated) -> tuple[Any, Any]:
     """ν_k = û_kφ(û_k)p̂_k² of the hat variables of (u, p)."""
     first, second = (
-        K.mul(K.mul(x, poly.evaluate(K, phi(K, a), x)), K.mul(p, p)) for x, p in zip(*hat(K, a, point), strict=True)
+        K.mul(K.mul(x, poly.evaluate(K, phi_poly(K, a), x)), K.mul(p, p))
+        for x, p in zip(*hat(K, a, point), strict=True)
     )
     return first, second
 
@@ -96,6 +97,6 @@ def metric(K: Any, a: Sequence[Any], u: Sequence[Any]) -> tuple[Any, Any]:
     result = []
     for x, other in ((u1, u2), (u2, u1)):
         size = K.sub(K.add(K.add(x, x), other), mixed)
-        value = K.mul(K.mul(poly.evaluate(K, phi(K, a), x), x), size)
+        value = K.mul(K.mul(poly.evaluate(K, phi_poly(K, a), x), x), size)
         result.append(K.div(value, K.sub(x, other)))
     return result[0], result[1]

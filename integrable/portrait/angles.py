@@ -17,22 +17,21 @@ if TYPE_CHECKING:
 SPARE, LOST = 4, (0, 40, 160, 640)
 
 
-def start_angles(system: PhaseSpace, state: State, setup: Setup) -> tuple[Any, Any]:
-    """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, wide; PrecisionLoss where the ovals
-    have all but met.
+def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Any, Any]:
+    """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, in numbers of the ``wide`` field to so
+    many ``digits``; PrecisionLoss where the ovals have all but met.
     """
-    digits, given = setup.digits + SPARE, (system.body, state.gamma, state.M, state.tilted)
     for lost in LOST:
-        wider = Setup(*given, digits=setup.wide.dps + lost) if lost else setup
-        balls = BallReals(wider.reals.bits + 32)
+        setup = Setup(system.body, state.gamma, state.M, state.tilted, digits=wide.dps + lost)
+        balls = BallReals(setup.reals.bits + 32)
         try:
             with balls:
-                found = balls.elements(setup.wide, OvalTorus(wider, balls, digits, (1, 0)).start)
+                found = balls.elements(wide, OvalTorus(setup, balls, digits + SPARE, (1, 0)).start)
             break
         except PrecisionLoss:
             if lost == LOST[-1]:
                 raise
     # phases count from the inner end of the second oval
-    first, second = found[0], found[1] + setup.wide.one / 2
-    floor = setup.wide.context.floor
+    first, second = found[0], found[1] + wide.one / 2
+    floor = wide.context.floor
     return first - floor(first), second - floor(second)

@@ -54,7 +54,7 @@ def diagram(of: Any, states: Any) -> Figure:
     return figure
 
 
-def section(of: Any) -> Figure:
+def section_figure(of: Any) -> Figure:
     """:meth:`integrable.portrait.section.Section.figure`."""
     figure, ax = _axes("the picture of a section")
     flow = of.run.flow
@@ -73,7 +73,7 @@ def section(of: Any) -> Figure:
     return figure
 
 
-def spectrum(of: Any) -> Figure:
+def spectrum_figure(of: Any) -> Figure:
     """:meth:`integrable.portrait.spectrum.Spectrum.figure`."""
     figure, every = _axes("the picture of a spectrum", 3, 1.4 * SIZE[1])
     for ax, (name, lines) in zip(every, (("γ", of.gamma), ("M", of.M), ("ω", of.omega)), strict=True):

@@ -59,7 +59,7 @@ class Portrait(Immutable):
     """
 
     def __init__(self, system: PhaseSpace, state: State, setup: Setup) -> None:
-        self._field, self._given = system.field, (system, state, setup)
+        self._field, self._given = system.field, (system, state, setup.wide, setup.digits)
         level = self.level = Level.of(setup)
         self.region = _region(level)
         self.ovals = Ovals.of(level) if level.parted else None

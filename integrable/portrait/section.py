@@ -58,9 +58,9 @@ class Section(Record):
 
     def figure(self) -> Figure:
         """A picture: the crossings among the curves of other motions of the same upright body."""
-        from integrable.portrait.pictures import section
+        from integrable.portrait.pictures import section_figure
 
-        return section(self)
+        return section_figure(self)
 
     def __len__(self) -> int:
         return len(self.phi)

@@ -43,9 +43,9 @@ class Spectrum(Record):
 
     def figure(self) -> Figure:
         """A picture: sizes of the lines of γ, M and ω over their frequencies."""
-        from integrable.portrait.pictures import spectrum
+        from integrable.portrait.pictures import spectrum_figure
 
-        return spectrum(self)
+        return spectrum_figure(self)
 
     def __len__(self) -> int:
         return len(self.frequencies)

@@ -157,7 +157,7 @@ def moved_by(system: Any) -> str:
 
 def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tuple[Any, Any]:
     """γ and M at one time, shapes (1, 3), by an integrator that shares nothing with the truth."""
-    from integrable.deformations.equations import rates
+    from integrable.deformations.equations import right_hand_sides
     from integrable.deformations.integrated import IntegratedMotion
 
     if by == "Taylor series":
@@ -170,7 +170,7 @@ def _independent(by: str, scene: Scene, flow: Any, time: Any, digits: int) -> tu
         step = time_scale(*scene.start(FLOAT_DIGITS)) / STEPS_OF_A_SCALE
         advance = collocation(equations(system, state), system.field.coerce, context.dps, digits // 2)
         return _states(follow(advance, [*state.gamma, *state.M], [context.mpf(time)], context.mpf(step)))
-    rate = rates(system)
+    rate = right_hand_sides(system)
     row = context.odefun(lambda _time, y: rate(y), 0, [*state.gamma, *state.M])(context.mpf(time))
     return [row[:3]], [row[3:]]
 

@@ -220,8 +220,8 @@ def resolved_spectrum(
 class TorusClock:
     """t(τ) and τ(t) of a motion on a torus whose dt/dτ has a ``spectrum``, in the user's units.
 
-    ``rates`` are those of :func:`integrable.torus.survey.rates` without the matrix; in the unit 1/``scale`` of τ the
-    motion moves by some part of a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
+    ``rates`` are those of :func:`integrable.torus.survey.surveyed_rates` without the matrix; in the unit 1/``scale`` of
+    τ the motion moves by some part of a radian. Modes below ``noise`` of the largest are left out; ``doubled`` are the
     periods of dt/dτ in turns. PrecisionLoss where a mode is in resonance.
     """
 
@@ -237,7 +237,7 @@ class TorusClock:
         self._loops = loops
         limits = Cutoffs(ROUNDING, noise, LEAST_SWING / scale, ROUGH, LOUD / scale)
         # the loops count phases in periods of dt/dτ
-        series = series_of(loops, *spectrum, rates[6:], limits)
+        series = series_between(loops, *spectrum, rates[6:], limits)
         self._clock = loops.packed(Clock(doubled, *series, rates[:6]))
         self._room = 2 * max(part.width for part in series[:2])
 
@@ -261,7 +261,7 @@ class TorusClock:
         return times
 
 
-def series_of(
+def series_between(
     loops: Any, values: Any, grid: tuple[int, int], rates: Any, limits: Cutoffs
 ) -> tuple[ClockSeries, ClockSeries, ClockSeries, np.ndarray, Any]:
     """What a :class:`Clock` has between ``doubled`` and ``pace``, of a spectrum of 1/g (:func:`clock_series`).

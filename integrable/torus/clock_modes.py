@@ -52,7 +52,7 @@ class Tables(NamedTuple):
     counts: Row
 
 
-def spectrum(
+def spectrum_of_samples(
     samples: Row, grid: tuple[int, int], noise: tuple[float, float], circle: Row, rooms: tuple[Row, Row, Row], room: Row
 ) -> tuple[int, int]:
     """:func:`sizes_needed` of the spectrum of samples on a grid, which goes into the last of ``rooms``; these and
@@ -130,8 +130,8 @@ def clock_series(
     tables.counts[8] = -1 - resonant
     if resonant >= 0:
         return bound, swing, swing, bound
-    rough = packed(tables, grid, limits.rough, tables.rough_lines, tables.rough_parts)
-    series = packed(tables, grid, 0.0, tables.lines, tables.parts)
+    rough = packed_modes(tables, grid, limits.rough, tables.rough_lines, tables.rough_parts)
+    series = packed_modes(tables, grid, 0.0, tables.lines, tables.parts)
     for n in range(4 * series[3]):
         tables.quiet_parts[n] = tables.parts[n]
     count, rest = 0, swing
@@ -205,7 +205,9 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
     return -1, bound, total
 
 
-def packed(tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row) -> tuple[int, int, int, int]:
+def packed_modes(
+    tables: Tables, grid: tuple[int, int], least: float, lines: Row, parts: Row
+) -> tuple[int, int, int, int]:
     """The modes that :func:`swings` left whose slope is above ``least`` as a
     :class:`~integrable.torus.clock_loops.ClockSeries` has them: (least second mode, their number, rows, modes in all).
     """

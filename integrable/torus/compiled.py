@@ -48,64 +48,64 @@ KINDS: dict[Any, TupleKind] = {
 # --- entries: rows of numbers as the tuples that the loops take
 
 
-def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:
+def _corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known: Row) -> float:
     """:func:`integrable.torus.walks.corners`."""
     return walks_corners(numbered(curve), start, walk, states, ends, known)
 
 
-def gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+def _gridded(curve: Curve, small: SmallSteps, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """:func:`integrable.torus.walks.gridded`."""
     walks_gridded(numbered(curve), small_numbered(small), states, fine, rates, others)
 
 
-def sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
+def _sampled(curve: Curve, states: Row, fine: Fine, rates: Row, others: Row) -> None:
     """:func:`integrable.torus.walks.sampled`."""
     walks_sampled(numbered(curve), states, fine, rates, others)
 
 
-def states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
+def _states_at_phases(torus: Torus, phases: Row, out: Row) -> None:
     """:func:`integrable.torus.states.states_at_phases`."""
     at_phases(torus_numbered(torus), phases, out)
 
 
-def states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
+def _states_at_tau(torus: Torus, frequencies: Row, tau: Row, out: Row) -> None:
     """:func:`integrable.torus.states.states_at_tau`."""
     at_tau(torus_numbered(torus), frequencies, tau, out)
 
 
-def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> None:
+def _reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> None:
     """:func:`integrable.torus.witness.reached`."""
     numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
     torus_reached(numbers, times, room, points, out)
 
 
-def departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> float:
+def _departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> float:
     """:func:`integrable.torus.witness.departure`."""
     numbers = Line(numbered(line.curve), line.start, line.motion, line.rates, line.centres, line.far)
     return torus_departure(torus_numbered(torus), numbers, times, room, points, out)
 
 
-def seam(torus: Torus, out: Row) -> float:
+def _seam(torus: Torus, out: Row) -> float:
     """:func:`integrable.torus.witness.seam`."""
     return torus_seam(torus_numbered(torus), out)
 
 
-def points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
+def _points_at_phases(torus: Torus, root_beyond: Row, phases: Row, out: Row) -> None:
     """:func:`integrable.torus.states.points_at_phases`."""
     points_at(torus_numbered(torus), root_beyond, phases, out)
 
 
-def states_at_times(torus: Torus, clock: Clock, times: Row, found: Row, room: Row) -> None:
+def _states_at_times(torus: Torus, clock: Clock, times: Row, found: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.states_at_times`."""
     at_times(torus_numbered(torus), clock_numbered(clock), times, found, room)
 
 
-def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
+def _phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.phases_at_times`."""
     phases_at(clock_numbered(clock), times, phases, delays, room)
 
 
-def times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
+def _times_at_tau(clock: Clock, tau: Row, times: Row, room: Row) -> None:
     """:func:`integrable.torus.clock_loops.times_at_tau`."""
     times_at(clock_numbered(clock), tau, times, room)
 
@@ -158,11 +158,11 @@ _PANELS, _ROWS = ArrayKind(FLOAT, 3), ArrayKind(FLOAT, 2)
 LIBRARY = Library(
     "torus",
     {
-        "begun": (lattice.begun, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
-        "reached": (reached, (KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
-        "departure": (departure, (_TORUS, KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
-        "seam": (seam, (_TORUS, FLOATS)),
-        "rates": (survey.rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
+        "begun": (lattice.begun_rows, (WIDES, BOOL, WIDES, WIDES, FLOATS, WIDES)),
+        "reached": (_reached, (KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
+        "departure": (_departure, (_TORUS, KINDS[Line], FLOATS, KINDS[TableRoom], WIDES, FLOATS)),
+        "seam": (_seam, (_TORUS, FLOATS)),
+        "rates": (survey.surveyed_rates, (WIDES, WIDES, WIDES, _FLOATS, _INTS, WIDES)),
         "about_centre": (survey.about_centre, (WIDES, FLOAT, FLOAT, WIDES)),
         "survey": (survey.survey, (WIDES, FLOAT, FLOATS, WIDES)),
         "mean_height": (survey.mean_height, (WIDES, WIDES, WIDES)),
@@ -170,19 +170,19 @@ LIBRARY = Library(
             tables.directions,
             (WIDES, KINDS[Chart], WIDES, FLOATS, INT, KINDS[TableRoom], WIDES, WIDES),
         ),
-        "corners": (corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
-        "gridded": (gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
-        "sampled": (sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
-        "states_at_phases": (states_at_phases, (_TORUS, FLOATS, FLOATS)),
-        "states_at_tau": (states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
-        "points_at_phases": (points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
+        "corners": (_corners, (_CURVE, WIDES, _WALK, WIDES, WIDES, WIDES)),
+        "gridded": (_gridded, (_CURVE, _SMALL, WIDES, _FINE, WIDES, WIDES)),
+        "sampled": (_sampled, (_CURVE, WIDES, _FINE, WIDES, WIDES)),
+        "states_at_phases": (_states_at_phases, (_TORUS, FLOATS, FLOATS)),
+        "states_at_tau": (_states_at_tau, (_TORUS, WIDES, FLOATS, FLOATS)),
+        "points_at_phases": (_points_at_phases, (_TORUS, WIDES, WIDES, WIDES)),
         "states_at_times": (
-            states_at_times,
+            _states_at_times,
             (_TORUS, _CLOCK, FLOATS, TupleKind((FLOATS, FLOATS, FLOATS)), TupleKind((FLOATS, WIDES, INTS))),
         ),
-        "phases_at_times": (phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
-        "times_at_tau": (times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
-        "spectrum": (clock_modes.spectrum, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
+        "phases_at_times": (_phases_at_times, (_CLOCK, FLOATS, WIDES, FLOATS, FLOATS)),
+        "times_at_tau": (_times_at_tau, (_CLOCK, FLOATS, FLOATS, FLOATS)),
+        "spectrum": (clock_modes.spectrum_of_samples, (WIDES, _INTS, _FLOATS, WIDES, TupleKind((WIDES,) * 3), FLOATS)),
         "clock_series": (
             clock_modes.clock_series,
             (WIDES, _INTS, WIDES, record(Cutoffs, *(FLOAT,) * 5), KINDS[Tables], WIDES),

@@ -85,7 +85,7 @@ class Corners:
         self._check_walk()
 
     def _made_rates(self, motion: Any) -> Any:
-        """The result of :func:`integrable.torus.survey.rates`."""
+        """The result of :func:`integrable.torus.survey.surveyed_rates`."""
         rates, units = self.loops.room(RATES), (self.units.length, self.units.lift)
         self.loops.rates(self._problem, self.lattice.found, motion, units, self.doubled, rates)
         return rates

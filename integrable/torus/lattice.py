@@ -230,7 +230,7 @@ def beginning(setup: Source, loops: Any) -> Beginning:
     return Beginning(units, motion, whole, start, row((0,) * TIME_SCALE + problem.row[TIME_SCALE:]))
 
 
-def begun(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
+def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
     """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; whether the numbers have the digits for
     that: sizes near 1 and branch points well apart. ``constants`` are π and 1, ``numbers`` is room.
     """

@@ -51,7 +51,7 @@ PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
     "gridded": (walks.gridded, ()),
     "offsets": (walks.offsets, ()),
     "panel_values": (panel_values, ()),
-    "rates": (torus_survey.rates, ()),
+    "rates": (torus_survey.surveyed_rates, ()),
     "reached": (witness.reached, (1,)),
     "states_at_phases": (states_at_phases, (1,)),
     "states_at_tau": (states_at_tau, (2,)),

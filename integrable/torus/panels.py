@@ -142,7 +142,7 @@ def _rule() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return nodes, matrix, derivatives @ matrix
 
 
-def integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
+def panel_integrals(panels: Panels, times: np.ndarray) -> np.ndarray:
     """∫ of every column from the start of the panels to each of ``times`` inside, shape (N, width)."""
     series = chebyshev.chebint(panels.coefficients, lbnd=-1, axis=1) * panels.halves[:, None, None]
     # the value at the end of a panel is the sum of the coefficients

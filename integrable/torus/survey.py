@@ -39,7 +39,7 @@ FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
 # d·max a below which a period is nearly the residue at infinity
 FLAT = 0.01
-# the number of results of :func:`rates`
+# the number of results of :func:`surveyed_rates`
 RATES = 16
 # nodes on either side of the middle of an oval, SPACING apart in the logarithm of how it is divided: the rule leaves
 # e^(−2π²/SPACING) = 5e-35, what it leaves off at the ends e^(−NODES·SPACING/2) = 1e-33
@@ -205,7 +205,7 @@ def survey(
     return chart
 
 
-def rates(
+def surveyed_rates(
     problem: Row, found: Row, motion: Row, units: tuple[float, float], doubled: tuple[int, int], out: Row
 ) -> None:
     """In the user's units, of a :func:`survey`: the matrix of a :class:`~integrable.torus.states.Torus` (four numbers),

@@ -62,7 +62,7 @@ def directions(
     size, points = len(nodes), room.points
     for k in range(2):
         centre, first = chart.centres[k], 4 * len(nodes) * k
-        about = expansion(motion, centre, room, passes)
+        about = expansion_about(motion, centre, room, passes)
         unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
         # those of the halves together with those of the nodes, to fill the last lanes
         for n in abreast(0, size + 2):
@@ -85,7 +85,7 @@ def directions(
         to_powers(nodes, tables, size * part)
 
 
-def expansion(motion: Row, centre: Real, room: TableRoom, passes: int) -> NearIdentity:
+def expansion_about(motion: Row, centre: Real, room: TableRoom, passes: int) -> NearIdentity:
     """That about a centre, to as many terms as ``room`` has; its unit is near the distance to the nearest branch
     point: no power of it leaves the range of floats, no product rounds.
     """
@@ -112,7 +112,7 @@ def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
 
     Near the identity σ_i is α_i − c, whatever the centre c: continued around α_i it has no branch.
     """
-    unit1, unit2, unit3 = alike(axes[0], unit), alike(axes[1], unit), alike(axes[2], unit)
+    unit1, unit2, unit3 = signed_like(axes[0], unit), signed_like(axes[1], unit), signed_like(axes[2], unit)
     u0, u1, v0, v1 = step[0] * unit * unit, step[1] * unit, step[2], step[3] / unit
     return (
         u0 - u1 * centre + (0 * u0 + centre) * centre,
@@ -128,7 +128,7 @@ def recentred(step: Row, axes: Row, centre: Real, unit: float) -> Row:
     )
 
 
-def alike(x: Real, size: Real) -> Real:
+def signed_like(x: Real, size: Real) -> Real:
     """``size`` with the sign of x."""
     return -size if x < 0 else size
 
@@ -161,7 +161,11 @@ def small_translation(small: SmallSteps, k: int, x: Real) -> Row:
     a1, a2, a3 = axes[0] - centre, axes[1] - centre, axes[2] - centre
     x1, x2, x3 = a1 - m, a2 - m, a3 - m
     # as in recentred
-    r1, r2, r3 = alike(a1, root(x1 * x1 - r)), alike(a2, root(x2 * x2 - r)), alike(a3, root(x3 * x3 - r))
+    r1, r2, r3 = (
+        signed_like(a1, root(x1 * x1 - r)),
+        signed_like(a2, root(x2 * x2 - r)),
+        signed_like(a3, root(x3 * x3 - r)),
+    )
     middle = m + centre
     return (
         middle * middle - r,

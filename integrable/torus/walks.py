@@ -11,13 +11,13 @@ from typing import Any, NamedTuple
 
 from integrable.moving_point.addition import (
     carried,
-    conditioning,
     moving_point,
     opposite,
     put,
     rate_after,
     rate_at,
     shift,
+    trust_of,
 )
 from integrable.torus.tables import SmallSteps, small_translation
 from jacobian.inexact.genus2_real import chord, chord_apart
@@ -97,21 +97,21 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
     stride = Stride(down, across, lower)
     left = moving_point(start)
     for k in range(rows):
-        put(left, states, place_of(walk, stride, k, 0))
+        put(left, states, place_at(walk, stride, k, 0))
         left = moved(curve, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
         # in every lane: a compiled sum of lanes is the same function as in other loops
         step = 20 + 0 * i
-        point = moving_point(states, place_of(walk, stride, i, 0))
+        point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(walk.forward):
-            put(point, states, place_of(walk, stride, i, j))
+            put(point, states, place_at(walk, stride, i, j))
             point = moved(curve, point, walk.steps, step, parts1, False)
         put(point, ends, 10 * (i + 1))
-        point = moving_point(states, place_of(walk, stride, i, 0))
+        point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(-1, walk.forward - columns - 1, -1):
             point = moved(curve, point, walk.steps, step, parts1, True)
-            put(point, states, place_of(walk, stride, i, j))
+            put(point, states, place_at(walk, stride, i, j))
     put(moving_point(start), known, 0)
     turn(known, 0, walk.turns, 0)
     with_signs(walk, stride, states, ends, known)
@@ -136,7 +136,7 @@ def closure(start: Row, ends: Row, known: Row) -> float:
     return worst + rest
 
 
-def place_of(walk: Walk, stride: Stride, i: int, j: int) -> int:
+def place_at(walk: Walk, stride: Stride, i: int, j: int) -> int:
     """Where the corner after i steps down and j across is in ``states``."""
     rows, columns = walk.cells
     return 10 * ((stride.down * i + stride.lower * j) % rows * columns + stride.across * j % columns)
@@ -157,18 +157,18 @@ def with_signs(walk: Walk, stride: Stride, states: Row, ends: Row, known: Row) -
     for i in range(rows):
         for j in range(first, walk.forward):
             if (stride.down * i + stride.lower * j) // rows % 2 != 0:
-                turn(states, place_of(walk, stride, i, j), walk.turns, 0)
+                turn(states, place_at(walk, stride, i, j), walk.turns, 0)
     for i in range(rows):
         # a whole period away, times an odd number of cells: the walk that started, or turned back, there
         place = 10 * (i + 1)
         if (stride.down * i + stride.lower * walk.forward) // rows % 2 != 0:
             turn(ends, place, walk.turns, 0)
-        put(moving_point(states, place_of(walk, stride, i, walk.forward)), known, place)
+        put(moving_point(states, place_at(walk, stride, i, walk.forward)), known, place)
         turn(known, place, walk.turns, 3)
     for i in range(rows):
         for j in range(first, walk.forward):
             if stride.across * j // columns % 2 != 0:
-                turn(states, place_of(walk, stride, i, j), walk.turns, 3)
+                turn(states, place_at(walk, stride, i, j), walk.turns, 3)
 
 
 def turn(points: Row, place: int, turns: Row, first: int) -> None:
@@ -197,18 +197,18 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
     put(first, out, 20 * direction)
     put(second, out, 20 * direction + 10)
     double1, double2 = carried(f, axes, first, first), carried(f, axes, second, second)
-    trust, later = min(conditioning(first), conditioning(second)), min(conditioning(double1), conditioning(double2))
+    trust, later = min(trust_of(first), trust_of(second)), min(trust_of(double1), trust_of(double2))
     best, chosen, lower, parts = LEAST_CONDITION * trust, 1, 0, 2
     for count in range(1, min(walk.cells[direction], walk.most) + 1, 2):
         total = carried(f, axes, first, second)
-        found = min(trust, conditioning(total))
+        found = min(trust, trust_of(total))
         if found > best:
             best, chosen, lower, parts = found, count, 0, 1
             put(total, out, 20 * direction)
         if direction == 1:
             more1, more2 = carried(f, axes, first, down1), carried(f, axes, second, down2)
             total = carried(f, axes, more1, more2)
-            found = min(trust, conditioning(more1), conditioning(more2), conditioning(total))
+            found = min(trust, trust_of(more1), trust_of(more2), trust_of(total))
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
@@ -216,7 +216,7 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
         if best >= NEARLY * trust:
             break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
-        trust = min(trust, later, conditioning(first), conditioning(second))
+        trust = min(trust, later, trust_of(first), trust_of(second))
     return chosen, lower, parts
 
 
@@ -250,7 +250,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
                 both = carried(
                     curve.f, curve.unit_axes, moving_point(fine.steps, place), moving_point(fine.steps, place + 10)
                 )
-                if conditioning(both) > least:
+                if trust_of(both) > least:
                     put(both, fine.steps, place)
                     counts[n] = 1
             n += 1

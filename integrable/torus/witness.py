@@ -22,7 +22,7 @@ from integrable.moving_point.short_rows import curve_of, unit_axes
 from integrable.moving_point.translations import REACH, Translations
 from integrable.phase.coordinates import directions_of
 from integrable.torus.states import Torus, point_at, point_beside, put_state, states_at_tau
-from integrable.torus.tables import TableRoom, expansion, near_centre, recentred
+from integrable.torus.tables import TableRoom, expansion_about, near_centre, recentred
 from integrable.torus.walks import Curve
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
@@ -92,7 +92,9 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
 
     They are used where those of :func:`departure` do not suffice; other times are not checked again.
     """
-    rows = [(t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not alike(x, y)]
+    rows = [
+        (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)
+    ]
     bare = setup.bare_problem
     # not the set-up's own, which come from numbers of the wide field
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
@@ -104,7 +106,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
     return True
 
 
-def alike(first: np.ndarray, second: np.ndarray) -> bool:
+def states_agree(first: np.ndarray, second: np.ndarray) -> bool:
     """Whether two states agree up to the loss allowed in double-double numbers."""
     return difference(first.tolist(), second.tolist()) <= ALIKE
 
@@ -156,7 +158,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
         put(moving_point(line.start, 0), points, 10 * i)
     for k in range(2 if line.far else 1):
         centre, share = leg(line, k)
-        about, numbers = expansion(line.motion, centre, room, NEWTON_PASSES), room.numbers
+        about, numbers = expansion_about(line.motion, centre, room, NEWTON_PASSES), room.numbers
         scale, half_step = share / about.unit, 2 * REACH / float(root(-about.f0))
         farthest = half_step
         for time in times:

@@ -283,7 +283,9 @@ def test_item_11_one_minus_sign(K) -> None:
             h1, h2 = separation.integrals(moved.body, point)
             group = moved.group(h1, h2)
             move = step.over(moved)._move(h1, h2)[1]
-            total = group.from_mumford(*separation.to_mumford(moved.body, point)) + group.from_mumford(move.u, move.v)
+            total = group.from_mumford(*separation.separated_to_mumford(moved.body, point)) + group.from_mumford(
+                move.u, move.v
+            )
             return _flat(separation.of_mumford(moved.body, total.u, total.v if sign > 0 else poly.neg(N, total.v)))
 
         start = _flat(system.separated(state))
@@ -384,7 +386,9 @@ def _phi(N, a, x):
 def test_item_23_W_is_not_a_change_of_time(K) -> None:
     K = K()
     _, a, _, _, x = _sphere_case(K, 23)
-    rows = jacobian_matrix(K, lambda N, y: sphere.integrals(N, a, Separated((y[0], y[1]), (y[2], y[3]))), _flat(x))
+    rows = jacobian_matrix(
+        K, lambda N, y: sphere.sphere_integrals(N, a, Separated((y[0], y[1]), (y[2], y[3]))), _flat(x)
+    )
     fields = [(h[2], h[3], K.neg(h[0]), K.neg(h[1])) for h in rows]
     u1, u2 = x.u
     in_w = [K.mul(w, s) for w, s in zip((u1, u2, u1, u2), fields[0], strict=True)]
@@ -412,8 +416,8 @@ def test_items_24_to_26_the_parabola(K) -> None:
     # the only P' is the plane point (0, 0); with any second one there is no relation
     rows[2:] = [(N.zero, N.zero, N.one, N.zero), (N.one, N.one, N.one, parabola(N.one) + 1)]
     assert _determinant(rows) != 0
-    h1, h2 = (N.constant(h) for h in sphere.integrals(N.base, a, point))
-    f = poly.mul(N, tuple(map(N.constant, sphere.phi(N.base, a))), (h2, h1))
+    h1, h2 = (N.constant(h) for h in sphere.sphere_integrals(N.base, a, point))
+    f = poly.mul(N, tuple(map(N.constant, sphere.phi_poly(N.base, a))), (h2, h1))
     slope = (y1 / u1 - y2 / u2) / (u1 - u2)
     P = (N.zero, y1 / u1 - slope * u1, slope)
     U = poly.from_roots(N, (u1, u2))

@@ -6,7 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
-from integrable.classical.kdv import KdV, directions, potential
+from integrable.classical.kdv import KdV, directions_of_waves, potential
 from integrable.classical.two_gaps import TwoGaps
 from integrable.mumford.fields import rates
 from integrable.phase.jets import Jet, JetField
@@ -44,7 +44,7 @@ def test_the_equation_exactly(K, gaps) -> None:
         return kdv.spectral(kdv.state(different(K, rng, gaps), [rng.choice((1, -1)) for _ in range(gaps)]))
 
     f, u, v = attempt(make)
-    of_x, of_t = directions(K, f)
+    of_x, of_t = directions_of_waves(K, f)
     # the pair, then the pair with its derivative along x in jets, again and again
     N, pair, steps = K, (u, v), []
     for _ in range(3):
@@ -84,7 +84,7 @@ def error_in_many_digits(edges, gamma, signs, x, t, steps):
     with LongField(128) as K:
         f, u, v = kdv._spectral(K, kdv.state(gamma, signs))
         z, g = [*u[:-1], *v], len(v)
-        for direction, time, count in zip(directions(K, f), (x, t), steps, strict=True):
+        for direction, time, count in zip(directions_of_waves(K, f), (x, t), steps, strict=True):
 
             def rate(z, direction=direction):
                 of_u, of_v = rates(K, f, (*z[:g], K.one), tuple(z[g:]), direction)
@@ -247,7 +247,7 @@ def test_theta_functions(gaps) -> None:
     u = wave(edges, edges[1::2], [1] * gaps, K)
     f = tuple(map(K.coerce, u.kdv.spectral(u.start).f))
     matrix = periods(HyperellipticCurve(K, f))
-    of_x, of_t = directions(K, f)
+    of_x, of_t = directions_of_waves(K, f)
     ctx.dps = 60
     try:
         A, tau = (acb_mat([[number(acb, c) for c in row] for row in rows]) for rows in (matrix.A, matrix.tau))

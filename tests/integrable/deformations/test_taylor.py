@@ -10,7 +10,7 @@ import pytest
 from integrable import Check, Gyroscopic, Hat, Tilde
 from integrable.deformations import taylor
 from integrable.deformations.deformed_flow import widened
-from integrable.deformations.equations import rates
+from integrable.deformations.equations import right_hand_sides
 from integrable.series.tape import (
     CONSTANT,
     DIFFERENCE,
@@ -88,16 +88,16 @@ def _start(name):
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_the_rates_of_a_deformation_are_recorded(name) -> None:
     system, y = _start(name)
-    gap = zip(_run(recorded(rates(system), len(y)), y), rates(system)(y), strict=True)
+    gap = zip(_run(recorded(right_hand_sides(system), len(y)), y), right_hand_sides(system)(y), strict=True)
     assert max(abs(a - b) for a, b in gap) < 1e-37
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_compiled_and_interpreted_series_agree_with_extrapolation(name) -> None:
     (system, y), time = _start(name), K.coerce(-0.125)
-    right = extrapolate(rates(system), y, time, pieces=6)
+    right = extrapolate(right_hand_sides(system), y, time, pieces=6)
     for digits in (20, 30):
-        row, start = taylor.integrate(K, recorded(rates(system), len(y)), y, [time, K.zero], digits)
+        row, start = taylor.integrate(K, recorded(right_hand_sides(system), len(y)), y, [time, K.zero], digits)
         # double-double numbers lose a few of their digits in the potentials
         assert max(abs(a - b) for a, b in zip(row, right, strict=True)) < K.coerce(10) ** (3 - digits)
         assert start == y

@@ -9,7 +9,7 @@ from integrable.motion import contact
 from integrable.motion.flow import Flow
 from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
-from integrable.torus.panels import Panels, integrals
+from integrable.torus.panels import Panels, panel_integrals
 from jacobian import MP, RR
 from jacobian.errors import NotRepresentable, PrecisionLoss
 
@@ -112,7 +112,7 @@ def test_at_any_distance(flow, start, accuracy):
         # r ω×γ along the horizontal part of M
         return BALL.radius * np.einsum("ij,ij->i", states.attitude[:, 0], np.cross(states.omega, states.gamma))[:, None]
 
-    along = integrals(Panels(velocity, start, end, 2.0), np.array([end]))[0, 0]
+    along = panel_integrals(Panels(velocity, start, end, 2.0), np.array([end]))[0, 0]
     assert abs(run.contact[1, 0] - run.contact[0, 0] - along) < accuracy
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from integrable import ChaplyginBall, EulerTop
-from integrable.torus.panels import Panels, integrals, zeros
+from integrable.torus.panels import Panels, panel_integrals, zeros
 from jacobian import MP
 from jacobian.errors import ArgumentError, PrecisionLoss
 
@@ -17,7 +17,7 @@ def test_panels_hold_a_function_its_integral_and_its_zeros():
     panels = Panels(lambda t: (np.exp(-t / 5) * np.cos(3 * t))[:, None], 0.0, 10.0, 4.0)
     times = np.linspace(0, 10, 57)
     exact = (np.exp((3j - 0.2) * times) - 1) / (3j - 0.2)
-    assert np.abs(integrals(panels, times)[:, 0] - exact.real).max() < 1e-14
+    assert np.abs(panel_integrals(panels, times)[:, 0] - exact.real).max() < 1e-14
     found, slopes, _ = zeros(panels)
     assert np.abs(found - (np.arange(len(found)) + 0.5) * np.pi / 3).max() < 1e-12
     assert len(found) == 10
@@ -26,7 +26,7 @@ def test_panels_hold_a_function_its_integral_and_its_zeros():
 
 def test_a_narrow_peak_is_resolved_by_halving():
     panels = Panels(lambda t: 1 / ((t[:, None] - 0.3) ** 2 + 1e-4), -1.0, 1.0, 2.0)
-    assert abs(integrals(panels, np.array([1.0]))[0, 0] - 100 * (np.arctan(70) + np.arctan(130))) < 1e-10
+    assert abs(panel_integrals(panels, np.array([1.0]))[0, 0] - 100 * (np.arctan(70) + np.arctan(130))) < 1e-10
 
 
 def test_a_jump_is_refused():

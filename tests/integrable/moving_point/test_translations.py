@@ -6,7 +6,7 @@ from integrable import ChaplyginBall, EulerTop
 from integrable.moving_point import addition
 from integrable.moving_point.legendre import LegendreSeries, legendre_transform
 from integrable.moving_point.setup import Setup
-from integrable.moving_point.translations import FEW, Expansion, Translations, expand, expansion
+from integrable.moving_point.translations import FEW, Expansion, Translations, expand_orders, expansion
 from jacobian.numbers.long_reals import BareReals
 from jacobian.numbers.roots import root
 
@@ -97,7 +97,7 @@ def test_the_expansion_of_compiled_loops_is_the_readable_one(ball) -> None:
         expected = expansion(setup.bare.f, count)
         for begin in (0, 1, 2, 8, count):
             rows = Expansion(*([reals.number(0)] * count for _ in Expansion._fields))
-            expand(setup.bare.f, rows, 0, begin)
-            expand(setup.bare.f, rows, begin, count)
+            expand_orders(setup.bare.f, rows, 0, begin)
+            expand_orders(setup.bare.f, rows, begin, count)
             for found, row in zip(rows, expected, strict=False):
                 assert all(abs(x - y) <= 1e-50 * abs(y) for x, y in zip(found, row, strict=True))

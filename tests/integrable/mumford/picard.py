@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.mumford.fields import Poly, multiplier, rates_and_quotients, second_kind_rate
+from integrable.mumford.fields import Poly, multiplier, padded, rates_and_quotients
 from integrable.mumford.series import lift_rates, radius_of
 from jacobian import poly
 from jacobian.fields.inexact import InexactField
@@ -122,3 +122,10 @@ def _extend(
     of_roots = lift_rates(K, (turning, *quotients), list(map(K.coerce, ends)), roots)
     for row, rate in zip(rows, (*of_u[:-1], *of_v, second, *thirds, *of_roots), strict=True):
         row.append(rate[k - 1] / k)
+
+
+def second_kind_rate(K: Any, u: Poly, direction: Sequence[Any]) -> Any:
+    """Σ x_i^g x_i'/y_i = −[x^{g−1}](x^g·n mod U) along a direction: the rate of the second-kind datum."""
+    size = len(u) - 1
+    moved = poly.mod(K, (*[K.zero] * size, *multiplier(K, u, direction)), u)
+    return K.neg(padded(K, moved, size)[-1])

@@ -11,7 +11,6 @@ from integrable.mumford.fields import (
     lax_partner,
     padded,
     rates,
-    second_kind_rate,
 )
 from integrable.mumford.maps import (
     generating_function,
@@ -24,6 +23,7 @@ from integrable.mumford.translations import through
 from integrable.phase.jets import Jet, JetField
 from jacobian import HyperellipticCurve, poly
 from tests.integrable.exact_points import attempt, over_fields
+from tests.integrable.mumford.picard import second_kind_rate
 
 DEGREES = pytest.mark.parametrize("degree", range(3, 11))
 

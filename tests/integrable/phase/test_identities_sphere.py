@@ -73,11 +73,11 @@ def test_integrals_of_the_sphere(K) -> None:
         return system, state, system.separated(state)
 
     system, state, point = attempt(make)
-    h1, h2 = sphere.integrals(K, system.a, point)
+    h1, h2 = sphere.sphere_integrals(K, system.a, point)
     x = phase(system, state)
     assert (h1, h2) == (dot(x.M, x.M), -dot(x.M, x.AM))
     for u, p in zip(*point, strict=True):
-        scale = poly.evaluate(K, sphere.phi(K, system.a), u)
+        scale = poly.evaluate(K, sphere.phi_poly(K, system.a), u)
         y = K.mul(scale, p)
         assert K.mul(y, y) == K.mul(scale, K.add(K.mul(h1, u), h2))
 
@@ -89,10 +89,11 @@ def test_the_flow_on_the_sphere_and_the_bracket_W(K) -> None:
     a, x, _, _ = map_case(K, 2, lambda N, a, y: y)
     N = JetField(K, 0)
     first, second = (
-        [N.constant(s) for s in slopes(K, lambda J, y, i=i: sphere.integrals(J, a, pair(y))[i], x)] for i in (0, 1)
+        [N.constant(s) for s in slopes(K, lambda J, y, i=i: sphere.sphere_integrals(J, a, pair(y))[i], x)]
+        for i in (0, 1)
     )
     u, p = [N.constant(y) for y in x[:2]], [N.constant(y) for y in x[2:]]
-    y = [N.constant(poly.evaluate(K, sphere.phi(K, a), e.value)) * q for e, q in zip(u, p, strict=True)]
+    y = [N.constant(poly.evaluate(K, sphere.phi_poly(K, a), e.value)) * q for e, q in zip(u, p, strict=True)]
     du = first[2:]
     assert du[0] / y[0] + du[1] / y[1] == 0
     assert u[0] * du[0] / y[0] + u[1] * du[1] / y[1] == 2
@@ -119,7 +120,7 @@ def test_conic_steps_preserve_their_brackets(K, name) -> None:
         y0 = constant
         if "F" in name:
             # f(x0)/φ(x0) = h1x0 + h2
-            h1, h2 = sphere.integrals(N, a, pair(x))
+            h1, h2 = sphere.sphere_integrals(N, a, pair(x))
             y0 = N.add(N.mul(h1, x0), h2)
         return flat(sphere.conic(N, a, pair(x), x0, y0))
 
@@ -129,7 +130,7 @@ def test_conic_steps_preserve_their_brackets(K, name) -> None:
         return canonical_matrix(K) if x0 is None else weighted_matrix(K, [K.sub(e, x0) for e in y[:2]])
 
     assert pushed(K, rows, matrix(x)) == matrix(image)
-    assert sphere.integrals(K, a, pair(image)) == sphere.integrals(K, a, pair(x))
+    assert sphere.sphere_integrals(K, a, pair(image)) == sphere.sphere_integrals(K, a, pair(x))
     if constant == K.zero and "F" not in name:
         # y0 = 0 is the element of order two
         assert _same(flat(sphere.conic(K, a, pair(image), x0, K.zero)), x)
@@ -150,7 +151,7 @@ def test_the_parabola_written_out(K, infinite) -> None:
     a, x, x0, y0, image = attempt(make)
     N = JetField(K, 0)
     wrap = lambda values: tuple(map(N.constant, values))  # noqa: E731
-    phi, (h1, h2) = wrap(sphere.phi(K, a)), wrap(sphere.integrals(K, a, pair(x)))
+    phi, (h1, h2) = wrap(sphere.phi_poly(K, a)), wrap(sphere.sphere_integrals(K, a, pair(x)))
     f, U, V = poly.mul(N, phi, (h2, h1)), poly.from_roots(N, wrap(x[:2])), wrap(sphere.momentum_line(K, a, pair(x)))
     c = N.constant(y0) if infinite else (N.constant(y0) - poly.evaluate(N, V, x0)) / poly.evaluate(N, U, x0)
     P = poly.add(N, V, poly.scale(N, c, U))
@@ -176,8 +177,8 @@ def test_the_walk_along_the_pencil_is_multiplicative(K) -> None:
 
     def make():
         a, x = point_of(K, rng)
-        h1, h2 = sphere.integrals(K, a, pair(x))
-        f = poly.mul(K, sphere.phi(K, a), (h2, h1))
+        h1, h2 = sphere.sphere_integrals(K, a, pair(x))
+        f = poly.mul(K, sphere.phi_poly(K, a), (h2, h1))
         D = poly.from_roots(K, x[:2]), sphere.momentum_line(K, a, pair(x))
         x0, y0, y1 = (K.random(rng) for _ in range(3))
         both = K.div(K.add(K.mul(y0, y1), poly.evaluate(K, f, x0)), K.add(y0, y1))
@@ -200,8 +201,8 @@ def test_a_conic_step_leaves_the_class_of_the_divisor(K) -> None:
 
     def make():
         a, x = point_of(K, rng)
-        h1, h2 = sphere.integrals(K, a, pair(x))
-        C = HyperellipticCurve(K, poly.mul(K, sphere.phi(K, a), (h2, h1)))
+        h1, h2 = sphere.sphere_integrals(K, a, pair(x))
+        C = HyperellipticCurve(K, poly.mul(K, sphere.phi_poly(K, a), (h2, h1)))
         D = poly.from_roots(K, x[:2]), sphere.momentum_line(K, a, pair(x))
         # over an inert model of genus 1 the classes have no unique pair
         J = C.jacobian()
@@ -222,7 +223,7 @@ def test_a_conic_through_a_point_that_moves_with_another_integral_is_not_canonic
     K = K()
     one = K.one
     _, x, image, rows = map_case(
-        K, 4, lambda N, a, y: flat(sphere.conic(N, a, pair(y), one, sphere.integrals(N, a, pair(y))[0]))
+        K, 4, lambda N, a, y: flat(sphere.conic(N, a, pair(y), one, sphere.sphere_integrals(N, a, pair(y))[0]))
     )
     before, after = (weighted_matrix(K, [K.sub(e, one) for e in y[:2]]) for y in (x, image))
     assert pushed(K, rows, before) != after
@@ -362,7 +363,7 @@ def test_the_hat_variables(K) -> None:
     assert pushed(K, rows, canonical_matrix(K)) == canonical_matrix(K)
     line = sphere.momentum_line(K, a, pair(x))
     for u, p in zip(image[:2], image[2:], strict=True):
-        assert K.mul(p, poly.evaluate(K, sphere.phi(K, a), u)) == K.neg(poly.evaluate(K, line, u))
+        assert K.mul(p, poly.evaluate(K, sphere.phi_poly(K, a), u)) == K.neg(poly.evaluate(K, line, u))
 
 
 @over_fields()
@@ -414,7 +415,7 @@ def test_the_hat_map_over_the_reals() -> None:
 def through_line(N, a, x, q):
     """(ũ, p̃): ũ the other roots of z²q − φ(x)(xh1 + h2), z = ℓ(x) the line through (u_k, φ_kp_k), p̃ = −ℓ(ũ)/φ(ũ)."""
     point = pair(x)
-    line, phi = sphere.momentum_line(N, a, point), sphere.phi(N, a)
+    line, phi = sphere.momentum_line(N, a, point), sphere.phi_poly(N, a)
     (u1, u2), (p1, p2) = point
     values = [
         N.mul(N.mul(poly.evaluate(N, phi, u), poly.evaluate(N, q, u)), N.mul(p, p)) for u, p in ((u1, p1), (u2, p2))
@@ -476,7 +477,7 @@ def test_the_metric_of_the_hat_flow(K) -> None:
     N = JetField(K, 0)
     wrap = lambda values: [N.constant(y) for y in values]  # noqa: E731
     (u1, u2, p1, p2), (n1, n2), (g1, g2) = wrap(x), wrap(nu), wrap(sphere.metric(K, a, x[:2]))
-    f1, f2 = (N.constant(poly.evaluate(K, sphere.phi(K, a), e)) for e in x[:2])
+    f1, f2 = (N.constant(poly.evaluate(K, sphere.phi_poly(K, a), e)) for e in x[:2])
     e1, e2, e3 = wrap(a)
     assert n1 + n2 == g1 * p1**2 + g2 * p2**2
     linear = (u1**2 * p1 - u2**2 * p2) / (u1 - u2)

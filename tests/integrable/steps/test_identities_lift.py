@@ -206,7 +206,7 @@ def test_the_conjugate_pair(K, kind) -> None:
         beta = im / (2 * alpha)
         assert alpha * alpha - square * beta * beta == re
         group = moved.group(h1, h2)
-        D = group.from_mumford(*separation.to_mumford(moved.body, point))
+        D = group.from_mumford(*separation.separated_to_mumford(moved.body, point))
         total = D + group.from_mumford((square, N.zero, N.one), (alpha, beta))
         after = separation.of_mumford(moved.body, total.u, total.v)
         return (*after.u, *after.p), separation.integrals(moved.body, after), (h1, h2)

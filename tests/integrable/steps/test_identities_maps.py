@@ -218,7 +218,7 @@ def _flat(point):
 def _through(system, step, x):
     """(ũ, p̃) of (u, p) through the sum of divisors alone."""
     point = Separated((x[0], x[1]), (x[2], x[3]))
-    u, v = separation.to_mumford(system.body, point)
+    u, v = separation.separated_to_mumford(system.body, point)
     h1, h2 = separation.integrals(system.body, point)
     group = system.group(h1, h2)
     move = step.over(system)._move(h1, h2)[1]
@@ -249,7 +249,7 @@ def test_multiples_of_the_own_divisor_on_u_and_p(K, kind, factor) -> None:
             moved = over(system, N)
             point = Separated((x[0], x[1]), (x[2], x[3]))
             group = moved.group(*separation.integrals(moved.body, point))
-            D = group.from_mumford(*separation.to_mumford(moved.body, point))
+            D = group.from_mumford(*separation.separated_to_mumford(moved.body, point))
             D = _multiple(factor, D)
             return _flat(separation.of_mumford(moved.body, D.u, D.v))
 

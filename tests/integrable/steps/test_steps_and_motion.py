@@ -108,7 +108,7 @@ def test_a_conic_step_commutes_with_the_flows_of_its_own_bracket(K) -> None:
 
         def image(N, x):
             moved = over(top, N)
-            u, v = separation.to_mumford(moved.body, Separated(x[:2], x[2:]))
+            u, v = separation.separated_to_mumford(moved.body, Separated(x[:2], x[2:]))
             c = N.div(N.sub(N.coerce(y0), poly.evaluate(N, v, N.coerce(x0))), poly.evaluate(N, u, N.coerce(x0)))
             P = poly.add(N, v, poly.scale(N, c, u))
             f = moved.body.polynomial(*separation.integrals(moved.body, Separated(x[:2], x[2:])))

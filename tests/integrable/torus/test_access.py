@@ -12,7 +12,7 @@ from integrable.motion.precise import PreciseFlow
 from integrable.moving_point.bare_problem import TIME_SCALE
 from integrable.oracles.reference import taylor
 from integrable.torus import walks, witness
-from integrable.torus.access import TorusFlow, series_of
+from integrable.torus.access import TorusFlow, series_between
 from integrable.torus.clock_loops import swing_and_rate
 from integrable.torus.clock_modes import Cutoffs
 from integrable.torus.corners import Corners, nearest_column
@@ -251,7 +251,7 @@ def test_a_trigonometric_polynomial_is_integrated_exactly() -> None:
         loops = ReadableLoops(setup) if setup else CompiledLoops()
         values, _ = loops.spectrum(rate(first, second).astype(np.longdouble), (1e-15, 1e-15))
         rates = loops.row((*nu, 2, 2 * MP(40).context.pi))
-        rough, packed, quiet, modes, _ = series_of(
+        rough, packed, quiet, modes, _ = series_between(
             loops, values, first.shape, rates, Cutoffs(1e-15, 1e-15, inf, 0.3, inf)
         )
         assert quiet is packed
