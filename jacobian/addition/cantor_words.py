@@ -1,4 +1,4 @@
-"""Cantor's composition and reduction in compiled code, for one pair of classes over a context of words.
+"""Cantor's composition and reduction in compiled code, for one pair of classes in a context of words.
 
 The steps of :mod:`jacobian.addition.cantor`, for every genus, model and special case, written once for all contexts of
 :mod:`jacobian.numbers.words` and :mod:`jacobian.numbers.tables`. Polynomials are rows of one array of scratch,
@@ -28,7 +28,7 @@ _HEAD = 7
 
 def packed_curve(C: HyperellipticCurve, to_word: Any) -> Any:
     """The curve as an array of words: genus, whether it is split, the lengths of f, h, V₊ and V₋, the value of
-    y/x^(g+1) at ∞₊, and the four polynomials.
+    y/x^(g+1) at ∞₊, then the four polynomials.
     """
     parts = C.principal_parts if C.model == "split" else ((), ())
     polynomials = (C.f, C.h, *parts)
@@ -38,7 +38,7 @@ def packed_curve(C: HyperellipticCurve, to_word: Any) -> Any:
 
 
 def width(genus: int) -> int:
-    """Words of a class."""
+    """The number of words of a class."""
     return 2 * genus + 4
 
 
@@ -48,11 +48,11 @@ compiled = register_jitable(error_model="numpy")
 
 @compiled
 def scratch(curve):  # type: ignore[no-untyped-def]  # compiled code is typed by its first call, here and below
-    """Room for one operation at a time."""
+    """Scratch memory for one operation at a time."""
     return np.empty((ROWS, 4 * curve[0] + 8), np.int64)
 
 
-# --- polynomials: each function returns the length of what it leaves in its first array
+# --- polynomials: each function returns the length of the result, which is in its first array
 
 
 @compiled
@@ -184,7 +184,7 @@ def _half_xgcd(K, S, d, s, a, na, b, nb):  # type: ignore[no-untyped-def]
 
 @compiled
 def equation(curve):  # type: ignore[no-untyped-def]
-    """(f, its length, h, its length), f and h without zeros at the top."""
+    """(f, its length, h, its length), without leading zeros."""
     begin = _HEAD + curve[2]
     return curve[_HEAD:begin], curve[2], curve[begin : begin + curve[3]], curve[3]
 
@@ -228,8 +228,8 @@ def _without(K, S, r, u, nu, d, nd):  # type: ignore[no-untyped-def]
 
 @compiled
 def _common_part(K, curve, S, nd, sum_of_v, nk, divisor):  # type: ignore[no-untyped-def]
-    """The lengths of d and k (rows 7 and 9) after :func:`jacobian.addition.cantor._common_part`; what else is given
-    has its length behind it, here and below.
+    """The lengths of d and k (rows 7 and 9) after :func:`jacobian.addition.cantor._common_part`. Here and below each
+    polynomial is followed by its length.
     """
     (trace, nt), (u, nu, v, nv) = sum_of_v, divisor
     d, k, common, t, r, other = S[7], S[9], S[11], S[12], S[13], S[14]
