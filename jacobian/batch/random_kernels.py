@@ -1,4 +1,4 @@
-"""Loops that random classes are made of: points over many x at once, and Mumford pairs through g points.
+"""Loops for random classes: points over many x at once, and Mumford pairs through g points.
 
 Points have their coordinates in words; rows of the group are columns, as in :mod:`jacobian.batch.row_kernels`.
 Importing this module imports numba.
@@ -63,8 +63,8 @@ def square_root(K, a, power, generator, twos):  # type: ignore[no-untyped-def]
 
 @njit(**JIT)
 def lift(K, f, windows, generator, twos, x, y, second):  # type: ignore[no-untyped-def]
-    """y[i] = the ordinate over x[i] on y² = f(x) in GF(p), the other one where ``second`` says so; returns which there
-    are, (N,): of a branch point there is no second one.
+    """y[i] = an ordinate over x[i] on y² = f(x) in GF(p), the other one where ``second`` is true. Returns which exist,
+    (N,): a branch point has no second one.
     """
     found = np.zeros(len(x), np.bool_)
     value, power, odd = np.empty(LANES, np.int64), np.empty(LANES, np.int64), np.empty((8, LANES), np.int64)
@@ -89,8 +89,8 @@ def lift(K, f, windows, generator, twos, x, y, second):  # type: ignore[no-untyp
 
 @njit(**JIT)
 def through_points(K, g, x, y, out):  # type: ignore[no-untyped-def]
-    """(u, v) of the columns of points (x, y), (g, N), no two of one x: by Newton's interpolation, a block of rows to an
-    inversion. Returns which columns have two points of one x, (N,); nothing is said of those.
+    """(u, v) of the columns of points (x, y), (g, N), whose x must differ: by Newton's interpolation, with one
+    inversion for a block of rows. Returns which columns have equal x, (N,); their pairs are undefined.
     """
     count = x.shape[1]
     double = np.zeros(count, np.bool_)
