@@ -1,6 +1,6 @@
-"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve for what they do not find
-quickly). Infeasible names the cofactor that resists, and every function that needs a factorisation accepts one from the
-caller.
+"""Factoring integers: trial division, then python-flint (elliptic curves; the quadratic sieve for cofactors that it
+splits within a second). Infeasible names the cofactor that resists, and every function that needs a factorisation
+accepts one from the caller.
 """
 
 from __future__ import annotations
