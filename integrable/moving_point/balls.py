@@ -1,4 +1,4 @@
-"""Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry a bound of their error.
+"""Ball arithmetic for flows (python-flint's arb; Johansson 2017): numbers that carry an error bound.
 
 Every formula of :mod:`integrable.moving_point.addition` holds exactly for exact points of the curve, in each of its
 branches; so it maps balls around such points to balls around the result, whichever branch a comparison of balls takes.
@@ -35,7 +35,7 @@ class BallField(InexactField):
         self.eps = self.one * 2.0**-50
 
     def coerce(self, value: Any, argument: str = "value") -> Any:
-        """The ball of radius 0 around a number; a ball itself."""
+        """The ball of radius 0 around a number; balls are returned unchanged."""
         return self._reals.number(value)
 
     def sqrt(self, x: Any) -> Any:
@@ -48,7 +48,7 @@ class BallField(InexactField):
 
 
 def around(middle: Any, radius: Any) -> Any:
-    """A ball that contains all numbers within an upper bound of ``radius`` of those in ``middle``."""
+    """A ball that contains all numbers within ``radius`` of those in ``middle``."""
     from flint import arb
 
     return middle + arb(0, radius.abs_upper())
@@ -74,8 +74,8 @@ def picard_box(
 
 
 def time_after(tau: Any, rest: Any, rate: Callable[[Any], Any]) -> Any:
-    """The ball of the τ where a clock shows ``rest`` more than at an exact one, by the interval Newton method;
-    ``rate`` has dt/dτ on a ball of τ, and must be seen to be positive. PrecisionLoss where no ball is found.
+    """The ball of the τ where a clock shows ``rest`` more than at an exact one, by the interval Newton method; ``rate``
+    gives dt/dτ on a ball of τ and must be provably positive. PrecisionLoss if no ball is found.
     """
     from flint import arb
 
@@ -100,7 +100,7 @@ class BallTranslations:
         self.axes = (*problem.axes[:3], one, one, one, one, problem.field.zero)
         size = len(plain.series)
         self._series, self._roots = (series_of(problem.f, power, size) for power in (-1, 1))
-        # the distance to the nearest branch point, from below
+        # a lower bound of the distance to the nearest branch point
         self._nearest = min(x.abs_lower() for x in problem.branch_points)
 
     def near(self, eps: Any) -> tuple[Any, ...]:
@@ -111,7 +111,7 @@ class BallTranslations:
         size = plain.terms(plain.reals.bits, term_bits)
         m, r, tail, reach = self._zero(*plain.centre(small.mid(), term_bits), small, size)
         roots = list(self._roots[:size])
-        # the terms left out, of (m+√r)^k + (m−√r)^k in the even sum and of S_k in the odd one
+        # truncation errors: of (m+√r)^k + (m−√r)^k in the even sum and of S_k in the odd one
         roots[0] = around(roots[0], tail)
         roots[1] = around(roots[1], tail / reach)
         step = conjugate_points(roots, self.f[0], self.axes, small, m, r)
@@ -120,7 +120,7 @@ class BallTranslations:
         return step
 
     def _zero(self, m: Any, r: Any, eps: Any, size: int) -> tuple[Any, Any, Any, Any]:
-        """(m, r) enclosed; Σ(k+1)⁴q^k of the terms left out; a bound of |m| + √|r|."""
+        """(m, r) enclosed; Σ(k+1)⁴q^k of the truncated terms; a bound of |m| + √|r|."""
         target = self.f[0] * eps * eps / 4
         noise = 2.0 ** (20 - self._plain.reals.bits) + 8 * (eps.rad() / eps).abs_upper()
         radii = [abs(x).abs_upper() * noise for x in (m, r)]
@@ -157,7 +157,7 @@ class BallTranslations:
         )
 
     def _tail(self, reach: Any, size: int) -> Any:
-        """Σ_{k ≥ size} (k+1)⁴(reach/nearest)^k, from above."""
+        """An upper bound of Σ_{k ≥ size} (k+1)⁴(reach/nearest)^k."""
         q = (reach / self._nearest).abs_upper()
         ratio = q * (size + 2) ** 4 / (size + 1) ** 4
         if not ratio < 1:
@@ -166,7 +166,9 @@ class BallTranslations:
 
 
 def _krawczyk(value: Any, slope: Any, point: Any, apart: Any) -> list[Any]:
-    """x − Y·F(x) + (1 − Y·J)(box − x) with Y about the inverse of J: inside the box, it holds the only zero there."""
+    """x − Y·F(x) + (1 − Y·J)(box − x), with Y an approximate inverse of J: if it is inside the box, it contains the
+    only zero there.
+    """
     a, b, c, d = (x.mid() for x in slope)
     det = a * d - b * c
     rows = [[(x / det).mid() for x in row] for row in ((d, -b), (-c, a))]

@@ -16,7 +16,7 @@ from integrable.moving_point.setup import Setup
 
 
 class Centres:
-    """The moving points ±(2n + 1)·``half`` from the start of a motion, of bare reals, as far as they are asked for."""
+    """The moving points ±(2n + 1)·``half`` from the start of a motion, in bare reals, computed on request."""
 
     def __init__(self, setup: Setup, half: float, sign: int) -> None:
         self.setup, translations = setup, setup.translations
@@ -24,13 +24,13 @@ class Centres:
         self._points = [self._after(setup.bare.start, translations.near(sign * half))]
 
     def last(self, count: int) -> tuple[Any, ...]:
-        """That of panel ``count`` − 1."""
+        """The centre of panel ``count`` − 1."""
         while len(self._points) < count:
             self._points.append(self._after(self._points[-1], self._step))
         return self._points[count - 1]
 
     def packed(self, count: int) -> np.ndarray:
-        """The first of them as double-doubles, shape (10·count, 2)."""
+        """The first ``count`` centres as double-doubles, shape (10·count, 2)."""
         self.last(count)
         with self.setup.reals:
             pairs = [(float(x), float(x - float(x))) for point in self._points[:count] for x in point]

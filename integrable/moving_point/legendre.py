@@ -12,7 +12,7 @@ import numpy as np
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
-# nodes of an interval, for each digit, beyond which a function counts as not smooth
+# number of nodes per digit beyond which a function on an interval counts as not smooth
 MOST_NODES = 20
 
 Rule = tuple[list[Any], list[list[Any]], list[Any]]
@@ -20,7 +20,7 @@ Rule = tuple[list[Any], list[list[Any]], list[Any]]
 
 @lru_cache(maxsize=32)
 def legendre_rule(K: Any, count: int) -> Rule:
-    """(nodes, matrix from values at the nodes to a Legendre series, weights of ∫_0^1) on [−1, 1], of K = MP(digits).
+    """(nodes, matrix from values at the nodes to a Legendre series, weights of ∫_0^1) on [−1, 1], in K = MP(digits).
 
     The matrix is n × n, the nodes ascend.
     """
@@ -37,8 +37,8 @@ def legendre_rule(K: Any, count: int) -> Rule:
 
 
 def integral(K: Any, function: Callable[[np.ndarray], np.ndarray], first: Any, last: Any, loss: float) -> np.ndarray:
-    """∫ of a ``function`` of arrays of times, shape (N, m), over one interval, with as many nodes as make its Legendre
-    series end at ``loss`` times the rounding of K; PrecisionLoss where too many do not.
+    """∫ of a ``function`` of arrays of times, shape (N, m), over one interval, with enough nodes that its Legendre
+    series ends at ``loss`` times the rounding of K; PrecisionLoss if too many are needed.
     """
     half, middle, count = (last - first) / 2, (last + first) / 2, K.dps + 16
     while True:
@@ -64,7 +64,7 @@ class LegendreSeries:
             self._rows = list(zip(*columns, strict=True))
 
     def coefficients(self, values: list[Any]) -> list[Any]:
-        """Those of the series that has these values."""
+        """The coefficients of the series with these values."""
         count, weighted = len(values), list(map(mul, self.weights, values))
         # P_k(−x) = (−1)^k·P_k(x)
         low, high = weighted[: len(self._rows[0])], weighted[::-1][: count // 2]

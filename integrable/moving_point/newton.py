@@ -8,8 +8,8 @@ import numpy as np
 
 
 def step_inside(x: Any, value: Any, slope: Any, low: Any, high: Any) -> tuple[Any, Any, Any]:
-    """(a better x, low, high) for the zeros of ascending functions that have a ``value`` and a ``slope`` at x: by
-    Newton's step, or in the middle between ``low`` and ``high`` where it leads beyond. Arrays of one shape.
+    """(a better x, low, high) for the zeros of increasing functions with a ``value`` and a ``slope`` at x: by Newton's
+    step, or by bisection of ``low`` and ``high`` if it leaves the bracket. Arrays of one shape.
     """
     low, high = np.where(value > 0, low, x), np.where(value > 0, x, high)
     better = x - value / slope

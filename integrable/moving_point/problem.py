@@ -1,4 +1,4 @@
-"""What a flow is about, before any precision is chosen: the curve, the start and the units of one motion."""
+"""A motion before any precision is chosen: its curve, start and units."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from jacobian.errors import ArgumentError
 
 
 class MotionProblem:
-    """The motion of a body over a field from γ and M: numbers of that field, which may be balls.
+    """The motion of a body over a field from γ and M, which are numbers of that field and may be balls.
 
     ``f`` is the curve, ascending; ``axes`` and ``start`` are those of :mod:`integrable.moving_point.addition`. Units: x
     over X = max a_i, τ' = 2X|M|·τ, t' = 2X|M|·t; ``time_scale`` is 2X|M|, ``momentum`` |M|, ``ratio`` H1/(H2·X), ``d``
@@ -26,7 +26,7 @@ class MotionProblem:
 
     def __init__(self, body: Body, gamma: Vector, M: Vector, tilted: bool) -> None:
         K = self.field = body.field
-        # the constraints hold to rounding; make them hold to the last digit
+        # the constraints hold only to rounding; restore them to the last digit
         length = K.sqrt(K.dot(gamma, gamma))
         gamma = (gamma[0] / length, gamma[1] / length, gamma[2] / length)
         self.tilt: ChaplyginTransformation | None = None
@@ -76,7 +76,7 @@ class MotionProblem:
 
 
 def at_rest() -> ArgumentError:
-    """What is said of M = 0."""
+    """The message for M = 0."""
     return ArgumentError("M = (0, 0, 0): the body is at rest; a flow needs M ≠ 0")
 
 

@@ -1,4 +1,4 @@
-"""What a flow is set up with, once per state: computed in extended precision and rounded once."""
+"""The set-up of a flow, made once per state: computed in extended precision and rounded once."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from jacobian.numbers.long_reals import BareReals
 GUARD_DIGITS = 10
 WIDER = 20
 GUARD_BITS = 10
-# moving points on the way to others that are kept
+# number of intermediate moving points that are cached
 MOST_PASSED = 4096
 
 
@@ -32,7 +32,7 @@ class Setup:
     """The curve, the start and the translations by basic steps of one motion, in three kinds of numbers: ``floats``,
     ``mpf`` (those of ``wide``, an MP field) and ``bare`` (those of ``reals``, for long loops), each a :class:`View`.
 
-    ``problem`` is the motion in the wide precision and says what the units are. ``digits`` asks for that many digits
+    ``problem`` is the motion in the wide precision; it defines the units. ``digits`` asks for that many digits
     whatever the field of the body, whose numbers are taken as exact; the attribute counts guard digits as well.
     """
 
@@ -73,12 +73,12 @@ class Setup:
 
     @property
     def tilt(self) -> ChaplyginTransformation | None:
-        """What brings a tilted state to (γ, M) = 0."""
+        """The transformation of a tilted state to (γ, M) = 0."""
         return self.problem.tilt
 
     @cached_property
     def time_scale(self) -> Any:
-        """2X|M|, wide: units of τ in one of the flow's own."""
+        """2X|M|, wide: one unit of τ in the flow's own units."""
         return self.reals.element(self.wide, self.bare_problem.time_scale)
 
     @cached_property
@@ -114,20 +114,21 @@ class Setup:
 
     @property
     def terms(self) -> int:
-        """How many terms of a series bring the wide precision within REACH."""
+        """The number of terms of a series that reach the wide precision within REACH."""
         return ceil(self.digits * TERMS_A_DIGIT) + 4 + ceil(1.3 * (self.wide.dps - self.digits))
 
     @cached_property
     def step_time(self) -> float:
-        """How long a basic step takes at the start, in the user's units of physical time.
+        """The duration of a basic step at the start, in the user's units of physical time.
 
-        The step is as long as power series about a state reach, whatever the moments: the scale on which states vary.
+        The step is as long as power series about a state converge, whatever the moments: the time scale on which states
+        vary.
         """
         problem = self.problem
         return abs(float(self.step_length * rate_at(problem.axes, problem.start) / self.time_scale))
 
 
-# terms that a series within REACH takes
+# number of terms per digit of a series within REACH
 TERMS_A_DIGIT = log(10) / -log(1.4 * REACH)
 
 
@@ -157,7 +158,7 @@ class View:
     def reached(self, sign: int, steps: int) -> tuple[Any, ...]:
         """The moving point after sign·``steps`` basic steps, by few additions.
 
-        Those on the way are kept: neighbours share all additions but the last.
+        Intermediate points are cached: neighbours share all additions but the last.
         """
         reals, point, done = self._setup.reals, self.start, 0
         counts, table = self.table(sign, steps)
@@ -174,8 +175,8 @@ class View:
 
 
 def digits_of_closeness(body: Body) -> int:
-    """How many more digits a divisor takes where all moments are nearly equal, or nearly nothing beside d: U vanishes
-    like the square of what they differ by, V like its third power.
+    """The extra digits that a divisor needs where all moments are nearly equal, or tiny beside d: U vanishes like the
+    square of their differences, V like the third power.
     """
     most, least = max(body.inertia), min(body.inertia)
     return 0 if most == least else ceil(3 * log10((most + body.d) / (most - least)))

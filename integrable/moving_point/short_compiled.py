@@ -56,7 +56,7 @@ def entry(
         )  # fmt: skip
         numbers[member] = run(room, rule, request, wide[:GIVEN], tilted)
         numbers[members + member] = made[3]
-        # without a clock there is nothing in ``other``
+        # without a clock ``other`` is empty
         if asked[0] or asked[1]:
             unit = room.numbers[CLOCK if asked[0] else PHYSICAL]
             for i in range(count):
@@ -64,7 +64,7 @@ def entry(
 
 
 def work_room(members: int, times: int) -> Packed:
-    """Room for so many motions at so many times, or fewer; made once for many calls."""
+    """Working memory for this many motions and times, or fewer; made once for many calls."""
     wide, floats = np.empty((GIVEN + WIDE_ROOM, 2)), np.empty(FLOAT_ROOM + 2 * times)
     return Packed((wide, floats, np.empty(2 * members + MADE + times, dtype=np.intp)), WORK)
 
