@@ -1,1 +1,1 @@
-"""Any time at once: the real torus of a motion, its tables and walks, and series of its clock."""
+"""Any time at once: the real torus of a motion, tables of its corners, and series of its clock."""

@@ -15,10 +15,10 @@ Row = Any
 class ClockSeries(NamedTuple):
     """A real Fourier series S on the torus that vanishes at the start, and dS/dτ.
 
-    For every first mode k = 0, 1, … three ``lines`` are the place of its first second mode, and where its coefficients
-    begin and end; for k > 0 they are doubled, in place of those of −k. ``parts`` are the real parts of all coefficients
-    of S, the imaginary ones, and the same of its slope; ``least`` is the least second mode, ``width`` how many there
-    are, ``bound`` one of |S|, ``origin`` what S is without it at the start, negative, ``mean`` the mean rate.
+    For every first mode k = 0, 1, … ``lines`` has three numbers: the place of its first second mode, and where its
+    coefficients begin and end. For k > 0 coefficients are doubled, to account for −k. ``parts`` are the real parts of
+    all coefficients of S, the imaginary ones, and the same of its slope; ``least`` is the least second mode, ``width``
+    their number, ``bound`` a bound of |S|, ``origin`` minus the sum of the modes at the start, ``mean`` the mean rate.
     """
 
     lines: Row
@@ -34,9 +34,9 @@ class ClockSeries(NamedTuple):
 class Clock(NamedTuple):
     """t(τ): ``doubled`` are the periods of 1/g in turns.
 
-    ``rough`` is a series of its largest modes, ``series`` of all, ``quiet`` of all except the largest; ``modes`` and
-    ``loud`` are these (:func:`loud_swing`). ``pace`` has the turns of either phase per unit of t and of τ, dτ/dt and
-    dt/dτ, all means.
+    ``rough`` is the series of its larger modes, ``series`` of all, ``quiet`` of all except the largest, which are in
+    ``modes`` and ``loud`` (:func:`loud_swing`). ``pace`` has mean rates: the turns of each phase per unit of t and of
+    τ, dτ/dt and dt/dτ.
     """
 
     doubled: tuple[int, int]
@@ -79,7 +79,7 @@ def phases_at_times(clock: Clock, times: Row, phases: Row, delays: Row, room: Ro
 def phases_at_time(clock: Clock, time: Real, room: Row) -> tuple[Real, Real, int, int, Real]:
     """The fractions of both phases at a physical time, their whole turns, and x.
 
-    τ = t·dτ/dt + x with a bounded x from :func:`delay`, whose rounding is then taken off.
+    τ = t·dτ/dt + x with a bounded x from :func:`delay`; its rounding error is then corrected.
     """
     pace1, pace2, nu1, nu2, _, _ = clock.pace
     (double1, double2), modes = clock.doubled, clock.modes
@@ -135,8 +135,8 @@ def on_circle(x: Real, two_pi: Real) -> tuple[Real, Real]:
 
 
 def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row) -> tuple[float, float]:
-    """x with x + S = 0 at the phases (a + ν₁x, b + ν₂x), how far τ is from its mean at a physical time, and the slope
-    of x + S there: from the few largest modes, then of all.
+    """The distance x of τ from its mean at a physical time, and the slope of x + S there: x solves x + S = 0 at the
+    phases (a + ν₁x, b + ν₂x), with the few largest modes first, then with all.
     """
     x, _ = solved(rough, a, b, 0.0, 1e-5, room)
     return solved(series, a, b, x, 1e-9, room)
@@ -145,8 +145,8 @@ def delay(rough: ClockSeries, series: ClockSeries, a: float, b: float, room: Row
 def solved(series: ClockSeries, a: float, b: float, x: float, near: float, room: Row) -> tuple[float, float]:
     """:func:`delay` of one series, starting from x, to the square of ``near`` times its bound.
 
-    x + S grows with x, and Newton steps stay inside the interval given by the signs; where 1/g is small they would
-    leave it.
+    x + S increases with x. Newton steps are kept inside the bracket given by the signs, which they would leave where
+    1/g is small.
     """
     (nu1, nu2), bound = series.frequencies, series.bound
     low, high, rate = -bound, bound, 1.0
@@ -200,8 +200,8 @@ def panel_values(middles: Row, halves: Row, coefficients: Row, times: Row, room:
     """Rows of Chebyshev series at ``times`` into ``out``: the panel p around middles[p], halves[p] to either side, has
     the series coefficients[p, k, column].
 
-    Clenshaw's recurrence, all columns at once in the two rows of ``room``; the panel of the previous time is tried
-    first.
+    By Clenshaw's recurrence, for all columns at once, in the two rows of ``room``. The panel of the previous time is
+    tried first.
     """
     panels, terms, width = coefficients.shape
     p = 0

@@ -22,7 +22,8 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from integrable.torus.oval_modes import ModesSource
 
-# a Newton step whose slope is a float's leaves that part of itself; the first one, from floats, gives this many digits
+# a Newton step with a slope in floats reduces the error to this fraction; the first step, in floats, gives this many
+# digits
 GAIN, FIRST_GOAL = 1e-13, 28
 
 
@@ -31,7 +32,7 @@ class MultiprecisionTorusClock:
     default those of the set-up; to ``after`` of them after the point where far times have no more.
 
     Raises what :func:`~integrable.torus.oval_modes.modes_of_rate` does where the torus is degenerate or nearly so: that
-    is for the clock that counts steps.
+    is such motions are left to the clock that counts steps.
     """
 
     def __init__(
@@ -79,7 +80,7 @@ class MultiprecisionTorusClock:
         return self._refined(angles, list(map(self.wide.coerce, found.tolist())), rates.tolist())
 
     def _refined(self, angles: list[tuple[Any, Any]], shifts: list[Any], rates: list[float]) -> list[Any]:
-        """Newton's method in many digits; before the last step only as many as it can gain."""
+        """Newton's method in multiprecision; each step but the last uses only the digits it can gain."""
         nu1, nu2 = self.frequencies
         left, goal = list(range(len(shifts))), FIRST_GOAL
         for _ in range(100):

@@ -20,7 +20,7 @@ from jacobian.numbers.long_reals import BallReals
 if TYPE_CHECKING:
     from integrable.moving_point.setup import Setup
 
-# the number of samples that takes some seconds, and beyond it the number for the square of each digit
+# number of samples that takes some seconds; beyond it, the number per squared digit
 MOST_SAMPLES, SAMPLES_A_DIGIT = 1 << 15, 32
 
 Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
