@@ -1,1 +1,3 @@
-"""From a start to the states at physical times, near and far, in floats and to any digits, with proven bounds."""
+"""From a start to the states at physical times, near and far, in floats or to any number of digits, with proven
+bounds.
+"""

@@ -20,7 +20,7 @@ from jacobian.immutable import replaced
 if TYPE_CHECKING:
     from integrable.motion.trajectory import Trajectory
 
-# extra digits of the second run, and their least number
+# extra digits of the second run, at least
 WIDER = 15
 LEAST = 30
 # the relative difference beyond which two moments do not count as equal
@@ -39,7 +39,7 @@ def certified(flow: Motion, times: Any, digits: int | None) -> Trajectory:
     run = flow.at(times)
     more = max(own + WIDER, LEAST)
     K = MP(more)
-    # the times of the run, not the given ones: they are the same numbers
+    # use the times of the run, so that both runs have the same numbers
     finer = _vectors(flow, [K.coerce(t) for t in run.times], K)
     errors = []
     for gamma, M, (true_gamma, true_M) in zip(run.gamma, run.M, finer, strict=True):
@@ -64,7 +64,7 @@ def _vectors(flow: Motion, times: list[Any], K: Any) -> list[tuple[Any, Any]]:
     if body.rolls and state.tilted and symmetry_axis(flow.system.inertia) is not None:
         if len(set(flow.system.inertia)) == 1:
             return [_turned(flow, t, K) for t in times]
-        # there the clock of many digits has no torus and would count steps
+        # in multiprecision the clock has no torus there and would count steps
         body = _beside(flow, max(map(abs, times), default=K.zero), K)
     finer = PreciseFlow(body, state, K.dps)
     return finer.vectors(finer.at(times)[1])
@@ -90,17 +90,17 @@ def _turned(flow: Motion, time: Any, K: Any) -> tuple[Any, Any]:
 
 
 def _turns(flow: Motion, time: Any, K: Any) -> int:
-    """The number of digits of the turns until a time, and some more."""
+    """The number of digits of the turns made until a time, plus some spare ones."""
     # |ω| ≤ |M|/min I
     fastest = sum(abs(K.coerce(m)) for m in flow.state.M) / min(map(K.coerce, flow.system.inertia))
     return BESIDE + ceil(K.context.log10(1 + abs(time) * fastest))
 
 
 def _beside(flow: Motion, time: Any, K: Any) -> Body:
-    """The body with its equal moments so slightly different that the states agree until a time, in numbers that see the
-    difference.
+    """The body with its equal moments changed so slightly that the states agree until a time, in numbers that resolve
+    the change.
 
-    Its additions are the general ones, and share nothing with the closed form of equal moments.
+    It uses the general additions, which share nothing with the closed form for equal moments.
     """
     apart = K.dps + _turns(flow, time, K)
     wide = MP(K.dps + apart)

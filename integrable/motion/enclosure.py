@@ -31,11 +31,11 @@ from jacobian.progress import Progress
 if TYPE_CHECKING:
     from integrable.phase.state import State
 
-# sum of the semi-axes of the ellipse of a panel, in half panels
+# sum of the semi-axes of a panel's ellipse, in half panels
 ELLIPSE = 3
 # approximate number of bits that balls lose in one addition
 LOST = 14
-# bits for the complex discs, where bounds need few
+# bits for the complex discs, whose bounds need few
 BOUND_BITS = 64
 MOST_ATTEMPTS = 8
 MOST_PANELS = 100_000
@@ -53,10 +53,10 @@ def enclosure(body: Body, state: State, times: list[Any], digits: int, clock: An
             f"{MOST_PANELS}; enclosure_at_tau has no such limit"
         )
     starts = PreciseFlow(body, state, digits).at(times)[0] if body.rolls else times
-    # all use the precision of the farthest time, so that they share the panels of one motion
+    # all times use the precision of the farthest, so that they share the panels of one motion
     bits, motions = max((_bits(body, state, digits, tau) for tau in starts), default=0), dict[int, BallMotion]()
     rows = {}
-    # the farthest first: its panels serve the others, and it determines the precision of all
+    # farthest first: its panels serve the others, and it determines the common precision
     for i in sorted(range(len(times)), key=lambda i: -abs(times[i])):
         t, tau = times[i], starts[i]
         rows[i] = _narrow(motions, (body, state, digits), tau, bits, lambda motion, t=t, tau=tau: motion.tau_at(t, tau))
@@ -78,8 +78,8 @@ def enclosure_at_tau(body: Body, state: State, tau: list[Any], digits: int) -> E
 
 
 def _bits(body: Body, state: State, digits: int, tau: Any) -> int:
-    """How many bits to begin with for a row at τ."""
-    # by exponents: the product may be beyond the floats
+    """The number of bits with which a row at τ starts."""
+    # computed by exponents, since the product may exceed the range of floats
     doublings = 4 + max(0, mag(tau) + mag(2 * max(body.a) * max(map(abs, state.M))))
     if doublings > MOST_DOUBLINGS:
         raise ArgumentError(f"tau = {tau}: enclosures reach turns up to 2^{MOST_DOUBLINGS}; give a nearer time")
@@ -91,7 +91,7 @@ def _narrow(
 ) -> tuple[Any, Any, Any, float]:
     """(τ, γ, M, radius) of one row, at a precision raised from ``bits`` until the radius is at most 10^(−digits).
 
-    ``motions`` are those that rows before have made, by their bits.
+    ``motions`` are those made for previous rows, by their bits.
     """
     digits = given[2]
     for _ in range(MOST_ATTEMPTS):
@@ -127,7 +127,8 @@ class BallMotion:
             middle = [[x.mid() for x in row] for row in (problem.f, problem.axes)]
             plain = Translations(self.reals, middle[0], middle[1], problem.half_step.mid())
             self._translations = BallTranslations(problem, plain)
-            # an exact 0 would make an addition take a branch for degenerate positions that is no identity
+            # an exact 0 would send an addition into a branch for degenerate positions, which is not valid for nearby
+            # points
             tiny = self._flint.arb(0, K.one / 2**bits)
             self._start = tuple(x + tiny for x in problem.start)
         # of physical time: half a panel, the sums over whole panels in either direction, the nodes of one
@@ -145,7 +146,9 @@ class BallMotion:
         return point if tau.is_exact() else self._spread(point, tau.rad().abs_upper())
 
     def _spread(self, point: Any, width: Any) -> tuple[Any, ...]:
-        """The moving point at all times within ``width`` of those of ``point``: mean values, on a box from Picard."""
+        """The moving point at all times within ``width`` of those of ``point``, by the mean value theorem on a Picard
+        box.
+        """
         arb = self._flint.arb
         sizes = [width * (1.1 * abs(x).abs_upper() + 2.0**-20) for x in self._velocity(point)]
         for _ in range(MOST_ATTEMPTS):
@@ -157,7 +160,7 @@ class BallMotion:
         raise PrecisionLoss("a time is not known well enough to enclose the state there: use more digits")
 
     def tau_at(self, t: Any, guess: Any) -> Any:
-        """τ, in the flow's units, at the physical time t (an exact ball), by a guess for it in the user's units."""
+        """τ, in the flow's units, at the physical time t (an exact ball), from a guess in the user's units."""
         problem = self.problem
         target = self.field.coerce(t) * problem.time_scale
         if not problem.tilt and problem.d == 0:
@@ -169,7 +172,7 @@ class BallMotion:
         return time_after(tau, rest, lambda around: addition.rate_at(problem.axes, self.point(around)))
 
     def time(self, tau: Any) -> Any:
-        """∫_0^τ dτ/g for an exact τ ≠ 0; the panels that it passes are kept for times beyond."""
+        """∫_0^τ dτ/g for an exact τ ≠ 0; its panels are cached for later times."""
         if not self._half:
             self._half = float(self._disc(self._start, 1.0)) * 2 / (ELLIPSE + 1 / ELLIPSE) * 0.7
         while True:
@@ -220,7 +223,7 @@ class BallMotion:
         return half * sum((w * addition.rate_after(f, axes, centre, step) for step, w in nodes), arb(0, error))
 
     def _nodes(self, half: Any) -> list[tuple[Any, Any]]:
-        """(translation, weight) at the nodes of a panel's rule; those of whole panels are kept."""
+        """(translation, weight) at the nodes of a panel's rule; those of whole panels are cached."""
         if self._kept_nodes is not None and self._kept_nodes[0] == self._half and abs(half) == self._half:
             return self._kept_nodes[1]
         count = 2 * ceil(((self._digits + 8) / 0.954 + 3) / 2)

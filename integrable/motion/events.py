@@ -28,11 +28,12 @@ MOST_PANELS = 10_000_000
 TOLERANCE = 1e-12
 # basic steps per panel: the nodes of a panel resolve γ and M on that many
 PANEL_STEPS = 6
-# where neighbouring floats are farther apart than this part of a panel, the states at rounded times form no series
+# if neighbouring floats are farther apart than this fraction of a panel, the states at rounded times form no smooth
+# series
 COARSEST = 1e-7
-# a zero within this many roundings of a panel beyond an end counts as at the end
+# a zero within this many roundings beyond an end of a panel counts as at the end
 ROUNDING = 1e3
-# Newton's method with the slope of a float gains twelve digits a step
+# Newton's method with a slope in floats gains twelve digits a step
 MOST_STEPS = 100
 
 
@@ -48,7 +49,7 @@ def events(flow: BodyMotion, condition: Condition, start: Any, end: Any, directi
     found = []
     for left, right, length in _stretches(floats, float(first), float(last)):
         found.append(zeros(Panels(partial(_column, floats, condition), left, right, length, TOLERANCE)))
-    # a zero at the end of a stretch is found in the next one too
+    # a zero at the end of a stretch is also found in the next one
     times, slopes, halves = distinct(*(np.concatenate(parts) for parts in zip(*found, strict=True)))
     kept = direction * slopes >= 0
     return flow.at(_polished(flow, condition, times[kept], slopes[kept], halves[kept], first, last))
@@ -65,7 +66,7 @@ def _in_floats(flow: BodyMotion) -> BodyMotion:
 
 
 def _stretches(flow: BodyMotion, first: float, last: float) -> Iterator[tuple[float, float, float]]:
-    """(start, end, length of a panel): a panel is some part of a turn of the body."""
+    """(start, end, length of a panel): a panel is a fraction of a turn of the body."""
     length = PANEL_STEPS * flow.setup.step_time
     coarse = float(np.spacing(max(abs(first), abs(last))))
     if coarse > COARSEST * length:

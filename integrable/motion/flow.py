@@ -47,16 +47,17 @@ if TYPE_CHECKING:
 
 KERNELS = ("auto", "python", "compiled")
 CHOOSE = f"choose one of {', '.join(map(repr, KERNELS))}"
-# states whose integrals differ from those of the start by this part are refused; this many are compared at a time
+# states whose integrals differ from those of the start by more than this fraction are refused; this many are compared
+# at a time
 DRIFT = 1e-9
 CHUNK = 8192
 # up to this many states Python is faster than arrays
 FEW = 16
-# limits where compiled loops fail, half a second either: corners and samples of the torus in interpreted loops, values
-# of 1/g on the way to a time
+# limits where compiled loops fail, about half a second each: corners and samples of the torus in interpreted loops;
+# values of 1/g on the way to a time
 MOST_INTERPRETED = 4096
 MOST_RATES = 16_000
-# digits of t that floats of a state ask for, as many steps away as those values reach
+# digits of t needed for states in floats, as many steps away as those values reach
 CLOCK_DIGITS = 24
 
 
@@ -65,9 +66,9 @@ class Flow(BodyMotion):
 
     ``kernel``: "python" is the readable loop, "compiled" the same source compiled (floats only), "auto" chooses by the
     amount of work; with NUMBA_DISABLE_JIT=1 every loop is the readable one. Set-up is done once, when needed;
-    :meth:`at` and :meth:`at_tau` may be called any number of times. The same times have the same states, to the last
-    bit, whatever was asked before: ``kernel="compiled"``, which takes the torus at any time, is quicker for a flow that
-    is asked again and again for one time some hundreds away.
+    :meth:`at` and :meth:`at_tau` may be called any number of times. The same times give the same states, to the last
+    bit, whatever was computed before. ``kernel="compiled"`` uses the torus at any time; it is faster for a flow that is
+    called repeatedly for single times some hundreds away.
     """
 
     kernel: str
@@ -198,7 +199,7 @@ class Flow(BodyMotion):
     # -----------------------------------------------------------------------------------------------------------------
 
     def _through(self, body: Body, state: State) -> Flow:
-        """The motion of another body of this kind."""
+        """The motion of another body of the same kind."""
         return Flow(replaced(self.system, body=body), state)
 
     @cached_property
@@ -227,7 +228,7 @@ class Flow(BodyMotion):
 
     @property
     def _far(self) -> Way:
-        """The way to the states at any times."""
+        """The method for states at any times."""
         if self._closed:
             return self._closed
         if self._torus:
@@ -238,7 +239,7 @@ class Flow(BodyMotion):
 
     @property
     def _compiled(self) -> bool:
-        """Whether its loops are compiled."""
+        """Whether the loops of the flow are compiled."""
         return self.kernel != "python" and not interpreted()
 
     @cached_property
@@ -265,7 +266,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _closed(self) -> SymmetricFlow | PreciseClosedForm | PrincipalRotation | None:
-        """The closed form of the motion, where it has one."""
+        """The closed form of the motion, if there is one."""
         if self._equal:
             return self._symmetric
         return None if rotation_axis(self.state) is None else self._rotation
@@ -277,7 +278,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _symmetric(self) -> SymmetricFlow | PreciseClosedForm:
-        """That of two equal moments."""
+        """The closed form for two equal moments."""
         from integrable.motion.symmetric import SymmetricFlow
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
@@ -287,7 +288,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _rotation(self) -> PrincipalRotation | PreciseClosedForm:
-        """That of M along a principal axis with γ across it."""
+        """The closed form for M along a principal axis with γ orthogonal to it."""
         from integrable.motion.rotation import PrincipalRotation, RotationForm
         from integrable.motion.symmetric_precise import PreciseClosedForm
 
@@ -297,7 +298,7 @@ class Flow(BodyMotion):
 
     @cached_property
     def _torus(self) -> TorusFlow | None:
-        """None where the torus is not compact, or so nearly that its corners lose too many digits."""
+        """None if the torus is not compact, or so nearly not that its corners lose too many digits."""
         from integrable.torus.access import TorusFlow
         from integrable.torus.loops import CompiledLoops, NotClosed, ReadableLoops
 
@@ -336,13 +337,13 @@ class Flow(BodyMotion):
         level set.
         """
         if way.way == "short run" or rows.dtype == object:
-            # these ways have compared them already, the precise flow with more digits
+            # these methods have compared them already, the precise flow with more digits
             return super()._off(rows, way)
         found: list[np.ndarray] = []
         why = ""
         for first in range(0, len(rows), CHUNK):
             drift = integrals_drift(self, rows[first : first + CHUNK])
-            # fast where no row is off; a NaN is the largest
+            # fast if no row is off; the maximum is NaN if any row is
             if drift.max() <= DRIFT:
                 continue
             with np.errstate(invalid="ignore"):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE = 32
-# for states that cost microseconds, and for interpreted ones
+# largest number of samples if states are compiled, and if interpreted
 MOST_SAMPLES, MOST_INTERPRETED = 1 << 18, 1 << 12
 # relative: modes below this are rounding
 NOISE = 1e-15
@@ -25,9 +25,8 @@ TINY = 1e-300
 class TorusIntegral:
     """∫_0^τ F dτ for F with mean 0, F = ``function`` of states (γ and M side by side, shape (N, 6)), of shape (N, m).
 
-    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m)
-    is what rounding makes of F. PrecisionLoss where no grid of at most MOST_SAMPLES points resolves
-    F.
+    F may change sign with an odd number of the γ_i: its periods are then twice those of the divisor. ``least`` (m) is
+    the size of rounding errors in F. PrecisionLoss where no grid of at most MOST_SAMPLES points resolves F.
     """
 
     def __init__(self, flow: TorusFlow, function: Callable[[np.ndarray], np.ndarray], least: np.ndarray) -> None:
@@ -75,7 +74,7 @@ class TorusIntegral:
         return samples
 
     def at(self, run: Trajectory) -> np.ndarray:
-        """The integrals at the times of a run, shape (N, m); the phases do not lose what a rounded τ has lost."""
+        """The integrals at the times of a run, shape (N, m); the phases keep digits that a rounded τ has lost."""
         physical = not run.given_in_tau
         phases = self._flow.phases(run.times if physical else run.tau, physical, self._doubled)
         return np.stack([series.at(*phases) for series in self._series], axis=1)
