@@ -101,22 +101,27 @@ class Carrier:
         raise NotImplementedError
 
 
-def undone_if_interrupted(method: Any) -> Any:
-    """A method of :class:`ManyDigits` that restores the digits if Ctrl-C ends it, so that later calls are as fast as
-    before.
+def begun_with_few_digits(method: Any) -> Any:
+    """A method of :class:`ManyDigits` for times that begins with the first digits again, and restores the digits if
+    Ctrl-C ends it: near times are as fast after a far one as before.
     """
 
     @wraps(method)
-    def inside(self: ManyDigits, *arguments: Any) -> Any:
-        before = self.carrier, self._witness, self._witnessed
+    def inside(self: ManyDigits, times: list[Any], *arguments: Any) -> Any:
+        before = self._level()
         try:
-            return method(self, *arguments)
+            self._begin(max(map(abs, times), default=0))
+            return method(self, times, *arguments)
         except BaseException as error:
             if not isinstance(error, Exception):
                 self.carrier, self._witness, self._witnessed = before
             raise
 
     return inside
+
+
+Level = tuple[Carrier, "Carrier | None", Any]
+"""A carrier, what its farthest point is compared with, and how far it has been."""
 
 
 class ManyDigits:
@@ -132,6 +137,20 @@ class ManyDigits:
         self.carrier = carrier
         self._witness: Carrier | None = None
         self._witnessed: Any = 0
+        # what the motion began with and the largest digits since, where others are in use; the nearest time, in units
+        # of the user, at which a computation showed that the first digits do not suffice
+        self._few: Level | None = None
+        self._more: Level | None = None
+        self._too_far: Any = inf
+
+    def _level(self) -> Level:
+        return self.carrier, self._witness, self._witnessed
+
+    def _begin(self, far: Any) -> None:
+        """To the first digits, unless a computation has shown that they do not suffice so far away."""
+        if self._few and self.carrier is not self._few[0] and far < self._too_far:
+            self._more = self._level()
+            self.carrier, self._witness, self._witnessed = self._few
 
     def carrier_of(self, digits: int) -> Carrier:
         """The motion at that many digits."""
@@ -146,7 +165,7 @@ class ManyDigits:
         """The moving points at τ."""
         return self._good(tau, False)[1]
 
-    @undone_if_interrupted
+    @begun_with_few_digits
     def times(self, tau: list[Any]) -> list[Any]:
         """Physical times at τ, in the user's units."""
         while True:
@@ -159,7 +178,7 @@ class ManyDigits:
             missing = carrier.clock_missing(max(scaled, key=abs), self.digits + SPARE) if scaled else 0
             if missing <= 0:
                 return [carrier.unscaled(t) for t in times]
-            self.add_digits(min(missing, carrier.digits) + WIDER)
+            self._add_missing(missing, tau)
 
     def vectors(self, points: list[Any]) -> list[tuple[Any, Any]]:
         """(γ, M) of the points that :meth:`at` and :meth:`at_tau` returned."""
@@ -174,9 +193,18 @@ class ManyDigits:
                 f"the motion loses more than {self.digits + MOST_LOST} digits on the way there, {lost} or more; times "
                 f"nearer to 0 are within reach, and MP fields of at least {lost - MOST_LOST} digits allow as many"
             )
-        self.carrier, self._witness, self._witnessed = self.carrier_of(digits), None, 0
+        if self._few is None or self.carrier is self._few[0]:
+            self._few = self._level()
+        known = self._more if self._more and self._more[0].digits >= digits else None
+        self.carrier, self._witness, self._witnessed = known or (self.carrier_of(digits), None, 0)
 
-    @undone_if_interrupted
+    def _add_missing(self, missing: int, times: list[Any]) -> None:
+        """Start again with the digits that a computation has shown to be missing."""
+        self._too_far = min(self._too_far, max(map(abs, times), default=0))
+        # where no digit is right the number of missing ones is unknown
+        self.add_digits(min(missing, self.carrier.digits) + WIDER)
+
+    @begun_with_few_digits
     def _good(self, times: list[Any], clock: bool) -> tuple[list[Any], list[Any]]:
         while True:
             carrier = self.carrier
@@ -203,8 +231,7 @@ class ManyDigits:
                 missing = carrier.clock_missing(max(tau, key=abs), self.digits + SPARE)
             if missing <= 0:
                 return tau, points
-            # where no digit is right the number of missing ones is unknown
-            self.add_digits(min(missing, carrier.digits) + WIDER)
+            self._add_missing(missing, times)
 
     def enough(self, tau: Any) -> int | None:
         """The digits that errors may grow by until τ; None where there were not as many, and now there are more."""
@@ -286,6 +313,7 @@ class BodyCarrier(Carrier):
         self._limits = limits
         self._scouts = scouts or Scouts(setup, limits.compiled)
         self._clocks: dict[int, PanelClock] = {}
+        self.centres: dict[int, Centres] = {}
         self._torus: Any = None
         self._least_work = 0.0
         self._alone = False
@@ -439,7 +467,6 @@ class PreciseFlow(ManyDigits):
         # a motion that floats refuse loses digits: a set-up with extra digits costs less than a second one
         setup = setup or Setup(*self._problem, digits=digits + (self.expected if limits.most < inf else 0))
         self._scouts = Scouts(setup, limits.compiled)
-        self._centres: dict[int, Centres] = {}
         super().__init__(digits, BodyCarrier(setup, self._problem, limits, self._scouts))
 
     def centres(self, half: float, count: int, sign: int) -> np.ndarray:
@@ -453,9 +480,9 @@ class PreciseFlow(ManyDigits):
             last = setup.wide.coerce(sign * (2 * count - 1) * half)
             if self.enough(last) is None:
                 continue
-            found = self._centres.get(sign)
-            if found is None or found.setup is not setup:
-                found = self._centres[sign] = Centres(setup, half, sign)
+            found = self.carrier.centres.get(sign)
+            if found is None:
+                found = self.carrier.centres[sign] = Centres(setup, half, sign)
             missing = self._missing([last], [found.last(count)])
             if missing <= 0:
                 return found.packed(count)

@@ -392,3 +392,22 @@ def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
             flow.at([ball.field.coerce("1e308")])
     assert many.carrier.digits == digits
     assert flow.at([2]).gamma[0].tolist() == before
+
+
+def test_near_times_have_the_first_digits_again_after_a_far_one():
+    """After t = 1e308 they took ten times as long for ever; and a second far time takes no second set-up."""
+    ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
+    state = ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START))
+    flow, alone = ball.flow(state), ball.flow(state)
+    before, many = flow.at([2]).gamma[0].tolist(), flow._many
+    first = many.carrier
+    far = flow.at([ball.field.coerce("1e100")])
+    wide = many.carrier
+    assert wide.digits > first.digits + 50
+    assert flow.at([2]).gamma[0].tolist() == before
+    assert many.carrier is first
+    for method in ("at", "at_tau"):
+        run = getattr(flow, method)([ball.field.coerce("1e100"), 2])
+        assert many.carrier is wide
+        assert run.gamma.tolist() == getattr(alone, method)([ball.field.coerce("1e100"), 2]).gamma.tolist()
+    assert far.gamma[0].tolist() == flow.at([ball.field.coerce("1e100")]).gamma[0].tolist()
