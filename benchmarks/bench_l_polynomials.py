@@ -96,6 +96,7 @@ def _matrices(bits: int) -> dict[str, object]:
     """A product of two 5 × 5 matrices of so many bits, and 25 + 25 + 25 transforms that would do."""
     from flint import fmpz_mat
 
+    from jacobian.finite.product_kernels import kernels
     from jacobian.numbers.convolution import LEAST, PRIMES, Convolutions
 
     rng = Random(1)
@@ -104,7 +105,7 @@ def _matrices(bits: int) -> dict[str, object]:
     # coefficients of 40 bits, whose sums of products stay below two primes
     length = max(LEAST, 1 << (2 * bits // 40).bit_length() - 1)
     work, values = (
-        Convolutions(next(iter(PRIMES)), length),
+        Convolutions(next(iter(PRIMES)), length, kernels()),
         np.array([float(rng.getrandbits(39)) for _ in range(length)]),
     )
     work.transform(values, length)

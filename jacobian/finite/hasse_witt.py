@@ -26,7 +26,7 @@ WORD_SAFE = 1 << 29
 """Below, the recurrence runs on machine integers."""
 PRODUCTS_FROM, PRODUCTS_TO, PRODUCTS_DEGREE = 1 << 20, 1 << 49, 20
 """From and to which p products of matrices are taken, up to which degree of F: from about 3·10^5 on they are cheaper,
-but the first compiles for seconds."""
+but the first compiles for half a second."""
 PLAIN_TO = 10**7
 """Where the power of F has hundreds of megabytes, and takes ten seconds."""
 

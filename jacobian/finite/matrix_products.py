@@ -36,7 +36,7 @@ class Products:
     def __init__(self, p: int, ratios: list[int], part: tuple[int, int] = (0, 1), beta: int | None = None) -> None:
         self.p, self.d = p, len(ratios)
         self.beta = beta = step(p, self.d) if beta is None else beta
-        self.convolutions = Convolutions(p, 2 * beta)
+        self.convolutions = Convolutions(p, 2 * beta, kernels())
         self.P: Any = self.convolutions.P
         half = (p + 1) // 2
         rows = [[half * i * c for i, c in enumerate(ratios, 1)], ratios]
@@ -72,9 +72,8 @@ class Products:
             n *= 2
 
             def work(begin: int, end: int, n: int = n) -> None:
-                first, last = begin * BLOCK, end * BLOCK
-                beta, middle = float(self.beta), float(n // 2)
-                kernels().join(self.P, self.c, beta, middle, room, values, first, last, room_for(self.d))
+                span, beta, middle = (begin * BLOCK, end * BLOCK), float(self.beta), float(n // 2)
+                kernels().join(self.P, self.c, beta, middle, room, values, span, room_for(self.d))
 
             in_ranges(n // BLOCK, max(64, n // BLOCK // 8), work)
 

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from jacobian.numbers import transform_kernels as transforms
 from jacobian.numbers.words import Double, canonical, mul
 
 BLOCK = 64
@@ -33,9 +34,9 @@ def room_for(d: int) -> Room:
 
 @cache
 def kernels() -> Any:
-    """The loops, compiled by :mod:`jacobian.native`."""
+    """The loops here and those of :mod:`jacobian.numbers.transform_kernels`, compiled by :mod:`jacobian.native`."""
     from jacobian.native import doubles
-    from jacobian.native.kinds import FLOAT, FLOATS, INT, ArrayKind, record
+    from jacobian.native.kinds import FLOAT, FLOATS, INT, ArrayKind, TupleKind, record
     from jacobian.native.library import Library
     from jacobian.native.special import SPECIAL
 
@@ -48,9 +49,14 @@ def kernels() -> Any:
         "falling": (falling, (P, FLOAT, FLOATS, FLOATS)),
         "scaled": (scaled, (P, FLOATS, FLOATS, FLOATS)),
         "direct": (direct, (P, table, FLOAT, INT, table, INT, room)),
-        "join": (join, (P, table, FLOAT, FLOAT, table, table, INT, INT, room)),
+        "join": (join, (P, table, FLOAT, FLOAT, table, table, TupleKind((INT, INT)), room)),
         "chain": (chain, (P, table, FLOAT, INT, table, INT, FLOATS, FLOATS)),
         "walk": (walk, (P, table, INT, INT, FLOATS)),
+        "forward": (transforms.forward, (P, FLOATS, FLOATS, FLOATS)),
+        "backward": (transforms.backward, (P, FLOATS, FLOATS, FLOATS)),
+        "factors": (transforms.factors, (P, FLOATS, FLOATS)),
+        "multiply": (transforms.multiply, (P, FLOATS, FLOATS, FLOATS)),
+        "combined": (transforms.combined, (P, TupleKind((P, P, P)), FLOATS, table, INT, FLOATS, FLOATS)),
     }
     return Library("matrix_products", entries, SPECIAL | doubles.OPERATIONS)
 
@@ -148,9 +154,10 @@ def direct(P: Any, c: Any, beta: Any, steps: Any, values: Any, points: Any, room
                 values[e, begin + j] = S[e, j]
 
 
-def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, begin: Any, end: Any, room: Any) -> None:
-    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end, a multiple of BLOCK."""
+def join(P: Any, c: Any, beta: Any, middle: Any, upper: Any, values: Any, span: Any, room: Any) -> None:
+    """values ← upper·M(x + middle)·values at x = iβ, begin ≤ i < end of ``span``, multiples of BLOCK."""
     k, row, S, U, d = room.k, room.row, room.S, room.U, c.shape[1]
+    begin, end = span
     for first in range(begin, end, BLOCK):
         for j in range(BLOCK):
             k[j] = canonical(P, mul(P, mul(P, float(first + j), beta) + middle, 1.0))

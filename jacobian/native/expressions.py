@@ -15,6 +15,8 @@ from jacobian.native.kinds import (
     OBJECT,
     ArrayKind,
     CompileError,
+    FunctionKind,
+    ObjectKind,
     TupleKind,
     Value,
     abreast,
@@ -315,9 +317,10 @@ class Expressions(Operators):
 
     def of_call(self, node: ast.Call) -> Value:
         called = self.value(node.func)
-        if called.kind is not OBJECT or node.keywords:
+        if not isinstance(called.kind, ObjectKind | FunctionKind) or node.keywords:
             raise CompileError(f"{ast.unparse(node)} is not compiled")
-        return self.call(called.parts[0], self.items(node.args))
+        thing = called.kind.thing if isinstance(called.kind, FunctionKind) else called.parts[0]
+        return self.call(thing, self.items(node.args))
 
     def call(self, thing: Any, arguments: list[Value]) -> Value:
         """The value of a call to a builtin, a NamedTuple or a function to be compiled."""
@@ -331,6 +334,7 @@ class Expressions(Operators):
         missing = getattr(thing, "__code__", None) and thing.__code__.co_argcount - len(arguments)
         if missing and 0 < missing <= len(thing.__defaults__ or ()):
             arguments = [*arguments, *map(self.outside, thing.__defaults__[-missing:])]
+        arguments = [Value(FunctionKind(x.parts[0]), ()) if x.kind is OBJECT else x for x in arguments]
         instance = self.program.instance(thing, tuple(x.kind for x in arguments))
         parts = (f"{leaf} {part}" for x in arguments for leaf, part in zip(x.kind.leaves, x.parts, strict=True))
         text = f"call {instance.returned} @{instance.name}({', '.join(parts)})"

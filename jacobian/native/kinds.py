@@ -163,6 +163,14 @@ class ObjectKind:
 OBJECT = ObjectKind()
 
 
+@dataclass(frozen=True)
+class FunctionKind:
+    """A function as an argument: what is called with it is compiled for each ``thing`` by itself."""
+
+    thing: Any
+    leaves: tuple[str, ...] = ()
+
+
 def record(named: Any, *items: Any) -> TupleKind:
     """The kind of a NamedTuple."""
     return TupleKind(items, named)

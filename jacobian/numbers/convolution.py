@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from jacobian.numbers.transform_kernels import LEAST, backward, combined, factors, forward, multiply
+from jacobian.numbers.transform_kernels import LEAST
 from jacobian.numbers.words import double_context
 
 __all__ = ["LEAST", "LONGEST", "Convolutions", "balanced"]
@@ -24,35 +24,36 @@ CONTEXTS = tuple(double_context(q) for q in PRIMES)
 class Convolutions:
     """Cyclic convolutions modulo p; their lengths are powers of 2 from LEAST to ``longest`` ≤ LONGEST.
 
-    At least half of the entries of one factor must be 0.
+    At least half of the entries of one factor must be 0. ``loops`` has the functions of
+    :mod:`jacobian.numbers.transform_kernels`, compiled.
     """
 
-    def __init__(self, p: int, longest: int) -> None:
-        self.p, self.P = p, double_context(p)
+    def __init__(self, p: int, longest: int, loops: Any) -> None:
+        self.p, self.P, self.loops = p, double_context(p), loops
         primes = list(PRIMES)
         # a number of the product is a sum of longest/2 products of size (p/2)² at most
         count = 2 if longest * p * p < 4 * primes[0] * primes[1] else 3
         self.used = list(PRIMES.items())[:count]
         # a shorter transform uses the first of these factors
-        self.down = [_factors(q, g, longest) for q, g in self.used]
-        self.up = [_factors(q, pow(g, -1, q), longest) for q, g in self.used]
+        self.down = [_factors(loops, q, g, longest) for q, g in self.used]
+        self.up = [_factors(loops, q, pow(g, -1, q), longest) for q, g in self.used]
 
     def transform(self, values: Any, length: int) -> Any:
         """The transforms (2 or 3, length) of an array, filled up with zeros."""
         found = np.zeros((len(self.used), length))
         for Q, W, row in zip(CONTEXTS, self.down, found, strict=False):
             row[: len(values)] = values
-            forward(Q, W, row)
+            self.loops.forward(Q, W, row, np.empty(LEAST))
         return found
 
     def product(self, a: Any, b: Any, begin: int, scale: Any, out: Any) -> None:
         """out[i] = scale[i]·(a ∗ b)[begin + i] modulo p, of two transforms."""
         residues = np.empty_like(a)
         for Q, W, x, y, row in zip(CONTEXTS, self.up, a, b, residues, strict=False):
-            multiply(Q, x, y, row)
-            backward(Q, W, row)
+            self.loops.multiply(Q, x, y, row)
+            self.loops.backward(Q, W, row, np.empty(LEAST))
         constants = self._constants(residues.shape[1])
-        combined(self.P, CONTEXTS, constants, residues[:, begin : begin + len(out)], scale, out)
+        self.loops.combined(self.P, CONTEXTS, constants, residues, begin, scale, out)
 
     def _constants(self, length: int) -> Any:
         """The constants of :func:`jacobian.numbers.transform_kernels.combined`; a transform followed by its inverse
@@ -70,8 +71,8 @@ def balanced(a: int, p: int) -> float:
     return float(a - p if 2 * a > p else a)
 
 
-def _factors(q: int, g: int, length: int) -> Any:
+def _factors(loops: Any, q: int, g: int, length: int) -> Any:
     roots = [balanced(pow(g, (q - 1) >> (i + 2), q), q) for i in range(length.bit_length() - 2)]
     W = np.empty(length // 2)
-    factors(double_context(q), np.array(roots), W)
+    loops.factors(double_context(q), np.array(roots), W)
     return W

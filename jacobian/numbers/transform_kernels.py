@@ -7,19 +7,15 @@ cache are finished one after the other. The last four levels are done side by si
 the values stay: pointwise products, and the transform back, ask for no other.
 
 Numbers are of any size below 4.5·q on entry, of size below 2·q from :func:`forward`, below 4.5·q from :func:`backward`.
-Importing this module imports numba.
+Whoever calls the functions has them compiled (:mod:`jacobian.native`).
 """
 
 from __future__ import annotations
 
-import numpy as np
-from numba.extending import register_jitable
+from typing import Any
 
-from jacobian.numbers.compiler import njit
 from jacobian.numbers.words import canonical, mul
-from jacobian.numbers.words_compiled import INLINED
 
-JIT = {"nogil": True, "error_model": "numpy"}
 SIDE = 64
 LEAST = 16 * SIDE
 """The shortest transform."""
@@ -27,32 +23,28 @@ CACHED = 1 << 16
 """Blocks of so many numbers stay in the cache."""
 
 
-@register_jitable(**INLINED)
-def _split(Q, a0, a1, a2, a3, outer, inner, other):  # type: ignore[no-untyped-def]  # compiled, as all below
+def _split(Q: Any, a0: Any, a1: Any, a2: Any, a3: Any, outer: Any, inner: Any, other: Any) -> Any:
     """Two levels down: residues modulo X^(4m) − W² to those modulo X^m ∓ W' and X^m ∓ W''."""
     a0, a2, a3 = mul(Q, a0, 1.0), mul(Q, a2, outer), mul(Q, a3, outer)
     b1, b3 = mul(Q, a1 + a3, inner), mul(Q, a1 - a3, other)
     return a0 + a2 + b1, a0 + a2 - b1, a0 - a2 + b3, a0 - a2 - b3
 
 
-@register_jitable(**INLINED)
-def _join(Q, c0, c1, c2, c3, outer, inner, other):  # type: ignore[no-untyped-def]
+def _join(Q: Any, c0: Any, c1: Any, c2: Any, c3: Any, outer: Any, inner: Any, other: Any) -> Any:
     """The inverse of :func:`_split`, times four, with the inverse factors."""
     b0, b2 = mul(Q, c0 + c1, 1.0), mul(Q, c2 + c3, 1.0)
     b1, b3 = mul(Q, c0 - c1, inner), mul(Q, c2 - c3, other)
     return b0 + b2, b1 + b3, mul(Q, b0 - b2, outer), mul(Q, b1 - b3, outer)
 
 
-@register_jitable
-def _halves(Q, x, m):  # type: ignore[no-untyped-def]
+def _halves(Q: Any, x: Any, m: Any) -> None:
     """The level modulo X^(2m) − 1, one down or, times two, one up."""
     for j in range(m):
         low, high = mul(Q, x[j], 1.0), mul(Q, x[m + j], 1.0)
         x[j], x[m + j] = low + high, low - high
 
 
-@register_jitable
-def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
+def _quarters(turn: Any, Q: Any, W: Any, x: Any, begin: Any, m: Any, b: Any) -> None:
     """Two levels of block b, of length 4m: ``turn`` is :func:`_split` or :func:`_join`."""
     outer, inner, other = W[b], W[2 * b], W[2 * b + 1]
     x0, x1 = x[begin : begin + m], x[begin + m : begin + 2 * m]
@@ -61,8 +53,7 @@ def _quarters(turn, Q, W, x, begin, m, b):  # type: ignore[no-untyped-def]
         x0[j], x1[j], x2[j], x3[j] = turn(Q, x0[j], x1[j], x2[j], x3[j], outer, inner, other)
 
 
-@register_jitable
-def _beside(turn, Q, W, S, m, b):  # type: ignore[no-untyped-def]
+def _beside(turn: Any, Q: Any, W: Any, S: Any, m: Any, b: Any) -> None:
     """The same for SIDE blocks from b on, of which number i of block b + k is S[i·SIDE + k]; m = 1 or 4, and for
     1 each is four blocks, from 4b on."""
     for i in range(4):
@@ -81,8 +72,7 @@ def _beside(turn, Q, W, S, m, b):  # type: ignore[no-untyped-def]
             )
 
 
-@register_jitable(**INLINED)
-def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
+def _last_down(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
     """Four levels of the SIDE blocks of 16 from number b on."""
     for k in range(SIDE):
         for i in range(16):
@@ -94,8 +84,7 @@ def _last_down(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
         x[begin + i] = S[i]
 
 
-@register_jitable(**INLINED)
-def _first_up(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
+def _first_up(Q: Any, W: Any, x: Any, begin: Any, b: Any, S: Any) -> None:
     for i in range(LEAST):
         S[i] = x[begin + i]
     _beside(_join, Q, W, S, 1, b)
@@ -105,10 +94,10 @@ def _first_up(Q, W, x, begin, b, S):  # type: ignore[no-untyped-def]
             x[begin + 16 * k + i] = S[i * SIDE + k]
 
 
-@njit(**JIT)
-def forward(Q, W, x):  # type: ignore[no-untyped-def]
-    """Transforms x, of length 2^k ≥ LEAST, in place. ``W``: the factors, half as many as x has numbers."""
-    S = np.empty(LEAST)
+def forward(Q: Any, W: Any, x: Any, S: Any) -> None:
+    """Transforms x, of length 2^k ≥ LEAST, in place. ``W``: the factors, half as many as x has numbers; ``S``:
+    room for LEAST numbers.
+    """
     whole, size = len(x), _even(len(x))
     if size < whole:
         _halves(Q, x, size)
@@ -126,10 +115,8 @@ def forward(Q, W, x):  # type: ignore[no-untyped-def]
             _last_down(Q, W, x, begin, begin // 16, S)
 
 
-@njit(**JIT)
-def backward(Q, W, x):  # type: ignore[no-untyped-def]
+def backward(Q: Any, W: Any, x: Any, S: Any) -> None:
     """The inverse of :func:`forward`, times the length, with the inverse factors."""
-    S = np.empty(LEAST)
     whole, top = len(x), _even(len(x))
     size = top
     while size > CACHED:
@@ -150,8 +137,7 @@ def backward(Q, W, x):  # type: ignore[no-untyped-def]
         _halves(Q, x, top)
 
 
-@register_jitable(**INLINED)
-def _even(length):  # type: ignore[no-untyped-def]
+def _even(length: Any) -> int:
     """The power of 4 that is the length, or half of it."""
     size = LEAST
     while 4 * size <= length:
@@ -159,8 +145,7 @@ def _even(length):  # type: ignore[no-untyped-def]
     return size
 
 
-@njit(**JIT)
-def factors(Q, roots, W):  # type: ignore[no-untyped-def]
+def factors(Q: Any, roots: Any, W: Any) -> None:
     """W[b] = Π roots[i] over the bits i of b; roots[i]: of order 2^(i+2)."""
     W[0] = 1.0
     filled, i = 1, 0
@@ -170,26 +155,24 @@ def factors(Q, roots, W):  # type: ignore[no-untyped-def]
         filled, i = 2 * filled, i + 1
 
 
-@njit(**JIT)
-def multiply(Q, x, y, out):  # type: ignore[no-untyped-def]
+def multiply(Q: Any, x: Any, y: Any, out: Any) -> None:
     """out = x·y, number by number."""
     for j in range(len(out)):
         out[j] = mul(Q, x[j], y[j])
 
 
-@njit(**JIT)
-def combined(P, Q, c, residues, scale, out):  # type: ignore[no-untyped-def]
+def combined(P: Any, Q: Any, c: Any, residues: Any, begin: Any, scale: Any, out: Any) -> None:
     """out = scale·N modulo p, canonical, N the least number with residues[i]·c[i] for its residues (Garner 1959).
 
-    ``Q``: the contexts of three primes, of which two or three are used: ``residues`` (2 or 3, size). ``c``: a factor
-    for each, 1/q₁ modulo q₂, q₁ modulo p, 1/q₁ and 1/q₂ modulo q₃, q₁q₂ modulo p.
+    ``Q``: the contexts of three primes, of which two or three are used: ``residues`` (2 or 3, size), those from
+    ``begin`` on. ``c``: a factor for each, 1/q₁ modulo q₂, q₁ modulo p, 1/q₁ and 1/q₂ modulo q₃, q₁q₂ modulo p.
     """
     first, second, third = Q
     for j in range(len(out)):
-        low = canonical(first, mul(first, residues[0, j], c[0]))
-        middle = canonical(second, mul(second, mul(second, residues[1, j], c[1]) - low, c[3]))
+        low = canonical(first, mul(first, residues[0, begin + j], c[0]))
+        middle = canonical(second, mul(second, mul(second, residues[1, begin + j], c[1]) - low, c[3]))
         total = mul(P, low, 1.0) + mul(P, middle, c[4])
-        if len(residues) > 2:
-            high = mul(third, mul(third, residues[2, j], c[2]) - low, c[5]) - middle
+        if residues.shape[0] > 2:
+            high = mul(third, mul(third, residues[2, begin + j], c[2]) - low, c[5]) - middle
             total += mul(P, canonical(third, mul(third, high, c[6])), c[7])
         out[j] = canonical(P, mul(P, total, scale[j]))

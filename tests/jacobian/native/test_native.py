@@ -152,6 +152,29 @@ def long_numbers(a, b, n, row, out):
     return best, (a >> n) + (b >> k), a & b, a | b, a ^ b, (a & 255) << k, a <= b, a != b, bool(a), best if a > b else b
 
 
+def larger(x, y):
+    return x + y
+
+
+def smaller(x, y):
+    return x - y, 1
+
+
+def twice(way, x, y):
+    return again(way, x, y), way(y, x)
+
+
+def again(way, x, y):
+    return way(x, x * y)
+
+
+def functions(x, y):
+    """A function as an argument, and handed on: each by itself, with results of different kinds."""
+    (a, n), (b, m) = twice(smaller, x, y)
+    c, d = twice(larger, x, y)
+    return a, b, c, d, n + m
+
+
 ROWS = ArrayKind(FLOAT, 2)
 LOOPS = Library(
     "test_loops",
@@ -162,6 +185,7 @@ LOOPS = Library(
         "widened": (widened, (INT,)),
         "tuples": (tuples, (record(Pair, FLOAT, INT), TupleKind((FLOAT,) * 3), INT)),
         "arrays": (arrays, (ROWS, INTS, FLOATS)),
+        "functions": (functions, (FLOAT, FLOAT)),
         "long_numbers": (long_numbers, (LONG, LONG, INT, LONGS, LONGS)),
         "wide_numbers": (wide_numbers, (WIDES, FLOAT, INT, WIDES)),
         "sum_of_products": (sum_of_products, (WIDES, WIDES, FLOATS, WIDES)),
@@ -212,6 +236,10 @@ def test_real_numbers():
     for _ in range(300):
         x, y, n = rng.uniform(-9, 9), rng.choice((rng.uniform(-9, 9), 2.0, -3.0)), rng.randint(1, 9)
         same(LOOPS.real_numbers(x, y, n), real_numbers(x, y, n))
+
+
+def test_functions_as_arguments():
+    same(LOOPS.functions(3.5, -1.25), functions(3.5, -1.25))
 
 
 def test_ways_through():

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from jacobian.fields.primality import is_prime
+from jacobian.finite.product_kernels import kernels
 from jacobian.numbers.convolution import LONGEST, PRIMES, Convolutions, balanced
 
 
@@ -36,7 +37,7 @@ def test_convolutions_are_those_of_integers(p, length, extreme):
     if extreme:
         # as large as the sums can be
         a, b = np.full(length // 2, half), np.full(length, half)
-    work = Convolutions(p, length)
+    work = Convolutions(p, length, kernels())
     assert len(work.used) == (2 if p < 2**40 else 3)
     scale = rng.integers(-half, half + 1, length - 5)
     out = np.empty(length - 5)
@@ -50,6 +51,6 @@ def test_a_shorter_length_takes_the_factors_of_the_longest():
     rng = np.random.default_rng(1)
     a, b = rng.integers(0, 1000, 512), rng.integers(0, 1000, 1024)
     out = np.empty(1024)
-    work = Convolutions(p, 1 << 14)
+    work = Convolutions(p, 1 << 14, kernels())
     work.product(work.transform(a, 1024), work.transform(b, 1024), 0, np.ones(1024), out)
     assert out.tolist() == [balanced(c, p) for c in cyclic(a, b)]
