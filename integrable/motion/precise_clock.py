@@ -1,8 +1,8 @@
 """Physical time to many digits: t = ∫dτ/g by Gauss–Legendre quadrature on panels of the flow's own time.
 
 A *cell* is the basic step around a multiple of it; there 1/g is kept as a Legendre series, from which t and its inverse
-are read. Far from the start cells are taken nine at a time, by a rule that knows only their integral: the nodes for a
-panel grow with its length more slowly than the nodes for its cells.
+are read. Far from the start cells are taken nine at a time, by a rule for their integral only: the number of nodes of a
+panel grows more slowly with its length than that of its cells.
 """
 
 from __future__ import annotations
@@ -25,22 +25,23 @@ if TYPE_CHECKING:
 # cells of a long panel (odd, so that its centre is that of a cell), and cells before the first of them
 LONG = 9
 NEAR_CELLS = 27
-# the first cells may be this many times faster or slower than later ones
+# the first cells may run this many times faster or slower than later ones
 UNEVEN = 4
-# decimal digits a coefficient, below which long panels are not used
+# long panels are used only if each coefficient gains this many decimal digits
 SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
-# 1 − dα at the axes from which on 1/g is computed from U(1/d): three guard digits
+# least 1 − dα at the axes for which 1/g is computed from U(1/d): it costs three guard digits
 LIGHT = 1e-3
-# the panel at the end of the way to one time has this part of it, in decimal digits: τ must be known to more
+# in the search for one time, the last panel resolves this many decimal digits: τ must be known to more
 END_DIGITS, END_STEPS = 12, 12
-# where Newton's steps in floats end, how good a place must be then, and the bits of it that are right; else so many
+# where Newton's steps in floats end, the accuracy a place must then have, and its correct bits; otherwise this many
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
 
 
 class ClockLimits(NamedTuple):
-    """What a clock may cost and how good it is: so many values of 1/g on the way to a time, so many digits, and whether
-    double-double numbers may give them where they have those."""
+    """Limits on a clock: the number of values of 1/g on the way to a time, its digits, and whether double-double
+    numbers may be used if they suffice.
+    """
 
     most: float = inf
     digits: float = inf
@@ -51,8 +52,8 @@ NONE = ClockLimits()
 
 
 class Nodes(NamedTuple):
-    """Translations from the centre of a panel to its nodes, the same for :class:`PanelRates`, and what
-    :func:`integrable.moving_point.addition.upright_rates` takes of them, None where that would lose digits.
+    """Translations from the centre of a panel to its nodes, for :class:`PanelRates`, and their data for
+    :func:`integrable.moving_point.addition.upright_rates`, None if that would lose digits.
     """
 
     steps: list[Any]
@@ -100,20 +101,19 @@ class RatePanels:
     # --- how many nodes
 
     def _node_count(self, rate: float) -> int:
-        """An even number of nodes that bring the digits of the setup when each brings ``rate`` of them."""
+        """An even number of nodes that give the digits of the setup if each gains ``rate`` of them."""
         return 2 * int(0.525 * (self._digits + 6) / rate) + 8
 
     def _digits_a_node(self, length: int) -> float:
-        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells, at worst."""
+        """The digits gained per Legendre coefficient of 1/g over ``length`` cells, at worst."""
         return self._scouts.digits_a_node(self._sign, length)
 
 
 class PanelClock(RatePanels):
-    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, grown as far as it is asked for.
+    """t(τ) and τ(t) of a setup in one direction, in its units and bare reals, extended on request.
 
-    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss where 1/g is too
-    uneven for Legendre series of at most 6 nodes a digit, and where the way takes more values of 1/g than ``limits``
-    allow.
+    Cells are numbered 0, 1, …; a place is (cell, x), x in [−1, 1] across the cell. PrecisionLoss if 1/g is too uneven
+    for Legendre series with at most 6 nodes per digit, or if a time needs more values of 1/g than ``limits`` allow.
     """
 
     def __init__(self, setup: Setup, sign: int, limits: ClockLimits = NONE, scouts: Scouts | None = None) -> None:
@@ -174,7 +174,7 @@ class PanelClock(RatePanels):
             x = max(-1.0, min(1.0, x))
             angle, rate = addition.integrate_series(floats, x)
             step = (angle - goal) / rate
-            # or as near as floats come
+            # or as accurate as floats allow
             if not abs(step) < last:
                 break
             x, last = x - step, abs(step)
@@ -224,7 +224,7 @@ class PanelClock(RatePanels):
             return False
         while not self._far or self._far[-1] <= t:
             self._wind(len(self._far))
-            # the first cells may have promised more than later ones keep; a longer mean is more accurate
+            # the first cells may have suggested a faster clock than later ones; a longer mean is more accurate
             cells = NEAR_CELLS + LONG * (len(self._far) - 1)
             self._afford(float(t / self._far[-1]) * cells, 1 + UNEVEN * NEAR_CELLS / cells)
         return True
@@ -242,7 +242,7 @@ class PanelClock(RatePanels):
             self._far.append(self._far[-1] + LONG * self._half * total)
 
     def _afford(self, cells: float, uneven: float = 1) -> None:
-        """PrecisionLoss where the clock of so many cells is beyond what it may take, ``uneven`` times as much."""
+        """PrecisionLoss if a clock of so many cells exceeds its limits, by more than the factor ``uneven``."""
         work = cells * (len(self._long_rule()[0].steps) / LONG if self._long_panels() else len(self._nodes.steps))
         if work > uneven * self._most:
             raise PrecisionLoss(
@@ -287,8 +287,8 @@ class PanelClock(RatePanels):
 class OneTime(RatePanels):
     """τ at one physical time to very many digits, without a series of the clock; ``point(τ)`` is the moving point.
 
-    Where τ is known to some digits, a Gauss rule over the way gives the physical time there, in half the nodes that a
-    series as good takes, and a short panel at the end of the way gives what τ lacks.
+    If τ is known to some digits, a Gauss rule from 0 to τ gives the physical time there, with half the nodes of an
+    equally accurate series. A short panel at its end then corrects τ.
     """
 
     def tau(self, t: Any, start: Any, point: Callable[[Any], Any]) -> Any:
@@ -334,7 +334,7 @@ class OneTime(RatePanels):
         return panel * total
 
     def _ends(self, first: Any, tail: list[Any], digits: float) -> bool:
-        """Whether coefficients at the end of a series are nothing beside its first."""
+        """Whether the last coefficients of a series are negligible relative to its first."""
         return bool(max(map(abs, tail)) <= abs(first) * self._small(digits + 3))
 
     def _small(self, digits: float) -> Any:

@@ -1,4 +1,4 @@
-"""Refused rows of a run: which rows ``strict=False`` keeps, and why the others are refused."""
+"""Refused rows of a run: which rows ``strict=False`` keeps, and the reasons for refusing the others."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ class Rows(NamedTuple):
 def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
     """``compute(values)``, rows and τ, without the rows that it refuses: those are ``nan``.
 
-    A time that is too far stays so in any call. So bisection over single rows finds the first refused distance in
-    either direction, and the rows before it are computed together.
+    A time that is too far is refused in any call. So bisection over single rows finds the first refused distance in
+    each direction, and the rows before it are computed together.
     """
     status, reasons = np.zeros(len(values), dtype=np.intp), [""]
     left = np.arange(len(values))
@@ -45,7 +45,7 @@ def kept_rows(compute: Compute, values: np.ndarray, nan: Any) -> Rows:
 
 
 def refused_rows(found: Rows, refused: dict[int, str], nan: Any) -> Rows:
-    """The rows with those in ``refused`` blank, for the reasons that are there."""
+    """The rows with those in ``refused`` set to NaN, with their reasons."""
     if not refused:
         return found
     rows, tau, reasons = found.rows.copy(), found.tau.copy(), list(found.reasons)
@@ -80,8 +80,8 @@ def _too_far(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable
 
 
 def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterable[tuple[np.ndarray, str]]:
-    """The same where each is accepted by itself: the first, by distance, that is refused together with those before it,
-    and all beyond.
+    """(rows, reason) if each row is accepted alone: the first, by distance, that is refused together with those before
+    it, and all beyond.
     """
     order = left[np.argsort(np.abs(values[left]), kind="stable")]
     low, high, why = 0, len(order), ""
@@ -105,7 +105,7 @@ def _refusal(compute: Compute, values: np.ndarray) -> str:
 
 
 def common_reasons(parts: Iterable[Sequence[str]]) -> tuple[list[np.ndarray], tuple[str, ...]]:
-    """One list of reasons for several, and for each of these the numbers that its numbers become."""
+    """A merged list of the reasons of all parts, and for each part the new numbers of its reasons."""
     reasons: dict[str, int] = {"": 0}
     numbers = [np.array([reasons.setdefault(reason, len(reasons)) for reason in part]) for part in parts]
     return numbers, tuple(reasons)

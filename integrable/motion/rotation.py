@@ -1,4 +1,4 @@
-"""Rotations about a principal axis, M along it and γ across it: in closed form, at any time. There (γ, AM) = 0, so ω =
+"""Rotations about a principal axis, M along it and γ across it: in closed form, at any time. Then (γ, AM) = 0, so ω =
 a_iM is constant and γ turns by θ = θ₀ + a_i|M|t, γ_j + iγ_k = e^(∓iθ), also about the unstable middle axis. With g⁻² =
 r_j cos²θ + r_k sin²θ, r = 1 − da, τ is an elliptic integral of the first kind.
 """

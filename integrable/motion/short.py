@@ -1,8 +1,8 @@
-"""The flow in floats for few turns: short runs of one call each, which need no torus.
+"""The flow in floats for few turns: short runs, one call each, without a torus.
 
-A run does its own set-up, so a fresh flow answers at once (:mod:`integrable.moving_point.short`). Compiled it costs
-some tens of microseconds and a few for every panel. Interpreted the same source is some hundred times slower. Doubtful
-cases are left to the next way.
+A run includes its own set-up, so a new flow needs no other (:mod:`integrable.moving_point.short`). Compiled, it costs
+some tens of microseconds plus a few per panel; interpreted, the same source is some hundred times slower. Doubtful
+cases are left to the next method.
 """
 
 from __future__ import annotations
@@ -40,53 +40,54 @@ if TYPE_CHECKING:
     from integrable.phase.state import State
     from jacobian.native.library import Packed
 
-# microseconds, compiled, whose ratios count (python -m benchmarks short): a panel, and a run before its first
+# costs of compiled code in microseconds, of which only ratios matter (python -m benchmarks short): a panel, and the
+# start of a run
 PANEL_COST, START_COST = 1.6, 40.0
 
 
 class TorusCost(NamedTuple):
-    """The set-up of a torus, a time off it, and one off panels between ascending times."""
+    """Costs of a torus: its set-up, a single time, and one of ascending times by panels."""
 
     set_up: float
     each: float
     dense: float
 
 
-# without a clock; with one; and where 1/g has far more modes: moments whose I/(I + d) differ by this factor
+# without a clock; with one; and for moments whose I/(I + d) differ by this factor, where 1/g has far more modes
 FREE, ROLLING, THIN = TorusCost(600.0, 0.7, 0.3), TorusCost(1100.0, 3.0, 1.0), TorusCost(4500.0, 6.0, 5.5)
 THINNER = 20.0
 DENSE_FROM = 5000
-# the states of a torus are the nearest floats, those of panels some roundings off: so one run must be this many times
-# cheaper, many runs as cheap
+# states from a torus are rounded correctly, those from panels are some roundings off: a single run must be this many
+# times cheaper than the torus, many runs only as cheap
 WORTH, WORTH_OF_MANY = 2.0, 1.0
-# the largest number of panels: errors grow with their number, as the larger ones of the inputs do
+# largest number of panels: errors grow with it, as the effect of input rounding does
 MOST_PANELS = 3000
-# the largest number of times
+# largest number of times
 MOST_TIMES = 20_000
-# interpreted: panels of one run, and times
+# limits if interpreted: panels of one run, and times
 INTERPRETED_PANELS, INTERPRETED_TIMES = 64, 500
 # the error allowed in a run's clock, in the units of the motion, and relative to the time. Many runs may go farther
-# than one: rounding their inputs moves their clocks as much
+# than one, since rounding of their inputs moves their clocks as much
 DRIFT, PACE = 3e-14, 2.0**-53
 DRIFT_OF_MANY, PACE_OF_MANY = 2e-13, 2.0**-51
-# the largest number of centres in many digits, and the cost of the panels around them, in panels in floats
+# the largest number of centres in multiprecision, and the cost of the panels around them, in panels in floats
 MOST_CENTRES, MOST_CARE = 400, 10_000
-# digits lost in an addition, twice those by which errors grow, from which on panels in floats round less than the
-# inputs
+# digits lost in an addition (twice those by which errors grow) from which on rounding in float panels is smaller than
+# the effect of input rounding
 SENSITIVE = 16
-# the number of times of a run whose memory is kept for the next
+# runs with at most this many times leave their memory for the next
 KEPT_TIMES = 512
-# bits of the wide numbers where nothing is compiled
+# bits of the wide numbers if nothing is compiled
 BITS = 160
 
 Found = tuple[np.ndarray, np.ndarray]
 
 
 class ShortRuns:
-    """γ and M at a few turns' times from one state, in the user's units; None where another way is needed.
+    """γ and M at times within a few turns of one state, in the user's units; None if another method is needed.
 
-    ``kernel`` as for :class:`integrable.motion.flow.Flow`. Times, body and state alone decide: the same ones have the
-    same states whatever was asked before.
+    ``kernel`` as for :class:`integrable.motion.flow.Flow`. The result depends on times, body and state only, not on
+    previous calls.
     """
 
     def __init__(self, system: PhaseSpace, state: State, kernel: str = "auto") -> None:
@@ -141,7 +142,7 @@ class ShortRuns:
             try:
                 status = short.short_run(room, _listed(), request, reals.row(self._given[0].tolist()), self._tilted)
             except (ArithmeticError, ValueError, TypeError):
-                # compiled code gives infinities, NaN, and roots of negative numbers here
+                # compiled code returns infinities or NaN here instead of raising
                 status = short.LOST
         rows, other = np.array(request.out).reshape(-1, 6), np.array(request.other)
         if status == 0:
@@ -150,8 +151,8 @@ class ShortRuns:
 
 
 class GuardedRuns(ShortRuns):
-    """Short runs beside a separatrix: the centres of their panels are made in as many digits as errors may grow by, and
-    compared with more (:meth:`integrable.motion.precise.PreciseFlow.centres`).
+    """Short runs near a separatrix: the centres of their panels are computed with as many extra digits as errors may
+    grow by, and checked against a computation with more (:meth:`integrable.motion.precise.PreciseFlow.centres`).
     """
 
     def __init__(self, system: PhaseSpace, state: State, many: PreciseFlow) -> None:

@@ -43,9 +43,9 @@ if TYPE_CHECKING:
 Long = np.longdouble
 # beyond this many turns no digits of a float are left
 MOST_TURNS = 2.0**50
-# the complete integrals end where this, squared, is nothing
+# the complete integrals converge to the square of this
 NEAR = 1e-22
-# up to this θ − θ₀ is known to the last digit of itself
+# up to this size θ − θ₀ is computed to full relative accuracy
 NEARBY = 0.75
 # Newton steps for the phase of a tilted body, with bisections among them
 PASSES = 80
@@ -190,8 +190,8 @@ class SymmetricFlow:
         return turned
 
     def _gap(self, gap: Any, goal: Any) -> Any:
-        """θ − θ₀ to its last digit from a value nearby; it would be ``goal`` but for what a tilted body's clock makes
-        of it.
+        """θ − θ₀ to its last digit from a nearby value; it equals ``goal`` up to the effect of a tilted body's
+        clock.
         """
         if not self._kepler:
             return goal
@@ -223,7 +223,7 @@ class SymmetricFlow:
 
     @property
     def _farthest_lean(self) -> Any:
-        """A bound of what θ/2π differs by from its mean."""
+        """A bound of the difference between θ/2π and its mean."""
         return abs(self._kepler) * self._lean(Long(1))
 
     def _at_tau(self, tau: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

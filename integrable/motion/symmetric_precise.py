@@ -1,7 +1,7 @@
 """The closed form of :mod:`integrable.motion.symmetric` in multiprecision: two or three equal moments, at any time.
 
-The same formulas with Carlson's R_F and R_J of mpmath, one time after the other. Digits are as many as asked for, those
-that the turns until the farthest time take, and those that this time, made again with more, says are missing.
+The same formulas with mpmath's R_F and R_J of Carlson, for one time after another. The digits are those requested, plus
+those taken by the turns until the farthest time, plus those found missing when this time is computed again with more.
 """
 
 from __future__ import annotations
@@ -21,11 +21,12 @@ if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-# digits beyond those of the field and of the turns; those by which the farthest time is made again; what a result keeps
+# digits beyond those of the field and of the turns; extra digits of the second computation of the farthest time; digits
+# kept in a result
 GUARD = 15
 WIDER = 15
 SPARE = 2
-# more digits than this are not looked for
+# largest number of missing digits that are added
 MOST_LOST = 2000
 PASSES = 400
 
@@ -40,7 +41,9 @@ class ClosedForm:
         self._half = context.pi, 2 * self._first_kind(context.pi / 2)
 
     def turns(self, t: Any, of_flow: bool) -> Any:
-        """About the radians that all angles turn by until a physical time, or one of the flow."""
+        """The approximate number of radians by which all angles turn until a physical time, or until a time of the
+        flow.
+        """
         raise NotImplementedError
 
     def at(self, t: Any) -> tuple[list[Any], Any]:
@@ -73,7 +76,9 @@ class ClosedForm:
         return pi * count + self._root(gap, -pi / 2, pi / 2)
 
     def _root(self, gap: Callable[[Any], tuple[Any, Any]], low: Any, high: Any) -> Any:
-        """The zero of an ascending function, given with its slope: Newton's method, bisecting where it leaves."""
+        """The zero of an increasing function, given with its slope: Newton's method, with bisection if a step leaves
+        the bracket.
+        """
         x, least = (low + high) / 2, self.context.eps * (1 + abs(low) + abs(high))
         for _ in range(PASSES + self.context.prec):
             value, slope = gap(x)
@@ -95,7 +100,7 @@ class ClosedForm:
 
 
 class SymmetricForm(ClosedForm):
-    """Of a body with two or three equal moments."""
+    """The closed form of a body with two or three equal moments."""
 
     def __init__(self, system: PhaseSpace, state: State, K: Any) -> None:
         c = K.context
@@ -110,7 +115,9 @@ class SymmetricForm(ClosedForm):
         self._start = self._phases(s.theta)
 
     def turns(self, t: Any, of_flow: bool) -> Any:
-        """About the radians that all angles turn by until a physical time, or one of the flow."""
+        """The approximate number of radians by which all angles turn until a physical time, or until a time of the
+        flow.
+        """
         theta = abs(t) * (self._flow_rate * self.context.pi / self._half[1] if of_flow else self._rate)
         return theta * (1 + abs(self._first * self._half[1]) + abs(self._third) + abs(self._half_turn)) + 1
 
@@ -134,7 +141,7 @@ class SymmetricForm(ClosedForm):
         return self._root(lambda theta: (theta - self._late(theta) - goal, self._pace(theta)), goal - far, goal + far)
 
     def _late(self, theta: Any) -> Any:
-        """What t in units of θ has gone ahead of it; nothing where the body is not tilted."""
+        """The lead of t, in units of θ, over θ; 0 if the body is not tilted."""
         return self._kepler * self._lean(self.context.cos(theta)) if self._kepler else 0 * theta
 
     def _pace(self, theta: Any) -> Any:
@@ -225,7 +232,7 @@ class PreciseClosedForm:
         own = self._field.dps
         rough = self._form(own + GUARD)
         turned = rough.turns(rough.context.mpf(t), of_flow)
-        # in steps, so that few set-ups serve many calls
+        # in steps of ten, so that few set-ups serve many calls
         digits = own + GUARD + 10 * ceil(max(0.0, float(rough.context.log10(turned))) / 10)
         while digits <= own + MOST_LOST + 2 * int(rough.context.log10(turned)):
             row, wide = (self._row(digits + more, t, of_flow) for more in (0, WIDER))

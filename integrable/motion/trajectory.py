@@ -52,7 +52,7 @@ WAYS = {
 
 
 class Way(Protocol):
-    """A way of computing the states of a motion over its field. ``way`` is its word for :attr:`Trajectory.way`."""
+    """A method of computing the states of a motion over its field; ``way`` is its name in :attr:`Trajectory.way`."""
 
     way: str
 
@@ -110,7 +110,7 @@ class Motion(Immutable):
     # --- for subclasses
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
-        """The way to the states at these times, values of τ unless ``physical``."""
+        """The method for the states at these times, values of τ unless ``physical``."""
         raise NotImplementedError
 
     def _prepare(self, times: Any) -> None:
@@ -153,7 +153,7 @@ class Motion(Immutable):
         """A one-dimensional array of finite numbers of the field."""
         field = self.system.field
         quick = type(values) is np.ndarray and values.dtype == FLOATS and values.ndim == 1 and field == RR
-        # all() takes twice as long, and squares would overflow with a warning
+        # all() takes twice as long, and testing squares would overflow with a warning
         if quick and np.count_nonzero(np.isfinite(values)) == len(values):
             # a copy: the times of a result do not change with the caller's array
             return values.copy()
