@@ -1,4 +1,4 @@
-"""The orientation of a body in space, from the two vectors that are fixed there, and its angular velocity.
+"""The orientation of a body in space, from the two vectors fixed in space, and its angular velocity.
 
 γ̇ = γ×ω and Ṁ = M×ω mean that the vertical γ and the angular momentum M about the contact point are fixed in space.
 They give the orientation without any integration: z is the vertical, x the direction of the horizontal part of M, y = z
@@ -34,7 +34,8 @@ def matrices(gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
     The rows are the axes x, y, z of space in the body frame: R γ = (0, 0, 1), R M = (√(M² − (γ, M)²), 0, (γ, M)).
     """
     horizontal = M
-    # twice is enough (Parlett 1980): once leaves the rounding of M along γ where the horizontal part is short
+    # orthogonalise twice (Parlett 1980): after one pass a rounding error of M along γ remains if the horizontal part is
+    # short
     for _ in range(2):
         horizontal = horizontal - np.sum(gamma * horizontal, axis=1)[:, None] * gamma
     x = horizontal / (np.sum(horizontal * horizontal, axis=1) ** 0.5)[:, None]

@@ -83,7 +83,7 @@ def jacobian_matrix(K: Any, function: Callable[[Any, tuple[Any, ...]], Sequence[
         try:
             return tuple(jets.coerce(y).slopes for y in function(jets, jets.variables(point)))
         except ZeroDivisionError:
-            # zero here but not nearby
+            # the root is zero here but not nearby
             raise NotRepresentable(
                 f"the function passes a special position over {K.name}: no derivative there"
             ) from None

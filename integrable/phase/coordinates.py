@@ -168,7 +168,7 @@ def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None 
     :func:`pairs_of`.
     """
     if square == other == K.zero:
-        # σν = 0 too: M along the axis and γ across it, where the curve has a double point
+        # σν = 0 too: M is along the axis and γ orthogonal to it, a double point of the curve
         return K.zero, K.zero
     if (square == K.zero) if K.exact else (abs(square) < abs(other)):
         nu = square_root(K, other, "n̂²")
@@ -178,7 +178,7 @@ def root_pair(K: Any, square: Any, product: Any, other: Any, model: Pair | None 
         pair = (sigma, K.div(product, sigma))
     opposite = (K.neg(pair[0]), K.neg(pair[1]))
     if model is None:
-        # a γ̂ that is rounding does not decide the sign
+        # a γ̂ of rounding size does not decide the sign
         return opposite if not K.exact and pair[0] < -64 * K.eps * abs(pair[1]) else pair
     if K.exact:
         return opposite if opposite == model else pair

@@ -41,7 +41,7 @@ class BallRows(Record):
         return len(self.tau)
 
     def _value(self) -> tuple[Any, ...]:
-        # flint compares balls as equal only where they are points, and cannot pickle them
+        # flint's balls are equal only if they are points, and cannot be pickled
         columns = (self.times, self.tau, *(getattr(self, name) for name in self._names))
         balls = (None if a is None else tuple(map(_ends, a.ravel())) for a in columns)
         return (self.size, *balls, tuple(self.radius.tolist()))
@@ -100,7 +100,7 @@ def widest(*vectors: tuple[Sequence[Any], Any]) -> Any:
 
 
 def rounded_up(radius: Any) -> float:
-    """A float not smaller than a radius."""
+    """A float not below a radius."""
     return max(float(radius) * (1 + 2.0**-50), sys.float_info.min)
 
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 def symmetry_axis(inertia: Vector) -> int | None:
     """The axis whose moment may differ from the two others, which are equal; None where all three differ."""
-    # written out, since every fresh flow asks twice
+    # written out for speed, since every new flow calls it twice
     x, y, z = inertia
     return 0 if y == z else 1 if z == x else 2 if x == y else None
 
@@ -53,11 +53,11 @@ class Swing(NamedTuple):
         kappa = K.sqrt(kappa2) * (1 if m3 > 0 else -1)
         rate = a * momentum * K.sqrt(r3 / mu)
         atan2 = K.context.atan2
-        # γ₃ and its rate, not the difference above, in which a motion about the axis has no digits left
+        # use γ₃ and its rate: the difference above has no digits for a motion about the axis
         size = K.sqrt(g3 * g3 + (a * across / rate) ** 2)
         theta = atan2(g3, a * across / rate) if size else K.zero
         swing = Swing(r, r3, delta, ratio, momentum, kappa, size, mu, rate, theta, K.zero)
-        # the ellipse before the turn, of γ and of M/|M|: the larger one gives φ
+        # the ellipses of γ and of M/|M| before the turn: the larger one gives φ
         c, s = K.context.cos(theta), K.context.sin(theta)
         before_gamma, before_M = swing.ellipse(c, s)
         found, before = ((g1, g2), before_gamma) if c * c + kappa2 * s * s >= 0.5 else ((m1, m2), before_M)
@@ -95,7 +95,7 @@ class Swing(NamedTuple):
 
 
 def _sqrt(x: Any) -> Any:
-    """Of an mpf, to the digits of its computation."""
+    """The square root of an mpf, with its own digits."""
     return x.context.sqrt(x)
 
 

@@ -77,7 +77,7 @@ class PhaseSpace(Made):
             raise NotASquare(f"gamma = {_show(gamma)}: 1 − d(γ, Aγ) vanishes in {K.name}, and g is infinite")
         if not tilted:
             tilt = K.dot(gamma, M)
-            # |M|, because its square may underflow
+            # computed as |M|, because (M, M) may underflow
             size = 1 if K.exact else max(K.dot(M, M) ** 0.5, *map(abs, M))
             if _distance(K, tilt, K.zero) > tolerance * size:
                 raise ArgumentError(
