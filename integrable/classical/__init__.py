@@ -1,1 +1,1 @@
-"""Systems of many degrees of freedom that move on Jacobians of any genus, one file each."""
+"""Systems with many degrees of freedom whose motions are linear on Jacobians of any genus, one file each."""

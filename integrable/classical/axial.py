@@ -1,11 +1,11 @@
-"""What Lagrange's top and the spherical pendulum share: an axis of height z, y² = f(z) of genus 1, and what turns about
-the vertical, carried as lifts at z = ±1.
+"""Common formulas of Lagrange's top and the spherical pendulum: an axis of height z, y² = f(z) of genus 1, and the
+horizontal part of the axis, carried as lifts at z = ±1.
 
 With U = x − z, V = z', f cubic of leading coefficient 2, f(1) = −m₁², f(−1) = −m₂², the horizontal part of the axis is
 
     g = Ce^{iwt}σ₁σ₂,   σ_k the lift at the point (±1, −im_k),   σ_k'/σ_k = (z' − im_k)/(2(z ∓ 1))
 
-Where m_k = 0 the axis can pass the vertical: there ±1 is a branch point, and its lift changes its sign.
+If m_k = 0 the axis can pass through the vertical: ±1 is then a branch point, where the lift changes sign.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Axis(NamedTuple):
 
 
 class AxialSystem(MumfordSystem):
-    """The base of the two."""
+    """Base of Lagrange's top and the spherical pendulum."""
 
     size = 3
     constants = ()
@@ -57,7 +57,7 @@ class AxialSystem(MumfordSystem):
         raise NotImplementedError
 
     def _top(self, N: Any, state: Point) -> tuple[Any, Any, Any] | None:
-        """Table: (jc, L, c) where a state ends with the angular momentum of a top; None where with a velocity."""
+        """Table: (jc, L, c) if the state of the system has the angular momentum of a top; None if it has a velocity."""
         return None
 
     # --- what follows
@@ -94,7 +94,7 @@ class AxialSystem(MumfordSystem):
         return [(N.one, -i * axis.m[0]), (-N.one, -i * axis.m[1])]
 
     def _carrier(self, axis: Axis) -> int | None:
-        """The end whose lift is g itself at the start: the nearer one, where that is a branch point."""
+        """The end whose lift at the start is g itself: the nearer one, if that is a branch point."""
         near = 0 if axis.z.real > 0 else 1
         return near if branches(axis.m[near]) else None
 
@@ -145,7 +145,7 @@ class AxialSystem(MumfordSystem):
 
 
 def branches(m: Any) -> bool:
-    """Whether an end is a branch point, m = 0; PrecisionLoss where a ball leaves that open."""
+    """Whether an end is a branch point, m = 0; PrecisionLoss if a ball does not decide it."""
     if m == 0 or m != 0:
         return bool(m == 0)
     raise PrecisionLoss("whether the axis passes through the vertical is not seen: use more digits")

@@ -18,7 +18,7 @@ from jacobian.numbers.abreast import abreast
 Real = Any
 Row = Any
 
-# numbers of a row of the table of series
+# length of a row of the table of series
 SERIES = 8
 
 
@@ -41,7 +41,7 @@ def axial_states(motion: AxialThetas, times: Row, out: Row) -> None:
     zero = 0 * numbers[0]
     for i in abreast(0, len(times)):
         cv, sv = circle((numbers[0] * times[i] + numbers[2]) / 2, motion.inverse)
-        # cos and sin of the even harmonic, then of the odd one after it; twice v is what harmonics step by
+        # cos and sin of the even harmonic, then of the next odd one; harmonics advance by 2v
         ce, se, c2, s2 = 1 + zero, zero, cv * cv - sv * sv, 2 * cv * sv
         upr, upi, dupr, dupi = zero, zero, zero, zero
         low, lowi, dlow, dlowi = zero, zero, zero, zero

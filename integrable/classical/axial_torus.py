@@ -32,9 +32,9 @@ from integrable.torus.witness import TURNS
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
-# bits of the roots, which have half of them where two nearly are the same, and of what comes after them
+# bits of the roots, half of which are lost if two roots nearly coincide, and of later quantities
 BITS, FEWER_BITS = 400, 180
-# steps of Newton's method from a root in floats
+# Newton steps from a root in floats
 NEWTON_STEPS = 8
 # what is less than this part of what it is beside has no digits left, and what is less than that part of it moves none
 LOST, NOTHING = 2.0**-130, 2.0**-90
@@ -89,7 +89,7 @@ class AxialTorus:
 
 
 class AxialFlow(MumfordFlow):
-    """The motion of a state, whose far times in floats are in closed form."""
+    """The motion of a state; far times in floats are computed in closed form."""
 
     @property
     def _may_have_torus(self) -> bool:

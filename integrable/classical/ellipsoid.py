@@ -26,7 +26,7 @@ from jacobian.errors import ArgumentError, PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-# of Newton's method for a step
+# largest number of Newton iterations for a step
 MOST_STEPS = 100
 
 

@@ -1,7 +1,7 @@
 """Garnier's system: a point in a quartic potential of any dimension (Garnier 1919).
 
-q_i'' = (αa_i + β − 2α|q|²)q_i, H = ½|p|² − ½Σ(αa_i + β)q_i² + ½α|q|⁴: an anisotropic oscillator, the frequencies of
-which are arbitrary, with the quartic term of a sphere. In the terms of :mod:`integrable.mumford.quadrics`
+q_i'' = (αa_i + β − 2α|q|²)q_i, H = ½|p|² − ½Σ(αa_i + β)q_i² + ½α|q|⁴: an anisotropic oscillator with arbitrary
+frequencies and an isotropic quartic term. In the terms of :mod:`integrable.mumford.quadrics`
 
     u₀ = 1,   w₀ = αx + β − α|q|²
 

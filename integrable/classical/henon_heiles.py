@@ -5,9 +5,9 @@
     q_0'' = 12αq_0² + 2α|q|² + 4βq_0 + γ,   q_i'' = (4αq_0 + β + αa_i)q_i + l_i²/q_i³
 
 With α = −½ and one axis it has the potential 2q_0³ + q_0q_1² beside any quadratic one. In the terms of
-:mod:`integrable.mumford.quadrics` u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0,
-c = γ + 2βq_0 + 4αq_0² + α|q|²; genus n + 1. Where q_0 runs to infinity in a finite time it comes back, and so do the
-formulas.
+:mod:`integrable.mumford.quadrics` u₀ = x − 2q_0, ε = −1, w₀ = αx² + bx + c, b = β + 2αq_0, c = γ + 2βq_0 + 4αq_0² +
+α|q|²; genus n + 1. If q_0 escapes to infinity in finite time, the formulas continue the motion through infinity and
+back.
 """
 
 from __future__ import annotations

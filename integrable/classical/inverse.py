@@ -13,18 +13,19 @@ from integrable.mumford.flow import Point, long_digits
 from jacobian.errors import ArgumentError, PrecisionLoss, entries, shown
 from jacobian.linear import pivoted
 
-# rounding, in units of the last digit, that ends the search; evaluations, and halvings of a step that leads away
+# the search ends at this many units of rounding; largest number of evaluations, and of halvings of a step that does not
+# improve
 LAST, MOST, HALVINGS = 64, 60, 8
-# how far off the ellipsoid a point may be, relative
+# allowed relative distance of a point from the ellipsoid
 OFF = 1e-6
 
 
 def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
-    """The state at the point ``first`` that is at ``last`` at time 1, over RR or MP(digits): |p| is the length.
+    """The state at the point ``first`` that reaches ``last`` at time 1, over RR or MP(digits): |p| is the length.
 
-    The geodesic is the one that Newton's method comes to from the direction of the chord: the shortest one, unless
-    the points are nearly opposite. Points are put on the ellipsoid along their rays. PrecisionLoss where none is found;
-    ArgumentError for what is no point of the ellipsoid, or the same point twice.
+    Newton's method starts from the direction of the chord and finds the shortest geodesic, unless the points are nearly
+    opposite. Points are projected onto the ellipsoid along their rays. PrecisionLoss if no geodesic is found;
+    ArgumentError for a point off the ellipsoid, or the same point twice.
     """
     if not isinstance(ellipsoid, Ellipsoid):
         raise ArgumentError(f"ellipsoid = {shown(ellipsoid)}: an Ellipsoid is needed")
@@ -49,7 +50,7 @@ def joining(ellipsoid: Ellipsoid, first: Any, last: Any) -> Point:
         gap = [x - y for x, y in zip(end, target, strict=True)]
         return [K.dot(e, gap) for e in landing]
 
-    # as long as the circle over the chord that leaves it at the angle of the first tangent
+    # initial length: that of the circular arc over the chord with the angle of the first tangent
     along, length = float(K.dot(chord, basis[0])), float(K.sqrt(K.dot(chord, chord)))
     angle = acos(min(1.0, along / length))
     arc = length * angle / sin(angle) if angle else length
@@ -79,7 +80,7 @@ def _tangents(ellipsoid: Ellipsoid, q: Sequence[Any], chord: Sequence[Any]) -> l
                 part = K.dot(rest, e)
                 rest = [x - part * y for x, y in zip(rest, e, strict=True)]
         length, whole = (K.sqrt(K.dot(x, x)) for x in (rest, given))
-        # some unit vector leaves at least this
+        # at least one unit vector leaves a remainder this large
         if length > whole / (2 * size) and len(basis) < size:
             basis.append([x / length for x in rest])
     return basis[1:]

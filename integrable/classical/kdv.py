@@ -6,9 +6,8 @@ condition ψ(x) = 0 one eigenvalue γ_j in each gap [e_{2j}, e_{2j+1}]:
 
     f = −Π(x − e_i),   U = Π(x − γ_j),   V = ½∂U/∂x,   u = Σe_i − 2Σγ_j
 
-On the Jacobian of y² = f both x and t are straight lines, of directions −2e_{g−1} and −4Σe_i·e_{g−1} − 8e_{g−2}.
-Where a band shrinks to a point, e_{2j−1} = e_{2j}, it is the eigenvalue of a soliton; where a gap does, nothing remains
-of it.
+On the Jacobian of y² = f both x and t are straight lines, of directions −2e_{g−1} and −4Σe_i·e_{g−1} − 8e_{g−2}. A band
+that has shrunk to a point, e_{2j−1} = e_{2j}, is the eigenvalue of a soliton; a gap that has shrunk has no effect.
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Profile:
 
     @cached_property
     def _torus(self) -> RealTorus | EllipticTorus | None:
-        """The torus, if it is there and has what additions have."""
+        """The torus, if it exists and agrees with additions."""
         try:
             torus = EllipticTorus(self._place) if self._genus == 1 else RealTorus(self._place)
             found = self._on(torus, torus.witnesses)

@@ -10,7 +10,7 @@ With X = p² + q², e = 1 − k², R = −X² + 6l_1X + 4lp + e, R_1 = −6l_1X�
     U = x² + Rx/(2q²) + R_1/(4q²),   V = ½U',   f = −(4s³ − g_2s − g_3)(x² − k²),   s = ½(x + l_1)
     g_2 = k² − 1 + 3l_1²,   g_3 = l_1(k² − 1 − l_1²) + l²
 
-of genus 2 and direction −2e_1. The way back, from a divisor to the state, is not rational and is not here.
+of genus 2 and direction −2e_1. The inverse map, from a divisor to the state, is not rational and is not implemented.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ class KowalevskiTop(MumfordSystem):
         )
 
     def line(self, state: Point, times: Any) -> list[Spectral]:
-        """f, u and v at times over RR or MP(digits): the pairs of the states then, without these."""
+        """f, u and v at times over RR or MP(digits): the pairs of the states then, without the states themselves."""
         self._check(state)
         K, digits = self.field, long_digits(self.field)
 

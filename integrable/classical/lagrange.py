@@ -45,7 +45,7 @@ class LagrangeTop(AxialSystem):
 
     @staticmethod
     def _at_ends(N: Any, state: Point) -> tuple[Any, Any]:
-        """(M, q ∓ e_3), next to the vertical without the difference 1 − |q_3|, which would round to 0 there."""
+        """(M, q ∓ e_3). Near the vertical this avoids the difference 1 − |q_3|, which would round to 0."""
         (x, y, z), (a, b, c) = state
         along = x * a + y * b
         below, above = z - N.one, z + N.one

@@ -5,7 +5,7 @@ q, p ∈ R^(n+1), |q| = 1, (q, p) = 0, q' = p, p' = −a_i q_i + m q_i, m = Σa_
     U = f₁Σ q_i²/(x − a_i),   V = f₁Σ q_i p_i/(x − a_i),   W = −f₁(1 + Σ p_i²/(x − a_i)),   f = V² + UW = −f₁f₂
 
 of genus n, direction −2e_{n−1}; the roots of f₂ are constants. (q_i, p_i) is the lift at the branch point a_i, up to
-f₁'(a_i), so that signs, and axes that the motion crosses, take care of themselves.
+f₁'(a_i). So signs are determined, also where the motion crosses a coordinate plane.
 """
 
 from __future__ import annotations
@@ -49,7 +49,8 @@ class Neumann(QuadricSystem):
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
         a = self._constants_in(N)
-        # over |q|², 1 at a state: an integrator that leaves the sphere by rounding is not driven away from it
+        # divided by |q|², which is 1 at a state, so that an integrator that leaves the sphere by rounding is not driven
+        # farther away
         m = (N.dot(a, [x * x for x in q]) - N.dot(p, p)) / N.dot(q, q)
         return Point(p, tuple((m - e) * x for e, x in zip(a, q, strict=True)))
 
@@ -64,5 +65,5 @@ class Neumann(QuadricSystem):
         h = self._time_step(h)
         sign = 1 if (h > 0) == (genus % 2 == 0) else -1
         new = self.step(state, self.curve_point(state, -1 / (h * h), sign))
-        # back, the roots of the step are the negative ones
+        # a step back takes the negative roots
         return new if h > 0 else Point(tuple(-x for x in new.q), tuple(-y for y in new.p))

@@ -36,7 +36,7 @@ class SphericalPendulum(AxialSystem):
 
     def _vector_field(self, N: Any, state: Point) -> Point:
         q, p = state
-        # over |q|², 1 at a state, as in Neumann's system
+        # divided by |q|², which is 1 at a state, as in Neumann's system
         tension = (q[2] - N.dot(p, p)) / N.dot(q, q)
         return Point(p, (tension * q[0], tension * q[1], tension * q[2] - 1))
 

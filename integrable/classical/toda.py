@@ -41,7 +41,7 @@ class TodaLattice(MumfordSystem):
         return {"n": self.size}
 
     def _constraints(self, N: Any, state: Point) -> Sequence[Any]:
-        # an exponential is not 0
+        # over an exact field 0 cannot be an exponential
         return (N.one if N.exact and N.zero in state.q else N.zero,)
 
     _constraint_names = ("e^q ≠ 0",)
@@ -98,7 +98,7 @@ class TodaLattice(MumfordSystem):
         return Point(rates, tuple(links[k] - links[k - 1] for k in range(self.size)))
 
     def _auxiliary(self, N: Any, state: Point) -> tuple[Any, ...]:
-        """The links less 1, which are small where all q nearly are the same."""
+        """The links less 1, which are small if all q nearly coincide."""
         q = state.q
         return tuple(exponential_less_one(N, q[(k + 1) % self.size] - q[k]) for k in range(self.size))
 
@@ -145,7 +145,7 @@ class TodaLattice(MumfordSystem):
             p.append(quotient[0])
             if k < size - 1:
                 links.append(-rest[size - 2 - k])
-                # by operators alone, for columns of numbers
+                # written with operators only, so that columns of numbers work too
                 above, below = below, (*[c / rest[size - 2 - k] for c in rest[: size - 2 - k]], N.one)
         return p, links
 

@@ -21,7 +21,7 @@ from jacobian.errors import ArgumentError, shown
 
 
 class Veselova(BodySystem):
-    """A body of three different moments ``inertia``; a state has q = γ and p = M, the part of Iω across γ.
+    """A body with three different moments ``inertia``; a state has q = γ and p = M, the part of Iω orthogonal to γ.
 
     ``Veselova((1, 2, 3)).flow(system.state(q, p)).at(times)``; ``omega(state)`` is the angular velocity.
     """
