@@ -1,9 +1,9 @@
-"""The energy–momentum diagram of a body: all its motions by X = c²/H2 and Z = H1/H2, c = (γ, M).
+"""The energy–momentum diagram of a body: all its motions in the plane of X = c²/H2 and Z = H1/H2, c = (γ, M).
 
-M ↦ λM changes neither, so the diagram is a strip of the plane, 0 ≤ X ≤ 1. It lies between the straight lines Z = a(1 +
-Xd/I) of the largest and the least moment. The line of the middle moment is the separatrix, and each of the three lines
-consists of the rotations about its axis. X = 1 is M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1 −
-dζ(1 − X))/(1 − dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
+Both are invariant under M ↦ λM. The diagram is the part of the strip 0 ≤ X ≤ 1 between the straight lines Z = a(1 +
+Xd/I) of the largest and the least moment. The line of the middle moment is the separatrix; each of the three lines
+consists of the rotations about its axis. X = 1 means M ∥ γ. All motions with one ζ lie on a straight line too, Z = ζ(1
+− dζ(1 − X))/(1 − dζ), and every quantity is a function of X and ζ (:meth:`integrable.portrait.ovals.Level.at`).
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ MOST_COUNT = 300
 
 
 class Diagram(Record):
-    """That of a system over RR. Get one from ``system.diagram()``.
+    """The energy–momentum diagram of a system over RR. Get one from ``system.diagram()``.
 
     ``lines`` are the ends (X, Z) of the three lines of rotations, one for each axis of the body, shape (3, 2, 2).
     """
@@ -68,7 +68,7 @@ class Diagram(Record):
         return inside
 
     def divergence(self, X: Any) -> Any:
-        """The rate, per unit of t and of √H2, at which neighbours leave the unstable rotation at X < 1; shape of X.
+        """The rate, per unit of t and of √H2, at which nearby motions leave the unstable rotation at X < 1; shape of X.
 
         χ = √h̃2·√h(a₂)·P/(πs) with the principal value P = ∫x dx/((x − a₂)√h), h = 4h̃2(1 − d̃x)(x − a₁)(a₃ − x).
         """
@@ -82,7 +82,7 @@ class Diagram(Record):
     def rotation_numbers(self, count: int = 40) -> tuple[Any, Any, Any]:
         """(X, Z, rotation number) on a grid in X and ζ, each of shape (count, 2·count), for contours.
 
-        The ζ are denser next to the separatrix, which is left out.
+        The ζ are denser near the separatrix, which is excluded.
         """
         count = whole(count, "count", f"an int from 2 to {MOST_COUNT}", 2, MOST_COUNT)
         a1, a2, a3 = sorted(self.system.a)

@@ -1,4 +1,4 @@
-"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and where floats have no
+"""Derivatives of states by differences of whole motions in more digits: over MP(digits), and for floats without a
 torus.
 """
 
@@ -19,7 +19,8 @@ from jacobian.progress import Progress
 Motion = Callable[[Body, State], Any]
 """γ and M at the times, shape (N, 6), of a body from a state."""
 
-# digits beyond those lost to the step and to the derivatives, and how often these may turn out larger
+# guard digits beyond those lost to the step and the derivatives, and how often the derivatives may turn out larger than
+# expected
 GUARD, ATTEMPTS = 8, 6
 # motions of a body: two for each of nine directions
 MOTIONS = 18
@@ -61,7 +62,7 @@ def _quotients(motion: Motion, body: Body, state: State, K: Any, step: Any) -> A
         shift = step * scales[direction != 0][0] * direction
         size = 2 * step * scales[direction != 0][0]
         if k == 8 and not body.rolls:
-            # d < 0 is no body
+            # one-sided, since d < 0 is not a body
             values = (rows(n * shift) for n in range(3))
             columns.append(sum(w * x for w, x in zip(ONE_SIDED, values, strict=True)) / size)
         else:

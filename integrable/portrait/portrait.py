@@ -131,7 +131,7 @@ class Portrait(Immutable):
         """(ν1, ν2) and the mean of g, wide."""
         level, ovals = self.level, self.ovals
         if ovals is None:
-            # all except rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
+            # all except the rotation about one axis, at the rate a₂√h̃2 of Chaplygin's time
             (r1, _, r3), pi = level.contact, level.pi
             one = r1 / r1
             mean = 2 * complete(root(r3 / r1), one, one, one, pi, float(level.eps) ** 0.5 / 16) / (pi * root(r1))

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 AXES = ("largest", "least")
-# nodes of an oval's series, and the largest number
+# initial number of nodes of an oval's series, and the largest
 FIRST_NODES, MOST_NODES = 64, 1 << 16
 PASSES = 60
-# sines of a series that are summed at once
+# number of sines summed at once
 SINES = 1 << 20
 # initial digits of floats, and the size of an angle's step below them
 ROUGH_DIGITS, ROUGH = 12, 1e-13
@@ -113,7 +113,7 @@ def section(flow: Any, count: int, axis: str) -> Section:
 
 
 def tilde(flow: Any, run: Any) -> tuple[Any, Any]:
-    """γ + kM and M − dkH1γ along a run, (N, 3) each, up to a factor."""
+    """γ + kM and M − dkH1γ along a run, (N, 3) each, up to a common factor."""
     change = flow.setup.tilt
     if change is None:
         return run.gamma, run.M

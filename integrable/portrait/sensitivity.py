@@ -1,8 +1,8 @@
 """Derivatives of the states of a motion by its start and by its body, at any time: secular and periodic parts.
 
-On a compact torus :mod:`integrable.portrait.variations` leaves integrals of functions of the state, which are a mean
-rate and a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ with mean 0, a = a' −
-σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
+On a compact torus :mod:`integrable.portrait.variations` reduces the derivatives to integrals of functions of the state.
+Each is a mean rate times τ plus a Fourier series (:mod:`integrable.torus.series`). With σ the integral of Y(1/g) over τ
+with mean 0, a = a' − σb, da'/dτ = (w₁ + σw₂)/g, db/dτ = w₂/g, so that
 
     S(t) = t·[ẋ ⊗ α + (Y − σẋ) ⊗ β] + bounded,
 
@@ -33,10 +33,9 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 13
-# coefficients of the rates below this part of the largest are rounding
+# coefficients of the rates below this fraction of the largest are rounding
 NOISE = 3e-14
-# digits that derivatives on the torus may lose, relative to the largest; beyond it motions in more digits are
-# subtracted
+# largest relative error of derivatives on the torus; beyond it differences of motions in more digits are used
 MOST_LOST = 1e-12
 COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d")
 
@@ -136,7 +135,7 @@ class TorusVariations:
     """Sensitivities along a motion on a torus, in floats; PrecisionLoss where no grid resolves the integrands."""
 
     def __init__(self, torus: TorusFlow, body: Body) -> None:
-        # units in which the largest 1/(I + d) and |M| are 1
+        # choose units in which the largest 1/(I + d) and |M| are 1
         self._torus, self._unit = torus, 1 / max(body.a)
         self._size = float(torus.setup.bare_problem.momentum)
         self._body = type(body)(tuple(x / self._unit for x in body.inertia), body.d / self._unit, body.field)
@@ -153,7 +152,7 @@ class TorusVariations:
         self._gradient = gradient(self._body, start[0])
 
     def _scaled(self, rows: np.ndarray) -> np.ndarray:
-        """In the units of the variations; M~ does not have the length of M, so its unit may differ from |M|."""
+        """States in the units of the variations; |M̃| differs from |M|, so its unit may differ too."""
         return np.concatenate([rows[:, :3], rows[:, 3:] / self._size], axis=1)
 
     def _sample(self) -> None:
@@ -234,8 +233,8 @@ class TorusVariations:
 def _lost(flow: Any, run: Any, matrix: Any) -> float:
     """The digits lost in floats, relative to the largest element at every time.
 
-    A heavier body with correspondingly more momentum moves alike, and one of more momentum is earlier. Near a
-    separatrix the integrals are large and nearly cancel.
+    The scale comes from two exact symmetries: scaling moments, d and M together leaves γ(t) unchanged, and scaling M
+    rescales time. Near a separatrix the integrals are large and nearly cancel.
     """
     system, M = flow.system, np.array(flow.state.M)
     heavier = np.concatenate([np.zeros(3), M, system.inertia, [system.d]])

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from integrable.torus.access import TorusFlow
 
 FIRST_SIZE, MOST_SAMPLES, CHUNK = 32, 1 << 18, 1 << 12
-# lines below this part of the strongest of their quantity are rounding
+# lines below this fraction of the strongest line of their quantity are rounding
 NOISE = 3e-14
 PASSES, SOLVED = 60, 1e-13
 
@@ -131,14 +131,14 @@ def _spectrum(torus: TorusFlow, portrait: Any, periods: list[int], parts: list[n
     strength = np.max([np.abs(x).max(axis=-1) / (np.abs(x).max() or 1.0) for x in parts], axis=0)
     places = np.argwhere(strength > NOISE)
     counted = np.where(2 * places > size, places - size, places)
-    # modes of the torus's own basis in terms of those of both ovals, possibly with the other direction
+    # modes in the torus's own basis converted to those of the two ovals, possibly with the opposite direction
     basis = np.array(torus.lattice.chart.basis)
     own = [sum(x * int(b) for x, b in zip(torus.frequencies, column, strict=True)) for column in basis.T]
     signs = [1 if (x > 0) == (f > 0) else -1 for x, f in zip(own, portrait.wide_frequencies, strict=True)]
     modes = np.rint(2 * (counted / periods) @ np.linalg.inv(basis).T * signs).astype(int)
     f1, f2 = portrait.wide_frequencies
     frequencies = np.array([float((int(m) * f1 + int(n) * f2) / 2) for m, n in modes])
-    # of two conjugate lines the one with f ≥ 0, doubled
+    # keep the line with f ≥ 0 of each conjugate pair, doubled
     kept = (frequencies > 0) | (modes == 0).all(axis=1)
     order = np.flatnonzero(kept)[np.argsort(-strength[tuple(places[kept].T)], kind="stable")]
     twice = np.where(frequencies[order] > 0, 2, 1)[:, None]
