@@ -65,7 +65,7 @@ class BodyOnLayer(BodySystem):
             check_domain(self.body, self.body.state(*state))
         return super().flow(state)
 
-    # the body's own flow is faster near its start too
+    # the body's own flow is faster near its start as well
     _kind = None
 
     def _constants_in(self, N: Any) -> tuple[Any, ...]:
