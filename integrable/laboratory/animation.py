@@ -15,7 +15,7 @@ from integrable.files.whole import target_of, whole_file
 from jacobian.errors import ArgumentError, shown, whole
 
 SUFFIXES = (".gif", ".mp4")
-# the viewer's horizontal, vertical and depth in the laboratory: from the south, 25 degrees up
+# the camera's horizontal, vertical and depth directions in the laboratory: from the south, 25 degrees above the plane
 UP = np.radians(25)
 VIEW = np.array([[1, 0, 0], [0, np.sin(UP), np.cos(UP)], [0, -np.cos(UP), np.sin(UP)]])
 COLORS = ("#1b6ca8", "#b03a2e", "#1e8449")
@@ -47,7 +47,7 @@ def animate(run: Any, path: Any, fps: int) -> None:
     def update(frame: int) -> list[Any]:
         return [artist for each in updates for artist in each(frame)]
 
-    # laid out once: repeating it for every frame takes longer than the drawing
+    # lay out once: a layout for every frame takes longer than the drawing
     update(0)
     figure.draw_without_rendering()
     figure.set_layout_engine("none")
@@ -58,7 +58,7 @@ def animate(run: Any, path: Any, fps: int) -> None:
 
 @contextmanager
 def _of_ffmpeg(target: Path) -> Iterator[None]:
-    """If ffmpeg fails, its last message, in one line."""
+    """On failure of ffmpeg, its last message as one line."""
     try:
         yield
     except CalledProcessError as error:

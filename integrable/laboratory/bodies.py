@@ -27,9 +27,9 @@ from integrable.systems.euler_top import EulerTop
 from jacobian import MP, RR
 from jacobian.errors import ArgumentError, entries, shown
 
-# digits of a set-up, and of a flow, beyond those of a field MP(digits)
+# extra digits of a set-up, and of a flow, beyond those of MP(digits)
 GUARD, INNER = 15, 5
-# M counts as vertical within that many roundings; a smaller horizontal part of M costs digits in floats
+# M counts as vertical within this many roundings; below the second ratio of its horizontal part floats lose digits
 VERTICAL, NEARLY = 64, 1e-2
 
 
@@ -69,11 +69,11 @@ class RigidBody(Made):
         return LaboratoryMotion(self, *self._start(orientation, omega), None)
 
     def _way(self, start: Any, spin: Any) -> Any:
-        """The way of a motion from principal axes at ``start`` and ω along them."""
+        """The method for a motion with its principal axes at ``start`` and ω along them."""
         moments, K = self._principal.moments, self._wide
         if _uniform(moments, spin, self.field.eps):
             return Uniform(self.field, start, spin, None)
-        # any vector fixed in space will do for γ: one orthogonal to M keeps all digits
+        # any vector fixed in space can serve as γ: one orthogonal to M keeps all digits
         M = np.array([x * w for x, w in zip(moments, spin, strict=True)], dtype=object)
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
@@ -176,7 +176,7 @@ class RollingBall(RigidBody):
         length, size = K.sqrt(flat @ flat), K.sqrt(M @ M)
         if length <= VERTICAL * self.field.eps * size:
             return self._vertical(start, gamma, c + d * (gamma @ spin))
-        # the axes of space follow from the horizontal part of M
+        # the axes of space are determined by the horizontal part of M
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
         system = ChaplyginBall(
@@ -211,14 +211,16 @@ def _wide_field(field: Any) -> Any:
 
 
 def _inner(field: Any, lost: int) -> Any:
-    """The field of a flow that loses that many digits on the way to orientations."""
+    """The field of a flow that loses that many digits in the conversion to orientations."""
     if field == RR:
         return MP(ROUNDED_TO_FLOATS + lost) if lost else RR
     return MP(field.dps + INNER + lost)
 
 
 def _uniform(moments: Any, spin: Any, eps: Any) -> bool:
-    """Whether Jω ∥ ω: exactly, or to rounding where that does not grow, about the axes of the extreme moments."""
+    """Whether Jω ∥ ω: exactly, or to rounding about the stable axes of the extreme moments, where deviations do not
+    grow.
+    """
     size = max(map(abs, spin))
     if not size:
         return True

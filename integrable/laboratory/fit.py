@@ -19,7 +19,7 @@ from jacobian.errors import ArgumentError, floats, shown, written
 from jacobian.immutable import Record
 
 LEAST_COUNT = 3
-# R Rᵀ of a measured rotation may differ from 1 by this
+# allowed deviation of R Rᵀ from 1 for a measured rotation
 MEASURED = 1e-3
 UNDETERMINED = "no body fits them best from this guess; give a nearer guess, or orientations at more and later times"
 NAMES = ("turn1", "turn2", "turn3", "omega1", "omega2", "omega3", "log ratio1", "log ratio2")
@@ -90,7 +90,7 @@ def _rotations(orientations: Any, count: int) -> np.ndarray:
         raise ArgumentError(
             f"orientations have the shape {found.shape}: give a rotation for each of {written(count)} times"
         )
-    # no entry of a rotation is 2
+    # 2 is no valid entry of a rotation, so the check below fails
     safe = np.where(np.isfinite(found), found, 2)
     off = abs(safe @ safe.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
     wrong = (off > MEASURED) | (np.linalg.det(safe) < 0)
@@ -116,7 +116,7 @@ class _Problem:
         self._known: tuple[bytes, Any] = (b"", None)
 
     def moments(self, x: np.ndarray) -> np.ndarray:
-        # an infinite number is no body
+        # an overflow gives an impossible body, which is refused
         with np.errstate(over="ignore"):
             found: np.ndarray = self._moments * np.exp([x[6], x[7], 0.0])
         return found
@@ -149,7 +149,7 @@ class _Problem:
         return found
 
     def slopes(self, x: np.ndarray) -> np.ndarray:
-        """(3N, 8), of small residuals."""
+        """(3N, 8), the derivatives of the residuals, for small residuals."""
         motion = self._motion(x)
         if motion.flow is None:
             raise ArgumentError(
@@ -189,7 +189,7 @@ def _rotation(turn: np.ndarray) -> np.ndarray:
 
 
 def _left(turn: np.ndarray) -> np.ndarray:
-    """The turn in space that a change of a rotation vector makes of its rotation (3, 3)."""
+    """The left Jacobian (3, 3) of a rotation vector: the turn in space caused by a change of the vector."""
     angle = float(np.linalg.norm(turn))
     if angle < 1e-8:
         return np.eye(3)

@@ -162,7 +162,7 @@ class LaboratoryRun(Exported):
         matrices, omega = self.motion._way.at(self.times)
         body = self.motion.body
         axes, field = body._principal.axes, body.field
-        # Q has many digits, and is most often the identity
+        # Q is wide, and usually the identity
         if (axes == np.eye(3)).all():
             return numbers(field, matrices), numbers(field, omega)
         axes = numbers(field, axes)

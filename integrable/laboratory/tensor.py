@@ -8,12 +8,11 @@ import numpy as np
 
 from jacobian.errors import ArgumentError, entries, shown
 
-# a tensor is symmetric, and a body has I₁ + I₂ ≥ I₃, up to this part of the largest entry, since data of drawings are
-# rounded
+# allowed violation, relative to the largest entry, of symmetry and of I₁ + I₂ ≥ I₃: data from drawings are rounded
 ROUNDED = 1e-9
-# R Rᵀ may differ from 1 by this
+# allowed deviation of R Rᵀ from 1
 ORTHOGONAL = 1e-8
-# principal moments that rounding does not separate, in units of eps
+# principal moments closer than this many eps count as equal
 ALIKE = 4
 SWEEPS = 60
 
@@ -29,7 +28,7 @@ class Principal(NamedTuple):
 
 
 def principal(K: Any, table: Matrix, eps: Any) -> Principal:
-    """Those of a tensor over K = MP(digits); moments within rounding (``eps``) are equal.
+    """The principal moments and axes of a tensor over K = MP(digits); moments within rounding (``eps``) are equal.
 
     ArgumentError for a tensor that is not symmetric, not positive, or not that of any body.
     """
@@ -109,7 +108,7 @@ def rotation(K: Any, orientation: Any) -> Matrix:
         )
     if determinant(table) < 0:
         raise ArgumentError(f"orientation = {shown(given)} has determinant −1: a reflection is no rotation")
-    # its polar factor (Björck and Bowie 1971), to all digits: each step squares the error
+    # the polar factor (Björck and Bowie 1971) to all digits: each step squares the error
     while off > 8 * K.eps:
         table = table @ (3 * one - table.T @ table) / 2
         off = off * off
@@ -143,7 +142,7 @@ def _row(row: Any, argument: str) -> Any:
 
 
 def determinant(table: Matrix) -> Any:
-    """Of a 3×3 matrix."""
+    """The determinant of a 3×3 matrix."""
     return table[0] @ cross(table[1], table[2])
 
 

@@ -1,5 +1,4 @@
-"""The ways of computing a motion in the laboratory: orientations of the principal axes, angular velocities, contact
-points.
+"""Methods for a motion in the laboratory: orientations of the principal axes, angular velocities, contact points.
 
 At times of shape (N,) ``at`` gives the rotations from principal axes to the laboratory, (N, 3, 3), and ω along the
 principal axes, (N, 3). ``contact`` gives the path of the point of contact from the start, (N, 2).
@@ -30,12 +29,11 @@ TURN = 2 * PI
 class WideFlow(Flow):
     """A flow whose torus or closed form is set up from numbers with more digits than its field has.
 
-    Diagonalising a tensor and computing M from ω round the user's floats, and a phase multiplies that error by its
-    angle.
+    Diagonalising a tensor and computing M from ω would round the user's floats, and that error grows with the phase.
     """
 
     def __init__(self, system: Any, state: State, wide_body: Body, wide_state: State) -> None:
-        # before the base, which may ask for the set-up
+        # set before the base class, which may request the set-up
         self._wide_body, self._wide_state = wide_body, wide_state
         super().__init__(system, state)
 
