@@ -50,17 +50,17 @@ class Frame:
 
     @property
     def columns(self) -> dict[str, Column]:
-        """All of them."""
+        """All coordinates and variables."""
         return {**self.coordinates, **self.variables}
 
     @property
     def exact(self) -> bool:
-        """Whether numbers have more digits than floats."""
+        """Whether numbers have more digits than floats, as those of MP do."""
         return any(column.values.dtype == object for column in self.columns.values())
 
 
 def version() -> str:
-    """Of this package."""
+    """The version of this package."""
     try:
         return metadata.version("jacobian-integrable")
     except metadata.PackageNotFoundError:

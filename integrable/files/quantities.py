@@ -28,7 +28,7 @@ __all__ = [
 
 
 class Quantity(NamedTuple):
-    """The last dimension, the names along it, unit and name."""
+    """The last dimension, the labels along it, the unit and the long name."""
 
     dim: str
     parts: tuple[str, ...]

@@ -30,7 +30,7 @@ def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
         raise ArgumentError(f"{argument} = {shown(path)}: give {wanted}")
     target = Path(path)
     with said(target, argument):
-        # checked here: a name too long for the file system
+        # called for its error: the name may be too long for the file system
         target.exists()
         there = target.parent.is_dir()
     if not there:
@@ -43,7 +43,7 @@ def target_of(path: Any, wanted: str, argument: str = "path") -> Path:
 
 @contextmanager
 def replacing(target: Path, folder: Path | None = None) -> Iterator[Path]:
-    """A temporary name with the suffix of ``target``, beside it or in another ``folder`` of its disk.
+    """A temporary name with the suffix of ``target``, in its folder or in another ``folder`` on the same disk.
 
     When the block ends, its file or folder becomes ``target``; if an exception leaves the block, it is removed.
     """
@@ -119,7 +119,7 @@ class Patient(io.FileIO):
 
     def _write_all(self, view: memoryview) -> None:
         while len(view):
-            # fewer than requested, near a limit
+            # near a limit fewer bytes are written than requested
             view = view[super().write(view) :]
 
     def _try(self, act: Callable[[], object]) -> None:

@@ -1,6 +1,6 @@
-"""A frame as a file, in the format of its name's suffix, written by the library with which people read it.
+"""Writes a frame to a file, in the format given by its suffix, with the library that its readers use.
 
-HDF5 files are made in memory: the library ends the process where the disk is full.
+HDF5 files are made in memory, because the library aborts the process when the disk is full.
 """
 
 from __future__ import annotations
