@@ -43,13 +43,12 @@ class Body:
     @staticmethod
     def make(inertia: Sequence[Any], d: Any, field: Any) -> Body:
         """A Body of checked parameters; ArgumentError names the one that is wrong."""
-        if field is not RR and is_complex(check_field(field, "field").zero):
-            raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
+        check_body_field(field)
         moments = triple(field, inertia, "inertia")
         offset = field.coerce(d, "d")
         if field.characteristic == 0 and offset < 0:
             raise ArgumentError(f"d = {shown(d)} is negative: d = m r² ≥ 0 (0 for the Euler top)")
-        # over the reals a sum of positive terms does not vanish
+        # over the reals sums of positive terms do not vanish
         if field.characteristic != 0 or not min(moments) > 0:
             for i, moment in enumerate(moments):
                 _check_moment(field, moment, offset, i)
@@ -128,9 +127,15 @@ class Body:
         return f
 
 
+def check_body_field(field: Any) -> None:
+    """FieldError unless ``field`` is one that bodies are over."""
+    if field is not RR and is_complex(check_field(field, "field").zero):
+        raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
+
+
 def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:
     """H1 = (ω, M) = (M, AM) + weight·(γ, AM)², weight = d·g², by operators."""
-    # written out: every step of a map compares the energies of its image
+    # written out for speed: every step of a map compares the energies of its image
     (a1, a2, a3), (x1, x2, x3), (m1, m2, m3) = a, gamma, M
     n1, n2, n3 = a1 * m1, a2 * m2, a3 * m3
     spin = x1 * n1 + x2 * n2 + x3 * n3
@@ -141,7 +146,7 @@ def triple(field: Any, values: Any, argument: str) -> Vector:
     """Three field elements, or an ArgumentError that names ``argument``."""
     if field is RR and type(values) in (list, tuple) and len(values) == 3:
         x, y, z = values
-        # building the messages' names would cost a large part of a short run
+        # fast path: building the argument's names for messages would cost a large part of a short run
         if type(x) is type(y) is type(z) is float and isfinite(x + y + z):
             return x, y, z
     items = entries(values, argument, "a sequence of three numbers")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.phase.body import Body
+from integrable.phase.body import Body, check_body_field
 from integrable.phase.state import State
 from integrable.systems.system import System
 from jacobian import RR
@@ -25,6 +25,7 @@ class ChaplyginBall(System):
     def __init__(
         self, inertia: Sequence[Any], d: Any = None, *, mass: Any = None, radius: Any = None, field: Any = RR
     ) -> None:
+        check_body_field(field)
         if (d is None) == (mass is None) and (d is not None or radius is None):
             raise ArgumentError(
                 f"d = {shown(d)}, mass = {shown(mass)}, radius = {shown(radius)}: give either d or both mass and radius"

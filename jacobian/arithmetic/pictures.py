@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from jacobian.arithmetic.record import LPolynomials
+from jacobian.arithmetic.saved import path_of
 from jacobian.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -40,7 +41,7 @@ def figure(L: LPolynomials) -> Figure:
 
 def draw(L: LPolynomials, path: Any) -> None:
     """Writes the picture: .png, .svg or .pdf by the name of the file."""
-    figure(L).savefig(path, dpi=150)
+    figure(L).savefig(path_of(path), dpi=150)
 
 
 def _equation(L: LPolynomials) -> str:

@@ -5,12 +5,12 @@ from __future__ import annotations
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from jacobian.arithmetic.residues import primes_up_to
+from jacobian.arithmetic.saved import path_of
 from jacobian.curve.curve import HyperellipticCurve
 from jacobian.errors import ArgumentError, shown, whole
 from jacobian.finite import weil
@@ -105,7 +105,7 @@ class LPolynomials:
     def to_csv(self, path: Any) -> None:
         """Writes p,a1,…,ag, one line for each prime, behind a line of names."""
         columns = self.columns()
-        with Path(path).open("w", newline="", encoding="utf-8") as file:
+        with path_of(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
             writer.writerows(zip(*(column.tolist() for column in columns.values()), strict=True))
@@ -114,7 +114,7 @@ class LPolynomials:
         """Writes the same columns as Parquet, equation and bad primes in the metadata; needs pyarrow (the extra io)."""
         parquet, arrow = _needed("pyarrow.parquet"), _needed("pyarrow")
         said = {"curve": repr(self.curve), "bound": str(self.bound), "bad": " ".join(map(str, self.bad))}
-        parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path))
+        parquet.write_table(arrow.table(self.columns()).replace_schema_metadata(said), str(path_of(path)))
 
     def __repr__(self) -> str:
         return (

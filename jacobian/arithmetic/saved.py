@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+from contextlib import suppress
 from pathlib import Path
 from time import monotonic
 from typing import Any
@@ -13,17 +14,27 @@ import numpy as np
 
 from jacobian.arithmetic.residues import Place
 from jacobian.curve.curve import HyperellipticCurve
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 
 EVERY = 5.0
 """Seconds from one state that is kept to the next."""
+
+
+def path_of(path: Any, argument: str = "path") -> Path:
+    """A Path; ArgumentError for what is no name of a file."""
+    if isinstance(path, (str, os.PathLike)):
+        # of characters that no file system takes
+        with suppress(UnicodeError):
+            if Path(path).name and b"\0" not in os.fsencode(path):
+                return Path(path)
+    raise ArgumentError(f"{argument} = {shown(path)}: give the name of a file")
 
 
 class Saved:
     """The state of a run in a file of NumPy's, .npz, replaced as a whole: a run that is killed leaves the last one."""
 
     def __init__(self, path: Any, C: HyperellipticCurve, bound: int, genus: int) -> None:
-        self.path, self._genus, self._last = Path(path), genus, monotonic()
+        self.path, self._genus, self._last = path_of(path, "file"), genus, monotonic()
         self._run = json.dumps({"f": [str(c) for c in C.f], "h": [str(c) for c in C.h], "bound": bound})
 
     def load(self) -> tuple[Any, Place]:

@@ -146,6 +146,18 @@ CASES = {
         "State",
     ),
     "a field that is none": (lambda: ChaplyginBall((1, 2, 3), 1, field=3), ArgumentError, "field = 3 ", "give GF(p)"),
+    "a radius over no field": (
+        lambda: ChaplyginBall((1, 2, 3), mass=1, radius=2, field=3),
+        ArgumentError,
+        "field = 3 ",
+        "give GF(p)",
+    ),
+    "a radius over complex numbers": (
+        lambda: ChaplyginBall((1, 2, 3), 1, radius=2, field=CC),
+        FieldError,
+        "field = CC: ",
+        "not complex",
+    ),
     "the name of a field": (lambda: EulerTop((1, 2, 3), field="RR"), ArgumentError, "field = 'RR' ", "give GF(p)"),
     "a deformation over no field": (lambda: Tilde((1, 2, 4), field=7), ArgumentError, "field = 7 ", "give GF(p)"),
     "d of another field": (lambda: ChaplyginBall((1, 2, 3), 0.7, field=GF(7)), FieldError, "d = 0.7 ", "give an int"),

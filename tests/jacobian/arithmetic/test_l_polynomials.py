@@ -281,6 +281,15 @@ def test_a_file_that_is_no_state(tmp_path):
         C.l_polynomials(100, file=tmp_path / "none" / "run.npz")
 
 
+@pytest.mark.parametrize("path", [(0, 1), iter(()), 3, "", "a\0b", "\ud800"])
+def test_a_path_that_is_none(path):
+    """A raw TypeError of pathlib; found by the fuzz suite of calls."""
+    L = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(10)
+    for call in (lambda: L.curve.l_polynomials(10, file=path), lambda: L.to_csv(path)):
+        with pytest.raises(ArgumentError, match="give the name of a file"):
+            call()
+
+
 def test_many_curves_on_an_executor():
     curves = [HyperellipticCurve(QQ, f, h) for f, h in EVERY_DAY[3:6]]
     alone = list(of_curves(curves, 300))
