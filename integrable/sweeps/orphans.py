@@ -1,6 +1,6 @@
-"""Worker processes, and protection against their outliving the process that started them.
+"""Worker processes that end with the process that started them.
 
-A process ended by a signal does not tell its workers: those of a pool would wait for work for ever, and others would
+A process killed by a signal does not notify its workers: those of a pool would wait for work for ever, others would
 first finish their task.
 """
 
@@ -32,7 +32,7 @@ class _Processes(ProcessPoolExecutor):
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor]:
     """That many worker processes; they are killed if an exception, such as an interrupt, leaves the block."""
-    # a fork would copy the locks of this process's threads
+    # spawn, because a fork would copy the locks of this process's threads
     pool = _Processes(count, mp_context=get_context("spawn"), initializer=end_with_parent)
     try:
         yield pool

@@ -83,7 +83,7 @@ class Store:
             if found.get("stamp") != layout.stamp:
                 raise ArgumentError(f"out = {shown(str(out))}: another file is there; give another name, or move it")
             self.refused = int(found["refused"])
-            # of a sweep that was killed at its very end
+            # left by a sweep that was killed at its very end
             shutil.rmtree(self.folder, ignore_errors=True)
 
     def __enter__(self) -> Store:
@@ -222,7 +222,7 @@ class _Zarr:
             group.create_array(
                 name, shape=shape, chunks=(self._layout.chunk, *(max(1, n) for n in shape[1:])), dtype=kind,
                 dimension_names=made[name].dims,
-                # a chunk of zeros too: a missing one would be read as zeros
+                # write chunks of zeros too: a missing one would be read as zeros
                 config={"write_empty_chunks": True},
             )  # fmt: skip
 
@@ -279,7 +279,7 @@ class _Zarr:
 
 
 class _Hdf5:
-    """Chunks are files of their own until all are finished: a truncated HDF5 file cannot be read."""
+    """Chunks are separate files until all are finished, because a truncated HDF5 file cannot be read."""
 
     def __init__(self, folder: Path, layout: Layout) -> None:
         self._folder, self._layout = folder, layout

@@ -89,7 +89,7 @@ def sweep(
     if not isinstance(executor, Executor):
         executor = one_of(executor, "executor", KINDS, "give 'processes', 'threads', or a concurrent.futures.Executor")
     chunk = source.usual_chunk if chunk is None else whole(chunk, "chunk", "an int ≥ 1 is needed", 1)
-    # of all members at most: one chunk is one chunk, and the layout has no longer number
+    # at most all members, so that the layout is the same for any larger number
     chunk = min(chunk, max(1, len(source)))
     bar = flag(progress, "progress") and not without({"tqdm": "the progress bar"})
     store, count = Store(out, source.layout(chunk)), len(source)
@@ -245,7 +245,7 @@ def _fill(source: _Source, store: Store, pool: Executor, workers: int, tick: Any
     except Exception as error:
         _keep_finished(store, under_way)
         why = f"{type(error).__name__}: {' '.join(str(error).split())}"
-        # of the usual reasons why processes end at once, the one that a user can remedy
+        # if processes end at once, the message names the usual cause that a user can remedy
         ended = isinstance(error, BrokenProcessPool) and not store.done
         hint = "; a script starts processes under if __name__ == '__main__'" if ended else ""
         kept = f"{len(store.done)} of {store.layout.chunks} chunks are kept in {str(store.folder)!r}"
