@@ -1,4 +1,4 @@
-"""The page that moves, one HTML file that loads nothing from elsewhere."""
+"""The animated page, one HTML file that loads nothing from elsewhere."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The data of the page that moves for a scene: plain numbers, ready for JSON."""
+"""The data of the animated page of a scene: plain numbers, ready for JSON."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ def _last(scene: Scene, system: Any, state: State, until: float | None) -> float
 def _add_body(content: dict[str, Any], scene: Scene, system: Any, run: Any) -> None:
     if scene.steps is not None:
         raise NotRepresentable("a step maps one state to another; nothing rolls in between")
-    # space ← body, so that a point of the body is turned by one product
+    # from body to space, so that one product turns a point of the body
     content["turning"] = _rounded(run.attitude.reshape(-1, 9))
     content["contact"] = _rounded(run.contact / (system.radius or 1.0)) if scene.system == "chaplygin_ball" else None
 
