@@ -101,7 +101,7 @@ class ClassicalMotion:
         self._flow = system.system.flow(_point(state))
 
     def _prepare(self, times: Any) -> None:
-        """Nothing: the way depends on the times, and its set-up is part of their computation."""
+        """Does nothing: the method depends on the times, and its set-up is part of their computation."""
 
     def at(self, times: Any) -> ClassicalRun:
         """The states at times."""

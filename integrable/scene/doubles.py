@@ -1,9 +1,9 @@
-"""The inputs of a study: a scene whose numbers are doubles, so that every method computes one and the same motion.
+"""The inputs of a study: a scene with all numbers rounded to doubles, so that every method computes the same motion.
 
-A scene of decimal fractions is a different problem for a method that holds them to 40 digits than for one that rounds
-them, and the difference would count as an error of the second. So all numbers are rounded to doubles first. Doubles
-meet |γ| = 1 and (γ, M) = 0 only to rounding. In more digits the two are restored, as the flow restores them when it is
-given doubles. Methods in doubles receive the doubles themselves.
+A scene of decimal fractions is one problem for a method that keeps 40 digits and another for one that rounds them. The
+difference would count as an error of the second, so all numbers are rounded to doubles first. Doubles satisfy |γ| = 1
+and (γ, M) = 0 only to rounding. In more digits both constraints are restored, as the flow restores them for doubles.
+Methods in doubles receive the doubles themselves.
 """
 
 from __future__ import annotations

@@ -1,5 +1,5 @@
-"""The look of methods in all figures: no two share a colour and a marker. The most used ones are from Okabe & Ito
-(2008), distinguishable with any colour vision.
+"""Colours and markers of the methods in all figures; no two share both. The most used ones are from Okabe & Ito (2008),
+distinguishable with any colour vision.
 """
 
 from __future__ import annotations
@@ -36,5 +36,5 @@ OTHER = ("#666666", "p", False)
 
 
 def look(method: str) -> tuple[str, str, bool]:
-    """The look of a method by its name, or of one without a look of its own."""
+    """The look of a method by name, or the default look."""
     return LOOKS.get(method, OTHER)

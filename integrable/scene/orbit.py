@@ -33,7 +33,7 @@ class Orbit(Trajectory):
         self.states = states
 
     def concatenated(self, *others: Trajectory) -> Trajectory:
-        """NotRepresentable: the steps of an orbit follow one another."""
+        """NotRepresentable: orbits cannot be concatenated, as each step starts from the last."""
         raise NotRepresentable(f"concatenated: {self!r} is an orbit, whose steps follow one another")
 
     def _state(self, row: int) -> State:
@@ -54,7 +54,7 @@ class Orbit(Trajectory):
 
     @property
     def contact(self) -> Vectors:
-        """NotRepresentable: between the states nothing rolls."""
+        """NotRepresentable: there is no rolling between the states."""
         raise NotRepresentable(f"contact: {self.flow!r} is a map, between whose states nothing rolls")
 
     @cached_property

@@ -1,4 +1,4 @@
-"""The output folder of a run, tested before the run and never left with half a file in it; and the JSON of a result."""
+"""The output folder of a run, tested before the run and never left with a partial file; and the JSON of a result."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ TERMINAL, FILE = 0.5, 10.0
 
 @contextmanager
 def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
-    """A bar for that many pieces of work, as the function to call with the name of each before it."""
+    """A bar for that many pieces of work: a function to call with the name of each piece before it starts."""
     from tqdm import tqdm
 
     begun = False
@@ -32,7 +32,7 @@ def bar_of_pieces(name: str, total: int) -> Iterator[Callable[[str], None]]:
 
         yield tick
         bar.update(1)
-        # even right after the last piece
+        # redraw even right after the last update
         bar.refresh()
 
 
@@ -53,7 +53,7 @@ def compilation_said(bar: Any) -> Iterator[None]:
 
 @contextmanager
 def going(bar: Any, seconds: float) -> Iterator[None]:
-    """Redraw a bar repeatedly, so that its clock runs during a single piece of work."""
+    """Redraw a bar repeatedly, so that its clock runs during one long piece of work."""
     over = threading.Event()
 
     def draw() -> None:
@@ -70,5 +70,5 @@ def going(bar: Any, seconds: float) -> Iterator[None]:
 
 
 def often() -> float:
-    """Seconds between two drawings of a bar on stderr."""
+    """Seconds between two redraws of a bar on stderr."""
     return TERMINAL if sys.stderr.isatty() else FILE
