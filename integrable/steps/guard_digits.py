@@ -61,7 +61,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         return step.plain(state)
     condition, lost = step.condition(state), None
     if condition <= MOST_CONDITION:
-        # near a double point of the curve the sum loses more digits than the map
+        # near a double point of the curve the sum loses more digits than the map does
         with suppress(PrecisionLoss):
             image = step.plain(state)
             lost = drift(step.system, image, state)
@@ -69,7 +69,7 @@ def with_enough_digits(step: Step, state: State) -> State:
         try:
             image = in_wider_numbers(step, state)[0]
         except NotASquare:
-            # in the numbers of the field if they refuse it too, since those are the user's
+            # raise the error in the numbers of the field if they refuse too, since those are the user's
             step.plain(state)
             raise
         lost = drift(step.system, image, state)
@@ -120,7 +120,7 @@ def _wider(step: Step, attempts: Sequence[tuple[int, Callable[[PhaseSpace], Stat
             for _ in range(count):
                 states.append(moved(states[-1]))
         except (NotRepresentable, PrecisionLoss):
-            # too few digits look like a special position
+            # too few digits can look like a special position
             if last:
                 raise
             continue
@@ -184,7 +184,7 @@ def _nudged(state: State, distance: int, by_momentum: bool, system: PhaseSpace) 
 
 
 def _without_dust(field: Any, image: State) -> State:
-    """A rotation about an axis again, without the deviation that was added."""
+    """A rotation about an axis again, with the added deviation removed."""
     size = max(map(abs, image.M))
     (g1, g2, g3), (m1, m2, m3) = (
         tuple(x if abs(x) > field.eps**2 * scale else field.zero for x in v)

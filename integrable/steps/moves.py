@@ -90,7 +90,7 @@ class Multiplication(Move):
                 f"M = {state.M} is along a principal axis and γ across it: a point of the divisor is the double point "
                 "of its curve, and has no multiples; give another state"
             )
-        # a divisor is added to itself: partial sums may be anywhere
+        # the divisor is added to itself, so partial sums may be anywhere
         return body_condition(self.system) ** 4 * 1e8 * float(self.factor) ** 2 if abs(self.factor) > 1 else 1.0
 
     def __repr__(self) -> str:
@@ -102,7 +102,7 @@ class Multiplication(Move):
         kappas = coordinates.kappas(body)
         if any(kappa == K.zero for kappa in kappas):
             raise NotRepresentable("two moments of inertia are equal: a divisor does not determine γ")
-        # these refuse every even factor over the reals
+        # over the reals every even factor is refused
         even = self.factor % 2 == 0
         roots = [square_root(K, kappa, f"κ of axis {i}") for i, kappa in enumerate(kappas)] if even else []
         pairs = coordinates.to_pairs(body, state)

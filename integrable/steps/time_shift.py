@@ -18,7 +18,7 @@ from integrable.steps.moves import Move
 from jacobian import poly
 from jacobian.errors import ArgumentError, Infeasible, PrecisionLoss, shown
 
-# digits beyond those of the field, with which a w of moderate size needs no second set-up
+# digits beyond those of the field; with them a w of moderate size needs no second set-up
 SPARE = 8
 FARTHEST = 1e100
 """In units of the flow's own time; as many halvings and digits as this takes still make a call of milliseconds."""
@@ -52,7 +52,7 @@ class Shift(Move):
         """The image of a state, rounded once."""
         K, state = self.system.field, self.system._checked(state)
         if not any(state.M):
-            # a state at rest stays
+            # a state at rest does not move
             return state
         setup, step = self._translation(state)
         if step is None:
@@ -82,7 +82,7 @@ class Shift(Move):
         return group.from_mumford(u, (K.coerce(v0 * size), K.coerce(v1 * size / top)))
 
     def _translation(self, state: State) -> tuple[Setup, Row | None]:
-        """The motion through a state, with digits enough for |w|, and T(w) in its bare reals; None for w = 0."""
+        """The motion through a state, with enough digits for |w|, and T(w) in its bare reals; None for w = 0."""
         body = self.system.body
         least = getattr(self.system.field, "dps", EPS_DIGITS) + digits_of_closeness(body)
         digits = least + SPARE

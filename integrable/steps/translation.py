@@ -114,7 +114,7 @@ class Translation(Step):
         try:
             found = self._condition(*self.system.integrals(state)[2:])
         except NotASquare:
-            # whether f(x') is negative, or rounding made it so
+            # f(x') may be negative, or negative only by rounding
             found = float(min(1 / self.system.field.eps, LARGEST))
         except (OverflowError, ZeroDivisionError):
             found = inf
@@ -195,7 +195,7 @@ class Translation(Step):
         return self._last[2], self._last[3], self._last[4]
 
     def _is_last(self, h1: Any, h2: Any) -> bool:
-        """Whether D' is cached for this curve; guard digits are there to let an orbit stay on that of its start."""
+        """Whether D' is cached for this curve: with guard digits an orbit stays on the curve of its start."""
         if self._last is None:
             return False
         K = self.system.field
@@ -205,7 +205,7 @@ class Translation(Step):
 
     def _signed(self, group: SignedGroup, u: poly.Poly, v: poly.Poly) -> SignedDivisor:
         if self.multiple % 2 == 0:
-            # the double of anything has rational roots
+            # the double of any divisor has rational roots
             move = group.double(group.twist(u, v))
             move = move if self.multiple == 2 else group.multiple(self.multiple // 2, move)
         else:
@@ -312,7 +312,7 @@ def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
 
 
 def _own(K: Any, x: Any) -> Any:
-    """An abscissa in the numbers of K: a complex has only its own digits, but they count as exact."""
+    """An abscissa in the numbers of K; the digits of a complex number count as exact."""
     return K.context.mpc(x) if hasattr(K, "context") and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
 
 
