@@ -58,7 +58,7 @@ class SymmetricPath:
         self._change = self._numbers(p, p * k, -p / (s * wide.sqrt(height)))
 
     def at(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """From no particular start: shape (N, 2)."""
+        """The bounded part of (x, y) up to a constant: shape (N, 2)."""
         i = self._axis
         lean = self._change[0] * gamma + self._change[1] * M
         z = self._change[2] * np.cross(gamma, M)[:, i]
@@ -77,7 +77,7 @@ class SymmetricPath:
         else:
             context = self._field.context
             asinh, atan2 = np.frompyfunc(context.asinh, 1, 1), np.frompyfunc(context.atan2, 2, 1)
-        # an arc whose cosine is known too: no digit is lost near a right angle
+        # the cosine of the arc is known too, so no digit is lost near a right angle
         arc = asinh(x * (scale / constant**0.5)) if slope > 0 else atan2(x * scale, root)
         result: np.ndarray = factor / scale * arc
         return result
