@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from integrable.phase.space import PhaseSpace
     from integrable.phase.state import State
 
-# digits of angles beyond those of the set-up, and digits that ovals may lose: of ordinary motions, then of separatrices
+# digits of angles beyond those of the set-up, and trial numbers of digits that the ovals may lose: first for ordinary
+# motions, then near a separatrix
 SPARE, LOST = 4, (0, 40, 160, 640)
 
 
@@ -31,7 +32,7 @@ def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tu
         except PrecisionLoss:
             if lost == LOST[-1]:
                 raise
-    # phases count from the inner end of the second oval
+    # phases start at the inner end of the second oval
     first, second = found[0], found[1] + wide.one / 2
     floor = wide.context.floor
     return first - floor(first), second - floor(second)

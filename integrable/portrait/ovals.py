@@ -52,7 +52,7 @@ class Level(NamedTuple):
 
     @staticmethod
     def at(body: Body, X: Any, zeta: Any) -> Level:
-        """That of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
+        """The level of all motions with H2 = 1, (γ, M)² = X < 1 and ζ between the least and the largest a_i.
 
         All of Chaplygin's transformation is rational in X and ζ.
         """
@@ -66,12 +66,12 @@ class Level(NamedTuple):
 
     @property
     def low(self) -> bool:
-        """Whether ζ < a₂: M̃ then circles the axis of a₁, else that of a₃."""
+        """Whether ζ < a₂: M̃ then circles the axis of a₁, otherwise that of a₃."""
         return bool(self.zeta < self.a[1])
 
     @property
     def ends(self) -> tuple[Any, Any, Any, Any]:
-        """Of the first oval, then of the second."""
+        """The ends of the first oval, then of the second."""
         a1, a2, a3 = self.a
         return a1, min(self.zeta, a2), max(self.zeta, a2), a3
 
@@ -88,7 +88,7 @@ class Level(NamedTuple):
 
     @property
     def eps(self) -> Any:
-        """The rounding of the numbers."""
+        """The rounding unit of the numbers."""
         return FLOAT_EPS if isinstance(self.zeta, float) else self.zeta.context.eps
 
     @property

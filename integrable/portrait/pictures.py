@@ -16,7 +16,7 @@ SIZE = (6.4, 4.8)
 COLORS = ("#0072B2", "#D55E00", "#009E73")
 """Of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the page that moves."""
 CURVES = 9
-# the number of lines that are drawn, and of lines that are named
+# relative size below which lines are not drawn, and the number of labelled lines
 FAINT, NAMED = 1e-6, 6
 APART = 0.05
 """Of the width of the picture: names of lines that are nearer lie on each other."""
@@ -40,7 +40,7 @@ def diagram(of: Any, states: Any) -> Figure:
         levels = np.quantile(numbers, np.linspace(0.02, 0.98, 15))
         ax.contourf(X, Z, numbers, levels=levels, cmap="Greys", alpha=0.5, extend="both")
         lines = ax.contour(X, Z, numbers, levels=levels, colors="0.4", linewidths=0.5, linestyles="solid")
-        # near the line of the middle axis the levels crowd: every third is labelled
+        # contours crowd near the separatrix: label every third one
         ax.clabel(lines, levels[1::3], fontsize=7, fmt="%.2f")
     for axis, line in enumerate(of.lines):
         dashes = "--" if a[0] < of.system.a[axis] < a[2] else "-"
@@ -87,7 +87,7 @@ def spectrum_figure(of: Any) -> Figure:
         apart = APART * np.ptp(of.frequencies)
         for n in np.argsort(-sizes.max(axis=1)):
             place = of.frequencies[n], sizes[n].max()
-            # a name next to another would overlap it
+            # skip a label that would overlap another
             if len(named) < NAMED and all(abs(place[0] - other) > apart for other in named):
                 named.append(place[0])
                 text = "({}, {})".format(*of.modes[n])
