@@ -21,7 +21,7 @@ from integrable.torus.panels import Panels, panel_integrals
 from jacobian import RR
 from jacobian.errors import PrecisionLoss
 
-# the last coefficients of a panel's velocities, relative
+# relative size of the last coefficients of a panel's velocities
 TOLERANCE = 1e-14
 # initial number of panels of a period
 PANELS = 8
