@@ -29,9 +29,9 @@ from jacobian.relatives.extended import Extended
 
 # h is about the time to the end of a disc over 2^PART; T(2^k h) is in general position from about this k on
 PART, FRACTION = 4, 12
-# the smallest disc around a point, and steps of Newton's method
+# most halvings of the disc around a point, and most steps of Newton's method
 MOST_HALVES, MOST_STEPS = 256, 60
-# of the largest root of f, imaginary parts that floats may leave of real ones
+# imaginary parts, relative to the largest root of f, that floats may leave of real roots
 REAL = 1e-9
 
 
@@ -61,7 +61,7 @@ class Balls(BallField):
         super().__init__(BallReals(bits))
         self._acb: Any = acb
         self.zero, self.one = self.coerce(0), self.coerce(1)
-        # what is not proved to be 0 is not
+        # a ball counts as 0 only if that is proven
         self.eps = abs(self.zero)
 
     def __enter__(self) -> Balls:
@@ -84,11 +84,11 @@ class Balls(BallField):
         return self._reals.nearest(x.real)
 
     def balls(self, values: Sequence[Any]) -> list[Any]:
-        """Themselves."""
+        """The values unchanged."""
         return list(values)
 
     def from_ball(self, x: Any) -> Any:
-        """Itself."""
+        """The ball unchanged."""
         return x
 
 
@@ -237,12 +237,12 @@ class EnclosedTranslations(GroupTranslations):
         return self.field.bits // (PART - 1) + 8
 
     def _on_curve(self, D: Extended) -> Extended:
-        # a ball stays as wide as it is, even if its midpoint is better known
+        # nothing to do: a better midpoint would not narrow a ball
         return D
 
 
 def middles_of_ovals(f: poly.Poly) -> list[float]:
-    """The middles of the bounded intervals where f > 0, between its real roots as floats have them."""
+    """The midpoints of the bounded intervals where f > 0, between the real roots found in floats."""
     import numpy as np
 
     size = max(abs(c) for c in f)

@@ -1,4 +1,5 @@
-"""What the Chaplygin ball, the Euler top and Veselova's body share: γ' = γ×ω, M' = M×ω at (γ, M) = 0, on one curve.
+"""Common formulas of the Chaplygin ball, the Euler top and Veselova's body: γ' = γ×ω, M' = M×ω at (γ, M) = 0, on one
+curve.
 
 With a_i three constants, A = diag a_i, and a linear function l(x) = p + qx, c_i = l(a_i): p = 1, q = −d for the ball
 and the top, p = 0, q = 1 for Veselova's body, the ball's limit d → ∞ at fixed a_i,
@@ -31,22 +32,22 @@ from jacobian.relatives.extended import Extended, Lift
 if TYPE_CHECKING:
     from integrable.phase.enclosure import EnclosedPath
 
-# digits of τ beyond those of a state; those for far times come in steps, so that few series are made
+# digits of τ beyond those of a state; for far times digits are raised in steps, so that few series are made
 GUARD, DIGITS_APART = 6, 4
 # radians up to which a clock is set up
 FARTHEST = 1e100
-# of the numbers that a torus is set up with
+# digits of the numbers with which a torus is set up
 DIGITS = 50
-# what periods lose for each digit that branch points share
+# digits that periods lose per common digit of two branch points
 DIGITS_A_GAP = 3
-# and how many they may share
+# largest number of common digits
 MOST_SHARED = 100
-# a panel of the clock of a separatrix, in some radians
+# length of a panel of the clock on a separatrix, in radians, about
 STEP = 0.5
 
 
 class BodySystem(MumfordSystem):
-    """The base of these: a state has q = γ and p = M, both in the body."""
+    """Base of the ball, the top and Veselova's body: a state has q = γ and p = M, both in the body frame."""
 
     size = 3
     clocked = True
@@ -183,7 +184,7 @@ class BodySystem(MumfordSystem):
 
 
 class BodyFlow(MumfordFlow):
-    """The motion of a state, whose τ is found first, by a series on the torus."""
+    """The motion of a state; its τ is found first, by a Fourier series on the torus."""
 
     _setting_up = 10000
 
@@ -205,7 +206,7 @@ class BodyFlow(MumfordFlow):
             )
         digits = self.digits + GUARD + DIGITS_APART * ceil(log10(1 + far) / DIGITS_APART)
         clock = self._clocks.get(digits) or self._made(digits)
-        # the last one only; another thread may keep another
+        # cache the last clock only; another thread may replace it
         self._clocks = {digits: clock}
         return clock.tau(list(map(MP(digits + SPARE).coerce, times)))
 
@@ -222,7 +223,7 @@ class BodyFlow(MumfordFlow):
             wide = MP(digits + SPARE + self._body.close_digits(MP(digits + MOST_SHARED)))
             return SeriesClock(wide, self._body._unit(wide, self._inner(wide)), digits)
         except PrecisionLoss:
-            # the ovals have met, or nearly
+            # the ovals have met, or nearly so
             reals = BareReals(K.context.prec)
             fastest = float(max(self._body._weights(RR))) ** 0.5
             length = STEP / (self._pace * fastest)
@@ -239,7 +240,7 @@ class BodyFlow(MumfordFlow):
 
     @cached_property
     def _pace(self) -> float:
-        """Some radians in a unit of time."""
+        """The number of units of time in which the body turns by about a radian, inverted: its rate."""
         return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 

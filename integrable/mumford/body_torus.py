@@ -1,9 +1,9 @@
-"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus at the compiled speed of the ball, its corners,
-clock and states along another direction; and their clocks to any digits.
+"""Motions of :mod:`integrable.mumford.bodies` on a compact real torus, compiled with the loops of the ball: its
+corners, clock and states along another direction. Also their clocks to any number of digits.
 
 dt/dτ of such a body is a constant over √((1 − X₁)(1 − X₂)), X = 1 a branch point beyond both ovals. Its mean is a
 determinant of elliptic integrals, t a mean rate times τ and a Fourier series (:mod:`integrable.torus.long_clock`);
-where the ovals have met it is a quadrature along the way.
+where the ovals have met, it is computed by quadrature along the motion.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from integrable.torus.witness import left_open
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BareReals
 
-# digits of the field beyond those that a clock is good to
+# digits of the field beyond the accuracy of a clock
 SPARE = 20
-# panels of a quadrature at most, and the nodes of one for each digit
+# largest number of panels of a quadrature, and nodes of a panel per digit
 MOST_PANELS, NODES_A_DIGIT = 64, 2
 MOST_STEPS = 100
 
@@ -86,7 +86,7 @@ class BodyTorus(TorusFlow):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which it is held against another way (:func:`integrable.torus.witness.left_open`)."""
+        """Times at which the torus is compared with another method (:func:`integrable.torus.witness.left_open`)."""
         return left_open([*map(float, self.frequencies)], self.departs) * float(self.mean)
 
     def reaches(self, times: np.ndarray) -> bool:
@@ -95,12 +95,12 @@ class BodyTorus(TorusFlow):
         return turns <= MOST_TURNS
 
     def _check_walk(self) -> None:
-        # held against additions by the flow
+        # the flow compares the states with additions
         Corners._check_walk(self)
 
 
 class RateCurve(NamedTuple):
-    """What the series takes of a :class:`integrable.moving_point.problem.MotionProblem`."""
+    """The part of a :class:`integrable.moving_point.problem.MotionProblem` that the series uses."""
 
     axes: tuple[Any, ...]
     ratio: Any

@@ -1,4 +1,4 @@
-"""Columns of double-double numbers with operators: what formulas read many states of a motion off at once."""
+"""Columns of double-double numbers with operators: formulas of many states of a motion at once."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from jacobian.numbers.double_double import exact_product, split
 
 Floats = Any
 
-# of the exponential of one number
+# bits of the exponential of one number
 EXP_BITS = 140
 
 
 class Column:
     """hi + lo, floats or arrays of them of one shape (Dekker 1971)."""
 
-    # so that an array on the left leaves the operation to this class
+    # makes an array on the left defer to this class
     __array_ufunc__ = None
     __slots__ = ("hi", "lo")
 
@@ -71,7 +71,7 @@ class Column:
 
 
 def _sum(x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """x + y and what rounding took off it (Knuth 1969)."""
+    """x + y and its rounding error (Knuth 1969)."""
     total = x + y
     part = total - x
     return total, (x - (total - part)) + (y - part)
@@ -109,7 +109,7 @@ class Columns(InexactField):
     zero, one = Column(0.0), Column(1.0)
 
     def coerce(self, value: Any, argument: str = "value") -> Column:
-        """A number as one for all rows."""
+        """A number, broadcast to all rows."""
         return Column.of(value)
 
     def dot(self, xs: Sequence[Any], ys: Sequence[Any]) -> Column:

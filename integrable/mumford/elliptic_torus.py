@@ -31,10 +31,10 @@ from jacobian.relatives.extended import Extended, Lift
 Real = Any
 Row = Any
 
-# pairs of terms of a sine and cosine up to an eighth of a turn
+# pairs of terms of the sine and cosine series up to an eighth of a turn
 PAIRS = 15
-# series end where a term is below, and are of no more terms: beyond, the motion is on a separatrix for all that
-# double-double numbers tell
+# series end at a term below this, with at most this many terms: beyond, double-double numbers cannot tell the motion
+# from one on a separatrix
 LAST, MOST_TERMS = 2.0**-113, 26
 # sn or cn below which a point counts as at its branch point
 NEAR = 1e-8
@@ -108,8 +108,8 @@ class CubicModel(NamedTuple):
 class EllipticTorus:
     """D of a :class:`Start` of genus 1 in double-double numbers, at any times at once.
 
-    ``place(K)`` makes the start in the numbers of K. PrecisionLoss where branch points are not real or too close, on a
-    branch that is not bounded, at rest, and for data other than lifts on a model of odd degree.
+    ``place(K)`` makes the start in the numbers of K. PrecisionLoss if branch points are not real or too close, on an
+    unbounded branch, at rest, and for data other than lifts on a model of odd degree.
     """
 
     def __init__(self, place: Callable[[Any], Start]) -> None:
@@ -144,7 +144,7 @@ class EllipticTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than a round away, in both directions."""
+        """Times more than one period away, in both directions."""
         return np.array([2 * turns / self._pace for turns in TURNS])
 
     def reaches(self, times: np.ndarray) -> bool:
@@ -201,7 +201,7 @@ def _lift(N: LongField, model: CubicModel, slope: Any, at_start: Sequence[Column
         raise PrecisionLoss(APART)
     size = N.sqrt(square)
     own, one, other = (float(at_start[k].hi[0]) for k in (which, which - 1, which - 2))
-    # where the point is at e its ν has the sign
+    # at a point over e the sign is carried by ν
     if (own * sigma if which == 2 or abs(own) > NEAR else one * other * slope / kappa * nu) < 0:
         size = -size
     return Column.of(kappa), Column.of(size), Column.of(slope / (kappa * size)), which
@@ -222,7 +222,7 @@ def part_of_round(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine
     import gmpy2
 
     size = N.sqrt(sine * sine + cosine * cosine)
-    # the point on the circle, and the angle in floats, which counts its rounds
+    # the point on the circle, and its angle in floats, which counts the turns
     s, c = sine / size, cosine / size
     rough = atan2(s, c)
     for a, b in levels[:-1]:
@@ -243,12 +243,12 @@ def first_kind(N: LongField, levels: list[tuple[Any, Any]], sine: Any, cosine: A
 
 @cache
 def long_numbers(bits: int) -> LongField:
-    """A field of long numbers, which is kept."""
+    """A field of long numbers, cached."""
     return LongField(bits)
 
 
 def half_turn() -> Any:
-    """π in the numbers that are entered."""
+    """π in the numbers currently entered."""
     import gmpy2
 
     return gmpy2.const_pi()
@@ -262,7 +262,7 @@ def nome_of(N: LongField, levels: list[tuple[Any, Any]], others: list[tuple[Any,
 
 
 def terms_of(nome: Any) -> int:
-    """How many terms of theta functions are summed; PrecisionLoss beside a separatrix."""
+    """The number of terms of the theta series; PrecisionLoss near a separatrix."""
     count = next((n for n in range(2, MOST_TERMS) if nome ** (n * n) < LAST), 0)
     if not count:
         raise PrecisionLoss("this motion is too near to a separatrix")
@@ -287,7 +287,7 @@ class ThetaTable(NamedTuple):
 
 
 def theta_table(N: LongField, k: Any, k1: Any) -> ThetaTable:
-    """That of the modulus k, k² + k₁² = 1; PrecisionLoss beside a separatrix."""
+    """The ThetaTable of the modulus k, k² + k₁² = 1; PrecisionLoss near a separatrix."""
     levels = means(N, k1)
     nome = nome_of(N, levels, means(N, k))
     odd, even, at_zero = thetas(N, nome, terms_of(nome))

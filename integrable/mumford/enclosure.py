@@ -1,8 +1,8 @@
 """States of motions of any genus with proven bounds, by additions in balls (:mod:`integrable.mumford.balls`).
 
 The constants of a system, a start and the times count as exact; a start is moved onto its constraints. A state at any
-time is some additions, so that a far time costs bits and little else. Where the motion carries its clock, as a geodesic
-does its length, a time is inverted by the interval Newton method.
+time takes a few additions, so a far time costs little but bits. If the motion carries its clock, as a geodesic carries
+its length, a time is inverted by the interval Newton method.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from integrable.phase.enclosure import EnclosedPath, Row, ball_digits, exact_tim
 from jacobian.errors import PrecisionLoss
 from jacobian.inexact.long_field import LongField
 
-# bits that balls are first given to lose for each genus, and for it in each doubling
+# initial allowance of lost bits per genus, and per genus in each doubling
 OF_GENUS, OF_DOUBLING = 160, 20
 SPARE = 64
 MOST_BITS, MOST_ATTEMPTS = 2**15, 8
-# digits of a first guess for τ beyond those of a state
+# digits of the first guess of τ beyond those of a state
 GUARD = 6
 
 Found = tuple[Any, Any]
@@ -31,7 +31,9 @@ Found = tuple[Any, Any]
 
 
 class Precisions:
-    """A motion in balls of as many bits as results take: ``place`` as for :class:`integrable.mumford.motion.Placed`."""
+    """A motion in balls with as many bits as results need: ``place`` as for
+    :class:`integrable.mumford.motion.Placed`.
+    """
 
     def __init__(self, place: Callable[[Any], Start], genus: int, digits: int, complex: bool = False) -> None:
         self._place, self._complex, self._genus, self._digits = place, complex, genus, digits
@@ -39,8 +41,8 @@ class Precisions:
         self._kept: tuple[int, EnclosedPlace | None] = (0, None)
 
     def narrow(self, read: Callable[[EnclosedPlace], Found], farthest: float) -> tuple[Any, float]:
-        """What ``read`` finds with a radius of at most 10^(−digits), and that radius; ``farthest`` is the size of the
-        largest time that it asks for. PrecisionLoss where no precision does.
+        """The result of ``read`` with a radius of at most 10^(−digits), and that radius; ``farthest`` is the size of
+        the largest requested time. PrecisionLoss if no precision suffices.
         """
         doublings = OF_DOUBLING * max(0, frexp(farthest)[1])
         bits = max(self._kept[0], self._needed + SPARE + self._genus * (OF_GENUS + doublings))
@@ -59,7 +61,7 @@ class Precisions:
         )
 
     def _read(self, K: Balls, read: Callable[[EnclosedPlace], Found]) -> Found:
-        """What is read, with NaN for a radius where no bounds were found."""
+        """The result of ``read``, with NaN for a radius if no bounds were found."""
         try:
             bits, place = self._kept
             if bits != K.bits or place is None:
@@ -71,7 +73,7 @@ class Precisions:
 
     @staticmethod
     def _lost(bits: int, radius: Any) -> int:
-        """How many of so many bits balls have lost, 0 where they have no bounds."""
+        """How many of these bits balls have lost, 0 if they have no bounds."""
         if not radius.is_finite():
             return 0
         mantissa, exponent = radius.mid().man_exp()
@@ -105,7 +107,7 @@ def _state(flow: Any, time: Any, guess: Any, place: EnclosedPlace) -> Found:
 
 
 def _size(before: Sequence[Any], now: Sequence[Any]) -> Any:
-    """The largest number of a vector at the start or now, from below; 1 where all are exactly 0."""
+    """A lower bound of the largest entry of a vector at the start or now; 1 if all are exactly 0."""
     size = max(abs(x).abs_lower() for x in (*before, *now))
     return size if size > 0 else 1
 

@@ -3,7 +3,7 @@ ch. IIIa; Vanhaecke 1996).
 
 U is monic of degree g, deg V < g, U | f − V², deg f = 2g + 1 or 2g + 2 with any leading coefficient. Polynomials are
 ascending; U and V are given and returned with all their coefficients, zeros at the top included. Every function takes
-its field first and works over finite fields, jets and balls alike; none takes a root.
+its field as the first argument and works over finite fields, jets and balls alike; none takes a square root.
 
 A *direction* c = (c_0 … c_{g−1}) is the motion with Σ_i x_i^k dx_i/y_i = c_k dτ for the points (x_i, y_i) of the pair.
 """
@@ -114,7 +114,7 @@ def exponential(N: Any, x: Any) -> Any:
 
 
 def exponential_less_one(N: Any, x: Any) -> Any:
-    """e^x − 1 in the numbers of RR, MP or long numbers, without a difference."""
+    """e^x − 1 in the numbers of RR, MP or long numbers, without cancellation."""
     return _elementary(N, x, "expm1")
 
 

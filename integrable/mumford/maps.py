@@ -37,7 +37,7 @@ def shifted(K: Any, f: Poly, pair: Pair, root: Any) -> Pair:
     """
     u, v = pair
     g = len(u) - 1
-    # the coefficient of x^{g} in R is half that of x^{2g+1} in f over −root; V does not reach it
+    # the coefficient of x^{g} in R is half that of x^{2g+1} in f over −root; V has lower degree
     half = K.inv(K.add(root, root))
     c = K.sub(K.mul(root, u[g - 1]), K.mul(half, f[2 * g + 1]))
     r = poly.add(K, v, poly.mul(K, u, (c, K.neg(root))))

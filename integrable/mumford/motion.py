@@ -1,8 +1,8 @@
-"""Any time of a motion on a Jacobian of any genus, with the digits that were asked for.
+"""Any time of a motion on a Jacobian of any genus, to the requested digits.
 
-Every row is computed in long numbers, at two precisions 64 bits apart, and handed out where both agree in every digit
-that is wanted; else the precision is raised. What the additions lose (about a bit for a doubling, and a few tens for
-each genus) is so found out and not assumed.
+Every row is computed in long numbers at two precisions 64 bits apart. It is returned if both agree in every requested
+digit; otherwise the precision is raised. So the loss in additions (about a bit per doubling, and some tens per genus)
+is measured, not assumed.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from jacobian.errors import PrecisionLoss, shown
 from jacobian.inexact.long_field import LongField
 from jacobian.relatives.extended import Extended, ExtendedGroup, Kind, Lift, PointLift
 
-# bits between the two precisions, and those that each genus and each doubling is first given
+# bits between the two precisions, and the initial allowances: per genus, per doubling, and at the start
 APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
-# what rounding may leave of the rates of a pair that rests, in units of the last bit
+# the rates that rounding may leave of a pair at rest, in units of the last bit
 STILL = 2.0**16
 # steps to a time of a clock, and what part of the unit of translations, which is small itself, one is where rounding
 # may be what is left; where one is below the root of the last bit of that, the next is nothing
@@ -59,7 +59,7 @@ class Placed:
         self.group = ExtendedGroup(field, start.f, start.kinds)
         self._directions = (start.direction, *start.further)
         self._translations: dict[int, GroupTranslations] = {}
-        # many τ come with the same further times
+        # often many τ have the same further times
         self._carried: tuple[tuple[Any, ...], Extended] = ((), self.start)
 
     @property
@@ -114,7 +114,7 @@ class Placed:
         PrecisionLoss where it is so near to that, that it takes more bits to tell, or to follow it.
         """
         K, moved = self.field, self._moved
-        # balls of exactly 0 leave no doubt
+        # balls of radius 0 decide it exactly
         if K.eps == 0:
             return moved <= 0
         still = moved <= STILL * K.eps
@@ -128,7 +128,7 @@ class Placed:
 
     @cached_property
     def _moved(self) -> Any:
-        """How large the rates of the pair are beside what they are sums of."""
+        """The size of the rates of the pair, relative to the terms that they are sums of."""
         K, (u, v, _) = self.field, self.start
         w = cofactor(K, self.group.f, u, v)
         direction = self.direction
@@ -182,7 +182,7 @@ class MumfordMotion:
         return self.row(time, lambda K, D: ((self._reached[1],),), digits, clock)[0][0]
 
     def _read(self, bits: int, times: tuple[Any, ...], read: Read, clock: Any) -> Vectors:
-        # precisions in steps, so that few are set up
+        # precision is raised in steps, so that few are set up
         bits = -(-bits // APART) * APART
         with LongField(bits, self._complex) as K:
             if bits not in self._placed:
@@ -215,7 +215,7 @@ def settled_digits(read: Callable[[LongField], Vectors], digits: int) -> Vectors
 
 
 def _bits(digits: int) -> int:
-    """What holds so many digits."""
+    """The bits that hold this many digits."""
     return math.ceil(digits * math.log2(10)) + 2
 
 
@@ -225,7 +225,7 @@ def _in_bits(read: Callable[[LongField], Vectors], bits: int) -> Vectors:
 
 
 def _agree(rough: Vectors, fine: Vectors, wanted: int) -> bool:
-    """Whether each vector has the same first bits twice."""
+    """Whether each vector agrees in its first bits in both."""
     for a, b in zip(rough, fine, strict=True):
         scale = max([abs(x) for x in b], default=0)
         # ∞ agrees with anything
@@ -255,7 +255,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
         elif n < 2:
             step = rest / mean
         elif low and high:
-            # where slow, the cubic may go from one side to the other for ever
+            # if convergence is slow, bisect: the cubic may alternate between the sides for ever
             step = (low[0] + high[0]) / 2 - tau if slow else _between(low, high, target) - tau
         else:
             # places flatter than that are stepped over, but for those that the target may be in
@@ -263,7 +263,7 @@ def _at_clock(placed: Placed, target: Any, clock: Any, near: Any) -> tuple[Any, 
             step = rest / max(rate, mean * flat)
         if low and high and not low[0] < tau + step < high[0]:
             step = (low[0] + high[0]) / 2 - tau
-        # the first step is a long one, and what is lost on those after it little
+        # only the first step is long; the later ones lose little
         D = placed.after(D, tau, step) if n else placed.at(step)
         tau += step
         if abs(step) < unit * K.eps**0.5 / SMALL:

@@ -1,10 +1,10 @@
-"""Sums of pairs with their lifts in any genus, as compiled loops take them (:mod:`integrable.mumford.pair_tables`).
+"""Sums of pairs with their lifts in any genus, in the form of compiled loops (:mod:`integrable.mumford.pair_tables`).
 
-The curve is y² = f(x), f of odd degree 2g + 1, or of even degree 2g + 2 with g even and no lifts, leading with
-±1. A row is u_0 … u_{g−1}, v_0 … v_{g−1} and σ, ν for each end in ``ends``; rows that are added have κ = ``kappa`` in
-all their lifts, so that a sum has the κ of its first summand. The formulas are those of
-:class:`jacobian.relatives.extended.ExtendedGroup`, but for the step back onto the curve: its matrix is in floats, which
-takes nothing from it, since what is left is of second order.
+The curve is y² = f(x), f of odd degree 2g + 1, or of even degree 2g + 2 with g even and no lifts, leading with ±1. A
+row is u_0 … u_{g−1}, v_0 … v_{g−1} and σ, ν for each end in ``ends``; rows that are added have κ = ``kappa`` in all
+their lifts, so that a sum has the κ of its first summand. The formulas are those of
+:class:`jacobian.relatives.extended.ExtendedGroup`, except for the step back onto the curve. Its matrix is in floats,
+which does not limit the accuracy, since the remaining error is of second order.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Space(NamedTuple):
 def tabled_pairs(
     problem: TabledCurve, terms: Rows, near: Row, table: Rows, which: Rows, space: Space, out: Rows
 ) -> None:
-    """To each row of ``out`` the value of a power series at ``near`` and the sum with the rows ``which`` of a table."""
+    """Writes to each row of ``out`` a power series' value at ``near``, added to the rows ``which`` of a table."""
     for i in range(near.shape[0]):
         row = out[i]
         place(terms, near[i], row)

@@ -1,10 +1,10 @@
 """Motions of genus 3 and more in floats: many times by sums of tabled translations, in double-double numbers, compiled.
 
-D(τ) = D(a + r) + ΣT(w_k + c): D(a + r) is a power series in a small r, and the w_k are one of each table k, whose steps
-are 16 times those of the table before. The c keep translations away from 0, where they have points near infinity. Of
-several neighbouring w the one with the smallest coefficients is chosen, which loses the fewest digits. The units of x
-and y place the branch points around 0. Tables are computed in long numbers. There are several starts a, from which the
-same time uses different rows of the tables.
+D(τ) = D(a + r) + ΣT(w_k + c). Here D(a + r) is a power series in a small r, and w_k is an entry of table k, whose step
+is 16 times that of the previous table. The offsets c keep translations away from 0, where they have points near
+infinity. Of several neighbouring w the one with the smallest coefficients is chosen, which loses the fewest digits. The
+units of x and y place the branch points around 0. Tables are computed in long numbers. There are several starts a, from
+which the same time uses different rows of the tables.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from jacobian.relatives.extended import Extended, ExtendedGroup, Lift
 RATIO, QUARTERS, SMALL = 16, 3, 4.0
 # a step of the first table is the radius of the power series over 2^FRACTION or a little less
 TERMS, FRACTION = 32, 3
-# tables at least and at most, and starts
+# least and largest number of tables, and the number of starts
 FEWEST, MOST, STARTS = 2, 11, 10
 # bits of the numbers that tables are made in, beyond those of the genus, and those of a table
 BITS, OF_TABLE = 192, 24

@@ -1,12 +1,12 @@
-"""What Neumann's, Garnier's and Hénon and Heiles's systems share: points in elliptic and parabolic coordinates, in a
-potential that these separate (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
+"""Common formulas of Neumann's, Garnier's and Hénon and Heiles's systems: points in elliptic and parabolic coordinates,
+in a potential that separates in them (Eilbeck, Enolskii, Kuznetsov & Tsiganov 1994).
 
 With f₁ = Π(x − a_i), a the constants, positions q_i and momenta p_i on the axes, ε = ±1 and polynomials u₀, w₀:
 
     U = f₁(u₀ + εΣ q_i²/(x − a_i)),   V = ½U',   W = f₁(w₀ − εΣ (p_i² + l_i²/q_i²)/(x − a_i)),   f = V² + UW
 
-and the direction is −2e_{g−1}. With l_i = 0 a_i is a branch point and (q_i, p_i) the lift there, so that signs, and
-axes that the motion crosses, take care of themselves; with l_i ≠ 0 q_i does not vanish and keeps its sign.
+and the direction is −2e_{g−1}. If l_i = 0, a_i is a branch point and (q_i, p_i) the lift there, so signs are
+determined, also where q_i changes sign. If l_i ≠ 0, q_i does not vanish and keeps its sign.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Shape(NamedTuple):
 
 
 class QuadricSystem(MumfordSystem):
-    """The base of these systems; ``constants`` are the a_i."""
+    """Base of these systems; ``constants`` are the a_i."""
 
     sign = 1
     """ε."""
@@ -113,7 +113,7 @@ class QuadricSystem(MumfordSystem):
             if not self._stands(barrier):
                 _, x, y = next(data)
             else:
-                # with the sign that it had
+                # q_i keeps its sign
                 x = before * N.sqrt(poly.evaluate(N, D.u, e) / (slope * before * before))
                 y = poly.evaluate(N, D.v, e) / (slope * x)
             q, p = (*q, x), (*p, y)

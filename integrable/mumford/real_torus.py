@@ -1,12 +1,12 @@
-"""Motions of genus 2 on a compact real torus at the compiled speed of the ball.
+"""Motions of genus 2 on a compact real torus, compiled with the loops of the ball.
 
-A real curve y² = f(x) whose roots are all real has two ovals that the points of a pair run round. An abscissa ξ,
-x = A + Bξ, takes it to the curve that :mod:`integrable.torus` knows, (ξ − ζ)Π(α_i − ξ)(1 − ξ) with the ovals before
-ξ = 1; on models of even degree the largest root E has been sent to infinity before, by 1/(E − x). Corners, periods and
-translations are those of the ball there; what is another is the direction, and what is read: the pair and its lifts.
+A real curve y² = f(x) with real roots only has two ovals, on which the points of a pair move. The abscissa ξ, x = A +
+Bξ, transforms it to the curve of :mod:`integrable.torus`, (ξ − ζ)Π(α_i − ξ)(1 − ξ), with the ovals before ξ = 1. On
+models of even degree 1/(E − x) first moves the largest root E to infinity. Corners, periods and translations are those
+of the ball. The direction differs, and so does the result: the pair and its lifts.
 
-Of geodesics dt/dτ is |U| at the root beyond the ovals, as it is 1/√U there of a body: their clock is that of a body,
-its mean a determinant of integrals over the ovals.
+For geodesics dt/dτ is |U| at the root beyond the ovals; for a body it is 1/√U there. So their clock is computed like
+that of a body, and its mean is a determinant of integrals over the ovals.
 """
 
 from __future__ import annotations
@@ -37,21 +37,21 @@ from jacobian.periods.quadrature import working_numbers
 from jacobian.periods.roots import conjugated, simple_roots
 from jacobian.relatives.extended import Extended, Lift, SecondKind
 
-# bits of the numbers that a torus is made from, and digits of those that its periods are read as
+# bits of the numbers from which a torus is made, and digits of those in which its periods are given
 BITS, DIGITS = 200, 50
-# U at a branch point, beside x², where σ is not read off it
+# size of U at a branch point, relative to x², below which σ is not computed from it
 SMALL = 1e-20
 MOST_CELLS, MOST_SAMPLES = 1 << 12, 1 << 16
-# numbers of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
+# length of a row: U, V, and σ and ν at three ends of ovals and at the root beyond them
 COLUMNS = 12
 APART = "the points of the pair are not one in each oval"
-# steps of Newton's method to a root, and what the area of a torus may differ by from that of its periods: 4e-31 was the
-# most of 147 random geodesics
+# largest number of Newton steps to a root; allowed relative difference of the area of a torus from that of its periods
+# (the largest for 147 random geodesics was 4e-31)
 MOST_STEPS, SAME = 20, 1e-27
 
 
 class OtherOvals(PrecisionLoss):
-    """Branch points are not all real, or the points of a pair not one in each bounded oval."""
+    """Branch points are not all real, or the pair does not have one point in each bounded oval."""
 
 
 class OvalModel(NamedTuple):
@@ -81,7 +81,7 @@ class RealTorus(Corners):
                 raise PrecisionLoss("a motion of genus 2 without lifts but at branch points is needed")
             lifts = {kind.e: data for kind, data in zip(start.kinds, start.data, strict=True) if isinstance(kind, Lift)}
             roots = real_roots(K, start.f, list(lifts))
-            # what is sent to infinity
+            # the root that is moved to infinity
             self._pole = Column.of(roots[-1]) if len(roots) == 6 else None
             if self._pole is not None and lifts:
                 raise PrecisionLoss("lifts on a model of even degree")
@@ -97,7 +97,7 @@ class RealTorus(Corners):
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times at which it is held against another way (:func:`integrable.torus.witness.left_open`)."""
+        """Times at which the torus is compared with another method (:func:`integrable.torus.witness.left_open`)."""
         return left_open([*map(float, self.frequencies)], self.departs) * (
             1.0 if self.clock is None else float(self._mean)
         )
@@ -265,7 +265,7 @@ def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, An
     if height > SMALL * e**2:
         sigma = K.sqrt(height)
         return kappa, sigma, slope / sigma
-    # a point of the pair is here
+    # a point of the pair is at this branch point
     f = poly.scale(K, model.lead, poly.from_roots(K, model.roots))
     square = -kappa * poly.evaluate(K, cofactor(K, f, whole, v), e)
     if square <= 0:

@@ -20,16 +20,16 @@ from jacobian.fields.inexact import InexactField
 from jacobian.inexact.long_field import LongField
 from jacobian.linear import pivoted
 
-# the last coefficients that the radius of a series is estimated from
+# number of last coefficients from which the radius of a series is estimated
 LAST = 4
-# of Newton's method, which is quadratic
+# largest number of Newton steps; convergence is quadratic
 MOST_STEPS = 60
 # a step is the last one where its square, beside the way to the end of a series, is below the last bit by this factor
 SMALL = 2.0**-8
 
 
 class _Operators(InexactField):
-    """The numbers of a field with the operations of a formula that is recorded."""
+    """The numbers of a field, with the operations of a recorded formula."""
 
     name = "recorded numbers"
 

@@ -18,9 +18,10 @@ from integrable.mumford.pair_tables import STARTS, PairTables
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended
 
-# from so many times on tables pay; how many of the farthest are held against sums in long numbers
+# number of times from which tables pay off; number of farthest times compared with sums in long numbers
 MANY, WITNESSES = 200, 4
-# what two starts may differ by, and what the farthest time may from sums in long numbers, beside the largest number
+# allowed difference between two starts, and at the farthest times from sums in long numbers, relative to the largest
+# number
 AGREED, RIGHT = 2.0**-57, 2.0**-50
 
 Vectors = Sequence[Sequence[Any]]
@@ -40,7 +41,7 @@ class TabledStates:
         self._place, self._read, self._by_additions = place, read, by_additions
         self._tables: PairTables | None = None
         self._refused = False
-        # times since tables were made that are beyond them
+        # number of requested times beyond the present tables
         self._beyond = 0
 
     def at(self, times: np.ndarray) -> list[np.ndarray]:
@@ -50,15 +51,15 @@ class TabledStates:
         if self._beyond >= MANY and not self._refused:
             self._beyond = 0
             made = self._made_for(times)
-            # those for nearer times stay
+            # keep the tables for nearer times
             self._tables, self._refused = made or self._tables, made is None
         rows = self._from_tables(self._tables, times) if self._tables else {}
         whole = [rows[i] if i in rows else self._by_additions(t) for i, t in enumerate(times.tolist())]
         return [np.array(part) for part in zip(*whole, strict=True)]
 
     def _made_for(self, times: np.ndarray) -> PairTables | None:
-        """Tables that reach as far as times; None where they are not to be had, where half of the farthest times are
-        lost by them, or where one is another than sums in long numbers have it.
+        """Tables that reach these times; None if they cannot be made, if they lose half of the farthest times, or if
+        one differs from sums in long numbers.
         """
         far = times[np.argsort(-np.abs(times))[:WITNESSES]]
         try:
@@ -69,7 +70,7 @@ class TabledStates:
                     if not np.abs(found - np.array(true)).max() <= RIGHT * np.abs(found).max():
                         return None
         except (PrecisionLoss, ZeroDivisionError, ArgumentError):
-            # the last of these: what is to be tabled is beyond the range of floats
+            # OverflowError: the entries are beyond the range of floats
             return None
         return tables if 2 * len(rows) > len(far) else None
 
@@ -91,7 +92,7 @@ class TabledStates:
 
 
 def _agree(one: Sequence[Column], two: Sequence[Column]) -> np.ndarray:
-    """Where two vectors of columns are the same to all digits of floats."""
+    """Where two vectors of columns agree to all digits of floats."""
     size = np.max([np.abs(x.hi) for x in one], axis=0)
     found: np.ndarray = np.max([np.abs((x - y).hi) for x, y in zip(one, two, strict=True)], axis=0) <= AGREED * size
     return found

@@ -48,15 +48,15 @@ from jacobian.relatives.extended import Extended, Lift
 Real = Any
 Row = Any
 
-# bits of the numbers that a torus is made from
+# bits of the numbers from which a torus is made
 BITS = 160
-# harmonics of a series at most: beyond, branch points nearly meet
+# largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
-# what a series may lack beside its largest term, as e^(−π·)
+# truncation error of a series relative to its largest term, as e^(−π·)
 DEPTH = 26.0
-# steps of Newton's method to a root
+# largest number of Newton steps to a root
 NEWTON_STEPS = 20
-# U at a branch point, beside x², where σ is not read off it
+# size of U at a branch point, relative to x², below which σ is not computed from it
 SMALL = 1e-20
 
 
