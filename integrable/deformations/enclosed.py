@@ -1,9 +1,10 @@
-"""Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, their rest bounded.
+"""Motions of deformations with proven bounds: Taylor series of their equations in ball arithmetic, with bounded
+remainders.
 
-From every state on, Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box; Cauchy's
-estimate on it bounds what the series leave out of a step of r/8. Balls grow with every step, so all is done with as
-many bits more as they lose. The cost grows with the time, and with the number of digits that the motion loses in it.
-(Moore 1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
+From every state Picard's theorem gives a disc of complex times |t| ≤ r on which the motion stays in a box. Cauchy's
+estimate on this disc bounds the truncation error of a step of r/8. Balls grow with every step, so as many extra bits
+are used as they lose. The cost grows with the time, and with the number of digits that the motion loses in it. (Moore
+1966, *Interval Analysis*; Tucker 2011, *Validated Numerics*.)
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from jacobian.progress import Progress
 
 __all__ = ["EnclosedMotion"]
 
-# of the radius of a disc: about what takes the fewest products (e⁻²)
+# step relative to the radius of the disc: near the value with the fewest products (e⁻²)
 STEP = 0.125
 MOST_STEPS = 4_000
 KNOWN_FROM = 16
@@ -110,7 +111,7 @@ class _March:
             self._rolls, zero = system.body.rolls, wide.field.zero
             self._point = [*start.gamma, *start.M, *([zero] if self._rolls else [])]
             self._tape = recorded(right_hand_sides(wide), len(self._point))
-            # what begins at rest has no size of its own
+            # a start at rest sets no unit for M
             self._momentum = wide.field.dot(start.M, start.M).sqrt() if any(state.M) else wide.field.one
             self._now = zero
         self._order = ceil(bits * log(2) / -log(STEP))
@@ -160,7 +161,7 @@ class _March:
         """By how many bits M outgrows |M| at the start, which its balls are measured by."""
         with self.reals:
             size = self._size([float(abs(x).abs_upper()) for x in self._velocity(self._point)])
-            # |M| may be below the range of floats
+            # computed in balls, as |M| may be below the range of floats
             grown = (1 + self._flint.arb(size) / self._momentum).log().abs_upper()
             return ceil(float(grown) / log(2)) if grown.is_finite() else 0
 

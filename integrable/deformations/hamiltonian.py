@@ -1,4 +1,4 @@
-"""What the deformations of the ball and the top share: states, integrals, brackets, equations of motion.
+"""The common base of the deformations of the ball and the top: states, integrals, brackets, equations of motion.
 
 A deformation is a Hamiltonian H on the phase space of the ball at (γ, M) = 0, quadratic in M up to a potential, with a
 second integral K, {H, K} = 0. The motion is (γ̇, Ṁ) = g{(γ, M), H/2} with the bracket of the ball, the orientation and
@@ -40,7 +40,7 @@ class DeformedIntegrals(NamedTuple):
 
 
 class Scalars:
-    """The functions of (γ, M) that the Hamiltonians are made of, each computed on first use."""
+    """The functions of (γ, M) of which the Hamiltonians are composed, each computed on first use."""
 
     def __init__(self, a: Sequence[Any], d: Any, gamma: Sequence[Any], M: Sequence[Any]) -> None:
         self.a, self.d, self.gamma, self.M = tuple(a), d, tuple(gamma), tuple(M)
@@ -162,7 +162,7 @@ class Hamiltonian(Made):
 
     @property
     def body(self) -> Body:
-        """The body whose a_i = 1/(I_i + d) the Hamiltonian is made of."""
+        """The body whose a_i = 1/(I_i + d) enter the Hamiltonian."""
         return self.rigid.body
 
     @property
@@ -223,7 +223,7 @@ class Hamiltonian(Made):
             return np.stack(self.motion(self.scalars(self._constants(0), gamma.T, M.T))[0], axis=1)
 
     def _attitude_along(self, gamma: np.ndarray, M: np.ndarray) -> np.ndarray:
-        """NotRepresentable: M does not rest in space."""
+        """NotRepresentable: M is not fixed in space."""
         raise NotRepresentable(f"{self!r}: M does not rest in space, and with γ alone no attitude is known")
 
     def vector_field(self, state: State) -> State:
@@ -248,7 +248,7 @@ class Hamiltonian(Made):
         return State(tuple(rate), tuple(momentum))
 
     def flow(self, state: State) -> Motion:
-        """The motion through a state, where its curves are known."""
+        """The motion through a state, if its curves are known."""
         raise NotImplementedError
 
     def divisor(self, state: State) -> Any:
@@ -270,7 +270,7 @@ class Hamiltonian(Made):
         return False
 
     def curves_of(self) -> Any:
-        """The tilde pair whose curves the motion is on: the system itself, or the tilde pair of A⁻¹."""
+        """The tilde pair on whose curves the motion runs: the system itself, or the tilde pair of A⁻¹."""
         return self
 
     degree: ClassVar[int] = 1
@@ -363,13 +363,13 @@ def combination(*terms: tuple[Any, Sequence[Any]]) -> list[Any]:
 
 
 class _Infinite:
-    """Division by a vanishing γ_i or s becomes a named error."""
+    """Turns a division by a vanishing γ_i or s into a named error."""
 
     def __enter__(self) -> None:
         return None
 
     def __exit__(self, kind: Any, error: Any, trace: Any) -> None:
-        # numpy's is no ZeroDivisionError
+        # numpy raises FloatingPointError instead of ZeroDivisionError
         if kind is not None and issubclass(kind, (ZeroDivisionError, FloatingPointError)):
             raise NotRepresentable("the Hamiltonian is infinite here: it divides by γ_i, s or 1 − ds that vanishes")
 

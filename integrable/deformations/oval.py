@@ -45,7 +45,7 @@ class SeparatedOval:
         self.series = laurent(K, -4 * (one * two + two * three + three * one), 4 * one * two * three)
 
     def height(self, r: Sequence[Any], among: Sequence[int] = (0, 1, 2)) -> Any:
-        """z = Z/μ at the roots R_i, computed from the root with the least terms."""
+        """z = Z/μ at the roots R_i, computed from the root that gives the smallest terms."""
         i = min(among, key=lambda n: abs(r[n]))
         return (self.e[i] + self.signs[i] * r[i] * r[i]) / self.mu
 

@@ -72,7 +72,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
     """The roots R_i of the first curve or the second at all pairs of phases."""
     numbers = track.numbers
     for n in abreast(0, len(phases) // 2):
-        # sn and cn turn once in two periods
+        # sn and cn have twice the period
         c, s = circle((phases[2 * n + which] + numbers[3]) / 2, track.inverse)
         low, middle, high = theta_quotients(track.table, c, s)
         place = 6 * n + 3 * which
@@ -81,7 +81,7 @@ def put_roots(track: Track, phases: Row, which: int, roots: Row) -> None:
 
 
 def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
-    """Three numbers as floats, and the remainders."""
+    """Three numbers as floats, and their remainders."""
     out[place], out[place + 1], out[place + 2] = float(vector[0]), float(vector[1]), float(vector[2])
     rest[place] = float(vector[0] - out[place])
     rest[place + 1] = float(vector[1] - out[place + 1])
@@ -89,7 +89,7 @@ def put_split(vector: Three, out: Row, rest: Row, place: int) -> None:
 
 
 def height(track: Track, r: Three) -> Real:
-    """z = Z/μ at the roots R_i, from the root that is least."""
+    """z = Z/μ at the roots R_i, from the smallest root."""
     numbers = track.numbers
     if abs(r[0]) <= abs(r[1]) and abs(r[0]) <= abs(r[2]):
         return numbers[4] + r[0] * r[0] * numbers[7]

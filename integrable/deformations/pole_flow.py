@@ -136,7 +136,7 @@ class _Cubic:
     def _roots(self) -> list[Any]:
         """The real roots of 4Z³ − g2Z − g3, ascending: by cos 3θ (Viète)."""
         K = self._field
-        # beyond 1 by rounding where the oval is a point, at an equilibrium
+        # rounding may push it beyond 1 at an equilibrium, where the oval is a point
         cosine = max(-K.one, min(K.one, self._g3 * (27 / self._g2**3) ** (K.one / 2)))
         turn = K.context.acos(cosine) / 3
         radius = (self._g2 / 3) ** (K.one / 2)

@@ -34,13 +34,13 @@ if TYPE_CHECKING:
 
 # periods after which double-doubles may lack digits
 MOST_TURNS = 1e6
-# the largest error of H and K, relative to their sizes, and of the farthest state
+# largest error of H and K, relative to their sizes, and of the farthest state
 MOST_LOST = 1e-20
 # the largest error of 1/g, and of a time of the clock: some roundings of floats
 MOST_OFF = 4e-14
 # modes of 1/g, relative to its mean, that physical times may lack: larger ones would affect the last bit of τ
 NOISE = 4e-18
-# how much faster than its phases a heavy body may turn
+# largest ratio of the turning rate of a heavy body to that of its phases
 SWIFT = 100
 # samples of 1/g beyond which the tables of another way are cheaper
 MOST_SAMPLES = 1 << 14
@@ -105,7 +105,7 @@ class QuickStates:
         packed = self._compiled(carrier)
         if packed is None:
             return None
-        # one for all times
+        # one clock serves all times
         if self._clock[0] is not carrier:
             try:
                 self._clock = carrier, QuickClock(carrier, packed)
@@ -129,7 +129,7 @@ class QuickStates:
             try:
                 self._packed = carrier, packed(carrier)
             except (ArgumentError, PrecisionLoss):
-                # numbers like |M|² beyond the range of floats
+                # numbers such as |M|² exceed the range of floats
                 self._packed = carrier, None
         return self._packed[1]
 
@@ -196,7 +196,7 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
     """1/g at the phases (i/rows, j/columns) since the start, as double-doubles: those ``known`` are made again."""
     rows, columns = sizes
     table, room = np.empty((rows * columns, 2)), np.empty((6 * (rows + columns), 2))
-    # powers of 2: fractions without rounding
+    # powers of 2, so that fractions are exact
     places = tuple(_pairs(x, x) for x in (Column(np.arange(n) / n, np.zeros(n)) for n in sizes))
     LIBRARY.paces(
         packed.first, packed.second, double_double_row((carrier.system.d, *carrier.weights)), places, table, room
@@ -205,7 +205,7 @@ def samples(carrier: Any, packed: Packed, sizes: tuple[int, int], known: np.ndar
 
 
 def quick_way(rows: RoundedRows) -> RoundedRows | QuickStates:
-    """The way to states over the field of ``rows``."""
+    """The method for states over the field of ``rows``."""
     return QuickStates(rows) if rows.field == RR else rows
 
 

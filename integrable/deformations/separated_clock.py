@@ -26,7 +26,7 @@ USUAL_BITS = 256
 MARGIN = 6
 # sizes up to which transforms are direct sums
 SHORT = 8
-# modes that are slower than this part of their terms are resonant
+# a mode is resonant if it is this many times slower than its terms
 RESONANT = 10
 ROUNDS = 200
 ROUGH_ROUNDS = 20
@@ -40,11 +40,11 @@ class OnTwoCurves(Protocol):
 
     @property
     def field(self) -> Any:
-        """The numbers it runs over."""
+        """The wide numbers of the motion."""
 
     @property
     def weights(self) -> tuple[Any, Any]:
-        """Of 1 + dz_k in g²."""
+        """The weights of 1 + dz_k in g²."""
 
     def pace(self, first: Any, second: Any) -> Any:
         """1/g from z on both curves."""
@@ -109,9 +109,9 @@ class SeparatedClock:
                 x = (low + high) / 2
             if rough:
                 if k >= ROUGH_ROUNDS or (inside and abs(step) <= 1e-7):
-                    # floats may have chosen the wrong side
+                    # floats may have chosen the wrong side of the bracket
                     rough, (low, high) = False, bounds
-            # the rate is that of a float, and its own change smaller than the step
+            # the rate has the accuracy of a float, and changes by less than the step
             elif (inside and abs(step) * 1e-6 <= small) or high - low <= small:
                 return x / self._unit
         raise PrecisionLoss(f"times: the flow's own time at t = {float(t / self._unit):g} has not converged")

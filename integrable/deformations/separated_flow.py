@@ -25,7 +25,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 
 __all__ = ["IsometricFlow", "SeparatedFlow"]
 
-# of the sizes of λ_k and of the terms that they are sums of: those are not lost in floats
+# least ratio of λ_k to the terms that it is a sum of: larger ones are not lost in floats
 ORDINARY = 1e-6
 
 if TYPE_CHECKING:
@@ -126,7 +126,7 @@ class OvalCarrier(CurvesCarrier):
 
     @property
     def period(self) -> Any:
-        """The shorter of both."""
+        """The shorter of the two periods."""
         return min(curve.period for curve in self.curves)
 
     @at_its_precision

@@ -36,7 +36,7 @@ class TwoPoints(NamedTuple):
 
 
 class _Image(NamedTuple):
-    """What a state becomes: ũ, y = dũ/dτ and λ of both curves, and (w_i, N_i), w_iN_i = V(a_i)/c_i, V(ũ_k) = y_k."""
+    """The image of a state: ũ, y = dũ/dτ and λ of both curves, and (w_i, N_i), w_iN_i = V(a_i)/c_i, V(ũ_k) = y_k."""
 
     u: list[Any]
     y: list[Any]
