@@ -1,4 +1,4 @@
-"""The loops that random access on a torus runs on: interpreted, or compiled."""
+"""The loops for random access on a torus, interpreted or compiled."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 # Newton steps from a float to a double-double number
 NEWTON_PASSES = 1
-# terms of a power series for 32 digits
+# number of terms of a power series for 32 digits
 SERIES = 95
 # terms of the polynomials of a direction for 25 digits, terms for each further digit, and the bits lost per term where
 # values become coefficients
@@ -43,7 +43,7 @@ BEYOND = "periods beyond the range of floats; use more digits"
 _CONSTANTS = np.array([(pi, 1.2246467991473532e-16), (1, 0), (1, 0), (1, 0), (1, 0), (0, 0)])
 
 
-# loops that run interpreted, and which of their arguments are arrays of floats that they read
+# interpreted loops, and which of their arguments are arrays of floats that they read
 PLAIN: dict[str, tuple[Callable[..., Any], tuple[int, ...]]] = {
     "clock_series": (clock_modes.clock_series, ()),
     "corners": (walks.corners, ()),
@@ -75,11 +75,11 @@ class ReadableLoops:
         more = max(0, int(TERMS_A_DIGIT * (digits - 25)) + 1)
         self.terms, bits = TERMS + more, setup.reals.bits + int(BITS_A_TERM * more)
         self.reals = type(setup.reals)(bits)
-        # from a float of 46 bits or more
+        # doublings from a float of 46 correct bits or more
         self._passes, self._series = max(1, ceil(log2(bits / 46))), setup.terms
-        # ovals of this length end the arithmetic-geometric mean
+        # the arithmetic-geometric mean stops at ovals of this length
         self.short = float(setup.wide.eps) ** 0.5 / 16
-        # rounding of 1/g where its Fourier series has ended
+        # size of rounding errors in 1/g, where its Fourier series ends
         self.noise = 10.0**-digits
 
     def packed(self, value: Any) -> Any:
@@ -143,7 +143,7 @@ class ReadableLoops:
             directions(motion, chart, parts, nodes, self._passes, room, tables, halves)
 
     def begun(self, setup: Any) -> None:
-        """None: the set-up is there in as many digits."""
+        """None: the set-up already has all digits."""
 
     def about_centre(self, motion: Any, out: Any) -> None:
         """:func:`integrable.torus.survey.about_centre` about the origin."""
@@ -151,7 +151,7 @@ class ReadableLoops:
             torus_survey.about_centre(motion, 0.0, 1.0, out)
 
     def joined(self, *rows: Any) -> Any:
-        """Rows of numbers one after the other."""
+        """Rows of numbers, concatenated."""
         return [x for row in rows for x in row]
 
 

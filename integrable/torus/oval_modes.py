@@ -26,12 +26,12 @@ from integrable.torus.series import powers
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
-# multiplications of the tables: half a minute at 50 digits
+# largest number of multiplications of the tables: half a minute at 50 digits
 MOST_WORK = 1 << 26
 # digits of the first tables, with this many modes per digit in either direction; the next have this many times the
 # number suggested by their decay; their nodes hold some more, so that aliasing is not mistaken for decay
 SCOUT_DIGITS, MODES_A_DIGIT, BEYOND, HELD = 8, 0.6, 1.05, 4
-# steps from the start among which one has no small σ
+# number of steps from the start among which one has no small σ
 STEPS = 4
 
 
@@ -49,7 +49,7 @@ class Modes(NamedTuple):
 
 
 class TooManyModes(PrecisionLoss):
-    """Tables of so many modes take ``work`` multiplications or more, beyond what they may."""
+    """Tables with this many modes take ``work`` multiplications or more, beyond the limit."""
 
     def __init__(self, size: tuple[int, int], work: int) -> None:
         super().__init__(
@@ -73,9 +73,9 @@ def modes_of_rate(
     """
     balls = BallReals(setup.reals.bits + 32)
     with balls:
-        # computed first, because it raises where digits are lost
+        # computed first, because it raises if digits are lost
         whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
-        # a far time is its mean rate times τ, whose phases have no more digits than the modes
+        # a far time is its mean rate times τ; its phases have no more digits than the modes
         torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)
         few = min(SCOUT_DIGITS, digits)
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)
@@ -92,7 +92,7 @@ def modes_of_rate(
 
 
 class Found(NamedTuple):
-    """Tables of so many modes."""
+    """Tables with this many modes."""
 
     size: tuple[int, int]
     upright: list[list[Any]]
@@ -205,7 +205,7 @@ class OvalTorus:
         n = max(range(count), key=lambda n: abs(float(points[n][4] * points[n][5] * points[n][6])))
         point = points[n]
         middle, square = -point[1] / 2, point[1] * point[1] / 4 - point[0]
-        # the rounding of a double root counts as zero
+        # a double root that is negative by rounding counts as zero
         spread = self.flint.arb(max(square.mid(), 0)).sqrt()
         angles, blurs = zip(
             *(

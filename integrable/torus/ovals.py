@@ -11,14 +11,16 @@ from typing import Any, NamedTuple, Protocol
 from integrable.torus.series import powers
 from jacobian.errors import PrecisionLoss
 
-# as a decimal exponent, 0
+# the decimal exponent of 0
 NOTHING = 1e9
-# rapidly decaying integrands need few nodes
+# decay beyond which integrands need few nodes
 LARGEST_DECAY = 40.0
 
 
 class Pair(Protocol):
-    """What an oval knows of both: d, whether ζ is below the middle axis, and how integrals become phases."""
+    """The data of both ovals that each one needs: d, whether ζ is below the middle axis, and how integrals become
+    phases.
+    """
 
     flint: Any
     pi: Any
@@ -104,7 +106,7 @@ class Oval:
         return [self._node(arb(i) / half, rest) for i, rest in zip(numbers, rests, strict=True)]
 
     def node(self, x: Any) -> Node:
-        """That at φ = πx."""
+        """The node at φ = πx."""
         wave = self.flint.acb(x.cos_pi(), x.sin_pi())
         waves = powers(wave, wave, self.harmonics)
         return self._node(x, (self.flint.arb_mat([[z.imag for z in waves]]) * self._waves).table()[0])
@@ -114,7 +116,7 @@ class Oval:
         return Node(*self._placed(x), (self._mean[0] * angle + rest[0], self._mean[1] * angle + rest[1]))
 
     def _placed(self, x: Any) -> tuple[Any, Any, Any, Any, Any]:
-        """All of a node but its integrals."""
+        """A node without its integrals."""
         (a, b), others = self._ends, self._others
         below, above = self._squares(x)
         length = b - a
@@ -246,7 +248,7 @@ class Oval:
 
 
 def exponent(c: Any) -> float:
-    """log10 |c|; PrecisionLoss where c is no number."""
+    """log10 |c|; PrecisionLoss if c is not a number."""
     size = abs(c).mid()
     if not size.is_finite():
         raise PrecisionLoss("a mode of 1/g is no number; use more digits")

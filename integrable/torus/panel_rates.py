@@ -1,8 +1,8 @@
-"""1/g around moving points of many digits: what a clock of panels reads, compiled, and how many nodes it takes.
+"""1/g around moving points in multiprecision, compiled, for a clock of panels, and the number of nodes that it needs.
 
-A moving point is good to all its digits however it was reached, so that a value of 1/g beside it loses no more than one
-addition does: double-double numbers leave 28 digits and more, at a fortieth of the time. One value in some twenty is
-made again with all digits; where it differs by more than the clock may be off, double-doubles are left alone.
+A moving point has all its digits however it was reached, so a value of 1/g near it loses no more than one addition
+does. Double-double numbers leave at least 28 digits, at a fortieth of the time. One value in some twenty is computed
+again with all digits; if it differs by more than the clock's tolerance, double-doubles are no longer used.
 """
 
 from __future__ import annotations
@@ -85,7 +85,7 @@ class PanelRates:
 
 
 class Scouts:
-    """How fast Legendre coefficients of 1/g fall along a motion: looked at once, for clocks of any precision.
+    """How fast the Legendre coefficients of 1/g decrease along a motion: measured once, for clocks of any precision.
 
     ``compiled``: in double-double numbers; else in floats, or in many bits where 1/g is nearly constant.
     """
@@ -97,7 +97,7 @@ class Scouts:
         self._rules: dict[int, tuple[list[Any], list[list[Any]]]] = {}
 
     def digits_a_node(self, sign: int, length: int) -> float:
-        """Digits that a Legendre coefficient of 1/g brings over ``length`` cells in a direction, at worst."""
+        """Digits gained per Legendre coefficient of 1/g over ``length`` cells in a direction, at worst."""
         if (sign, length) not in self._found:
             self._found[sign, length] = self._fall(sign, length)
         return self._found[sign, length]

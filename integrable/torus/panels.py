@@ -1,5 +1,5 @@
-"""Many states on one stretch of time: Chebyshev series on panels, from exact states at their nodes, their integrals and
-their zeros (Trefethen 2013, chapters 18 and 19).
+"""Many states on one interval of time: Chebyshev series on panels, from exact states at their nodes, their integrals
+and their zeros (Trefethen 2013, chapters 18 and 19).
 """
 
 from __future__ import annotations
@@ -15,14 +15,15 @@ from jacobian.errors import PrecisionLoss
 
 # nodes of a panel: more make panels longer and their evaluation slower
 NODES = 28
-# the last coefficients of a panel of states from the torus, in units of the largest value of their column
+# largest last coefficients of a panel of states from the torus, relative to the largest value of their column
 TOLERANCE = 2e-15
 # rounding of the states themselves, on motions with fast passages
 NOISE = 1e-13
 # panels of a stretch whose ends show how long they may be, and the largest number of halvings
 PROBES = 8
 MOST_HALVINGS = 12
-# equal coefficients below this part of a column are rounding, which halving does not reduce: this many show it
+# equal coefficients below this fraction of a column are rounding, which halving does not reduce; number of them that
+# shows it
 ROUGH, MOST_IN_VAIN = 1e-8, 4
 # coefficients of a panel below this part of its largest count as zero in the search for zeros
 LEVEL = 1e-14
@@ -164,7 +165,7 @@ def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     times, slopes, halves = [np.empty(0)], [np.empty(0)], [np.empty(0)]
     series = panels.coefficients[:, :, 0]
     size = np.abs(series)
-    # a series whose constant outweighs the rest has no zero
+    # a series whose constant term outweighs the rest has no zero
     for k in np.flatnonzero(size[:, 0] <= size[:, 1:].sum(axis=1) * (1 + 1e-12)):
         found = chebyshev.chebroots(chebyshev.chebtrim(series[k], LEVEL * size[k].max()))
         real = np.sort(found[np.abs(found.imag) < 1e-7].real)
@@ -176,7 +177,7 @@ def zeros(panels: Panels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 def distinct(times: np.ndarray, slopes: np.ndarray, halves: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The zeros of which none is another's copy: one at an edge is found in both panels, with slopes of one sign.
+    """The zeros without duplicates: a zero at an edge is found in both panels, with slopes of equal sign.
 
     On the scale of the panels, and of the floats at that time: zeros of a fast motion may be close together.
     """

@@ -15,12 +15,12 @@ from integrable.torus.clock_modes import size_wanted
 from jacobian.errors import PrecisionLoss
 from jacobian.numbers.long_reals import BallReals, BareReals
 
-# phases at which a long series is summed together
+# number of phases at which a long series is summed together
 TOGETHER = 256
-# multiplications that a product of matrices does in one thread: with more of them, threads wait in busy loops; with
-# fewer phases at a time, large tables are read too often
+# number of multiplications up to which a product of matrices uses one thread: beyond it, threads wait in busy loops;
+# least number of phases at a time: below it, large tables are read too often
 ONE_THREAD, FEWEST = 1 << 15, 4
-# floats hold no modes below this
+# modes below this are outside the range of floats
 TINY = 1e-290
 # the error of a mode in floats, per turn, and the guard bits of sums of many digits
 ROUNDED, SPARE_BITS = 1e-15, 40
@@ -67,7 +67,7 @@ class TorusSeries:
         self._swing[~kept] = 0
         # S + origin has mean 0
         self.origin = float(self._swing[kept].real.sum())
-        # |S| is below
+        # an upper bound of |S|
         self.bound = float(swings[kept].sum()) + abs(self.origin)
 
     def _turns(self, kept: np.ndarray) -> np.ndarray:

@@ -34,7 +34,7 @@ def whole_turns(x: Real) -> tuple[Real, int]:
     """(fraction in [0, 1), whole turns) of x, |x| below 2^52."""
     whole = floor(float(x))
     rest = x - whole
-    # the low part of a double-double may lead below 0
+    # the low part of a double-double may make it negative
     if rest < 0:
         rest, whole = rest + 1, whole - 1
     return rest, whole

@@ -19,7 +19,7 @@ Row = Any
 
 # conjugate points of a translation at this part of the distance from its centre to the next branch point
 REACH = 0.4
-# a torus of more cells counts as not compact
+# a torus with more cells counts as not compact
 MOST_CELLS = 1 << 16
 # number of candidate centres, at distances from the least branch point in geometric progression up to FARTHEST·max a,
 # but not so far that the α coincide from there
@@ -37,7 +37,7 @@ NEAREST = 2.0**-30
 # but only at this one where cells are no more than this, which costs almost no digits
 FAIR = 2.0**-12
 MANY_CELLS = 1 << 12
-# d·max a below which a period is nearly the residue at infinity
+# below this d·max a one period is nearly the residue at infinity
 FLAT = 0.01
 # the number of results of :func:`surveyed_rates`
 RATES = 16
@@ -143,7 +143,7 @@ def reduced(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int, int, 
             m1, n1, m2, n2 = m2, n2, m1, n1
         square = s1 * s1 + t1 * t1
         if square == 0:
-            # parallel to the precision of floats: any basis will do, and this one hides no cells
+            # parallel to the precision of floats: any basis is correct, and this one hides no cells
             return 1, 0, 0, 1
         turns = floor((s1 * s2 + t1 * t2) / square + 0.5)
         if turns == 0:
@@ -158,7 +158,7 @@ def cells(s1: float, t1: float, s2: float, t2: float) -> tuple[int, int]:
     s1, t1, s2, t2 = abs(s1) / 2, abs(t1) / 2, abs(s2) / 2, abs(t2) / 2
     best1, best2, first = 1 << 29, 1 << 29, 2
     while first <= MOST_CELLS:
-        # the remaining reach in either direction
+        # the remaining reach in each direction
         left_s, left_t = 1 - s1 / first, 1 - t1 / first
         if left_s > 0 and left_t > 0:
             second = 2
