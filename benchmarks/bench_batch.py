@@ -11,8 +11,6 @@ primes of two words, GF(2^n) without tables, genus 3 (explicit on degree 7, Cant
 from __future__ import annotations
 
 import ctypes
-import shutil
-import subprocess
 import tempfile
 import tracemalloc
 from collections.abc import Callable
@@ -24,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.curves import genuine_curve, least_seconds, microseconds, sum_of_points
+from benchmarks.curves import c_library, genuine_curve, least_seconds, microseconds, sum_of_points
 from jacobian import GF
 from jacobian.addition.cantor_flint import FlintCantor
 from jacobian.batch import DivisorArray, set_threads, threads
@@ -32,7 +30,6 @@ from jacobian.batch.genus2_kernels import add_rows, double_rows
 from jacobian.batch.two_word_rows import TwoWordRows
 from jacobian.numbers.words import Double
 
-SOURCE = Path(__file__).parent / "c" / "genus2_batch.c"
 PRIMES = {"2^29-3": 2**29 - 3, "2^31-1": 2**31 - 1, "2^49-81": 2**49 - 81, "2^61-1": 2**61 - 1, "2^63-25": 2**63 - 25}
 OTHERS = {
     "2^61-1": (GF(2**61 - 1), 2, "ramified"),
@@ -72,16 +69,13 @@ class Compiled:
 
     def __init__(self, K: Any, C: Any, directory: str) -> None:
         self.call: Any = None
-        compiler = shutil.which("cc")
-        if compiler is None:
-            return
-        target = Path(directory) / f"{type(K).__name__}.so"
         floats = isinstance(K, Double)
         bits, wide, number = (53, False, ctypes.c_double) if floats else (K.bits, K.wide, ctypes.c_int64)
-        flags = ["-O3", "-march=native", "-shared", "-fPIC", f"-DBITS={bits}", f"-DWIDE={int(wide)}"]
-        if not target.exists():
-            subprocess.run([compiler, *flags, str(SOURCE), "-o", str(target), "-lm"], check=True)
-        function = ctypes.CDLL(str(target)).genus2_rows
+        target = Path(directory) / f"{type(K).__name__}.so"
+        library = c_library("genus2_batch.c", target, f"-DBITS={bits}", f"-DWIDE={int(wide)}")
+        if library is None:
+            return
+        function = library.genus2_rows
         function.restype = ctypes.c_int64
         context, equation = (number * len(K))(*K), (number * 3)(*C)
         self.call = lambda count, *arrays: function(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import ctypes
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Callable
 from functools import partial
@@ -20,13 +19,12 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.curves import in_turn, least_seconds
+from benchmarks.curves import c_library, in_turn, least_seconds
 from integrable import ChaplyginBall
 from jacobian import CC, RR, HyperellipticCurve, poly
 from jacobian.batch import DivisorArray, set_threads
 from jacobian.batch.sums import FloatSums
 
-SOURCES = Path(__file__).parent / "c"
 REPEATS = 25
 SINGLE = 997
 # of degree 6, with numbers of moderate size
@@ -144,15 +142,14 @@ def _processor_seconds() -> dict[str, float]:
 
 
 def _compiled(folder: Path, f: Any, first: Any, second: Any) -> Callable[[], Any] | None:
-    compiler = shutil.which("cc")
     # real numbers of degree 6 have no loop of their own in C
-    if compiler is None or (len(f) == 7 and first.dtype == np.float64):
+    if len(f) == 7 and first.dtype == np.float64:
         return None
-    source = SOURCES / ("complex_batch.c" if first.dtype == np.complex128 else "float_batch.c")
-    library = folder / "batch.so"
-    options = ["-O3", "-march=native", "-ffp-contract=fast", "-fcx-limited-range", "-shared", "-fPIC"]
-    subprocess.run([compiler, *options, "-o", str(library), str(source), "-lm"], check=True)
-    add = ctypes.CDLL(str(library)).add_columns
+    source = "complex_batch.c" if first.dtype == np.complex128 else "float_batch.c"
+    library = c_library(source, folder / "batch.so", "-ffp-contract=fast", "-fcx-limited-range")
+    if library is None:
+        return None
+    add = library.add_columns
     coefficients = f.astype(first.dtype)
 
     def loop() -> Any:

@@ -11,8 +11,8 @@ from collections.abc import Callable
 from random import Random
 from time import process_time
 
-from benchmarks.bench_single import SCALAR, least
-from benchmarks.curves import genuine_curve
+from benchmarks.bench_single import SCALAR
+from benchmarks.curves import genuine_curve, least
 from jacobian import GF, HyperellipticCurve
 from jacobian.batch import DivisorArray, set_threads
 from jacobian.relatives.pseudo_group import PseudoGroup

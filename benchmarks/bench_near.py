@@ -104,7 +104,7 @@ def _beside(
             return made.flow(state, tolerance=LOOSE).at(times)
 
         classical = isinstance(peer, ClassicalSystem)
-        runs = {"ours": ours} | ({"loosely": loosely} if classical else {})
+        runs: dict[str, Callable[[], Any]] = {"ours": ours} | ({"loosely": loosely} if classical else {})
         runs |= {"heyoka": lambda: theirs(times)} if theirs else {}  # noqa: B023
         found = in_turn(runs, 60 if length < 100 else 7, perf_counter)
         row[f"T = {length}, ms"] = 1e3 * found["ours"]

@@ -16,12 +16,16 @@ import numpy as np
 from benchmarks.bench_flow import HARD, SCENES, START, system_of
 from benchmarks.figures import Rows, command, save
 from integrable import ChaplyginBall, EulerTop, load_scene
+from integrable.scene.looks import BLUE, INK, ORANGE
+from integrable.study.plot import FAINT, STYLE
 from integrable.systems.system import System
 from jacobian.errors import PrecisionLoss
 
 FAR = 1e6
-TICKS = (1, 2, 5, 10, 20)
+TICKS = (0.5, 1, 2, 4)
 SEPARATRIX, MASS = "H1/H2 over a₂, less 1", "d"
+# of the first way of a picture and of others, in the palette of all figures
+WAYS = ({"color": BLUE, "marker": "o"}, {"color": ORANGE, "marker": "s"}, {"color": INK, "marker": "^"})
 
 
 def run(smoke: bool) -> Rows:
@@ -81,20 +85,27 @@ def cost(system: Any, state: Any, repeats: int) -> dict[str, Any]:
 
 def draw(rows: Rows, stem: Path) -> None:
     """Set-up over the distance from the separatrix and over d."""
+    from matplotlib import rc_context
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(8, 3.2), layout="constrained")
-    for axes, varied in zip(figure.subplots(1, 2, sharey=True), (SEPARATRIX, MASS), strict=True):
-        part = [row for row in rows if row["varied"] == varied]
-        for way in dict.fromkeys(row["way"] for row in part):
-            shown = [(row["value"], row["ms"]) for row in part if row["way"] == way and row["value"]]
-            axes.loglog(*zip(*shown, strict=True), "o-" if way == "torus" else "s", label=way)
-        axes.set_xlabel("distance from the separatrix" if varied == SEPARATRIX else "d, moments 1, 2, 3")
-        axes.legend(loc="upper right" if varied == SEPARATRIX else "upper left")
-    figure.axes[0].set_ylabel("set-up and a first state, ms")
-    figure.axes[0].set_yticks(TICKS, map(str, TICKS))
-    figure.axes[0].minorticks_off()
-    save(figure, stem)
+    with rc_context(STYLE):
+        figure = Figure(figsize=(8, 3.4), layout="constrained")
+        for axes, varied in zip(figure.subplots(1, 2, sharey=True), (SEPARATRIX, MASS), strict=True):
+            part = [row for row in rows if row["varied"] == varied]
+            ways = list(dict.fromkeys(row["way"] for row in part))
+            for way, look in zip(ways, WAYS, strict=False):
+                shown = [(row["value"], row["ms"]) for row in part if row["way"] == way and row["value"]]
+                axes.loglog(*zip(*shown, strict=True), label=way, markersize=5, linewidth=1.3, **look)
+            beside = varied == SEPARATRIX
+            axes.set_title("near the separatrix" if beside else "light and heavy balls", fontsize=10.5)
+            axes.set_xlabel("(H1/H2)/a₂ − 1, no unit" if beside else "d, in the unit of the moments 1, 2, 3")
+            axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
+            if len(ways) > 1:
+                axes.legend(frameon=False)
+        figure.axes[0].set_ylabel("set-up and a first state,\nms of processor time")
+        figure.axes[0].set_yticks(TICKS, map(str, TICKS))
+        figure.axes[0].minorticks_off()
+        save(figure, stem)
 
 
 if __name__ == "__main__":

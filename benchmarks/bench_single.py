@@ -9,13 +9,12 @@ Results are compared first.
 
 from __future__ import annotations
 
-import time
 from collections.abc import Callable
 from functools import partial
 from random import Random
 from typing import Any
 
-from benchmarks.curves import LARGE_PRIME, genuine_curve, sum_of_points
+from benchmarks.curves import LARGE_PRIME, genuine_curve, least, sum_of_points
 from jacobian import GF
 from jacobian.addition import cantor_flint
 from jacobian.addition.choice import python_kernel
@@ -99,23 +98,3 @@ def integers(bits: int) -> dict[str, object]:
     kernels = {"ints": PrimeFormulas(C).sum_of, "gmpy2": GmpFormulas(C).sum_of, "chosen": python_kernel(C).sum_of}
     times = least({name: partial(add, first, second) for name, add in kernels.items()}, 30)
     return {"field": f"p of {bits} bits", "model": "ramified", "g": 2, **times}
-
-
-def least(
-    actions: dict[str, Callable[[], object]], repeat: int, clock: Callable[[], float] = time.perf_counter
-) -> dict[str, float]:
-    """The least of ``repeat`` samples of each action, taken in turn, so that a slow second disturbs all alike."""
-    calls = {}
-    for name, action in actions.items():
-        action()
-        begun = clock()
-        action()
-        calls[name] = max(1, int(0.002 / max(clock() - begun, 1e-7)))
-    samples: dict[str, list[float]] = {name: [] for name in actions}
-    for _ in range(repeat):
-        for name, action in actions.items():
-            begun = clock()
-            for _ in range(calls[name]):
-                action()
-            samples[name].append((clock() - begun) / calls[name])
-    return {name: 1e6 * min(values) for name, values in samples.items()}

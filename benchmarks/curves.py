@@ -1,17 +1,39 @@
-"""Curves and classes to measure on, and the clock."""
+"""Curves and classes to measure on, the clock, and the C compiler."""
 
 from __future__ import annotations
 
+import ctypes
+import shutil
+import subprocess
 import time
 from collections.abc import Callable, Mapping
 from math import inf
+from pathlib import Path
 from random import Random
-from statistics import median
 from typing import Any
 
 from jacobian import ArgumentError, Divisor, HyperellipticCurve, poly
 
 LARGE_PRIME = 2**255 - 19
+
+
+def c_library(source: str, target: Path, *flags: str) -> ctypes.CDLL | None:
+    """A file of benchmarks/c compiled to ``target``, unless it is there; None without a compiler."""
+    compiler = shutil.which("cc")
+    if compiler is None:
+        return None
+    if not target.exists():
+        command = [
+            compiler,
+            "-O3",
+            "-march=native",
+            "-shared",
+            "-fPIC",
+            *flags,
+            str(Path(__file__).parent / "c" / source),
+        ]
+        subprocess.run([*command, "-o", str(target), "-lm"], check=True)
+    return ctypes.CDLL(str(target))
 
 
 def genuine_curve(K: Any, genus: int, model: str, rng: Random) -> HyperellipticCurve:
@@ -35,18 +57,25 @@ def sum_of_points(C: HyperellipticCurve, rng: Random) -> Divisor:
 
 
 def microseconds(action: Callable[[], object], repeat: int) -> float:
-    """The median over ``repeat`` samples of the time of one call, each sample of at least a few milliseconds."""
-    action()
-    begun = time.perf_counter()
-    action()
-    calls = max(1, int(0.004 / max(time.perf_counter() - begun, 1e-9)))
-    samples = []
-    for _ in range(repeat):
-        begun = time.perf_counter()
-        for _ in range(calls):
-            action()
-        samples.append((time.perf_counter() - begun) / calls)
-    return 1e6 * median(samples)
+    """The least over ``repeat`` samples of the time of one call, each sample of a few milliseconds."""
+    return least({"": action}, repeat)[""]
+
+
+def least(
+    actions: Mapping[str, Callable[[], object]], repeat: int, clock: Callable[[], float] = time.perf_counter
+) -> dict[str, float]:
+    """Microseconds of a call of each action: the least of ``repeat`` samples of a few milliseconds, taken in turn."""
+
+    def of_many(action: Callable[[], object]) -> tuple[Callable[[], object], int]:
+        action()
+        begun = clock()
+        action()
+        count = max(1, int(0.003 / max(clock() - begun, 1e-7)))
+        return (lambda: [action() for _ in range(count)]), count
+
+    many = {name: of_many(action) for name, action in actions.items()}
+    found = in_turn({name: sample for name, (sample, _) in many.items()}, repeat, clock)
+    return {name: 1e6 * found[name] / count for name, (_, count) in many.items()}
 
 
 def least_seconds(action: Callable[[], object], repeats: int, clock: Callable[[], float] = time.process_time) -> float:
