@@ -47,7 +47,7 @@ FAR_GAUSS, MOST_GAUSS = 4, 40
 GUARD = 2
 # γ × M loses digits where it is this much smaller than M
 PARALLEL = 30
-# rounding of this size is all that remains of the bounded part near rotations about a principal axis
+# near rotations about a principal axis rounding of this size is all that remains of the bounded part
 LEAST = 1 / 16
 # the accuracy of states near the start, computed in floats
 TOLERANCE = 1e-13

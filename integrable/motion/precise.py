@@ -1,4 +1,5 @@
-"""The exact flow to many digits: the same additions as for floats, in bare reals, at a precision that it chooses.
+"""The exact flow in multiprecision: the same additions as for floats, in bare reals, at a precision chosen
+automatically.
 
 Numbers have 30 digits more than requested, and as many more as errors can grow by next to a separatrix
 (:func:`integrable.moving_point.losses.lost_digits`). Every call also measures the loss, from the integrals of all
@@ -30,15 +31,16 @@ if TYPE_CHECKING:
 
 # extra digits of the second computation of the farthest state, beyond those that it may lose
 WIDER = 10
-# digits that a result keeps beyond the requested ones
+# digits that a result keeps beyond those requested
 SPARE = 2
 # the largest loss, beyond as many digits as are requested: half a minute of computing on the separatrix
 MOST_LOST = 400
-# from this many basic steps for each digit on, the torus costs less than stepping there
+# from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
-# multiplications of its tables that cost as much as a step per digit, and the largest number that fits into memory
+# multiplications of the torus's tables that cost as much as a step per digit, and the largest number that fits into
+# memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from this many digits on a first time is computed alone, to this many digits
+# from this many digits on a first time is computed alone, with this many digits
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 
@@ -65,7 +67,7 @@ class Carrier:
         raise NotImplementedError
 
     def most_tau(self, t: Any) -> Any:
-        """About the τ of a physical time t ≥ 0, to estimate the loss there before there is a clock."""
+        """An estimate of τ at a physical time t ≥ 0, for the loss there before there is a clock."""
         return t
 
     def tau(self, times: list[Any], digits: int) -> list[Any]:
@@ -81,7 +83,7 @@ class Carrier:
         return tau
 
     def clock_missing(self, tau: Any, digits: int) -> int:
-        """How many of that many digits the clock lacks at its τ, where it can tell."""
+        """How many of that many digits the clock lacks at its τ, if it can tell."""
         return -digits
 
     def point(self, tau: Any) -> Any:
@@ -102,8 +104,8 @@ class Carrier:
 
 
 def begun_with_few_digits(method: Any) -> Any:
-    """A method of :class:`ManyDigits` for times that begins with the first digits again, and restores the digits if
-    Ctrl-C ends it: near times are as fast after a far one as before.
+    """Decorates a method of :class:`ManyDigits` for times: it starts again with the first digits, and restores the
+    digits if Ctrl-C ends it, so that near times are as fast after a far one as before.
     """
 
     @wraps(method)
@@ -147,7 +149,7 @@ class ManyDigits:
         return self.carrier, self._witness, self._witnessed
 
     def _begin(self, far: Any) -> None:
-        """To the first digits, unless a computation has shown that they do not suffice so far away."""
+        """Start with the first digits, unless a computation has shown that they do not suffice so far away."""
         if self._few and self.carrier is not self._few[0] and far < self._too_far:
             self._more = self._level()
             self.carrier, self._witness, self._witnessed = self._few
@@ -201,7 +203,7 @@ class ManyDigits:
     def _add_missing(self, missing: int, times: list[Any]) -> None:
         """Start again with the digits that a computation has shown to be missing."""
         self._too_far = min(self._too_far, max(map(abs, times), default=0))
-        # where no digit is right the number of missing ones is unknown
+        # if no digit is right, the number of missing ones is unknown
         self.add_digits(min(missing, self.carrier.digits) + WIDER)
 
     @begun_with_few_digits
@@ -210,7 +212,7 @@ class ManyDigits:
             carrier = self.carrier
             tau = [carrier.scaled(t) for t in times]
             far = max(map(abs, tau), default=0)
-            # a time that is too far needs no clock
+            # for a time that is too far no clock is needed
             lost = self.enough(carrier.most_tau(far) if clock else far)
             if lost is None:
                 continue
@@ -234,7 +236,7 @@ class ManyDigits:
             self._add_missing(missing, times)
 
     def enough(self, tau: Any) -> int | None:
-        """The digits that errors may grow by until τ; None where there were not as many, and now there are more."""
+        """The digits by which errors may grow until τ; None if there were too few, after adding the missing ones."""
         lost = self.carrier.lost(tau)
         missing = lost - self.expected - (self.carrier.digits - self.digits)
         if missing <= 0:
@@ -294,9 +296,9 @@ def rounded(K: Any, values: Any) -> np.ndarray:
 class BodyCarrier(Carrier):
     """The motion of a body at one internal precision, in bare reals and in the units of ``setup``.
 
-    ``problem`` is what :class:`~integrable.moving_point.setup.Setup` makes one of more digits from, ``limits`` what the
-    clock may cost: where that is bounded the torus has been tried. ``scouts`` are those of the clocks of the motion at
-    any precision.
+    ``problem`` holds the arguments of :class:`~integrable.moving_point.setup.Setup` for one with more digits.
+    ``limits`` bound the cost of the clock: if they are finite, the torus has been tried. ``scouts`` are those of the
+    motion's clocks at any precision.
     """
 
     def __init__(
@@ -357,7 +359,7 @@ class BodyCarrier(Carrier):
     def tau(self, times: list[Any], digits: int = 0) -> list[Any]:
         """τ at every physical time, to the digits of the setup."""
         setup = self.setup
-        # at the first rate, since a heavy ball's τ runs a thousand times faster than t
+        # estimated with the initial rate, since a heavy ball's τ runs a thousand times faster than t
         rate = abs(addition.rate_at(setup.problem.axes, setup.problem.start))
         torus = self._far([t / rate for t in times])
         if torus:
@@ -374,7 +376,7 @@ class BodyCarrier(Carrier):
 
     def tau_alone(self, time: Any, digits: int) -> Any:
         near = 0 < abs(float(self.unscaled(time))) <= NEAR_CELLS * self.setup.step_time
-        # a series of the clock pays from the second time on
+        # a series of the clock pays off from the second time on
         if near and self.digits >= ALONE_FROM and not self._alone and not self._clocks and self._limits == NONE:
             self._alone = True
             found = self._one_time(time)
@@ -426,7 +428,7 @@ class BodyCarrier(Carrier):
             return None
         work = min(WORK_A_STEP * setup.digits * steps, WORK_WITH_ROOM)
         if self._torus is None and work >= self._least_work:
-            # at such a τ the phases have no digits left after the point
+            # at such a τ the phases have no digits left after the decimal point
             whole = setup.wide.exponent(max(map(abs, tau))) * 3 // 10
             self._torus = self._made_torus(work, setup.digits + SPARE - whole)
         return self._torus
