@@ -1,4 +1,4 @@
-"""The inner steps of the exact flow, on bare reals: written to be compiled as they stand.
+"""The inner steps of the exact flow, on bare reals; the compiler takes them unchanged.
 
 A *moving point* is (u0, u1, v0, v1, σ1, σ2, σ3, ν1, ν2, ν3): the divisor x² + u1·x + u0, v1·x + v0 and, for every axis,
 the pair (σ_i, ν_i) = (Γ_i, n_i)/r_i that resolves the signs of γ_i: κ_iσ_i² = U(α_i), κ_iσ_iν_i = V(α_i). A
@@ -17,12 +17,12 @@ from jacobian.numbers.roots import root
 
 Real = Any
 Row = Any
-# terms after which a series inside its reach adds nothing to a float
+# number of terms after which a series within its reach adds nothing to a float
 FLOAT_TERMS = 48
 
 
 def shift(f: Row, axes: Row, point: Row, step: Row) -> Row:
-    """The moving point after the addition of a translation, its pairs settled on the divisor."""
+    """The moving point after the addition of a translation, with its pairs settled on the divisor."""
     return settled(f, axes, carried(f, axes, point, step), noise(step))
 
 
@@ -77,7 +77,7 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
     """
     x, y = kappa * sigma, kappa * nu
     e1, e2, e3 = leading(u - x * sigma), leading(v - x * nu), leading(-w - y * nu)
-    # the step is as small as they are: a float's digits of it are enough
+    # a correction of rounding size: the digits of a float are enough for it
     kappa, s, n = leading(kappa), leading(sigma), leading(nu)
     k2, s2, n2 = 2 * kappa * kappa, s * s, n * n
     m11, m12, m22 = k2 * (2 * s2 + n2) + leading(trust), k2 * s * n, k2 * (s2 + 2 * n2) + leading(trust)
@@ -174,7 +174,7 @@ def estimate(series: Row, f0: Real, eps: Real) -> tuple[Real, Real]:
     m = -series[1] * r / 3
     if isinstance(eps, float) or abs(eps) < 1e-100:
         return m, r
-    # in a unit in which the terms of the series stay in the range of floats
+    # choose a unit in which the terms of the series stay in the range of floats
     unit = 1 / abs(series[1])
     floats, scale = [], 1
     for coefficient in series[:FLOAT_TERMS]:
@@ -188,7 +188,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
     """(m, r) of T(eps), whose two points are at m ± √r, by ``passes`` steps of Newton from an estimate."""
     target = f0 * eps * eps / 4
     for _ in range(passes):
-        # r·phi² = target and psi = 0; slopes are taken to the digits that the start of a step has
+        # r·phi² = target and psi = 0; slopes need only the digits that the start of a step has
         phi, psi = abel_sums(series, m, r)
         phi_m, phi_r, psi_m, psi_r = abel_slopes(leading(series), leading(m), leading(r))
         first = r * phi * phi - target
@@ -199,7 +199,7 @@ def centre(series: Row, f0: Real, eps: Real, m: Real, r: Real, passes: int) -> t
 
 
 def leading(x: Any) -> Any:
-    """x, a number or a row; of double-doubles their high parts, when compiled."""
+    """x, a number or a row; when compiled, the high parts of double-doubles."""
     return x
 
 
@@ -298,10 +298,10 @@ def trust_of(step: Row) -> float:
 
 
 def march(f: Row, axes: Row, point: Row, step: Row, count: int) -> Row:
-    """``count`` additions of the same translation, one after the other.
+    """``count`` successive additions of the same translation.
 
-    Every 16 of them the divisor is put back on the curve and the pairs on the divisor: what rounding takes off it would
-    grow, for some translations exponentially (:mod:`jacobian.inexact.retraction`).
+    Every 16 additions the divisor is projected onto the curve and the pairs onto the divisor. Otherwise rounding errors
+    would grow, for some translations exponentially (:mod:`jacobian.inexact.retraction`).
     """
     moved = moving_point(point)
     for i in range(count):

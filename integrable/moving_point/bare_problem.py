@@ -1,4 +1,4 @@
-"""What a torus is made from, in bare reals: the numbers of a :class:`MotionProblem` some ten times as fast."""
+"""The start of a torus in bare reals: the numbers of a :class:`MotionProblem`, computed some ten times as fast."""
 
 from __future__ import annotations
 

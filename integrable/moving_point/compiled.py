@@ -1,4 +1,6 @@
-"""What compiled loops on moving points share: the first estimate of a small translation; and successive additions."""
+"""Functions shared by compiled loops on moving points: the first estimate of a small translation, and successive
+additions.
+"""
 
 from __future__ import annotations
 

@@ -67,10 +67,10 @@ def carlson_j(x: Array, y: Array, z: Array, p: Array, product: Array) -> Array:
 
 def arctan_over(e: Array) -> Array:
     """arctan(√e)/√e for e ≥ 0."""
-    # one that is no number leaves the others alone
+    # a NaN leaves the other entries unaffected
     most, series = float(np.fmax.reduce(e, axis=None, initial=0)), 0 * e
     if np.fmin.reduce(e, axis=None, initial=SMALL) < SMALL:
-        # as many terms as the largest of these takes
+        # as many terms as the largest of these needs
         least = max(min(most, SMALL), 1e-300)
         for n in range(min(TERMS, ceil(log(np.finfo(e.dtype).eps / 4) / log(least))), -1, -1):
             series = e.dtype.type(1) / (2 * n + 1) - e * series
@@ -153,7 +153,8 @@ def oval_periods(ends: Row, d: Real, r: Real, pi: Real, near: Real, out: Row) ->
 
 
 def apart(points: Row, values: Row, near: Real) -> bool:
-    """Whether an oval is not short yet: R varies over it, and beside the distance of every other root it has a length.
+    """Whether an oval is not yet short: R varies over it, or its length matters beside the distance to every other
+    root.
 
     ``points`` are the ends of the ovals, ``values`` those of R there.
     """

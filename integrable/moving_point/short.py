@@ -7,9 +7,9 @@ nodes of a panel are one addition in floats each from its centre. States come fr
 M/|M|, and physical time from the antiderivative of 1/g.
 
 A panel is halved where the last coefficients of its interpolants, or a jump between its ends and those of its
-neighbours, require it. Where rounding requires it, its nodes are computed in wide numbers. The neighbours share only
-additions of earlier centres, and γ and w cannot change sign without a jump, so a panel that passes has the signs of the
-motion.
+neighbours, require it. Where rounding requires it, its nodes are computed in wide numbers. Neighbouring panels share
+only the additions of earlier centres, and a wrong sign of γ or w would show as a jump. So an accepted panel has the
+signs of the motion.
 
 Compiled (:mod:`integrable.moving_point.short_compiled`) wide numbers are double-doubles, interpreted they are bare
 reals (:mod:`integrable.moving_point.short_start`, :mod:`integrable.moving_point.short_steps`); the rest is on floats.
@@ -58,35 +58,35 @@ from integrable.moving_point.short_steps import (
     wide_values,
 )  # fmt: skip
 
-# half a panel, in basic half steps
+# half the length of a panel, in basic half steps
 LENGTH = 5.0
-# radians that a body turns by on half a panel at most, where that is several times as long
+# largest turn of the body on half a panel, in radians, if that is several basic lengths
 TURN = 1.7
-# so often is it doubled at least: its nodes are made in wide numbers, as floats lose digits on such bodies
+# least number of doublings; the nodes are then made in wide numbers, as floats lose digits on such bodies
 WORTHWHILE = 3
 # last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
 # floats, or wide beside a panel whose nodes were not
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
-# a panel with wide nodes costs as much as so many
+# cost of a panel with wide nodes, in panels
 CAREFUL = 10
-# integrals of states that are returned, and H2 of centres: where both points of a divisor pass a cluster of branch
-# points wide numbers lose most of their digits, and no step is seen between panels that share a centre
+# tolerances for integrals of returned states, and for H2 of centres: double-doubles lose most digits near a cluster of
+# branch points, and panels that share a centre show no jump
 INTEGRALS, CENTRE = 1e-9, 1e-19
-# a body whose moments differ by less of I + d, and an upright motion whose errors are larger by more in γ or M, are
-# left to the torus
+# left to the torus: bodies whose moments differ by less than 1/CLOSEST of I + d, and upright motions whose errors are
+# larger by more than STEEPEST in γ or M
 CLOSEST, STEEPEST = 4e4, 25.0
-# how far the shadow may be off the motion: it begins 2^7 roundings and more off it
+# largest allowed distance of the shadow from the motion; it starts 2^7 roundings and more off it
 APART = 2.0**-45
-# after so many panels their pace is known to such a factor: a run that they do not lead to the end of is given up there
+# after this many panels their pace is known to this factor: a run that cannot reach its end is given up there
 PACED, UNSTEADY = 32, 1.05
-# why a run was given up: rounding in floats, panels that do not converge, more of them than asked for, too few digits;
-# or was not begun: times in no order
+# reasons for giving up a run: rounding in floats, panels that do not converge, too many panels, too few digits; or for
+# not starting it: unsorted times
 ROUNDING, UNRESOLVED, FAR, LOST, UNSORTED = 1, 2, 3, 4, 5
 
 
 def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted: bool) -> int:
-    """The states that are asked for, from the moments, d, γ and M: 0, or why they were not found."""
+    """Computes the requested states from the moments, d, γ and M: 0, or why they were not found."""
     numbers, wide = room.numbers, room.wide
     set_up(given, tilted, wide, numbers, room.point)
     scaled(request.times, wide, TIME_UNIT if request.physical else TAU_UNIT, request.high, request.low)
@@ -110,8 +110,8 @@ def short_run(room: ShortRoom, rule: Rule, request: Request, given: Row, tilted:
 
 
 def first_half(room: ShortRoom) -> float:
-    """Half a panel of a motion: where branch points of very different size bound the series, but not the panels, the
-    first is doubled until the body turns by so much on it.
+    """Half a panel of a motion. Where branch points of very different size bound the series but not the panels, the
+    first is doubled until the body turns far enough on it.
     """
     h, most, longer = panel_half(room.numbers[REACH]), TURN * room.numbers[RADIAN], 0
     while longer < LEVELS and h * 2.0 ** (longer + 1) <= most:
@@ -121,13 +121,13 @@ def first_half(room: ShortRoom) -> float:
 
 
 def panel_half(reach: float) -> float:
-    """Half a panel, of few digits: places of panels are exact in floats."""
+    """Half a panel, rounded to few digits so that positions of panels are exact in floats."""
     mantissa, exponent = frexp(LENGTH * reach)
     return ldexp(floor(mantissa * 2**20) / 2**20, exponent)
 
 
 def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
-    """Whether so many panels certainly do not lead to the first and the last time."""
+    """Whether this many panels certainly cannot reach the first and last times."""
     count = len(request.order)
     if count == 0:
         return False
@@ -137,7 +137,7 @@ def too_far(room: ShortRoom, request: Request, h: float, most: int) -> bool:
 
 
 def run_both_ways(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool) -> int:
-    """The states that are asked for, in both directions: 0, or why they were not found."""
+    """The requested states, in both directions: 0, or why they were not found."""
     first = 0
     while first < len(request.order) and request.high[request.order[first]] < 0:
         first += 1
@@ -156,7 +156,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
     farthest = abs(request.high[request.order[len(request.order) - 1 if sign > 0 else 0]])
     level, n = 0, 0
     while 0 <= i < len(request.order):
-        # a panel that is halved costs more than one
+        # a halved panel costs more than one
         if n >= most or room.made[3] > 2 * request.most:
             return FAR
         given = len(request.centres) > 0
@@ -170,7 +170,7 @@ def one_way(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bo
         gone = room.sums[0] if request.physical else 2 * h * n
         if n == PACED and UNSTEADY * gone * most < n * farthest:
             return FAR
-    # a rate that floats have off on the whole way
+    # allow for the constant relative error of the rate in floats
     allowed = (request.drift + request.pace * abs(room.sums[0])) * abs(room.point[RATE])
     return 0 if abs(room.sums[2]) <= allowed else ROUNDING
 
@@ -230,7 +230,7 @@ def panel(
 
 
 def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool, level: int, sign: int) -> int:
-    """The values at the nodes of one panel: 0 where they are good."""
+    """The values at the nodes of one panel: 0 if they are accurate."""
     numbers, count = room.numbers, len(rule.nodes)
     begin = 10 * level * count
     if not room.point[OFF] <= CENTRE:
@@ -263,7 +263,7 @@ def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
         last, earlier = two_ends(rule, room.values, e * count)
-        # no comparison that not-a-number passes
+        # written so that a NaN fails the comparison
         tail = last if not last <= tail else tail
         before = max(before, earlier)
     if request.physical or request.clock:

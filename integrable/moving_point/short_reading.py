@@ -1,4 +1,4 @@
-"""States off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats compiled as they stand."""
+"""States read off the interpolants of a panel (:mod:`integrable.moving_point.short`), in floats, compiled unchanged."""
 
 from __future__ import annotations
 
@@ -18,9 +18,9 @@ from integrable.moving_point.short_rows import (
 )  # fmt: skip
 from jacobian.numbers.abreast import abreast
 
-# steps of Newton below this are the last
+# a Newton step below this is the last
 LAST = 1e-9
-# what leaves half the digits of a float
+# splits a float into halves of its digits
 SPLIT = 2.0**27 + 1
 
 
@@ -53,7 +53,7 @@ def read_off(room: ShortRoom, rule: Rule, request: Request, left: float, half: f
 
 def passed(sums: Row, half: float, full: float, rest: float) -> None:
     """The time at the left end of the next panel, high and low, into the ``sums``: half·(full + rest) more."""
-    # half a panel has few digits: its product with half of those of a float is exact
+    # half a panel has few digits, so its product with half of a float's digits is exact
     split = full * SPLIT
     top = split - (split - full)
     first, more = half * top, half * ((full - top) + rest) + sums[1]
@@ -65,7 +65,7 @@ def passed(sums: Row, half: float, full: float, rest: float) -> None:
 
 
 def gone_by(room: ShortRoom, request: Request, left: float, half: float, at: int, sign: int) -> float:
-    """How far a time that is asked for lies behind the left end of the panel, in halves of it."""
+    """The distance of a requested time from the left end of the panel, in half panels."""
     high, low = abs(request.high[at]), sign * request.low[at]
     if request.physical:
         return ((high - room.sums[0]) + (low - room.sums[1])) / half

@@ -1,4 +1,4 @@
-"""The rows that short runs work in (:mod:`integrable.moving_point.short`), flat, and tuples of what is in them."""
+"""The working rows of short runs (:mod:`integrable.moving_point.short`), flat arrays, and named tuples of them."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Rule(NamedTuple):
 
 
 class ShortRoom(NamedTuple):
-    """Rows to work in."""
+    """Working memory."""
 
     wide: Row
     """f, the axes, the start and the units of time in wide numbers."""
@@ -98,7 +98,7 @@ class ShortRoom(NamedTuple):
 
 
 class Request(NamedTuple):
-    """What is asked for: ``order`` sorts ``high`` + ``low``, which are scaled times."""
+    """The request: ``order`` sorts ``high`` + ``low``, which are scaled times."""
 
     physical: bool
     """Whether times are physical."""

@@ -48,7 +48,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     top, spin = max(a[0], a[1], a[2]), root(M[0] * M[0] + M[1] * M[1] + M[2] * M[2])
     ratio = put_curve(given, a, (contact, e), gamma, M, wide)
     wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2] = contact
-    # physical time is counted in units of s: what is left of the clock is 1 on the mean, to the last digit
+    # time is scaled by s, so that the remaining clock rate averages 1
     wide[12], wide[13] = 1 + 0 * s, d * k * s / p * top * spin
     moving_start(a, (contact, e), gamma, M, spin, wide)
     wide[TAU_UNIT] = 2 * top * spin

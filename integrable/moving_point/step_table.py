@@ -10,19 +10,19 @@ from typing import Any
 from integrable.moving_point.addition import opposite, shift, trust_of
 from integrable.moving_point.translations import Translations
 
-# neighbours of a doubled step count among which the best conditioned translation is taken
+# the best conditioned translation is chosen among this many neighbours of a doubled step count
 SEARCH = 6
 
 
 class StepTable:
-    """The translations by 1, about 2, about 4, … basic steps, in bare reals, made when they are asked for."""
+    """The translations by 1, about 2, about 4, … basic steps, in bare reals, made on request."""
 
     def __init__(self, translations: Translations) -> None:
         self._translations = translations
         self._counts = [1]
 
     def beyond(self, steps: int) -> tuple[list[int], list[tuple[Any, ...]]]:
-        """(counts, translations by so many basic steps), ascending from 1 to beyond ``steps``."""
+        """(counts, translations by that many basic steps), ascending from 1 to beyond ``steps``."""
         while self._counts[-1] <= steps:
             self._add_level()
         return self._counts, self._levels
@@ -38,7 +38,7 @@ class StepTable:
         return self._levels[:1]
 
     def _add_level(self) -> None:
-        """About twice the last count: of some neighbours the translation that is best conditioned."""
+        """Appends about twice the last count: the best conditioned translation of some neighbours."""
         double = self._translations.sum(self._levels[-1], self._levels[-1])
         rough = {m: self._near_sum(double, m) for m in range(-min(SEARCH, self._counts[-1] - 1), SEARCH + 1)}
         best = max(rough, key=lambda m: trust_of(rough[m]))
@@ -47,7 +47,7 @@ class StepTable:
         self._levels.append(exact)
 
     def _near_sum(self, step: tuple[Any, ...], m: int) -> tuple[Any, ...]:
-        """The translation by m further basic steps, roughly: in floats."""
+        """The translation by m further basic steps, approximately, in floats."""
         if m == 0:
             return tuple(map(float, step))
         problem = self._translations.f, self._translations.axes

@@ -20,8 +20,8 @@ from jacobian.numbers.roots import root
 # conjugate points of T(half step) at this part of the distance from x = 0 to the next branch point: the series converge
 # like its powers
 REACH = 0.3
-# bits that a term of the series brings at half a step: the two points are at most 1.4·REACH away from 0, and another
-# one for every halving of eps
+# bits gained by a term of the series at half a step: the two points are at most 1.4·REACH away from 0. Each halving of
+# eps gains another bit
 TERM_BITS = -log2(1.4 * REACH)
 FLOAT_BITS = 44
 # terms that show how far an expansion reaches, the bits from which on half a step is halved for many translations, and
@@ -41,7 +41,7 @@ class Translations:
         self.f = reals.row(f)
         self.axes = (*reals.row(axes[:3]), *[reals.number(1)] * 4, reals.number(0))
         self.half_step = reals.number(half_step)
-        # a halving costs an addition and saves terms: about the best
+        # a halving costs an addition and saves terms: near the optimum
         self._halvings = isqrt(reals.bits // 25)
         self._asked = 0
         self._expansions: dict[int, tuple[tuple[list[Any], ...], float]] = {}
@@ -79,14 +79,16 @@ class Translations:
             radius = 1 + 0.8 * (radius - 1)
 
     def _terms(self, radius: float, size: float) -> int:
-        """How many terms of an expansion of some radius bring all digits at an eps of some size, both in half steps."""
+        """The number of terms of an expansion with this radius that give all digits at an eps of this size, both in
+        half steps.
+        """
         return max(4, int(self.reals.bits / (2 * log2(max(min(radius / size, 2.0**500), 1.01)))) + 6)
 
     def near(self, eps: Any) -> tuple[Any, ...]:
         """T(eps) as a moving point with κ = 1, for eps ≠ 0 of any size."""
         reals = self.reals
         self._asked += 1
-        # a long series is worth its making for many
+        # computing a long series pays for many translations
         rest = reals.bits // HALVED_FROM if self._asked > FEW else self._halvings
         with reals:
             eps = reals.number(eps)
@@ -121,7 +123,7 @@ class Translations:
             return outer + [opposite(step) for step in outer[::-1]]
 
     def plan(self, eps: Any) -> tuple[int, float]:
-        """How often to halve eps, and the bits that a term of the series brings then."""
+        """How often to halve eps, and the bits that each term of the series then gains."""
         exponent = frexp(float(max(abs(eps) / self.half_step, 2.0**-500)))[1]
         doublings = max(0, exponent + self._halvings)
         return doublings, TERM_BITS + doublings - exponent
@@ -144,7 +146,7 @@ class Translations:
         return m, r
 
     def terms(self, bits: int, term_bits: float) -> int:
-        """How many terms of the series bring that many bits."""
+        """The number of terms of the series that give that many bits."""
         return min(len(self.series), int(bits / term_bits) + 6)
 
 
