@@ -29,21 +29,21 @@ from jacobian.errors import PrecisionLoss
 if TYPE_CHECKING:
     from integrable.torus.lattice import TimedSource
 
-# beyond this many turns of a phase no digits of a float are left
+# beyond this many turns of a phase a float holds no digits of its fraction
 MOST_TURNS = 2.0**50
 MOST_SAMPLES = 1 << 18
-# coefficients of 1/g below this part of its mean are left out of the series with which Newton's method starts
+# coefficients of 1/g below this fraction of its mean are omitted from the series that starts Newton's method
 ROUGH = 1e-4
-# modes with this amplitude of τ, in units in which the body turns by some part of a radian, are summed in double-double
-# numbers
+# modes with at least this amplitude of τ, in units in which the body turns by about a radian, are summed in
+# double-doubles
 LOUD = 0.05
-# a direction of the torus is resolved to this part of its frequency, as far as the long doubles of this machine allow
+# a direction of the torus is resolved to this fraction of its frequency, as far as this machine's long doubles allow
 SLOW = 1e-13
 EXTENDED = 32 * float(np.finfo(np.longdouble).eps)
 ROUNDING = EXTENDED / 4
-# slow modes have an amplitude of τ below this, in the same units, or are kept however small they are in 1/g
+# slow modes are dropped only if their amplitude of τ is below this, in the same units, however small they are in 1/g
 LEAST_SWING = 1e-17
-# from this many ascending times on, and this many to a node, they are read off panels
+# from this many ascending times on, and this many per node, times are read off panels
 DENSE_FROM = 5000
 DENSE = 3
 
@@ -81,7 +81,7 @@ class TorusFlow(Corners):
     def at(self, times: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(γ and M, τ) at physical times, shapes (N, 6) and (N,).
 
-        Ascending times that are many to a panel of a Chebyshev series are read off such panels.
+        Ascending times are read off panels of Chebyshev series if there are many per panel.
         """
         if not self.clock:
             return self.at_tau(times), times
@@ -113,27 +113,27 @@ class TorusFlow(Corners):
             rates, rest = self.loops.wide(self.rates[4:6], self.setup.wide), self._rows_of_clock(times)[2]
         found = []
         for n, rate, nu in zip(periods, rates, self.frequencies, strict=True):
-            # wide numbers: the fractions of many turns
+            # wide numbers keep the fractions of many turns
             turns = [x * rate / n for x in times.tolist()]
             found.append(np.array([float(x - int(x)) for x in turns]) + rest * float(nu / n))
         return found[0], found[1]
 
     def _panels(self, states: States, times: np.ndarray) -> Panels | None:
-        """Panels for these times, if they pay."""
+        """Panels for these times, if they are faster."""
         if len(times) < DENSE_FROM or not (np.diff(times) >= 0).all():
             return None
         start, end = float(times[0]), float(times[-1])
         if not start < end:
             return None
         length = self._panel_length(states, start, end)
-        # so near that a first-order correction accounts for the rounding of a time
+        # close enough that a first-order correction accounts for the rounding of a time
         near = np.spacing(max(abs(start), abs(end))) < 1e-9 * length
         if not near or len(times) < DENSE * NODES * (end - start) / length:
             return None
         try:
             return Panels(states, start, end, length)
         except PrecisionLoss:
-            # passages are too fast for panels; single times are as exact as ever
+            # passages are too fast for panels; single times are as accurate as ever
             return None
 
     def _panel_length(self, states: States, start: float, end: float) -> float:
@@ -168,12 +168,12 @@ class TorusFlow(Corners):
 
     @property
     def _rolls(self) -> bool:
-        """Whether there is a clock."""
+        """Whether there is a clock, that is whether the body rolls."""
         return bool(self.loops.floats(self._problem[HEAVINESS : HEAVINESS + 1])[0] != 0)
 
     @cached_property
     def _scale(self) -> float:
-        """Units of the flow's own time in one of τ."""
+        """One unit of τ in units of the flow's own time."""
         return float(self.loops.floats(self._problem[TIME_SCALE : TIME_SCALE + 1])[0])
 
     @cached_property
@@ -283,7 +283,7 @@ def series_between(
     first, second = loops.floats(rates[:2]).tolist()
 
     def packed(sizes: list[int], own: np.ndarray, parts: np.ndarray, origin: float) -> ClockSeries:
-        # only the used part of the memory is kept
+        # copy only the used part of the memory
         least, width, used, total = sizes
         kept = own[: 3 * used].copy(), parts[: 4 * total].copy()
         return ClockSeries(*kept, least, width, (first, second), bound, origin, mean)

@@ -14,7 +14,7 @@ from jacobian.numbers.fourier import half_spectrum
 Real = Any
 Row = Any
 
-# modes that are small and of equal size are rounding
+# small modes of equal size are rounding
 LEVEL = 1e-8
 # the largest number of modes summed in long numbers
 MOST_LOUD = 8
@@ -72,7 +72,7 @@ def sizes_needed(values: Row, grid: tuple[int, int], noise: tuple[float, float],
         for j in range(columns):
             x, y = float(values[2 * (k * columns + j)]), float(values[2 * (k * columns + j) + 1])
             m = height + min(j, columns - j)
-            # most are below both: no square root for these
+            # most are below both, so avoid their square roots
             if abs(x) + abs(y) > min(room[k], room[m]):
                 size = size_of(x, y)
                 room[k], room[m] = max(room[k], size), max(room[m], size)
@@ -90,8 +90,8 @@ def size_of(x: float, y: float) -> float:
 
 
 def size_wanted(modes: Row, size: int, noise: float) -> int:
-    """How many samples show the modes to ``noise``: ``modes`` are the largest of ±k, k ≤ size/2, beside the largest of
-    all; they are replaced by the largest from there on.
+    """The number of samples that resolve the modes to ``noise``. ``modes`` are the largest of ±k, k ≤ size/2, relative
+    to the largest of all; each is replaced by the largest from there on.
     """
     half = size // 2
     for k in range(half - 1, -1, -1):
@@ -181,7 +181,7 @@ def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tabl
             m = i - half
             n = 2 * (k * columns + (m if m >= 0 else m + columns))
             x, y = 2 * float(values[n]), 2 * float(values[n + 1])
-            # most are far below: no square root for these
+            # most are far below, so avoid their square roots
             if abs(x) + abs(y) <= small or size_of(x, y) <= small:
                 continue
             turns = k * rates[0] + m * rates[1]

@@ -22,12 +22,12 @@ from jacobian.numbers.double_double import EPS
 if TYPE_CHECKING:
     from integrable.torus.lattice import Source
 
-# a walk over the corners is accepted where periods lead back to this, and one from both sides to that
+# a walk over the corners is accepted if its periods close to this, and a two-sided walk to that
 ROUND = 1e-17
 CLOSED = 1e-13
-# steps of a walk over the corners are of fewer cells than this
+# a step of a walk over the corners spans fewer cells than this
 MOST_AT_ONCE = 7
-# ovals with a relative gap below this are walked over from both sides at once
+# ovals with a relative gap below this are walked over from both sides
 NEAR = 2.0**-23
 # nodes on the path from there
 QUADRATURE = 32
@@ -91,7 +91,7 @@ class Corners:
         return rates
 
     def _check_walk(self) -> None:
-        """NotClosed where the states at the corners are not reliable."""
+        """NotClosed if the states at the corners are not reliable."""
         if not self.compiled:
             return
         kappa = float(np.abs(self.loops.floats(self.curve.axes[3:6])).min())
@@ -100,12 +100,12 @@ class Corners:
 
     @property
     def compiled(self) -> bool:
-        """Whether a state costs microseconds; interpreted, a thousand times as much."""
+        """Whether loops are compiled: a state then costs microseconds, a thousandth of an interpreted one."""
         return isinstance(self.loops, CompiledLoops)
 
     @cached_property
     def frequencies(self) -> tuple[Any, Any]:
-        """Turns of either phase in a unit of τ, wide."""
+        """Turns of each phase per unit of τ, wide."""
         nu1, nu2 = self.loops.wide(self.rates[6:8], self.setup.wide)
         return nu1, nu2
 
@@ -143,7 +143,7 @@ class Corners:
     def _line(self, tau: np.ndarray) -> tuple[Line, np.ndarray, TableRoom, Any]:
         """The arguments with which the loops add to the start up to these times, with memory for that."""
         room = self.loops.room
-        # where branch points had been close together, the flow's own centre is far from all of them
+        # if the branch points cluster, the flow's centre is far from all of them
         far = self._aslant or self.units.length < 1
         line = Line(self._packed_curve, self._start, self._motion, self.rates, self.lattice.chart.centres, far)
         return line, tau, TableRoom(room(TERMS), room(TERMS), room(9), room(0)), room(10 * len(tau))
@@ -261,8 +261,8 @@ def resolved(
 
 
 def rest_of(motion: Any, loops: Any) -> Any:
-    """(d, r) of the factor r − dx of f, a row of the loops' numbers: 0 where it is so small at an axis, beside its
-    parts, that values lose what a grid of 1/g asks for.
+    """(d, r) of the factor r − dx of f, in the loops' numbers; 0 if it is so small at an axis, relative to its parts,
+    that values lose digits that a grid of 1/g needs.
     """
     floats = loops.floats(motion)
     axes, d, r = floats[4:7], floats[8], floats[10]

@@ -23,18 +23,18 @@ if TYPE_CHECKING:
     from jacobian.numbers.long_reals import BareReals
 
 
-# branch points closer than this, in the unit of the largest, get an origin and a unit of their own
+# branch points closer than this, relative to the largest, get their own origin and unit
 CLOSE = 2.0**-6
 # and those farther apart in units of either, and so M and γ, lose almost no digits where they are
 APART = 2.0**-6
-# sizes whose powers stay in the range of floats
+# sizes whose powers stay within the range of floats
 FAR = 1e30
 
 Row = Any
 
 
 class Source(Protocol):
-    """The source of a torus: the motion in bare reals, wide numbers for results, and the given floats, with which
+    """The data of a torus: the motion in bare reals, wide numbers for results, and the given floats, from which
     compiled loops may start (:class:`integrable.moving_point.setup.Setup`).
     """
 
@@ -67,8 +67,8 @@ class GivenSource(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """A way to cut the torus: two centres, the largest s for either, integer rows of a basis, cells in either
-    direction, powers of 2.
+    """A way to cut the torus: two centres, the largest |s| for each, integer rows of a basis, and the numbers of cells
+    in both directions, powers of 2.
     """
 
     centres: tuple[float, float]
@@ -101,17 +101,17 @@ class TorusLattice:
 
     @property
     def cells(self) -> tuple[int, int]:
-        """The number of cells in either direction."""
+        """The number of cells in each direction."""
         return self.chart.cells
 
 
 def signs_of_periods(points: Any, basis: tuple[tuple[int, int], tuple[int, int]]) -> np.ndarray:
     """The sign changes of γ1, γ2, γ3 in either period of a basis, shape (2, 3); ``points`` are α1, α2, α3 and ζ.
 
-    γ_i vanishes where u₁ or u₂ passes α_i, once in a round of the oval that ends there, and its sign changes. That of
+    γ_i vanishes and changes sign where u₁ or u₂ passes α_i, once per round of the oval that ends there. That of
     α_min changes on the first round, that of α_max on the second, that of α_mid with the oval that does not end at ζ.
     """
-    # axes that are equal as floats are distinguished by their index
+    # axes that are equal in floats are distinguished by their index
     *axes, zeta = points.tolist() if isinstance(points, np.ndarray) else points
     low, middle, high = sorted(range(3), key=lambda i: axes[i])
     rounds = {low: 0, middle: 1 if zeta < axes[middle] else 0, high: 1}
@@ -188,10 +188,10 @@ def best_origin(setup: Source) -> Any:
 
 
 def oval_ends(problem: MotionProblem | BareProblem, near: Any) -> tuple[tuple[Any, Any], tuple[Any, Any]]:
-    """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] that u1 and u2 run through, ζ = h1/(h2·max a).
+    """The ovals [α_min, min(ζ, α_mid)] and [max(ζ, α_mid), α_max] on which u1 and u2 move, ζ = h1/(h2·max a).
 
-    PrecisionLoss where they meet, ``near`` each other (the separatrix), or both are one point: there the motion is not
-    a line on a compact torus of dimension two.
+    PrecisionLoss if they come ``near`` each other (the separatrix) or shrink to points: the motion is then not a line
+    on a compact torus of dimension two.
     """
     low, middle, high = sorted(problem.axes[:3])
     first, second = (low, min(problem.ratio, middle)), (max(problem.ratio, middle), high)
@@ -231,8 +231,9 @@ def beginning(setup: Source, loops: Any) -> Beginning:
 
 
 def begun_rows(given: Row, tilted: bool, constants: Row, problem: Row, numbers: Row, motion: Row) -> bool:
-    """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; whether the numbers have the digits for
-    that: sizes near 1 and branch points well apart. ``constants`` are π and 1, ``numbers`` is room.
+    """A ``problem`` row and a ``motion`` row about 0 from moments, d, γ and M; returns whether the numbers have enough
+    digits for that: sizes near 1 and well-separated branch points. ``constants`` are π and 1, ``numbers`` is working
+    memory.
     """
     x, y, z, a, b, c = (float(given[4]), float(given[5]), float(given[6]),
                         float(given[7]), float(given[8]), float(given[9]))  # fmt: skip
