@@ -37,17 +37,17 @@ RELATIONS = {"Lt": ("olt", "slt"), "LtE": ("ole", "sle"), "Gt": ("ogt", "sgt"), 
 
 
 def integer(n: int) -> Value:
-    """One known while compiling."""
+    """An integer known at compile time."""
     return Value(INT, (str(n),))
 
 
 def real(x: float) -> Value:
-    """A float known while compiling."""
+    """A float known at compile time."""
     return Value(FLOAT, (constant(x),))
 
 
 def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
-    """The method, also for values of which some are abreast: the same instructions on all lanes."""
+    """The method, extended to values that may be abreast: the same instructions act on all lanes."""
 
     @wraps(method)
     def done(self: Operators, *given: Any) -> Value:
@@ -71,14 +71,14 @@ def in_lanes(method: Callable[..., Value]) -> Callable[..., Value]:
 
 
 class Operators(Code):
-    """Instructions with kinds: ``contract`` is the fast-math flag of floats, as LLVM writes it."""
+    """Instructions on typed values; ``contract`` is the fast-math flag of floats, as LLVM writes it."""
 
     def __init__(self, contract: str) -> None:
         super().__init__()
         self.contract = contract
 
     def cast(self, value: Value, kind: Any) -> Value:
-        """The value in a kind that its own meets in."""
+        """The value converted to a kind that its own widens to."""
         if value.kind == kind:
             return value
         if is_abreast(kind):
@@ -103,7 +103,7 @@ class Operators(Code):
         return value if kind is FLOAT else Value(WIDE, (value.parts[0], self.literal("double", ZERO)))
 
     def long_of(self, value: Value) -> Value:
-        """The long of an integer that is not negative."""
+        """The long of a non-negative integer."""
         if value.kind is not INT:
             raise CompileError(f"{value.kind} for {LONG}")
         return Value(LONG, (value.parts[0] if value.is_known else self.write(f"zext i64 {value.parts[0]} to i128"),))
@@ -122,7 +122,7 @@ class Operators(Code):
         return Value(kind, found.parts)
 
     def lanes(self, value: Value, lanes: int) -> Value:
-        """A number in all lanes, as a value of the kind that every lane holds."""
+        """A number repeated in all lanes, converted to the kind of one lane."""
         if not is_number(value.kind):
             raise CompileError(f"{value.kind} with numbers abreast")
         return Value(single(value.kind), self.cast(value, abreast(single(value.kind), lanes)).parts)
@@ -211,14 +211,14 @@ class Operators(Code):
         return self.wide("quotient", x.parts + y.parts)
 
     def long_binary(self, name: str, x: str, y: str) -> str:
-        """The same of longs, for results that are longs: from 0 on, below 2^128."""
+        """The same for longs, if the result is a long: in [0, 2^128)."""
         operation = {**ARITHMETIC, **BITS, "RShift": "lshr"}.get(name)
         if operation is None:
             raise CompileError(f"{name} of longs")
         return self.write(f"{operation} i128 {x}, {y}")
 
     def float_binary(self, name: str, x: str, y: str) -> str:
-        """The same of floats."""
+        """The same for floats."""
         if name == "Pow":
             return self.intrinsic("pow", x, y)
         operation = {"Add": "fadd", "Sub": "fsub", "Mult": "fmul", "Div": "fdiv"}.get(name)
@@ -227,10 +227,10 @@ class Operators(Code):
         return self.write(f"{operation} {self.contract} {self.types.double} {x}, {y}")
 
     def int_binary(self, name: str, x: str, y: str) -> str:
-        """The same of integers; quotients are rounded down."""
+        """The same for integers; quotients are rounded down."""
         word, bit = self.types.word, self.types.bit
         if name in ARITHMETIC:
-            # what leaves 64 bits is no index: loops over indices are made vectors then
+            # nsw: overflow never occurs in an index, and LLVM then vectorises loops over indices
             return self.write(f"{ARITHMETIC[name]} nsw {word} {x}, {y}")
         if name in BITS:
             return self.write(f"{BITS[name]} {word} {x}, {y}")
@@ -285,7 +285,7 @@ class Operators(Code):
         return Value(x.kind, parts)
 
     def blended(self, condition: str, x: Value, y: Value) -> Value:
-        """The same in every lane, of a condition in lanes."""
+        """The same in every lane, for a condition given by lane."""
         types = self.types if self.types is not SINGLE else TYPES[LANES]
         kind = abreast(x.kind, types.lanes)
         parts = tuple(
@@ -298,7 +298,7 @@ class Operators(Code):
 
     @in_lanes
     def extremum(self, relation: str, values: list[Value]) -> Value:
-        """The first of the least or the largest."""
+        """The first of the smallest or largest values."""
         kind = values[0].kind
         for value in values:
             kind = meeting(kind, value.kind)
@@ -324,17 +324,17 @@ class Operators(Code):
 
     @in_lanes
     def function(self, name: str, x: Value) -> Value:
-        """One of LLVM's functions of a float."""
+        """One of LLVM's functions of one float."""
         return Value(FLOAT, (self.intrinsic(name, self.float_of(x)),))
 
     @in_lanes
     def rounded(self, x: Value) -> Value:
-        """The float of a number, of a double-double its high part."""
+        """A number rounded to a float; for a double-double, its high part."""
         return Value(FLOAT, (self.float_of(x),))
 
     @in_lanes
     def whole(self, x: Value) -> Value:
-        """The float cut to an integer; not-a-number becomes 0."""
+        """The float truncated to an integer; not-a-number becomes 0."""
         if x.kind in (INT, BOOL):
             return self.cast(x, INT)
         double, word, suffix = self.types.double, self.types.word, self.types.suffix
@@ -359,7 +359,7 @@ def length(b: Operators, x: Value) -> Value:
     return integer(len(x.kind.items)) if isinstance(x.kind, TupleKind) else Value(INT, (x.parts[1],))
 
 
-# what compiled loops may call besides functions that are compiled
+# builtins that compiled loops may call
 BUILTINS: dict[Any, Callable[..., Value]] = {
     len: length,
     abs: Operators.absolute,
@@ -375,13 +375,13 @@ BUILTINS: dict[Any, Callable[..., Value]] = {
     math.ldexp: Operators.ldexp,
     **{getattr(math, name): (lambda b, x, n=name: b.function(n, x)) for name in ("sin", "cos", "log", "log2", "exp")},
 }
-# LLVM's own, by the number of their arguments
+# LLVM's functions, by the number of their arguments
 FUNCTIONS_OF_LLVM = {
     1: ("sqrt", "fabs", "rint", "floor", "ceil", "sin", "cos", "log", "log2", "exp"),
     2: ("pow",),
     3: ("fma",),
 }
-# the declarations of all, as a module has them
+# their declarations, as a module contains them
 DECLARED = "\n".join(
     [
         *(
