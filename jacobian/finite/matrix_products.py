@@ -105,9 +105,7 @@ class Products:
 
 @cache
 def compiled() -> None:
-    """Compiles all loops, by small products: seconds that the estimate of how long a computation takes is not to have
-    in it.
-    """
+    """Compiles all loops by running small products, so that compilation does not enter the estimate of the run time."""
     small = Products(8191, [1], beta=2 * FIRST)
     small.progress = None
     small.last(1, 1)
