@@ -32,7 +32,8 @@ SLOWEST_LONG = 0.12
 KEPT_SERIES = 4096
 # least 1 − dα at the axes for which 1/g is computed from U(1/d): it costs three guard digits
 LIGHT = 1e-3
-# in the search for one time, the last panel resolves this many decimal digits: τ must be known to more
+# for one time, the final panel spans the way to it times 10^−END_DIGITS: τ must be known more accurately than that; and
+# most Newton steps there
 END_DIGITS, END_STEPS = 12, 12
 # where Newton's steps in floats end, the accuracy a place must then have, and its correct bits; otherwise this many
 NEAR, ROUGH, NEAR_BITS, ROUGH_BITS = 1e-14, 1e-10, 40, 16
