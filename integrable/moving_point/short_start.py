@@ -1,5 +1,5 @@
 """The start of a short run in wide numbers: curve, axes, moving point and Chaplygin's transformation of one motion, as
-:class:`integrable.moving_point.problem.MotionProblem` has them, on bare reals compiled as they stand.
+in :class:`integrable.moving_point.problem.MotionProblem`, on bare reals, compiled unchanged.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ Row = Any
 
 
 def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> None:
-    """From the moments, d, γ and M in ``given`` all that is known of the motion: in wide numbers f, the axes, the start
-    and the unit of time, and the same in floats with what follows from them.
+    """The data of a motion from the moments, d, γ and M in ``given``: f, the axes, the start and the unit of time in
+    wide numbers, and the same in floats with quantities derived from them.
     """
     d = given[3]
     a = (1 / (given[0] + d), 1 / (given[1] + d), 1 / (given[2] + d))
@@ -62,7 +62,7 @@ def set_up(given: Row, tilted: bool, wide: Row, numbers: Row, point: Row) -> Non
     across = s * s / p
     numbers[MATRIX], numbers[MATRIX + 1] = float(across), float(-(s * k))
     numbers[MATRIX + 2], numbers[MATRIX + 3] = float(across * rise), float(s)
-    # by how much errors of the upright motion may be larger in γ or M/|M|
+    # the factor by which errors of the upright motion may be larger in γ or M/|M|
     length = root(given[7] * given[7] + given[8] * given[8] + given[9] * given[9])
     lift = max(across + abs(s * k) * spin, (abs(across * rise) + s * spin) / length)
     numbers[LIFT] = max(1.0, float(lift) / 4)
@@ -86,8 +86,8 @@ def cast_shadow(wide: Row, ahead: Row) -> None:
 
 
 def made_upright(given: Row, a: Any, tilted: bool, numbers: Row) -> tuple[Any, Any, Any, Any]:
-    """The moments and d, γ and M of the upright motion, and (k, s, p, dkH1) of Chaplygin's transformation. Into
-    ``numbers`` what is known of the given one.
+    """The moments and d, γ and M of the upright motion, and (k, s, p, dkH1) of Chaplygin's transformation; the data of
+    the given motion go into ``numbers``.
     """
     I0, I1, I2, d = given[0], given[1], given[2], given[3]
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
@@ -193,8 +193,8 @@ def scaled(times: Row, wide: Row, unit: int, high: Row, low: Row) -> None:
 
 
 def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None:
-    """γ and M of the start, on their constraints, wherever a time is 0, and there the ``other`` time is 0 too: no
-    interpolant's error is there.
+    """γ and M of the start, projected onto the constraints, wherever a time is 0; there the ``other`` time is 0 too.
+    This avoids the error of the interpolant.
     """
     length = 1 / root(given[4] * given[4] + given[5] * given[5] + given[6] * given[6])
     x, y, u, m0, m1, m2 = given[4] * length, given[5] * length, given[6] * length, given[7], given[8], given[9]
@@ -209,7 +209,7 @@ def at_start(given: Row, tilted: bool, times: Row, out: Row, other: Row) -> None
 
 
 def pace(ratio: float, dX: float, numbers: Row) -> None:
-    """Into ``numbers``: half of a basic step, and the least τ that a body takes for a radian."""
+    """Writes to ``numbers`` half of a basic step, and the least τ in which a body turns by a radian."""
     low = min(numbers[6], numbers[7], numbers[8])
     # |ω|² ≤ H1/min I, and g ≥ 1
     numbers[RADIAN] = 2 * sqrt(max(0.0, 1 - dX) / ratio)
@@ -217,8 +217,9 @@ def pace(ratio: float, dX: float, numbers: Row) -> None:
 
 
 def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:
-    """Into ``numbers`` what 1/g, at the start ``rate``, may be at most: it is like √((1 − du₁)(1 − du₂)),
-    largest where both ovals begin. Of a tilted body, or where that is more, twice as much: it will be seen on the way.
+    """Writes to ``numbers`` an upper bound of 1/g, which starts at ``rate``: 1/g is proportional to √((1 − du₁)(1 −
+    du₂)), largest where both ovals begin. Twice as much for a tilted body, or if the rate exceeds the bound: panels
+    then measure it.
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high

@@ -1,5 +1,5 @@
-"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), compiled as they stand: centres of
-panels in wide numbers, the nodes about them in floats, or in wide numbers where floats do not do.
+"""Translations and additions of short runs (:mod:`integrable.moving_point.short`), compiled unchanged: centres of
+panels in wide numbers, the nodes around them in floats, or in wide numbers if floats do not suffice.
 """
 
 from __future__ import annotations
@@ -46,21 +46,21 @@ from jacobian.inexact.genus2_real import add
 from jacobian.numbers.abreast import abreast
 from jacobian.numbers.roots import root
 
-# what a shadow begins off the motion by, of its size: more than some additions in double-doubles
+# initial relative distance of a shadow from the motion: more than the error of some additions in double-doubles
 OFF_BY = 2.0**-99
-# squares of slopes, beside their size, where a turn is half as long as it would have to be
+# squared slopes, relative to their size, below which a turn would be half as long as required
 LEAST_SLOPE = 2.0**-20
-# |Π(α_i − α_j)| up to which sums of what is divided by it have too few digits
+# |Π(α_i − α_j)| below which sums of quantities divided by it have too few digits
 LEAST_KAPPA = 2.0**-33
 
 
 def panel_steps(room: ShortRoom, h: float) -> bool:
-    """The translations by h/2^l, as far down as FINEST: by their expansion where it is exact to wide numbers, or from
-    where it is on by doubling; whether it is so anywhere.
+    """The translations by h/2^l down to FINEST: by their expansion at the levels where it is exact to wide numbers, by
+    doubling above these. Returns whether there is such a level.
     """
     rows = room.series
     expand_orders(curve_of(room.wide), rows, 0, WIDE_ORDERS)
-    # further ones count for so little that floats do
+    # further orders are so small that floats suffice
     expand_orders(curve_of(room.numbers), high_parts(rows), WIDE_ORDERS, ORDERS)
     level, eps = 0, h
     while level < HALF and not exact_at(rows, eps):
@@ -73,12 +73,12 @@ def panel_steps(room: ShortRoom, h: float) -> bool:
 
 
 def exact_at(rows: Expansion, eps: float) -> bool:
-    """Whether each order of an expansion brings its bits at eps: what is left out is below wide numbers then, what is
-    in floats below floats.
+    """Whether each order of an expansion gains its bits at eps: the omitted part is then below wide numbers, and the
+    float part below floats.
     """
     square, exact = eps * eps, True
     fourth, fall = square * square, square * ORDER_GAIN
-    # u0 and u1 begin with an order more, v1 with 2
+    # u0 and u1 begin one order higher, v1 two
     a = max(abs(float(rows.u0[1])), abs(float(rows.u0[2])) * square)
     b = max(abs(float(rows.u1[1])), abs(float(rows.u1[2])) * square)
     c = max(abs(float(rows.v0[0])), abs(float(rows.v0[1])) * square, abs(float(rows.v0[2])) * fourth)
@@ -96,7 +96,7 @@ def small_steps(room: ShortRoom, eps: float, first: int, last: int) -> None:
     """The translations at some levels, by eps at the first of them, by their expansion."""
     rows, axes = room.series, unit_axes(room.wide)
     for level in range(first, last + 1):
-        # a row that nothing else is in yet
+        # a row that is still unused
         room.rates[level], eps = eps, eps / 2
     for level in abreast(first, last + 1):
         put(expanded(rows, axes, room.rates[level]), room.steps, 10 * (HALF - level))
@@ -161,8 +161,8 @@ def doubled(wide: Row, steps: Row, place: int) -> None:
 
 
 def moved_row(wide: Row, points: Row, origin: int, steps: Row, place: int, sign: int, target: int, point: Row) -> None:
-    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; and into ``point`` what
-    :func:`looked_at` sees there.
+    """Row ``target`` of ``points``: row ``origin`` after a translation or its inverse; the values of :func:`looked_at`
+    there go into ``point``.
     """
     step = moving_point(steps, 10 * place)
     if sign < 0:
@@ -187,7 +187,7 @@ def summed(wide: Row, points: Row, origin: int, step: Any, into: Row, target: in
 
 
 def steps_ahead(room: ShortRoom) -> None:
-    """The translations by 1 … :data:`AHEAD` panels, which are two more than two."""
+    """The translations by 1 … :data:`AHEAD` panels; the last two are sums of two and the others."""
     longer(room, HALF, HALF, PANEL)
     longer(room, PANEL, PANEL, PANEL + 1)
     for k in abreast(2, AHEAD):
@@ -196,11 +196,11 @@ def steps_ahead(room: ShortRoom) -> None:
 
 
 def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
-    """The sum of two rows of translations, put back on its level, into a third."""
+    """The sum of two rows of translations, restored to its level set, into a third."""
     wide, steps = room.wide, room.steps
     there = carried(curve_of(wide), unit_axes(wide), moving_point(steps, 10 * origin), moving_point(steps, 10 * by))
     if no_level(wide, 0) or no_level(wide, 1) or no_level(wide, 2):
-        # two equal moments, or all but equal ones
+        # two equal or nearly equal moments
         put(settled(curve_of(wide), unit_axes(wide), there, noise(moving_point(steps, 10 * by))), steps, 10 * target)
     else:
         # what r_i is where κ = 1
@@ -210,13 +210,15 @@ def longer(room: ShortRoom, origin: int, by: int, target: int) -> None:
 
 
 def no_level(wide: Row, i: int) -> bool:
-    """Whether κ_i = r_i·Π(α_i − α_j) is 0 or so small that Σσ²/Π(α_i − α_j) tells too little of a translation."""
+    """Whether κ_i = r_i·Π(α_i − α_j) is 0, or so small that Σσ²/Π(α_i − α_j) does not determine the level of a
+    translation.
+    """
     return abs(float(wide[9 + i])) <= LEAST_KAPPA * float(wide[CONTACT + i])
 
 
 def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
-    """The centre of the ``first`` panel, or those of the panels after the last that was made, with their shadows; and
-    into ``seen`` what there is to see at them.
+    """The centre of the ``first`` panel, or those of the panels after the last one made, with their shadows; the data
+    of :func:`seen` at each.
     """
     if first:
         for j in abreast(0, 2):
@@ -233,12 +235,12 @@ def go_ahead(room: ShortRoom, first: bool, sign: int) -> None:
 
 
 def led_on(room: ShortRoom, origin: int, place: int, sign: int, target: int, off: float) -> None:
-    """Row ``target`` of ``ahead``: row ``origin`` after a translation or its inverse, put back on its level; ``off`` as
-    for :func:`levelled`.
+    """Row ``target`` of ``ahead``: row ``origin`` after a translation or its inverse, restored to its level set;
+    ``off`` as for :func:`levelled`.
 
-    Where a point of the divisor passes a node, x − e is lost to rounding as the square of σ. From there errors of U and
-    V would grow like the square of those that inputs have, while an addition keeps the digits of small pairs: U and V
-    follow the pairs. And long translations make large what is off the level.
+    Where a point of the divisor passes a node, x − e, which is like σ², is lost to rounding. From there errors of U and
+    V would grow like the square of input errors, while an addition keeps the digits of small pairs. So U and V are
+    computed from the pairs. Long translations also amplify deviations from the level set.
     """
     wide, r = room.wide, contact_of(room.wide)
     step = moving_point(room.steps, 10 * place)
@@ -266,10 +268,10 @@ def framed(wide: Row, r: Any, point: Row) -> Any:
 
 
 def levelled(wide: Row, r: Any, x: Any, y: Any, off: float) -> Any:
-    """ν = ``y`` of a framed pair turned about σ = ``x`` so that f = V² mod U, where a turn brings that about: beside a
-    node it does not. The level is that of a ratio H1/H2 ``off`` by such a part.
+    """ν = ``y`` of a framed pair turned about σ = ``x`` so that f = V² mod U, if a turn can achieve that, which near a
+    node it cannot. The level is that of a ratio H1/H2 with the relative deviation ``off``.
 
-    What is left of f − V² − UW is a multiple of Π(x − α_i). It is looked at at c, before the first axis.
+    The remainder f − V² − UW is a multiple of Π(x − α_i). It is evaluated at c, before the first axis.
     """
     low, high = min(wide[6], wide[7], wide[8]), max(wide[6], wide[7], wide[8])
     c = low - (high - low) / 2
@@ -319,9 +321,7 @@ def less(x: Any, k: Any, y: Any) -> Any:
 
 
 def seen(room: ShortRoom, j: int) -> None:
-    """What there is to see at the j-th centre that is ahead, and how far its shadow is off it: in σ/|σ| and ν, where
-    |w| = 1.
-    """
+    """Writes the data of the j-th centre ahead, and the distance of its shadow: in σ/|σ| and ν, where |w| = 1."""
     looked_at(room.wide, room.ahead, j, room.seen, POINT * j)
     here, there, square, apart, lean = 10 * j, 10 * (j + AHEAD), 0.0, 0.0, 0.0
     for i in range(3):
@@ -339,14 +339,14 @@ def contact_of(wide: Row) -> Any:
 
 
 def contact_in_floats(wide: Row) -> Any:
-    """The same in floats, and what they are rounded by, which would be the same at all nodes."""
+    """The same in floats, with their rounding errors, which would be the same at all nodes."""
     r0, r1, r2 = wide[CONTACT], wide[CONTACT + 1], wide[CONTACT + 2]
     x, y, z = float(r0), float(r1), float(r2)
     return x, y, z, float(r0 - x), float(r1 - y), float(r2 - z)
 
 
 def looked_at(wide: Row, points: Row, target: int, point: Row, place: int) -> None:
-    """Row ``target`` of ``points`` in floats, with 1/g and how far off H2 is there, into ``point``, at ``place``."""
+    """Row ``target`` of ``points`` in floats, with 1/g and the deviation of H2 there, into ``point`` at ``place``."""
     there = moving_point(points, 10 * target)
     for i in range(10):
         point[place + i] = float(points[10 * target + i])
@@ -382,7 +382,7 @@ def node_values(motion: Any, point: Any, steps: Row, place: int, mirrored: bool,
 
 
 def evened(r: Any, point: Any) -> Any:
-    """√Σrσ², which is 1 but for what rounding has made all σ larger by; ``r`` and, behind, what it is rounded by."""
+    """√Σrσ², which is 1 up to a common rounding error of all σ; ``r``, followed by its rounding errors."""
     x, y, z = point[4] * point[4], point[5] * point[5], point[6] * point[6]
     off = (r[0] * x + r[1] * y + r[2] * z - 1) + (r[3] * x + r[4] * y + r[5] * z)
     return 1 + off / 2
