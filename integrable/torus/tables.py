@@ -1,4 +1,4 @@
-"""The tables of a torus, on bare reals, compiled or interpreted: translations near the identity, rows of points."""
+"""The tables of a torus, on bare reals, compiled or interpreted: translations near the identity, and rows of points."""
 
 from __future__ import annotations
 
@@ -25,7 +25,9 @@ class TableRoom(NamedTuple):
 
 
 class NearIdentity(NamedTuple):
-    """What :func:`integrable.moving_point.addition.near_identity` takes beside eps, about a centre and in a unit."""
+    """The arguments of :func:`integrable.moving_point.addition.near_identity` other than eps, about a centre and in a
+    unit.
+    """
 
     series: Row
     roots: Row
@@ -64,7 +66,7 @@ def directions(
         centre, first = chart.centres[k], 4 * len(nodes) * k
         about = expansion_about(motion, centre, room, passes)
         unit, reach = about.unit, chart.reaches[k] / about.unit + 0 * about.f0
-        # those of the halves together with those of the nodes, to fill the last lanes
+        # the halves are computed together with the nodes, to fill the last lanes
         for n in abreast(0, size + 2):
             beyond = max(0, n - size)
             x = root(nodes[min(n, size - 1)] + 0 * reach)
@@ -86,8 +88,8 @@ def directions(
 
 
 def expansion_about(motion: Row, centre: Real, room: TableRoom, passes: int) -> NearIdentity:
-    """That about a centre, to as many terms as ``room`` has; its unit is near the distance to the nearest branch
-    point: no power of it leaves the range of floats, no product rounds.
+    """The expansion about a centre, with as many terms as ``room`` holds. Its unit is a power of 2 near the distance to
+    the nearest branch point, so that powers stay in the range of floats and products do not round.
     """
     place = float(centre)
     near = abs(float(motion[7]) - place)

@@ -27,13 +27,13 @@ from jacobian.numbers.roots import root
 Real = Any
 Row = Any
 
-# a part of a reach this small counts as none
+# a part below this fraction of the reach counts as the identity
 IDENTITY = 1e-30
-# translations with a worse condition than this are made in two parts
+# translations with a worse condition than this are split into two
 LEAST_CONDITION = 0.02
-# a translation whose condition is this close to the best possible is taken
+# a translation is accepted if its condition is within this factor of the best possible
 NEARLY = 0.5
-# the count of a point of a grid that belongs to a coarser one already
+# marks a grid point that belongs to a coarser grid already
 KNOWN = -1
 
 
@@ -60,7 +60,7 @@ class Walk(NamedTuple):
 
 
 class Stride(NamedTuple):
-    """Cells that a step leads down, across, and down when it leads across."""
+    """The cells of a step: down, across, and down when it leads across."""
 
     down: int
     across: int
@@ -101,7 +101,7 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
         left = moved(curve, left, walk.steps, 0, parts0, False)
     put(left, ends, 0)
     for i in abreast(0, rows):
-        # in every lane: a compiled sum of lanes is the same function as in other loops
+        # written per lane, so that the compiled sum is the same function as in other loops
         step = 20 + 0 * i
         point = moving_point(states, place_at(walk, stride, i, 0))
         for j in range(walk.forward):
@@ -119,11 +119,11 @@ def corners(curve: Curve, start: Row, walk: Walk, states: Row, ends: Row, known:
 
 
 def closure(start: Row, ends: Row, known: Row) -> float:
-    """The largest distance, relative to the start, between ends of walks and their goals, in divisor, σ and ν; NaN
-    where one is NaN.
+    """The largest relative distance between ends of walks and their goals, in divisor, σ and ν; NaN if any of these is
+    NaN.
     """
     worst, rest = 0.0, 0.0
-    # the pairs together with the divisor, which has neither their signs nor the angle where two moments are equal
+    # compare the pairs too: the divisor has neither their signs nor, for two equal moments, their angle
     for first, last in ((0, 4), (4, 7), (7, 10)):
         size, gap = 0.0, 0.0
         for c in range(first, last):
@@ -137,7 +137,7 @@ def closure(start: Row, ends: Row, known: Row) -> float:
 
 
 def place_at(walk: Walk, stride: Stride, i: int, j: int) -> int:
-    """Where the corner after i steps down and j across is in ``states``."""
+    """The position in ``states`` of the corner after i steps down and j across."""
     rows, columns = walk.cells
     return 10 * ((stride.down * i + stride.lower * j) % rows * columns + stride.across * j % columns)
 
@@ -212,7 +212,7 @@ def step_over(curve: Curve, walk: Walk, direction: int) -> tuple[int, int, int]:
             if found > best:
                 best, chosen, lower, parts = found, count, 1, 1
                 put(total, out, 20)
-        # none is better than its parts, which cannot improve
+        # no sum is better than its parts, which cannot be improved
         if best >= NEARLY * trust:
             break
         first, second = carried(f, axes, first, double1), carried(f, axes, second, double2)
@@ -228,7 +228,7 @@ def offsets(curve: Curve, small: SmallSteps, fine: Fine) -> None:
     above, left = (finer[0] - 1) // 2, (finer[1] - 1) // 2
     zero, n, least = 0 * parts[0], 0, LEAST_CONDITION
     if fine.rest[1] != 0:
-        # without the pairs nothing is lost at a branch point
+        # without the pairs no digits are lost at a branch point
         least *= LEAST_CONDITION
     for i in range(-above, finer[0] - above):
         for j in range(-left, finer[1] - left):

@@ -4,7 +4,7 @@ H1 and H2 of a state depend neither on the signs of its γ_i nor on its place on
 the corners, periods and signs of a torus are compared with the start plus one or two translations. These come from
 doublings of small translations, which use no period, no corner and no choice of a sign.
 
-The loss of translations near a corner shows where cells meet: a state on the border is reached from either corner.
+The digits lost in translations show where cells meet, since a state on the border is reached from either corner.
 """
 
 from __future__ import annotations
@@ -33,13 +33,13 @@ Row = Any
 if TYPE_CHECKING:
     from integrable.torus.lattice import Source
 
-# turns of a phase at the checked times: once round in either direction, and about a quarter more
+# turns of a phase at the checked times: one period in each direction, plus about a quarter
 TURNS = (1.23, -1.38)
 # the largest number of turns of the faster phase
 FAR = 2.0**48
-# the difference that double-double numbers may cause on the way; beyond it more digits decide
+# difference that double-double numbers may cause; beyond it more digits decide
 ALIKE = 1e-6
-# and the one allowed for a right torus: states have stricter checks, this one is about signs and places
+# difference allowed for a correct torus: states have stricter checks, this one is about signs and positions
 RIGHT = 1e-8
 # the number of borders checked, and the difference allowed between both corners in double-doubles; for close moments,
 # whose κ is small, less by 10κ, down to LEAST: where a γ_i passes 0, an error of V counts 1/κ times in M_i
@@ -71,7 +71,7 @@ def witnesses(rates: list[float]) -> np.ndarray:
 
     ``rates`` are turns of the phases per unit of τ.
     """
-    # a period that is not completed before the fractions of the other phase are lost changes no sign
+    # if a period takes so long that the fraction of the other phase is lost, its sign changes do not matter
     farthest = FAR / max(map(abs, rates))
     return np.array([min(max(turns / nu, -farthest), farthest) for nu in rates for turns in TURNS])
 
@@ -96,7 +96,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
         (t, x.tolist()) for t, x, y in zip(tau.tolist(), found, by_additions, strict=True) if not states_agree(x, y)
     ]
     bare = setup.bare_problem
-    # not the set-up's own, which come from numbers of the wide field
+    # not the set-up's own translations, which come from numbers of the wide field
     translations = Translations(setup.reals, bare.f, bare.axes, bare.half_step)
     for t, row in rows:
         with setup.reals:
@@ -107,7 +107,7 @@ def confirmed(setup: Source, tau: np.ndarray, found: np.ndarray, by_additions: n
 
 
 def states_agree(first: np.ndarray, second: np.ndarray) -> bool:
-    """Whether two states agree up to the loss allowed in double-double numbers."""
+    """Whether two states agree to the accuracy allowed in double-double numbers."""
     return difference(first.tolist(), second.tolist()) <= ALIKE
 
 
@@ -126,7 +126,7 @@ def seam(torus: Torus, out: Row) -> float:
     on_borders(torus, out)
     largest = 0.0
     for gap in out:
-        # NaN counts as large
+        # written so that a NaN counts as large
         largest = gap if not gap <= largest else largest
     return largest
 
@@ -165,7 +165,7 @@ def reached(line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> N
             farthest = max(farthest, abs(float(time * scale)))
         doublings = ceil(log2(farthest / half_step)) + HALVINGS
         for i in abreast(0, len(times)):
-            # doubled about its centre, where points near the identity have their digits
+            # doublings are done about its centre, where points near the identity keep their digits
             step = near_centre(about, times[i] * scale / 2.0**doublings)
             for _ in range(doublings):
                 step = shift(curve_of(numbers), unit_axes(numbers), step, step)
