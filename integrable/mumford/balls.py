@@ -27,7 +27,7 @@ from jacobian.linear import pivoted
 from jacobian.numbers.long_reals import BallReals
 from jacobian.relatives.extended import Extended
 
-# h is about the time to the end of a disc over 2^PART; T(2^k h) is in general position from about this k on
+# h is about 2^−PART of the time to the boundary of a disc; T(2^k h) is in general position from about k = FRACTION on
 PART, FRACTION = 4, 12
 # most halvings of the disc around a point, and most steps of Newton's method
 MOST_HALVES, MOST_STEPS = 256, 60

@@ -240,7 +240,7 @@ class BodyFlow(MumfordFlow):
 
     @cached_property
     def _pace(self) -> float:
-        """The number of units of time in which the body turns by about a radian, inverted: its rate."""
+        """About the rate at which the body turns, in radians per unit time."""
         return float(max(self._body._constants_in(RR)) * hypot(*map(float, self._inner(RR).p)))
 
 

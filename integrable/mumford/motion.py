@@ -24,8 +24,8 @@ APART, OF_GENUS, OF_DOUBLING, OF_START = 64, 48, 3, 64
 MOST_BITS = 4000
 # the rates that rounding may leave of a pair at rest, in units of the last bit
 STILL = 2.0**16
-# steps to a time of a clock, and what part of the unit of translations, which is small itself, one is where rounding
-# may be what is left; where one is below the root of the last bit of that, the next is nothing
+# largest number of steps to a time of a clock; a step below the first fraction of the (small) unit of translations may
+# be rounding, and if it is below the square root of the last bit of that, the next one is negligible
 MOST_STEPS, SMALL = 200, 256
 
 

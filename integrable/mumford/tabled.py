@@ -70,7 +70,7 @@ class TabledStates:
                     if not np.abs(found - np.array(true)).max() <= RIGHT * np.abs(found).max():
                         return None
         except (PrecisionLoss, ZeroDivisionError, ArgumentError):
-            # OverflowError: the entries are beyond the range of floats
+            # ArgumentError: the entries are beyond the range of floats
             return None
         return tables if 2 * len(rows) > len(far) else None
 

@@ -52,7 +52,7 @@ Row = Any
 BITS = 160
 # largest number of harmonics of a series; beyond it, branch points nearly meet
 MOST_HARMONICS = 40
-# truncation error of a series relative to its largest term, as e^(−π·)
+# truncation error of a series relative to its largest term: e^(−π·DEPTH)
 DEPTH = 26.0
 # largest number of Newton steps to a root
 NEWTON_STEPS = 20
