@@ -16,7 +16,7 @@ SIZE = (6.4, 4.8)
 COLORS = ("#0072B2", "#D55E00", "#009E73")
 """Of the three axes: blue, vermilion and green of Okabe and Ito (2008), as on the page that moves."""
 CURVES = 9
-# relative size below which lines are not drawn, and the number of labelled lines
+# spectral lines below this fraction of the largest are not drawn; number of labelled lines
 FAINT, NAMED = 1e-6, 6
 APART = 0.05
 """Of the width of the picture: names of lines that are nearer lie on each other."""
