@@ -36,7 +36,7 @@ from jacobian.inexact.long_field import LongField
 BITS, FEWER_BITS = 400, 180
 # Newton steps from a root in floats
 NEWTON_STEPS = 8
-# what is less than this part of what it is beside has no digits left, and what is less than that part of it moves none
+# a quantity below the first fraction of its surroundings has no digits left; one below the second has no effect
 LOST, NOTHING = 2.0**-130, 2.0**-90
 
 
