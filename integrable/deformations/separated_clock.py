@@ -26,7 +26,7 @@ USUAL_BITS = 256
 MARGIN = 6
 # sizes up to which transforms are direct sums
 SHORT = 8
-# a mode is resonant if it is this many times slower than its terms
+# a mode is resonant if it is 2^RESONANT times slower than its terms
 RESONANT = 10
 ROUNDS = 200
 ROUGH_ROUNDS = 20

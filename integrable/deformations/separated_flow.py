@@ -25,7 +25,7 @@ from jacobian.errors import ArgumentError, NotRepresentable, shown
 
 __all__ = ["IsometricFlow", "SeparatedFlow"]
 
-# least ratio of λ_k to the terms that it is a sum of: larger ones are not lost in floats
+# λ_k above this fraction of the terms that they are sums of lose no essential digits in floats
 ORDINARY = 1e-6
 
 if TYPE_CHECKING:
