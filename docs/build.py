@@ -31,7 +31,15 @@ OTHERS = {
     "tests/data/README.md": "test_data.md",
 }
 # of this folder, those that are no pages, or not as they are
-LEFT_OUT = {"site", "build.py", "publish.py", "README.md", "__pycache__", "error_against_run_time.md", "error_against_run_time.json"}
+LEFT_OUT = {
+    "site",
+    "build.py",
+    "publish.py",
+    "README.md",
+    "__pycache__",
+    "error_against_run_time.md",
+    "error_against_run_time.json",
+}
 # those with a place of their own or in no page as they are; the rest is "How it works"
 PLACED = {"glossary", "peers", "errata", "cite", "scenes", "index", "more", "README", "error_against_run_time"}
 
@@ -41,6 +49,7 @@ def lay_out(source: Path) -> None:
     import gallery
     import measured
     import reference
+    import rolling
 
     pages = {path: path.relative_to(DOCS).as_posix() for path in DOCS.rglob("*") if path.is_file()}
     for path, page in pages.items():
@@ -59,6 +68,7 @@ def lay_out(source: Path) -> None:
     results = measured.write(source, json.loads((DOCS / "error_against_run_time.json").read_text(encoding="utf-8")))
     gallery.write(source, results)
     reference.write(source)
+    (source / "rolling.html").write_text(rolling.html(), encoding="utf-8")
     _how_it_works(source)
 
 

@@ -123,6 +123,38 @@ def test_formulas_are_mathml():
     assert not [load for load in page(SITE / "flow.html").loads if "mathjax" in load.lower()]
 
 
+def test_the_landing_page_begins_with_a_ball_that_rolls():
+    """Data and script of it are a light part of the page, before its text."""
+    page_text = (SITE / "index.html").read_text(encoding="utf-8")
+    start = page_text.index('<figure class="rolling">')
+    ball = page_text[start : page_text.index("</figure>", start)]
+    assert len(ball.encode()) < 200_000
+    assert "http" not in ball
+    assert start < page_text.index("rolls on a table")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("width", [1280, 390])
+def test_the_ball_rolls_unless_motion_is_unwanted(width):
+    shown = "() => document.querySelector('.rolling canvas').toDataURL()"
+
+    def moves():
+        before = browser.evaluate(shown)
+        browser.wait_for_timeout(1000)
+        return browser.evaluate(shown) != before
+
+    with opened(width) as (browser, complaints):
+        for unwanted in (False, True):
+            browser.emulate_media(reduced_motion="reduce" if unwanted else "no-preference")
+            browser.goto((SITE / "index.html").as_uri(), wait_until="load")
+            browser.wait_for_timeout(500)
+            assert moves() != unwanted
+            browser.click(".rolling button")
+            browser.wait_for_timeout(500)
+            assert moves() == unwanted
+        assert complaints == []
+
+
 @pytest.mark.slow
 def test_search_finds_guides_before_internals():
     """A guide that has the word is above scenes, rooms and the reference."""
