@@ -110,6 +110,18 @@ def test_sentences_of_docstrings_and_messages_are_short(texts):
     assert found == {}
 
 
+TUTORIALS = [f"docs/start/{name}.md" for name in ("neither", "bodies", "curves")]
+
+
+@pytest.mark.parametrize("page", ["README.md", "docs/index.md", *TUTORIALS])
+def test_the_front_pages_tell_one_story(page):
+    """Any time is a few additions away: not one, not two, not twenty doublings."""
+    text = " ".join(read(page).lower().split())
+    assert "means adding a" in text or "means **adding a" in text
+    assert "few additions reach any time" in text
+    assert "doublings" not in text
+
+
 def test_what_is_too_long_is_found():
     long = "One two " * 20
     assert too_long(f"{long}three.") != []
