@@ -218,8 +218,8 @@ def pace(ratio: float, dX: float, numbers: Row) -> None:
 
 def fastest(ratio: float, dX: float, rate: float, wide: Row, numbers: Row) -> None:
     """Writes to ``numbers`` an upper bound of 1/g, which starts at ``rate``: 1/g is proportional to √((1 − du₁)(1 −
-    du₂)), largest where both ovals begin. Twice as much for a tilted body, or if the rate exceeds the bound: panels
-    then measure it.
+    du₂)), largest where both ovals begin. For a tilted body, or if that bound exceeds twice ``rate``, twice ``rate``:
+    larger values show during the run.
     """
     low, high = min(numbers[6], numbers[7], numbers[8]), max(numbers[6], numbers[7], numbers[8])
     middle = numbers[6] + numbers[7] + numbers[8] - low - high
