@@ -28,7 +28,7 @@ Pairs = Callable[[list[tuple[Any, ...]]], list[tuple[Any, Any]]]
 
 
 class LongIntegral:
-    """∫_0^τ F dτ for two functions F with mean 0, to ``digits`` beside their size; τ in the units of the set-up.
+    """∫_0^τ F dτ for two functions F with mean 0, to ``digits`` relative to their size; τ in the units of the set-up.
 
     F may change sign with an odd number of the γ_i. PrecisionLoss where the torus degenerates, or takes too many
     samples.
@@ -47,7 +47,7 @@ class LongIntegral:
             return grid, needed_sizes(grid, (noise, noise))
 
         both = corners.resolved(transformed)
-        # those of the real and of the imaginary part: c and the conjugate of its opposite
+        # separate the modes of the real and the imaginary part: c and the conjugate of its opposite
         with loops.reals:
             other = np.roll(both[::-1, ::-1], (1, 1), axis=(0, 1))
             other = np.frompyfunc(lambda c: c.conjugate(), 1, 1)(other)
@@ -66,7 +66,7 @@ class LongIntegral:
         return first, second
 
     def _half_plane(self, grid: np.ndarray) -> list[list[Any]]:
-        """The modes of a grid as :class:`~integrable.torus.series.LongSeries` takes them."""
+        """The modes of a grid in the form that :class:`~integrable.torus.series.LongSeries` takes."""
         from flint import acb
 
         rows, most = (grid.shape[0] + 1) // 2, grid.shape[1] // 2 - 1

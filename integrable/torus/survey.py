@@ -245,8 +245,8 @@ def about_centre(motion: Row, centre: Real, unit: float, out: Row) -> None:
 
 
 def mean_height(motion: Row, step: Row, out: Row) -> None:
-    """The mean over the torus of (r − du₁)(r − du₂) into out[0], and into out[1] the area of the torus in
-    (∫dx/y, ∫x dx/y), as it comes out of the same sums.
+    """Writes the mean over the torus of (r − du₁)(r − du₂) to out[0], and to out[1] the area of the torus in (∫dx/y, ∫x
+    dx/y), from the same sums.
 
     The invariant measure is (u₂ − u₁)du₁du₂/(y₁y₂), and u₂ − u₁ = (u₂ − m) + (m − u₁) for an m between the ovals: both
     are sums of positive products of integrals over one oval, whatever branch points are close. ``motion`` is as for
@@ -264,7 +264,8 @@ def oval_sums(near: Real, far: Real, others: Row, middle: Real, motion: Row, ste
     """∫g dx/|y| over an oval, without the factor SPACING, for g = 1, |x − middle|, r − dx and the product of these two.
 
     The oval ends at ``near`` and ``far`` and faces the ``others``. With x = near + v(far − near) and t = log(v/(1 − v))
-    the nearest singularities in t are ±iπ, wherever branch points are: the trapezoidal rule does not see how close.
+    the nearest singularities in t are ±iπ, wherever branch points are: so the accuracy of the trapezoidal rule does not
+    depend on how close they are.
     """
     d, r, length = motion[8], motion[10], abs(far - near)
     gaps = abs(others[0] - near), abs(others[1] - near), abs(middle - near), r - d * max(near, far)

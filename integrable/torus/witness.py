@@ -67,7 +67,8 @@ class Line(NamedTuple):
 
 
 def witnesses(rates: list[float]) -> np.ndarray:
-    """Two times of the flow for each period, in both directions, by which every sign that it changes has changed.
+    """Two times of the flow for each period, one in each direction, by which the signs have changed as in a whole
+    period.
 
     ``rates`` are turns of the phases per unit of τ.
     """
