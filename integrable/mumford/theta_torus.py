@@ -144,7 +144,7 @@ class ThetaTorus:
 
     @property
     def witnesses(self) -> np.ndarray:
-        """Times more than a round away, of either phase and in both directions."""
+        """Times more than one period away, for each phase and in both directions."""
         return witnesses(self._paces)
 
     def reaches(self, times: np.ndarray) -> bool:
@@ -173,7 +173,7 @@ class ThetaTorus:
         )
 
     def _values(self, phases: np.ndarray) -> np.ndarray:
-        """What :func:`theta_lifts` gives at phases of shape (N, 2, 2): (N, width, 2)."""
+        """The values of :func:`theta_lifts` at phases of shape (N, 2, 2): (N, width, 2)."""
         width = 2 * self._sums.sizes[0] - 1
         out = np.empty((width * len(phases), 2))
         LIBRARY.theta_lifts(self._sums, np.ascontiguousarray(phases).reshape(-1, 2), out)
@@ -214,7 +214,7 @@ class ThetaTorus:
             size = Z.sqrt(Z.sqrt(abs(poly.evaluate(Z, slope, roots[i])) / abs(lead))).real
             size = size * scales[k] / scales[-1] / Z.sqrt(abs(kappa)).real
             own, rate = (float(x) for x in at_start[2 * k + 1 : 2 * k + 3, 0])
-            # where σ vanishes ν has the sign
+            # where σ vanishes the sign is carried by ν
             if own * sigma + rate * nu_e * SMALL < 0:
                 size = -size
             self._sizes.append((Column.of(kappa), Column.of(size)))
@@ -257,7 +257,7 @@ def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]
                 x -= move
                 if not abs(move) > N.root_of_eps * abs(x):
                     break
-            # a conjugate pair is one in its numbers too
+            # conjugate pairs are exactly conjugate
             polished.append(x.real if z.imag == 0 else x)
         pairs = [x for x in polished if x.imag > 0]
         real = [x for x in polished if x.imag == 0]
@@ -294,14 +294,14 @@ def theta_sums(
 
 
 def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
-    """Those of one class, and the largest term, by which they have been divided."""
+    """The weights of one class, and the largest term, by which they have been divided."""
     import gmpy2
 
     (e1, e2, d1, d2), (y, halves, (rows, columns), along), pi = char, lattice, half_turn()
     firsts, seconds = range(e1, e1 + 2 * rows, 2), range(e2, e2 + 2 * columns, 2)
 
     def term(a: int, m: int) -> tuple[Any, int]:
-        # the turn by Re τ in eighths of one
+        # the phase from Re τ, in eighths of a turn
         turned = a * a * halves[0][0] + 2 * a * m * halves[0][1] + m * m * halves[1][1]
         return (a * a * y[0][0] + 2 * a * m * y[0][1] + m * m * y[1][1]) / 4, turned
 
@@ -318,7 +318,7 @@ def weights_of(lattice: Lattice, char: Whole) -> tuple[list[Any], Any]:
             size, turned = term(a, m)
             if (turned - phase) % 8:
                 raise PrecisionLoss("theta functions of this motion are not real")
-            # those of n and −n at once
+            # the terms of n and −n together
             w = gmpy2.exp(-pi * (size - least)) * (2 if (a, m) != (0, 0) else 1)
             if ((turned - phase) % 16 != 0) != ((a * d1 + m * d2) % 4 in (1, 2)):
                 w = -w

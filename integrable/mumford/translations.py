@@ -1,8 +1,9 @@
 """Classes T(τ) of a motion with constant direction on a Jacobian of any genus, and adding them.
 
 D(τ + δ) = D(τ) + E(δ) − E for every divisor E of the curve. E lies where the curve is real and away from its branch
-points, and E(h) comes from series (:mod:`integrable.mumford.series`). T(2^k h) is kept as E_k − E, E_{k+1} = 2E_k − E,
-while it is small and has points near infinity itself, and then by itself. What τ is beyond a multiple of h is E(r) − E.
+points, and E(h) comes from series (:mod:`integrable.mumford.series`). T(2^k h) is stored as E_k − E, E_{k+1} = 2E_k −
+E, while it is small and has points near infinity; later T(2^k h) itself is stored. The remainder r of τ beyond a
+multiple of h contributes E(r) − E.
 """
 
 from __future__ import annotations
@@ -17,9 +18,9 @@ from jacobian import poly
 from jacobian.errors import ArgumentError, PrecisionLoss
 from jacobian.relatives.extended import Extended, ExtendedGroup, Lift, PointLift, SecondKind, ThirdKind
 
-# h is about the reach of the series over 2^FRACTION, and a coefficient gives so many bits
+# h is about 2^−FRACTION of the reach of the series, so each coefficient gains that many bits
 FRACTION = 8
-# beside the points of E those of T are not far away within this factor
+# the points of T count as not far away within this factor of those of E
 NEAR = 4
 
 Pair = tuple[poly.Poly, poly.Poly]
@@ -45,14 +46,14 @@ class GroupTranslations:
         self._series = self._expanded((xs[:g], ys[:g]), pair, direction, points)
         self._start = pair[0]
         zero = self.field.zero
-        # what is added with every divisor, and what is taken away
+        # what is added with every divisor, and what is subtracted
         between = [] if group.odd or group.genus % 2 == 0 else [self._placed(*point, zero, point[0])]
         self._with = tuple(between)
         self._back = tuple(map(group.negate, (self._placed(*pair, zero, pair[0]), *between)))
         self._doubles: dict[int, Extended] = {}
         self._singles: dict[int, Extended | None] = {}
         self._size = group.size_of_x(pair[0])
-        # the first T(2^k h) that has not been looked at for growth
+        # the first k for which the growth of T(2^k h) has not been checked
         self._unseen = self._fraction
 
     def _reference(self) -> tuple[list[Any], list[Any]]:
@@ -97,7 +98,7 @@ class GroupTranslations:
         return self._moved(D, self._double(k)) if S is None else self._with_single(D, S)
 
     def _check_growth(self, k: int) -> None:
-        """PrecisionLoss where T(2^k h) may take a pair away that lies in a double point e, and should stay there.
+        """PrecisionLoss if T(2^k h) may move a pair away from a double point e in which it lies and should stay.
 
         Sums keep it there to √eps, in all precisions alike. Along a motion that leaves the neighbourhood this grows as
         1/U(e) of T does, up to 4/3 powers of it for all T together.
@@ -123,13 +124,13 @@ class GroupTranslations:
         return self._settled(self._on_curve(self.group.add(self.group.add(D, E, *self._with), *self._back)))
 
     def _with_single(self, D: Extended, S: Extended) -> Extended:
-        """D + S, S as :meth:`_single` has it."""
+        """D + S, with S from :meth:`_single`."""
         total = self.group.add(D, S, *self._with)
-        # in general position sums on models of odd degree stay as near to the curve as they are
+        # in general position sums on models of odd degree do not drift off the curve
         return self._settled(total if self.group.odd else self._on_curve(total))
 
     def _settled(self, D: Extended) -> Extended:
-        """With the κ of its lifts where they were: two sums in odd genus have divided it by ℓ²."""
+        """D with the original κ of its lifts: two sums in odd genus have divided it by ℓ²."""
         group = self.group
         if not (group.odd and group.genus % 2):
             return D
@@ -145,7 +146,7 @@ class GroupTranslations:
 
     def _double(self, k: int) -> Extended:
         """E_k = E + T(2^k h)."""
-        # by their places: other threads may add the same
+        # indexed, since other threads may append the same
         for j in range(len(self._doubles), k + 1):
             E = self._doubles.get(j - 1)
             self._doubles[j] = self._near(self.unit) if E is None else self._moved(E, E)
@@ -191,7 +192,7 @@ class GroupTranslations:
 
 
 def part_at(K: Any, a: poly.Poly, e: Any) -> Any:
-    """|a(e)| beside the terms that it is a sum of; 0 of the polynomial 0."""
+    """|a(e)| relative to the terms that it is a sum of; 0 for the polynomial 0."""
     size = sum(abs(c) * abs(e) ** i for i, c in enumerate(a))
     return abs(poly.evaluate(K, a, e)) / size if size > 0 else abs(K.zero)
 
@@ -204,7 +205,7 @@ def reference(group: ExtendedGroup) -> tuple[list[Any], list[Any]]:
     lead, degree = f[-1], len(f) - 1
     centre = -f[-2] / (degree * lead)
     shifted = poly.shift(K, f, centre)
-    # Fujiwara 1916: no root is farther from the centre
+    # Fujiwara's bound (1916) of the distance of the roots from the centre
     sizes = [float(abs(c / lead) ** (K.one.real / (degree - i))) for i, c in enumerate(shifted[:-1])]
     reach = 2.0 ** math.frexp(2 * max(sizes) or 1.0)[1]
     if K.complex:
