@@ -48,8 +48,8 @@ def _text(value: Any) -> str:
 def onto_constraints(system: Any, state: State) -> State:
     """The state over ``system.field`` with the constraints met to all its digits, not only to those given.
 
-    (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0: γ is divided by its length, and M loses its part along γ. A step
-    would multiply the distance of a divisor from its curve by its condition.
+    (γ, γ) = 1 and, unless it is tilted, (γ, M) = 0: γ is divided by its length, and M loses its part along γ. Otherwise
+    a step would multiply the distance of the divisor from its curve by the condition of the step.
     """
     K = system.field
     gamma, M = (tuple(map(K.coerce, v)) for v in (state.gamma, state.M))
