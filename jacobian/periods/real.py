@@ -14,8 +14,8 @@ def real_period(P: PeriodMatrix) -> Any:
     """Ω = ∫ |ω_0 ∧ … ∧ ω_(g−1)| over J(ℝ), ω_k = x^k dx/(2y + h), a ball; P in balls, of a curve over the reals.
 
     That of Birch and Swinnerton-Dyer's conjecture where the equation is minimal. It is the volume of the lattice of
-    traces z + z̄ of periods z of these ω_k, whose basis is had exactly, as what conjugation does to the cycles is an
-    integral matrix. ArgumentError for a matrix in floats, or of a curve over complex numbers.
+    traces z + z̄ of periods z of these ω_k, whose basis is exact, since conjugation acts on the cycles by an integral
+    matrix. ArgumentError for a matrix in floats, or of a curve over complex numbers.
     """
     from flint import arb_mat, fmpz_mat
 

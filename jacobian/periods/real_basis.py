@@ -20,11 +20,11 @@ from jacobian.inexact.long_field import LongField
 Vector = tuple[Any, Any]
 Whole = tuple[int, int, int, int]
 
-# digits of integrals, and the nodes of a rule at most: beyond, branch points nearly meet
+# digits of integrals, and the largest number of nodes of a rule; beyond it, branch points nearly meet
 DIGITS, MOST_NODES = 36, 2400
-# bits of the nodes of rules
+# bits of the nodes of quadrature rules
 BITS = 180
-# what rounding leaves of a number that is a whole one
+# allowed distance from a whole number, due to rounding
 NEARLY = 1e-22
 
 
@@ -38,8 +38,8 @@ class Periods(NamedTuple):
 
 
 def half_integrals(Z: LongField, roots: list[Any], lead: Any) -> Periods:
-    """Of five roots in the order of a polygon that does not cross itself. Sheets are those that make τ symmetric, Im τ
-    positive.
+    """The half-periods of five roots in the order of a simple polygon. Sheets are chosen so that τ is symmetric with Im
+    τ positive.
     """
     sides = [along(Z, roots, lead, k) for k in range(4)]
     for signs in product((1, -1), repeat=3):
@@ -117,13 +117,13 @@ def to_point(Z: LongField, roots: list[Any], lead: Any, halves: list[Vector], po
             w *= Z.sqrt((x - e) / (x1 - e))
         totals[0] += weight / w
         totals[1] += weight * x / w
-    # y at the end of the path, on this sheet or the other
+    # y at the end of the path, on this sheet or the opposite one
     scale = (2 if abs(end - y1) < abs(end + y1) else -2) * (x1 - r) / end
     return halves[k][0] + totals[0] * scale, halves[k][1] + totals[1] * scale
 
 
 def nodes_needed(poles: Sequence[Any]) -> int:
-    """Those of a rule on [−1, 1] for an integrand with these branch points, an even number."""
+    """The number of nodes of a rule on [−1, 1] for an integrand with these branch points, an even number."""
     rates = []
     for pole in map(complex, poles):
         root = (pole * pole - 1) ** 0.5
@@ -134,7 +134,7 @@ def nodes_needed(poles: Sequence[Any]) -> int:
 
 
 def checked(count: int) -> int:
-    """The same where it is not too large."""
+    """The count, if it is not too large."""
     if count > MOST_NODES:
         raise PrecisionLoss("branch points are too near to each other")
     return count

@@ -14,7 +14,7 @@ from jacobian.periods.quadrature import Numbers
 def simple_roots(numbers: Numbers, coefficients: Sequence[Any]) -> list[Any]:
     """All roots of a polynomial of degree ≥ 1 (ascending working numbers), in doubles first (Aberth 1973).
 
-    Simple roots come to the working precision; multiple ones lose digits, as they must.
+    Simple roots are accurate to the working precision; multiple ones inevitably lose digits.
     """
     if len(coefficients) == 2:
         return [-coefficients[0] / coefficients[1]]

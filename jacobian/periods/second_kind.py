@@ -54,5 +54,5 @@ def second_kind(P: PeriodMatrix) -> SecondKind:
 
 
 def moments(cover: BranchedCover, i: int, j: int) -> Vector:
-    """∫ x^k dx/Y, k = 0 … 2g, from branch point i to j on the sheet that :meth:`BranchedCover.edge` takes."""
+    """∫ x^k dx/Y, k = 0 … 2g, from branch point i to j, on the sheet of :meth:`BranchedCover.edge`."""
     return cover.edge(i, j, 2 * cover.genus + 1).integrals

@@ -11,7 +11,7 @@ from jacobian.periods.ball_cover import BallCover
 from jacobian.periods.matrix import PeriodMatrix
 
 MOST_STEPS = 1000
-# Im τ is reduced as integers of this many bits
+# Im τ is rounded to integers of this many bits for LLL
 GRAM_BITS = 40
 
 
