@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
-from integrable.phase.body import Body, Vector
+from integrable.phase.body import Body, Vector, said
 from integrable.phase.jets import JetField
 from integrable.phase.made import Made
 from integrable.phase.space import check_state
@@ -157,7 +157,9 @@ class Hamiltonian(Made):
     """The names of constants beside those."""
 
     def _build(self, inertia: Sequence[Any], d: Any, potential: Sequence[Any] | None, field: Any = RR) -> None:
-        self.rigid = ChaplyginBall(inertia, d, field=field)
+        # its moments are numbers of a Hamiltonian
+        with said():
+            self.rigid = ChaplyginBall(inertia, d, field=field)
         self.potential = None if potential is None else _potential(field, potential)
 
     @property
@@ -186,7 +188,9 @@ class Hamiltonian(Made):
 
     def over(self, field: Any) -> Self:
         """The same Hamiltonian over another field that takes its numbers."""
-        rigid, potential = ChaplyginBall(self.body.inertia, self.d, field=field), self.potential
+        potential = self.potential
+        with said():
+            rigid = ChaplyginBall(self.body.inertia, self.d, field=field)
         if potential is not None:
             potential = _potential(field, (potential.a, potential.b, *potential.poles))
         return replaced(self, rigid=rigid, potential=potential)

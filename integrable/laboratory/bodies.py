@@ -18,7 +18,7 @@ from integrable.laboratory.motion import LaboratoryMotion
 from integrable.laboratory.tensor import cross, matrix, principal, rotation
 from integrable.laboratory.vertical import Vertical
 from integrable.laboratory.ways import Along, Uniform, WideFlow, numbers
-from integrable.phase.body import Body, triple
+from integrable.phase.body import Body, said, say_unphysical, triple
 from integrable.phase.made import Made
 from integrable.phase.precisions import ROUNDED_TO_FLOATS, SET_UP_DIGITS
 from integrable.phase.state import State
@@ -29,7 +29,7 @@ from jacobian.errors import ArgumentError, entries, shown
 
 # extra digits of a set-up, and of a flow, beyond those of MP(digits)
 GUARD, INNER = 15, 5
-# M counts as vertical within this many roundings; below the second ratio of its horizontal part floats lose digits
+# M counts as vertical within this many roundings; floats lose digits if its horizontal part is below the second ratio
 VERTICAL, NEARLY = 64, 1e-2
 
 
@@ -50,6 +50,7 @@ class RigidBody(Made):
         eps = field.eps
         self._tensor = matrix(self._wide, inertia, "inertia", "three moments or a 3×3 tensor", moments=True)
         self._principal = principal(self._wide, self._tensor, eps)
+        say_unphysical([float(x) for x in self._principal.moments], RR)
         self.moments = tuple(field.coerce(x) for x in self._principal.moments)
         self._d = self._wide.zero
         # for the free body behind a motion: its own, or for a ball whose momentum is vertical another one
@@ -78,7 +79,8 @@ class RigidBody(Made):
         gamma, along = _across(K, M), M / K.sqrt(M @ M)
         frame = start @ np.stack([along, cross(gamma, along), gamma], axis=1)
         inner = _inner(self.field, 0)
-        system = EulerTop([inner.coerce(x) for x in moments], field=inner)
+        with said():
+            system = EulerTop([inner.coerce(x) for x in moments], field=inner)
         return Along(self._flow(system, gamma, M, False), frame)
 
     def _start(self, orientation: Any, omega: Any) -> tuple[Any, Any]:
@@ -179,12 +181,13 @@ class RollingBall(RigidBody):
         # the axes of space are determined by the horizontal part of M
         lost = 0 if length >= NEARLY * size else ceil(log10(float(size / length)))
         inner = _inner(self.field, lost)
-        system = ChaplyginBall(
-            [inner.coerce(x) for x in moments],
-            mass=inner.coerce(d / self._radius**2),
-            radius=inner.coerce(self._radius),
-            field=inner,
-        )
+        with said():
+            system = ChaplyginBall(
+                [inner.coerce(x) for x in moments],
+                mass=inner.coerce(d / self._radius**2),
+                radius=inner.coerce(self._radius),
+                field=inner,
+            )
         across = start @ flat / length
         frame = np.stack([across, cross(start @ gamma, across), start @ gamma], axis=1)
         return Along(self._flow(system, gamma, M, True), frame)
@@ -194,7 +197,8 @@ class RollingBall(RigidBody):
         K = self._wide
         M = rate * gamma
         inner = _inner(self.field, 0)
-        system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
+        with said():
+            system = EulerTop([inner.coerce(x) for x in self._free_moments], field=inner)
         x = start[0]
         sign = 1 if rate > 0 else -1
         # attitude's axes of the free body: x along its momentum, z its γ, here the x of the laboratory

@@ -49,12 +49,6 @@ def principal(K: Any, table: Matrix, eps: Any) -> Principal:
             raise ArgumentError(
                 f"inertia has the principal moment {float(moment)}: a moment of inertia is positive (moment {i})"
             )
-    least, middle, most = sorted(moments)
-    if most - (least + middle) > ROUNDED * most:
-        raise ArgumentError(
-            f"inertia has the principal moments {float(least)}, {float(middle)}, {float(most)}: no body has a moment "
-            "above the sum of the two others"
-        )
     return Principal((moments[0], moments[1], moments[2]), axes)
 
 

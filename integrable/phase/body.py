@@ -6,7 +6,10 @@ other consistent set. Axes are the principal axes of inertia.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -18,6 +21,12 @@ from jacobian.fields.coercion import is_complex
 from jacobian.fields.protocol import check_field
 
 Vector = tuple[Any, Any, Any]
+
+_said = ContextVar("said", default=False)
+
+
+class UnphysicalMoments(UserWarning):
+    """Principal moments that no distribution of mass has."""
 
 
 class Integrals(NamedTuple):
@@ -131,6 +140,30 @@ def check_body_field(field: Any) -> None:
     """FieldError unless ``field`` is one that bodies are over."""
     if field is not RR and is_complex(check_field(field, "field").zero):
         raise FieldError(f"field = {field.name}: bodies are over RR, MP(dps) or exact fields, not complex numbers")
+
+
+def say_unphysical(inertia: Sequence[Any], field: Any) -> None:
+    """Warns the caller's caller of a moment above the sum of the two others; the equations hold all the same."""
+    if field.characteristic != 0 or _said.get():
+        return
+    least, middle, most = sorted(inertia)
+    if most - least - middle > (0 if field.exact else 4 * field.eps * most):
+        warnings.warn(
+            f"inertia = {shown(tuple(inertia))}: no distribution of mass has these moments, for {written(most)} > "
+            f"{written(least)} + {written(middle)}; the equations of motion hold all the same",
+            UnphysicalMoments,
+            stacklevel=3,
+        )
+
+
+@contextmanager
+def said() -> Iterator[None]:
+    """A block in which bodies are made whose moments the user has been told of."""
+    before = _said.set(True)
+    try:
+        yield
+    finally:
+        _said.reset(before)
 
 
 def energy(a: Sequence[Any], weight: Any, gamma: Sequence[Any], M: Sequence[Any]) -> Any:

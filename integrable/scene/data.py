@@ -11,6 +11,7 @@ from fractions import Fraction
 from importlib import import_module
 from typing import Any, NamedTuple
 
+from integrable.phase.body import said
 from integrable.phase.precisions import FLOAT_DIGITS
 from jacobian.errors import ArgumentError, whole, written
 
@@ -207,7 +208,8 @@ class Scene:
 
                 given = {key: _argument(value, number) for key, value in self.constants}
                 return ClassicalSystem(make(**given, field=field))
-            return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
+            with said():
+                return make(inertia=tuple(map(number, self.inertia)), field=field, **shape)
 
     def start(self, digits: int) -> tuple[Any, Any]:
         """The system and its state at time 0; ArgumentError if |γ| ≠ 1 or (γ, M) is not allowed."""

@@ -11,9 +11,11 @@ from pathlib import Path
 from typing import Any
 from unicodedata import category
 
+from integrable.phase.body import say_unphysical
 from integrable.phase.precisions import FLOAT_DIGITS
 from integrable.scene.data import MOST_STEPS, SYSTEMS, Comparison, Map, Scene, Steps, Times, finite_field
 from integrable.scene.toml import Table, suggestion
+from jacobian import QQ
 from jacobian.errors import ArgumentError, shown
 
 __all__ = ["load_scene", "scene_names"]
@@ -55,7 +57,10 @@ def load_scene(name_or_path: str | Path) -> Scene:
     except (OSError, UnicodeDecodeError) as error:
         why = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
         raise ArgumentError(f'scene: "{source}" cannot be read: {why}; the path of a .toml file is needed') from None
-    return _read(_readable(path.stem), f"scene {_readable(path.name)}", text)
+    scene = _read(_readable(path.stem), f"scene {_readable(path.name)}", text)
+    if scene.system in ("chaplygin_ball", "euler_top") and not scene.finite_field:
+        say_unphysical(scene.inertia, QQ)
+    return scene
 
 
 def _readable(name: str) -> str:

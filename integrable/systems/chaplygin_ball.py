@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.phase.body import Body, check_body_field
+from integrable.phase.body import Body, check_body_field, say_unphysical
 from integrable.phase.state import State
 from integrable.systems.system import System
 from jacobian import RR
@@ -33,7 +33,9 @@ class ChaplyginBall(System):
         length = None if radius is None else _not_negative(field, radius, "radius")
         if d is None:
             d = _rolling_offset(field, mass, radius)
-        vars(self).update(radius=length, body=Body.make(inertia, d, field))
+        body = Body.make(inertia, d, field)
+        say_unphysical(body.inertia, field)
+        vars(self).update(radius=length, body=body)
 
     @classmethod
     def example(cls) -> tuple[ChaplyginBall, State]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from integrable.phase.body import Body
+from integrable.phase.body import Body, say_unphysical
 from integrable.phase.state import State
 from integrable.systems.system import System
 from jacobian import RR
@@ -17,7 +17,9 @@ class EulerTop(System):
 
     @at_once
     def __init__(self, inertia: Sequence[Any], *, field: Any = RR) -> None:
-        vars(self).update(body=Body.make(inertia, 0, field))
+        body = Body.make(inertia, 0, field)
+        say_unphysical(body.inertia, field)
+        vars(self).update(body=body)
 
     @classmethod
     def t_handle(cls) -> tuple[EulerTop, State]:

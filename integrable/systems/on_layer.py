@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 from integrable.motion.domain import check_domain
 from integrable.mumford.bodies import BodySystem
 from integrable.mumford.flow import Path, Point, long_digits
+from integrable.phase.body import said
 from integrable.phase.enclosure import EnclosedPath, Enclosure, ball_digits
 from integrable.phase.state import State, onto_constraints
 from jacobian import MP, RR, Divisor
@@ -37,7 +38,8 @@ class BodyOnLayer(BodySystem):
         """The body."""
         from integrable.systems.chaplygin_ball import ChaplyginBall
 
-        return ChaplyginBall(self.constants, self.parameters[0], field=self.field)
+        with said():
+            return ChaplyginBall(self.constants, self.parameters[0], field=self.field)
 
     def divisor(self, state: Point) -> Divisor:
         """The class of the state's pair, of a top in the generalized Jacobian."""
