@@ -67,8 +67,8 @@ class Line(NamedTuple):
 
 
 def witnesses(rates: list[float]) -> np.ndarray:
-    """Two times of the flow for each period, one in each direction, by which the signs have changed as in a whole
-    period.
+    """Two times of the flow for each period, one in each direction, after which every sign that the period changes has
+    changed.
 
     ``rates`` are turns of the phases per unit of τ.
     """
