@@ -1,4 +1,4 @@
-"""A headless Chromium for pages that tests open, and what it complains about."""
+"""A headless Chromium for pages that tests open, and the errors it reports."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-# software drawing: no machine of tests has a graphics card, and root has no sandbox
+# software rendering: test machines have no graphics card, and root has no sandbox
 OPTIONS = ["--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"]
 
 
@@ -23,14 +23,14 @@ def chromium() -> str:
 
 @contextmanager
 def opened(width: int = 1280, height: int = 900) -> Iterator[tuple[Any, list[str]]]:
-    """(page, complaints): errors of the page, of its console, and every request that leaves the machine."""
+    """(page, complaints): errors of the page and its console, and every request to another machine."""
     path = chromium()
     playwright = pytest.importorskip("playwright.sync_api", reason="playwright drives the browser")
     with playwright.sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=path, args=OPTIONS)
         try:
             page = browser.new_page(viewport={"width": width, "height": height})
-            # a busy machine without a graphics card draws a scene in a minute
+            # a busy machine without a graphics card takes up to a minute to draw a scene
             page.set_default_timeout(180_000)
             complaints: list[str] = []
             page.on("pageerror", lambda error: complaints.append(f"error: {error}"))

@@ -6,7 +6,9 @@ import pytest
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
-    """Neighbours run in one worker: what a file sets up or compiles is made once, and the idle take from the busy."""
+    """Tests of a file stay in one worker, so set-up and compilation are done once; idle workers take over from busy
+    ones.
+    """
     if config.getvalue("dist") != "load":
         return None
     from xdist.scheduler import WorkStealingScheduling

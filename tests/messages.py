@@ -1,4 +1,4 @@
-"""What the tests of wrong arguments share."""
+"""Helpers for the tests of wrong arguments."""
 
 import re
 
@@ -6,14 +6,14 @@ import pytest
 
 
 def assert_says(call, kind, begins, contains):
-    """The call raises an error of this kind, whose message begins with what was wrong and says what would be right."""
+    """The call raises an error of this kind, whose message begins with the mistake and names what is accepted."""
     with pytest.raises(kind, match="^" + re.escape(begins)) as caught:
         call()
     assert contains in str(caught.value)
 
 
 class Raising:
-    """What raises an error of its own wherever it is asked."""
+    """An object that raises its own error whatever is asked of it."""
 
     def __iter__(self):
         raise RuntimeError("no iteration")

@@ -23,7 +23,7 @@ PACKAGES = ("jacobian", "integrable")
 PAGES = sorted((ROOT / "docs" / "rooms").rglob("*.md"))
 MOST_FILES = 20
 MOST_LINES, MOST_PARAMETERS = 40, 8
-# compiled loops and what they call: an argument is a register
+# compiled loops and their callees, where an argument costs only a register
 LONG = {
     "integrable.moving_point.short.panel",
     "integrable.moving_point.short_compiled.entry",
@@ -34,7 +34,7 @@ LONG = {
     "jacobian.numbers.words.dot4",
     "jacobian.numbers.words_compiled._dot4",
 }
-# files of a package that lie in no room: below the rooms, above them, or public names of what lies in one
+# files of a package outside the rooms: below them, above them, or public names of their contents
 OUTSIDE = {
     "jacobian": {
         "__init__",
@@ -67,7 +67,7 @@ MOVING = [
 ]
 CALLED_BY_NUMBA = {"unify"}
 WALKS = {"State", "advance", "dense", "series", "start", "walked"}
-# what lint-imports lets pass; the reason stands there
+# imports that lint-imports permits; pyproject.toml gives the reasons
 CONTRACTS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["importlinter"]["contracts"]
 FACADES = {tuple(edge.split(" -> ")) for contract in CONTRACTS for edge in contract.get("ignore_imports", [])}
 
@@ -157,7 +157,7 @@ def test_rooms(package):
 
 @pytest.mark.parametrize("package", PACKAGES)
 def test_every_public_name_has_one_home(package):
-    """One module defines it, whatever it is called there besides, and the facade leads to that module."""
+    """One module defines it, under whatever other names, and the facade leads to that module."""
     facade = importlib.import_module(package)
     leads = {
         alias.name: node.module
@@ -222,7 +222,7 @@ def words_of(name: str) -> set[str]:
 
 
 def test_nothing_is_there_for_tests_alone():
-    """A function, class or method that no code uses is one for users, and a page says so."""
+    """A function, class or method that no code uses must be for users, and a page must mention it."""
     pages = [ROOT / "README.md", *(ROOT / "docs").glob("*.md")]
     used = {word for page in pages for word in re.findall(r"\w+", page.read_text(encoding="utf-8"))}
     used = used.union(*map(words_of, modules()))
@@ -230,7 +230,7 @@ def test_nothing_is_there_for_tests_alone():
     for module in modules():
         for node in ast.walk(tree(module)):
             if isinstance(node, ast.ClassDef | ast.FunctionDef) and node.name not in used | CALLED_BY_NUMBA:
-                # what is decorated is registered somewhere
+                # decorated functions are registered somewhere
                 registered = {ast.unparse(decorator) for decorator in node.decorator_list} - plain
                 assert registered or node.name.startswith("__"), f"{module}.{node.name}"
 
@@ -243,7 +243,7 @@ def test_what_a_study_leaves_out_of_its_stamp_is_there():
 
 
 def test_functions_fit_on_a_screen_and_take_few_arguments():
-    """At most 40 lines and 8 parameters, but for a few compiled ones, all of which are longer."""
+    """At most 40 lines and 8 parameters, except a few compiled functions, which are all longer."""
     found = set()
     for module in modules():
         for node in ast.walk(tree(module)):
@@ -256,7 +256,7 @@ def test_functions_fit_on_a_screen_and_take_few_arguments():
 
 
 def test_every_room_has_a_page():
-    """What it is for, its words, what comes in and goes out, what to read first, and lines that run: in docs/rooms."""
+    """In docs/rooms: its purpose, its words, its input and output, where to start reading, and lines that run."""
     pages = {path.relative_to(ROOT / "docs" / "rooms").with_suffix("").as_posix() for path in PAGES}
     folders = {path.parent for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file()}
     rooms = {path.relative_to(ROOT).as_posix() for path in folders if path.name != "__pycache__"} - set(PACKAGES)

@@ -1,4 +1,4 @@
-"""Messages of errors: what an argument is or holds is written by ``shown`` or ``written``, which cannot fail.
+"""Messages of errors write arguments and their parts by ``shown`` or ``written``, which cannot fail.
 
 ``str`` of an int of more than 4300 digits raises a ValueError of Python's own, and a message may not be a page long. A
 name is an argument where a function takes it as a number, or as anything, and where it is made of one by arithmetic or
@@ -12,7 +12,7 @@ from collections.abc import Iterator
 
 from tests.test_architecture import modules, tree
 
-# what writes numbers of any size, and what has small ones
+# functions that write numbers of any size, and those that return small numbers
 WRITERS = {
     "shown",
     "written",
@@ -26,7 +26,7 @@ WRITERS = {
     "text",
     "suggestion",
 }
-# what names of arguments, small numbers and parts of messages are called
+# usual names of arguments, small numbers and parts of messages
 NAMES = {"digits", "i", "k", "most", "name", "argument", "wanted", "width"}
 # annotations of what writes itself, or is no number
 TEXTS = {
@@ -40,7 +40,7 @@ SMALL = {
     "message", "model", "name", "named", "ndim", "order", "parameter", "path", "place", "prime", "reasons", "region",
     "scene", "shape", "source", "suffix", "system", "target", "time",
 }  # fmt: skip
-# what returns a number for one
+# functions that convert a number to another
 READERS = {"abs", "check_scalar", "check_scalars", "coerce", "entries", "list", "map", "sorted", "tuple", "whole"}
 # the compiler and what is compiled, and modules whose messages have what other rooms have checked: floats, digits, rows
 LOW = (
@@ -111,7 +111,9 @@ def _is_number_of(value: ast.expr, found: set[str]) -> bool:
 
 
 def unsafe(function: ast.FunctionDef) -> Iterator[ast.FormattedValue]:
-    """What the messages that a function raises format without a writer, and may be a number that someone gave."""
+    """What the messages raised by a function format without a writer, although it may be a number given by the
+    caller.
+    """
     statements = [node for node in ast.walk(function) if isinstance(node, ast.Raise)]
     # a format is one of floats
     formatted = [
@@ -126,7 +128,7 @@ def _may_fail(value: ast.expr, found: set[str]) -> bool:
         return value.attr not in SMALL and not value.attr.isupper()
     if isinstance(value, ast.Call):
         inside = [*value.args, *(k.value for k in value.keywords)]
-        # of joined parts the writer is mapped over them
+        # for joined parts the writer is mapped over them
         safe = ast.unparse(value.func) in WRITERS | {"float"} or "map(written, " in ast.unparse(value)
         return not safe and any(_may_fail(x, found) for x in inside)
     if isinstance(value, ast.BinOp):

@@ -1,6 +1,6 @@
-"""Calls that may take long: each is quick, or is refused, or says how long it takes; Ctrl-C ends it within a second.
+"""Calls that may take long: each is fast, is refused, or announces how long it takes; Ctrl-C ends it within a second.
 
-The signals are real, and seconds are those of the processor: beside other work a process is late by itself.
+The signals are real. Seconds are processor time, since other work delays a process.
 """
 
 import os
@@ -22,7 +22,7 @@ QUINTIC = "C = HyperellipticCurve(QQ, [1, 2, 0, 0, 0, 1]); D = C.jacobian().from
 STATE = "(.48, .6, .64), (.384, 1.28, -1.488)"
 WORDS = '("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488")'
 HEAVY = f"b = ChaplyginBall((1e-4, 1, 1.00001), 1e3); flow = b.flow(b.state({STATE}))"
-# what is done before, the call
+# the set-up, the call
 CALLS = {
     "multiple of a function": (
         "from jacobian.relatives.formal_sum import principal_divisor; "
@@ -81,7 +81,7 @@ except JacobianError as error:
 else:
     print("quick")
 """
-# processor seconds until the signal, which a quick call is through in, and after it
+# processor seconds until the signal, before which a fast call ends, and after it
 BEFORE, AFTER = 4.0, 1.0
 
 

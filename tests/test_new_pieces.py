@@ -1,4 +1,6 @@
-"""One of each kind that CONTRIBUTING says how to add, added that way: a field, a system, a scene, a comparator."""
+"""One example of each addition that CONTRIBUTING describes, added as it says: a field, a system, a scene, a
+comparator.
+"""
 
 from __future__ import annotations
 
@@ -69,7 +71,7 @@ class GaussianRationals:
 
 
 def test_a_new_field():
-    """Its curves have a group: the axioms, and a multiple in two ways."""
+    """Its curves have a group: the axioms, and a multiple computed in two ways."""
     K = GaussianRationals()
     assert isinstance(K, Field)
     x = [K.coerce(z) for z in ((1, 1), (0, 2), (2, -1), (-1, 3), (4, 0), (1, -2))]
@@ -101,7 +103,7 @@ class Marble(System):
 
 
 def test_a_new_system():
-    """It has states, motions and points of contact, and moves as the oracle says."""
+    """It has states, motions and points of contact, and moves as the oracle predicts."""
     marble = Marble(2, 0.5)
     state = marble.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     found = marble.flow(state).at([0.7, 3.0])
@@ -111,7 +113,7 @@ def test_a_new_system():
 
 
 def test_a_new_scene(tmp_path):
-    """A file, and no code."""
+    """A file, without code."""
     path = tmp_path / "marble.toml"
     text = BALL.replace('["1", "2", "3"]', "[1, 1, 1]").replace('d = "0.7"', "d = 0.5")
     path.write_text(text.replace("[0, 1, 2.5]", "[0, 1, 2]"), encoding="utf-8")
@@ -142,7 +144,7 @@ class Heun(Method):
 
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_new_comparator(monkeypatch, seed):
-    """It runs beside the others, and errs by the square of its step."""
+    """It runs beside the others, and its error is quadratic in the step."""
     monkeypatch.setitem(METHODS, "Heun", Heun("Heun", "Heun (1900)", "step", (0.1, 0.05), order=2))
     rng = Random(seed)
     ball = ChaplyginBall((1, 2, 3), 0.3 + rng.random())

@@ -1,4 +1,4 @@
-"""The paper has the form that the journal asks for, and a release waits for what only the owner can write."""
+"""The paper has the form that the journal requires, and a release waits for the parts that only the owner can write."""
 
 from __future__ import annotations
 

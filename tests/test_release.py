@@ -1,4 +1,4 @@
-"""What a release says in several places is the same in all of them."""
+"""Facts that a release states in several places agree."""
 
 from __future__ import annotations
 

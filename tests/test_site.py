@@ -1,6 +1,6 @@
-"""The site as it was built: links are whole, pictures have words, pages are light and load nothing from elsewhere.
+"""The built site: links work, pictures have alternative texts, pages are light and load nothing from elsewhere.
 
-``python docs/build.py`` builds it (a minute or more); ``SITE`` says where it is, else it is looked for in build/site.
+``python docs/build.py`` builds it (a minute or more); ``SITE`` gives its folder, by default build/site.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ def test_every_scene_has_its_page_with_a_picture():
 
 
 def test_the_start_of_a_motion_is_seen_in_its_picture():
-    """A picture keeps few colours, that of the small dot among them."""
+    """A picture keeps few colours; the small dot's is among them."""
     image = pytest.importorskip("PIL.Image")
     loaded = next(load for load in page(SITE / "gallery" / "chaplygin.html").loads if load.endswith("/chaplygin.png"))
     with image.open(SITE / "gallery" / loaded) as picture:
@@ -109,7 +109,7 @@ SHOWN = [
     "index", "start/neither", "howto/own_ball", "gallery/index", "gallery/chaplygin", "measured/index", "flow", "fuzz",
     "rooms/integrable/moving_point", "reference/batch",
 ]  # fmt: skip
-# what is cut off at the right edge, and lies in nothing that scrolls
+# elements cut off at the right edge that are in no scrollable box
 CUT = """() => [...document.querySelectorAll('.bd-article *')]
     .filter(e => e.getBoundingClientRect().right > innerWidth + 1)
     .filter(e => !e.closest('table, pre, iframe, .formula, p:has(> img)'))
@@ -157,7 +157,7 @@ def test_the_ball_rolls_unless_motion_is_unwanted(width):
 
 @pytest.mark.slow
 def test_search_finds_guides_before_internals():
-    """A guide that has the word is above scenes, rooms and the reference."""
+    """A guide that contains the word ranks above scenes, rooms and the reference."""
     titles = """() => [...document.querySelectorAll('#search-results li a, ul.search li > a')]
         .map(a => a.getAttribute('href'))"""
     with opened() as (browser, _):
@@ -176,7 +176,7 @@ def test_search_finds_guides_before_internals():
 @pytest.mark.slow
 @pytest.mark.parametrize("width", [1280, 390])
 def test_pages_open_in_a_browser(width):
-    """Nothing on the console, no request to elsewhere, no page is wider than the window, nothing is cut off."""
+    """No console errors, no external requests, no page wider than the window, nothing cut off."""
     with opened(width) as (browser, complaints):
         for name in SHOWN:
             browser.goto((SITE / f"{name}.html").as_uri(), wait_until="load")

@@ -1,4 +1,4 @@
-"""What a type checker knows of a user's script: the types of values, and a misspelt name before it is run."""
+"""What a type checker infers in a user's script: the types of values, and a misspelt name before it runs."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-# an expression of a user and what mypy has to say of it, without the names of modules
+# an expression of a user, and mypy's answer without module names
 KNOWN = {
     "GF(101)": "FiniteField",
     "GF(7, 2)": "FiniteField",

@@ -1,4 +1,4 @@
-"""Cases of periods and Abel–Jacobi images in balls: they contain what twice the digits give."""
+"""Cases of periods and Abel–Jacobi images in balls: they contain the values computed with twice the digits."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def _contained(names: dict[str, Any]) -> Complaint | None:
     image = finer(names["D"])
     with finer.periods.cover.numbers.working():
         gap = [x - y for x, y in zip(names["got"], image, strict=True)]
-        # branch points that are equally far from each other may be joined in another way
+        # equidistant branch points may be joined by another tree
         vectors = [gap, *zip(*A.periods.big, strict=True)]
         found = [c - round(float(c)) for vector in vectors for c in finer.periods.coordinates(vector)]
         missed = [c for c in found if not c.contains(0)]

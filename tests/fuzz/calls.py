@@ -20,7 +20,7 @@ from tests.fuzz.fixtures import LINES, lines_for, made
 from tests.fuzz.run import Suite
 from tests.fuzz.zoo import CALLED, FACTORIES, FIXED, GOOD, HOSTILE, IMPORTED, OBJECTS, OPERATORS, RAW, ZOO
 
-# bytes that a call may take beside what the process has
+# bytes that a call may allocate beyond those of the process
 MEMORY = 2 << 30
 
 
@@ -67,10 +67,10 @@ def bad_argument(rng: Random) -> Case:
     free = [x for x in arguments if (text.split(".")[-1], x) != ("coerce", "argument")]
     wrong = set(rng.sample(free, min(len(free), rng.choice((1, 1, 1, 2)))))
     if text == "run":
-        # a scene that is one would run for minutes
+        # a valid scene would run for minutes
         wrong |= {"scene"}
     parts = [f"{x}={rng.choice(_zoo(text, x)) if x in wrong else good(text, owner, x)}" for x in arguments]
-    # what the caller's own function raises is the caller's
+    # errors of the caller's own function are the caller's
     callables = {f"{x}={y}" for x in ("condition", "F", "y0") for y in ("int", "step", "J", "H", "L")}
     own = (TypeError,) if callables & set(parts) else ()
     return case(
@@ -79,7 +79,7 @@ def bad_argument(rng: Random) -> Case:
 
 
 def _zoo(text: str, argument: str) -> tuple[str, ...]:
-    """Without what is no mistake, and takes long: a scene, a search of many thousand turns."""
+    """The zoo without values that are no mistake but take long: a scene, a search of many thousand turns."""
     right = {("run", "scene"): "'chaplygin'", ("events", "end"): "'1e5'"}.get((text.split(".")[-1], argument))
     return tuple(x for x in ZOO if x != right)
 
@@ -93,7 +93,7 @@ def operator(rng: Random) -> Case:
 
 
 def fixed_attribute(rng: Random) -> Case:
-    """Values do not change: setting an attribute of one is refused."""
+    """Values are immutable: setting an attribute of one is refused."""
     name = rng.choice(list(FIXED))
     text = f"setattr({name}, {rng.choice(FIXED[name])!r}, {rng.choice(ZOO)})"
 
@@ -104,7 +104,7 @@ def fixed_attribute(rng: Random) -> Case:
 
 
 def copied(rng: Random) -> Case:
-    """What is public pickles and copies, and the copy equals it; a lambda of the fixtures is no such thing."""
+    """Public values can be pickled and copied, and the copy is equal; a lambda of the fixtures cannot."""
     name = rng.choice([x for x in LINES if x not in ("T", "S", "Z", "multiplied", "added")])
     way = rng.choice(("pickle.loads(pickle.dumps({}))", "copy.copy({})", "copy.deepcopy({})"))
     text = f"same({way.format(name)}, {name})"
@@ -117,7 +117,7 @@ def copied(rng: Random) -> Case:
 
 
 def case(text: str, message: Callable[[Exception], str | None], refusals: Any = (JacobianError,)) -> Case:
-    """A call on the objects that are there; its program makes those that it needs."""
+    """A call on the existing objects; its program creates those that it needs."""
     hostile = HOSTILE if "No" in text else ""
     # balls along a motion take a second or two a unit of time; what is no such question is refused at once
     limit = 20.0 if ".enclosure(" in text else 1.0
@@ -127,7 +127,7 @@ def case(text: str, message: Callable[[Exception], str | None], refusals: Any = 
 
 
 def _names(error: Exception, arguments: set[str]) -> str | None:
-    """Why the message of an ArgumentError will not do; None if it will."""
+    """What is wrong with the message of an ArgumentError; None if nothing is."""
     said = str(error)
     if not isinstance(error, ArgumentError):
         return None if said else "no message"

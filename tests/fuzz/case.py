@@ -1,4 +1,4 @@
-"""One random case: a few lines of Python that are run, an oracle that judges what they give, and how it ended."""
+"""One random case: a few lines of Python, an oracle that judges their result, and the outcome."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from jacobian.errors import ArgumentError, JacobianError
 
 RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW = "right", "refused", "unjudged", "wrong", "raw", "slow"
 FAILURES = (WRONG, RAW, SLOW)
-# a call is stopped when it has taken so many times its limit
+# a call is stopped after this multiple of its limit
 PATIENCE = 3
 
 
 class Undecided(Exception):
-    """Raised by a judge whose oracle cannot tell, such as beyond its horizon."""
+    """Raised by a judge whose oracle cannot decide, for example beyond its horizon."""
 
 
 class TooLong(BaseException):
-    """Raised by the alarm; no Exception, so that nothing that is tested catches it."""
+    """Raised by the alarm; not an Exception, so that tested code does not catch it."""
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a case ended: one of the words above, why, and for a failure the program that shows it."""
+    """The outcome of a case: one of the words above, the reason, and for a failure the program that shows it."""
 
     word: str
     why: str = ""
@@ -73,7 +73,9 @@ class Outcome:
 
 
 def run(case: Case) -> Outcome:
-    """Run and judge. What answered over its limit is run once more: the first call may have compiled something."""
+    """Run and judge. An answer over its limit is computed once more, since the first call may have compiled
+    something.
+    """
     outcome = _run(case)
     return _run(case) if outcome.word == SLOW and outcome.seconds < PATIENCE * case.limit else outcome
 
@@ -144,7 +146,7 @@ def _bounded(memory: int | None) -> Iterator[None]:
 
 
 def reason(error: BaseException) -> str:
-    """The class and the first words of an error, its numbers left out: one kind of refusal, one text."""
+    """The class and the first words of an error without its numbers, so that each kind of refusal has one text."""
     text = re.sub(r"[-−]?\d[\w.+-]*", "#", str(error).split("\n")[0])
     text = re.sub(r"(#[,; )]*\s*)+", "# ", text)
     return f"{type(error).__name__}: {' '.join(text.split()[:9])}"

@@ -1,4 +1,4 @@
-"""The equations of the systems of ``integrable.classical``, written once more, and their integration."""
+"""The equations of the systems of ``integrable.classical``, written independently, and their integration."""
 
 from __future__ import annotations
 
@@ -121,13 +121,13 @@ class Motion:
 
     @property
     def constants(self) -> list[float]:
-        """Those of the equations."""
+        """The constants of the equations."""
         parts = (x if isinstance(x, tuple) else (x,) for x in self.arguments)
         return [x for part in parts for x in part if isinstance(x, float)]
 
     @property
     def speed(self) -> float:
-        """Of the size of the rates of q and p, beside them."""
+        """The relative size of the rates of q and p."""
         c, q, p = (list(map(float, x)) for x in (self.constants, self.q, self.p))
         rates = EQUATIONS[self.name](c, q, p, np.exp)
         size, push = max(map(abs, q)), max(map(abs, p), default=0.0)

@@ -20,8 +20,9 @@ MOST_NODES = 2**16
 
 
 class Closed:
-    """What an oracle gives: ``rows`` (N, 6) of γ and M/|M| at times, and ``floor`` (N,), the errors that one unit in
-    the last place of every input makes by itself."""
+    """The result of an oracle: ``rows`` (N, 6) of γ and M/|M| at times, and ``floor`` (N,), the errors caused by one
+    unit in the last place of every input.
+    """
 
     def __init__(self, start: Motion, digits: int = 40) -> None:
         self.context = c = mpmath.MPContext()

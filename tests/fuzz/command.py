@@ -1,6 +1,6 @@
-"""Fuzz of the command line: every subcommand of ``integrable`` with scenes, files and options that will not do.
+"""Fuzz of the command line: every subcommand of ``integrable`` with invalid scenes, files and options.
 
-Right is what users are promised: exit code 2, one line on stderr, nothing on stdout, and not a file made or changed.
+The promised behaviour: exit code 2, one line on stderr, nothing on stdout, and no file made or changed.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ LONGEST = 2000
 
 
 class Obeyed(NamedTuple):
-    """What a command line came to; ``changed`` are the files that are not as they were."""
+    """The result of a command line; ``changed`` are the files that differ afterwards."""
 
     code: Any
     out: str
@@ -92,7 +92,7 @@ VARIED = (
 
 
 def _line(rng: Random, text: str) -> str:
-    """A scene with one line spoilt: its value replaced, the line left out, doubled, or its key another word."""
+    """A scene with one line spoilt: its value replaced, the line omitted or doubled, or its key misspelt."""
     lines = text.splitlines()
     at = rng.choice([i for i, line in enumerate(lines) if re.match(r"\w+ = [^\"]*[^=]", line)])
     key, _, _ = lines[at].partition(" = ")

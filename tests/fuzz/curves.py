@@ -81,7 +81,7 @@ def random_curve(rng: Random, text: str | None = None, genus: int | None = None,
     text = text or field_text(rng)
     K, g = field_of(text), genus or rng.choice((1, 2, 2, 2, 3, 3, 4, 5, 6))
     if K.order is not None and K.order.bit_length() > 65 and "," in text:
-        # a random class takes seconds there beyond
+        # beyond this a random class takes seconds
         g = min(g, 3)
     model = model or rng.choice(MODELS)
     if model == "inert" and g % 2:

@@ -76,7 +76,7 @@ def shuffled(rng: Random, values: Any) -> Vector:
 
 
 def general_moments(rng: Random) -> Vector:
-    """Three moments within one binary order, ten or twenty-four of each other."""
+    """Three moments within one binary order, or within ten or twenty-four of each other."""
     spread = rng.choice((1, 1, 2, 10, 24))
     scale = magnitude(rng, -20, 20)
     x, y, z = (scale * magnitude(rng, -spread, spread) for _ in range(3))
@@ -104,7 +104,7 @@ def equal_moments(rng: Random) -> Vector:
 
 
 def rolling(rng: Random, inertia: Vector) -> float:
-    """d of the size of the moments or, one time in three, tiny or huge beside them."""
+    """d of the size of the moments or, one time in three, tiny or huge relative to them."""
     return max(inertia) * magnitude(rng, *rng.choice(((-3, 3), (-3, 3), (-6, 6), (-30, -6), (6, 30))))
 
 

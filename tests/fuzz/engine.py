@@ -1,6 +1,7 @@
-"""Fuzz of exact arithmetic: sums against a textbook Cantor on python-flint's polynomials, group laws, counting by hand.
+"""Fuzz of exact arithmetic: sums compared with a textbook Cantor on python-flint's polynomials, group laws, brute-force
+counts.
 
-The textbook is :mod:`tests.jacobian.addition.flint_cantor`. Everything is exact: wrong is what differs.
+The textbook is :mod:`tests.jacobian.addition.flint_cantor`. Everything is exact: any difference is an error.
 """
 
 from __future__ import annotations
@@ -58,7 +59,7 @@ def textbook_sum(rng: Random) -> Case:
     return Case(curve.setup + summands(curve, rng), call, lambda names: _by_textbook(names, m, n), _only_points, LIMIT)
 
 
-# points that a small field has not, and inert curves of odd genus
+# points that a small field lacks, and inert curves of odd genus
 _only_points = (NotRepresentable,)
 
 
@@ -92,7 +93,7 @@ def _triple(D: Any) -> str:
 
 
 def true(setup: str, checks: list[str], refusals: Any = _only_points, limit: float = LIMIT) -> Case:
-    """A case whose call is a list of statements that have to be true."""
+    """A case whose call is a list of statements that must be true."""
 
     def judge(names: dict[str, Any]) -> Complaint | None:
         wrong = [check for check, holds in zip(checks, names["got"], strict=True) if not bool(holds)]
@@ -122,7 +123,7 @@ def axioms(rng: Random) -> Case:
 
 
 def batch(rng: Random) -> Case:
-    """Rows of every shape, in an array against one by one."""
+    """Rows of every shape, in an array and one by one."""
     curve = random_curve(rng)
     m = rng.randrange(-50, 51) if curve.C.field.order is not None else rng.randrange(-2, 3)
     setup = (

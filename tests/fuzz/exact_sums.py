@@ -1,5 +1,6 @@
-"""Sums of points on y² = f(x) to hundreds of digits: interpolation through all points, then Cantor's reduction, and how
-much rounding of the summands' coefficients does to the sum. Nothing of the packages is imported."""
+"""Sums of points on y² = f(x) to hundreds of digits: interpolation through all points, then Cantor's reduction, and the
+effect of rounding of the summands' coefficients on the sum. Nothing of the packages is imported.
+"""
 
 from __future__ import annotations
 

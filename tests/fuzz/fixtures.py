@@ -1,4 +1,4 @@
-"""The objects that bad calls are made on: name → the line that makes it, and the names that the line needs."""
+"""The objects on which bad calls are made: name → the line that makes it, and the names that the line needs."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ LINES = {
     "diagram": "diagram = ball.diagram()",
     "rolling": "from integrable.systems.on_layer import BodyOnLayer\nlayer = BodyOnLayer((1, 2, 3), 0.7)\n"
     "rolling = layer.flow(layer.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))",
-    # a step refuses what it is made of, or a state
+    # a step refuses its own arguments, or a state
     "multiplied": "multiplied = lambda factor: ball.multiplication(factor)(state)",
     "added": "added = lambda multiple: tilde.translation([30, -30], multiple=multiple)(state)",
 }

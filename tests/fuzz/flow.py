@@ -1,9 +1,9 @@
-"""Fuzz of motions: states at any time of tops, balls and their relatives, and what is computed from them.
+"""Fuzz of motions: states at any time of tops, balls and their relatives, and quantities computed from them.
 
-A state is wrong where it is off by more than 1e-13 and by more than a hundred times what one unit in the last place of
-every input does to it by itself, γ measured absolutely and M beside |M|. The oracle says how much that is (``floor``):
-by the rates of its angles, or by changing the inputs. A wrong sign is always seen, unless the floor exceeds 1/500: such
-states are not judged.
+A state is wrong if its error exceeds both 1e-13 and a hundred times the effect of one unit in the last place of every
+input, γ measured absolutely and M relative to |M|. The oracle gives this effect (``floor``), from the rates of its
+angles or by changing the inputs. A wrong sign is always seen, unless the floor exceeds 1/500: such states are not
+judged.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def case_of(start: Motion, oracle: Callable[[Motion], Any], wanted: list[float])
 
 
 def judged(got: Any, start: Motion, oracle: Any, wanted: list[float]) -> Complaint | None:
-    """Against the rows of an oracle: the worst row is complained of."""
+    """Compared with the rows of an oracle: the worst row is reported."""
     size = float(np.linalg.norm(start.M))
     if got.shape != (len(wanted), 6):
         return Complaint(f"shape {got.shape}", f"({len(wanted)}, 6)", "got.shape == expected")
@@ -133,7 +133,7 @@ def tilted_ball(rng: Random) -> Case:
 
 
 def many_times(rng: Random) -> Case:
-    """So many times that the compiled torus answers for near ones too."""
+    """So many times that the compiled torus is used for near ones too."""
     start = motion(rng, general_moments(rng), rolls=rng.random() < 0.7, tilted=rng.random() < 0.3)
     first, last = sorted(times(rng, start, 2, high=NEAR))
     made = case_of(start, Integrated, np.linspace(first, last, 600).tolist())
@@ -142,7 +142,7 @@ def many_times(rng: Random) -> Case:
 
 
 def far(rng: Random) -> Case:
-    """Up to 2^40 turns, 10^12, where a closed form is known."""
+    """Up to 2^40 turns, 10^12, for motions with a closed form."""
     moments, oracle, rolls, tilted = rng.choice(
         (
             (symmetric_moments, SymmetricTop, False, True),

@@ -1,4 +1,4 @@
-"""Fuzz of inexact arithmetic: sums over RR, CC and MP(30) against the same sums to 600 digits.
+"""Fuzz of inexact arithmetic: sums over RR, CC and MP(30) compared with the same sums to 600 digits.
 
 A coefficient of (u, v) is wrong where it has lost more than 0.6 of its digits (six of sixteen are left) and a thousand
 times what one unit in the last place of the coefficients of f and of the summands does to it
@@ -67,7 +67,9 @@ class Setting:
         return found
 
     def near(self, P: Any, distance: float, sign: int) -> Any:
-        """A point at that relative distance of P or of its opposite, over a number of the field; else P itself."""
+        """A point at that relative distance from P or from its opposite, over a number of the field; otherwise P
+        itself.
+        """
         x = P[0] * (1 + C.convert(distance))
         x = C.convert(complex(x) if self.field == "CC" else float(x))
         Q = exact.lifted(self.wide, x, 1)
@@ -221,7 +223,7 @@ def near_opposite(rng: Random) -> Case:
 
 
 def scaled(rng: Random) -> Case:
-    """Moderate points carried to another size with their curve: x → 4^k x."""
+    """Moderate points moved to another size together with their curve: x → 4^k x."""
     at = setting(rng)
     k = rng.randrange(-15, 16)
     size = len(at.f) - 1

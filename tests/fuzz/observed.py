@@ -1,4 +1,4 @@
-"""Fuzz of what is computed from a motion: τ and physical times, attitude, the contact point, events.
+"""Fuzz of quantities computed from a motion: τ and physical times, attitude, the contact point, events.
 
 Everything is compared with integrals, extrema and zeros of the oracle's states (:mod:`tests.fuzz.integrated`).
 """
@@ -16,7 +16,7 @@ from tests.fuzz.closed_forms import EqualMoments
 from tests.fuzz.distributions import Motion, equal_moments, general_moments, symmetric_moments
 from tests.fuzz.integrated import Integrated
 
-# what integrals of the oracle are good for, beside the size of the integral of the absolute value
+# accuracy of the oracle's integrals, relative to the integral of the absolute value
 INTEGRAL = 1e-11
 GAUSS = np.polynomial.legendre.leggauss(20)
 
@@ -25,7 +25,7 @@ def _start(rng: Random, rolls: bool) -> Motion:
     inertia = rng.choice((general_moments, general_moments, symmetric_moments))(rng)
     start = random.motion(rng, inertia, rolls=rolls, tilted=rng.random() < 0.4)
     spread = (max(inertia) + start.d) / min(inertia)
-    # turns of a body within bodies: what the oracle's panels follow
+    # turns of a body that the oracle's panels follow
     return start if spread < 100 else _start(rng, rolls)
 
 

@@ -1,4 +1,4 @@
-"""Fuzz of what comes from outside: other parameters under one name, files that cannot be written, interrupts."""
+"""Fuzz of outside influences: other parameters under one name, files that cannot be written, interrupts."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ def _numbers(values: list[Fraction], many: bool) -> str:
 
 
 class Ended(NamedTuple):
-    """How a process ended, and what it left in its folder."""
+    """How a process ended, and the files it left in its folder."""
 
     code: int
     out: str
@@ -124,12 +124,12 @@ COMMANDS = (
     "integrable sweep chaplygin --vary d=0:1:2000 --executor threads", "integrable report --quick --jobs 2",
     "jacobian compile", "benchmarks --list", "tests.fuzz command --cases 20",
 )  # fmt: skip
-# a test run under nohup, or behind the & of a script, ignores interrupts, and so would all that it starts
+# under nohup, or in the background of a script, a test run ignores interrupts, and so would its children
 LISTENING = """
 import signal
 signal.signal(signal.SIGINT, signal.default_int_handler)
 """
-# the interrupt waits until the command's handler stands: before it Python itself and the packages are being loaded
+# the interrupt waits until the command has installed its handler: before that Python and the packages are being loaded
 STARTED = """
 import os, runpy, sys
 import integrable
@@ -172,7 +172,7 @@ def interrupted(command: str, delay: float, group: bool) -> Ended:
         return Ended(running.returncode, out.decode(), err.decode(), sorted(os.listdir(place)), took)
 
 
-# beside other work a process is late by itself
+# other work delays a process
 SECONDS = 3.0
 
 

@@ -17,7 +17,7 @@ from typing import Any, Protocol
 from tests.fuzz.case import FAILURES, RAW, REFUSED, RIGHT, SLOW, UNJUDGED, WRONG, Case, Outcome, run
 
 WORDS = (RIGHT, REFUSED, UNJUDGED, WRONG, RAW, SLOW)
-# how many reasons the line of counts names of a kind; a run of calls has thousands
+# largest number of reasons listed per kind; a run of calls has thousands
 REASONS = 8
 SHOWN = {REFUSED: "refused by name", RAW: "raw exceptions", SLOW: "over the time limit"}
 
@@ -144,7 +144,7 @@ class Plan:
     until: float | None = None
     start: int = 0
     stride: int = 1
-    # times the limit of every case: tests are not about seconds
+    # factor on every time limit: these tests do not measure speed
     patience: float = 1.0
 
     def indices(self) -> Iterator[int]:

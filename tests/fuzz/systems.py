@@ -1,7 +1,7 @@
 """Fuzz of the systems of ``integrable.classical``: states in floats at near times, at many, and far away.
 
-What counts as wrong is as in :mod:`tests.fuzz.flow`, q and p beside their largest component. Near states are held
-against integration, far ones against the flow in 30 digits, from inputs moved by less than a float shows.
+Errors are judged as in :mod:`tests.fuzz.flow`, with q and p relative to their largest component. Near states are
+compared with integration, far ones with the flow in 30 digits, from inputs changed by less than a float resolves.
 """
 
 from __future__ import annotations
@@ -139,7 +139,7 @@ def times(rng: Random, motion: Motion, count: int, low: int, high: int) -> list[
 
 
 def started(rng: Random, name: str) -> Motion:
-    """One that moves."""
+    """A motion that is not at rest."""
     while True:
         motion = SYSTEMS[name](rng)
         if 0 < motion.speed < 1e12:
@@ -180,7 +180,7 @@ def near(name: str, rng: Random) -> Case:
 
 
 def many(name: str, rng: Random) -> Case:
-    """So many times that tables, a torus or a run over all of them may answer."""
+    """So many times that tables, a torus or one run over all of them may be used."""
     motion = started(rng, name)
     first, last = sorted(times(rng, motion, 2, -3, 6))
     wanted = np.linspace(first, last, 120).tolist()
@@ -213,7 +213,7 @@ class Precise:
 
         system = getattr(import_module(f"integrable.classical.{motion.module}"), motion.name)
         made = system(*map(inside, motion.arguments), field=K)
-        # what doubles can meet to rounding only
+        # constraints that doubles meet only to rounding
         state = made._constrained(K, Point(inside(motion.q), inside(motion.p)))
         try:
             found = made.flow(state).at(wanted)

@@ -1,4 +1,4 @@
-"""The suites themselves: a few cases of each every day, many of them (slow), and that they notice what is wrong."""
+"""The suites themselves: a few cases of each every day, many of them (slow), and that they detect errors."""
 
 import json
 from random import Random
@@ -28,7 +28,7 @@ def test_the_same_seed_gives_the_same_cases(name):
 
 
 def test_a_curve_without_points_of_the_size_asked_for_has_others():
-    """y² = 1 − x − 2x² − … with f < 0 for |x| from 16 to 64: no drawing without end."""
+    """y² = 1 − x − 2x² − … has f < 0 for |x| from 16 to 64: drawing points must not loop for ever."""
     at = Setting("RR", 2, (1.0, -1.0, -2.0, -2.0, -2.0, 1e-3), Random(1))
     assert len(at.points(3, 4, 6)) == 3
 
@@ -157,7 +157,7 @@ def test_an_unknown_kind_is_named(capsys):
     assert "argument --kind: ['nonsense'] not among" in capsys.readouterr().err
 
 
-# a few seconds, with what is compiled already
+# a few seconds, with compiled code in the cache
 EVERYDAY = {
     "flow": ("three equal", "attitude", "translation"),
     "systems": ("neumann", "pendulum", "toda", "far lagrange"),
@@ -180,7 +180,7 @@ def test_a_few_cases(name):
 MANY = {"engine": 250, "flow": 400, "systems": 60, "inexact": 300, "calls": 6000, "command": 2000, "outside": 120}
 
 
-# motions whose oracle is a formula; other oracles take minutes where heyoka is not installed
+# motions whose oracle is a formula; the other oracles take minutes without heyoka
 FORMULAS = (
     "symmetric top", "symmetric ball", "three equal", "top", "close top", "far", "multiprecision", "straight contact",
     "translation", "keyless", "multiplication", "tilted step", "far tilde", "far check", "far hat",

@@ -1,4 +1,4 @@
-"""What bad calls are made of: wrong values, right values, callables, operators, all as lines of Python."""
+"""The ingredients of bad calls: wrong values, right values, callables, operators, all as lines of Python."""
 
 from __future__ import annotations
 

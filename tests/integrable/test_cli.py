@@ -315,7 +315,7 @@ def test_a_result_is_not_written_over_unasked(here, capsys, monkeypatch):
 
 
 class Terminal(io.StringIO):
-    """What a person types, or sees."""
+    """A text stream that claims to be a terminal."""
 
     def isatty(self):
         return True

@@ -15,7 +15,7 @@ from tests.jacobian.test_values import assert_sealed, descendants
 
 VALUES = {f"{name} over {kind}": value for kind, K in FIELDS.items() for name, value in values_over(K).items()}
 VALUES |= other_values()
-# the numbers of enclosures, of power series and of columns, which no one is handed
+# internal number types, never returned to users
 INSIDE = {"Balls", "Columns", "Recorder", "_Operators", "SymbolField"}
 ARRAYS = ("times", "tau", "gamma", "M", "omega", "attitude", "quaternion", "contact", "error", "digits", "radius")
 ARRAYS += (

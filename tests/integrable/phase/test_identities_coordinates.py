@@ -387,7 +387,7 @@ def test_real_round_trips_from_thin_to_heavy_bodies() -> None:
         state = ball.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
         back = ball.from_separated(*ball.separated(state), like=state)
         for x, y in zip((*back.gamma, *back.M), (*state.gamma, *state.M), strict=True):
-            # u_k = a_i + (a part as small as 1 − da_i): its digits go
+            # u_k = a_i + (a part as small as 1 − da_i): its digits cancel
             assert abs(x - y) < 1e-38 * max(1, float(d)) ** 3
 
 

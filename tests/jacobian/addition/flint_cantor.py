@@ -1,4 +1,4 @@
-"""A second Cantor, written straight from the papers on python-flint's polynomials: the one to compare with.
+"""A second Cantor for comparison, written from the papers on python-flint's polynomials.
 
 Cantor 1987 with h as in Koblitz 1989: compose with two extended gcds, reduce one step after the other. The weight at
 infinity of split models as in Galbraith, Harrison and Mireles Morales 2008.

@@ -19,7 +19,7 @@ SMALL_ROWS = [
     pytest.param(
         *(name, genus, model, with_h),
         id=f"{name}-g{genus}-{model}-{'h' if with_h else '0'}",
-        # larger groups take the same ways: GF(9) and GF(8) on elliptic curves, genus 3 over GF(3) are tried every day
+        # larger groups use the same code: GF(9) and GF(8) on elliptic curves, genus 3 over GF(3) are tried every day
         marks=pytest.mark.slow if (K.order > 5 and genus > 1) or (K.order == 4 and genus == 3) else (),
     )
     for name, K in SMALL.items()
@@ -131,7 +131,7 @@ KERNELS = {
 def test_multiples_add_up(name, seed, m, n):
     C = KERNELS[name].arithmetic_model
     kernel, rng = word_kernel(C), Random(seed)
-    # few points, so that classes share some
+    # few points, so that classes have common ones
     points = [C.random_point(rng) for _ in range(3)]
     J = C.jacobian()
     a, b = (triple(J.from_points(rng.choices(points, k=rng.randrange(C.genus + 1)))) for _ in range(2))

@@ -1,4 +1,4 @@
-"""Which kernel a group runs, and when it changes over to compiled code."""
+"""Which kernel a group uses, and when it switches to compiled code."""
 
 import logging
 import math
@@ -21,7 +21,7 @@ CURVE = HyperellipticCurve(GF(10007), [3, 1, 4, 1, 5, 1])
 
 @pytest.fixture
 def fresh(monkeypatch):
-    """A process that has not added yet and changes over after 1000 additions, or 5000 where nothing is cached."""
+    """A process that has not added yet and switches after 1000 additions, or 5000 if nothing is cached."""
     monkeypatch.setattr(choice.PROCESS, "additions", 0)
     monkeypatch.setattr(choice, "READY", 1000)
     monkeypatch.setattr(choice, "COLD", 5000)
@@ -42,7 +42,7 @@ def test_work_makes_the_change(fresh):
     sums += [E := E + D for _ in range(300)]
     assert owner(J) is LineKernel
     assert J._double.__self__ is J._multiple.__self__ is J._sum_of.__self__
-    # who kept the old kernel is served by the new one
+    # whoever kept the old kernel uses the new one
     assert counted.__self__._sum_of == J._sum_of
     add = python_kernel(CURVE).sum_of
     total = (D.u, D.v, D.n)

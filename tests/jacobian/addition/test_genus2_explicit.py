@@ -1,4 +1,4 @@
-"""The explicit formulas of genus 2: equal to Cantor on every pair, and as cheap as their source says."""
+"""The explicit formulas of genus 2 agree with Cantor on every pair, and cost what their source states."""
 
 from itertools import product
 from random import Random
@@ -106,7 +106,7 @@ def test_many_random_pairs(row):
         for formulas in kernels(C):
             assert formulas.sum_of(triple(A), triple(B)) == cantor.sum_of(C, triple(A), triple(B))
             assert formulas.double(triple(A)) == cantor.double(C, triple(A))
-        # a walk, with a fresh start now and then: over a large field a random class costs a hundred additions
+        # a walk with occasional fresh starts: over a large field a random class costs a hundred additions
         A, B = (A + B, A) if row.K == QQ or count % 30 else (J.random(rng), A + B)
 
 
@@ -183,10 +183,10 @@ def test_the_group_runs_the_formulas():
 
 
 def test_special_cases_go_to_cantor(monkeypatch, rng):
-    """Opposite and common points, tangents at branch points, weights below two: each answered by Cantor, rightly."""
+    """Opposite and common points, tangents at branch points, weights below two: Cantor handles each correctly."""
     C = HyperellipticCurve(GF(101), [0, 24, 0, 1, 0, 1])
     J = C.jacobian()
-    # whatever the session has compiled by now
+    # whatever has been compiled in this session
     J._adopt(python_kernel(C))
     P, Q, R = (C.random_point(rng) for _ in range(3))
     branch = C.point(0, 0)

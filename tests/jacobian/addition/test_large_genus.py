@@ -89,7 +89,7 @@ def test_every_genus_up_to_thirty(field, model):
     "row", [pytest.param(row, id=str(row)) for row in ROWS if row.genus <= 4 and row.model != "moved"]
 )
 def test_small_genus_too(row):
-    """Below the genus from which it is used NUCOMP is right all the same."""
+    """NUCOMP is also correct below the genus from which it is used."""
     assert_equal(row.curve, [triple(D) for D in row.pool[: 5 if row.K == QQ else None]])
 
 

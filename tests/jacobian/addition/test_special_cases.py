@@ -1,4 +1,6 @@
-"""Places where formulas break: 2-torsion, opposite and common points, weights below g, infinity, moved equations."""
+"""Positions where formulas break: 2-torsion, opposite and common points, weights below g, infinity, transformed
+equations.
+"""
 
 import pytest
 
@@ -55,7 +57,7 @@ def test_many_points_are_one_semi_reduced_pair(row, rng):
 
 
 def test_thousands_of_points(rng):
-    """In one pair their time would grow with the cube of their number: hours."""
+    """As a single pair their time would grow with the cube of their number, to hours."""
     C = HyperellipticCurve(GF(101), [1, 2, 0, 3, 0, 0, 1])
     J, P, Q = C.jacobian(), C.random_point(rng), C.random_point(rng)
     assert C.model == "split"
@@ -103,7 +105,7 @@ def test_both_points_at_infinity(row, rng):
     assert J.from_points([plus, plus]) == difference
     assert J.from_points([P, plus]) + J.from_points([C.involution(P), minus]) == J.zero()
     assert C.involution(plus) == minus
-    # the steps at infinity: n goes through its whole range and comes back
+    # the steps at infinity: n runs through its whole range and returns
     total = J.zero()
     for m in range(1, 3 * g + 4):
         total = total + difference

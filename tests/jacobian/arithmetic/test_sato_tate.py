@@ -23,7 +23,7 @@ KNOWN = [
 
 
 def test_there_are_52_groups_with_integral_moments():
-    """The mean of a character is an integer, and a_1^i·a_2^j is one; no two groups have all of them alike."""
+    """Moments of a_1^i·a_2^j are means of characters, hence integers; they distinguish all 52 groups."""
     found = groups(2)
     assert len(found) == 52
     assert len(over_the_rationals(2)) == 37
@@ -44,7 +44,7 @@ def test_moments_that_are_counted_otherwise():
     for k in range(5):
         assert moment(one["SU(2)"], 2 * k) == pytest.approx(comb(2 * k, k) // (k + 1))
         assert moment(one["U(1)"], 2 * k) == pytest.approx(comb(2 * k, k))
-    # of two independent angles the moments of a sum
+    # moments of the sum over two independent angles
     assert found["G3,3"][1] == sum(comb(4, i) * (1, 0, 1, 0, 2)[i] * (1, 0, 1, 0, 2)[4 - i] for i in range(5))
     assert found["F"][0] == 4
 

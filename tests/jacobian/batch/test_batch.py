@@ -184,7 +184,7 @@ def test_mixes_of_special_rows(pairs, repeat):
 
 
 def test_equal_rows_are_doubled():
-    """A + A as two arrays: no row of full weight goes to Cantor but those with a branch point."""
+    """A + A as two arrays: the only rows of full weight that go to Cantor have a branch point."""
     A = DivisorArray.stack(POOL * 50)
     B = DivisorArray.stack(POOL * 50)
     assert (A.double() == (A + B)).all()
@@ -229,7 +229,7 @@ def test_ranges(total, count):
     lengths = [end - begin for begin, end in ranges]
     assert all(0 < length <= 1024 for length in lengths)
     if total > 1024 and count > 1:
-        # no thread has a range more than another
+        # every thread has the same number of ranges
         assert len(ranges) % count == 0
         assert max(lengths) - min(lengths) < len(ranges)
 

@@ -74,7 +74,9 @@ def rounded(J, D):
 
 
 def distance(found, true, units):
-    """Between the numbers of two divisors of the same weights, beside the size of the true ones, in units."""
+    """The difference of the numbers of two divisors of equal weights, relative to the size of the true ones, in
+    units.
+    """
     assert (len(found.u), found.n) == (len(true.u), true.n)
     points = len(true.v)
     scales = [*units[2 - points : 2], *units[2 : 2 + points]]
@@ -85,7 +87,7 @@ def distance(found, true, units):
 
 @pytest.mark.parametrize("name", CURVES)
 def test_sums_of_random_divisors(name):
-    """One to one, one to many, doubles: as near to the truth as single additions, and none left to them."""
+    """One to one, one to many, doubles: as accurate as single additions, and none left to them."""
     curve, precise, units = curves(name)
     rng, J, wide = Random(name), curve.jacobian(), precise.jacobian()
     size = BLOCK + 40
@@ -159,7 +161,7 @@ def test_rows_near_special_ones(name):
 
 @pytest.mark.parametrize("degree", [5, 6])
 def test_doubled_branch_points(degree):
-    """2(B + P) = 2P: the tangent at P is known to the equation of the curve alone."""
+    """2(B + P) = 2P: the tangent at P is determined by the equation of the curve alone."""
     K = FIFTY[CC]
     roots = [K.coerce(c) for c in (1j, -1, 2, 0.5 - 1j, -0.5 - 0.5j, 1.5 + 1j)[:degree]]
     f = [complex(c) for c in poly.from_roots(K, roots)]
@@ -218,7 +220,7 @@ def test_arrays_row_by_row(name):
             pool += [rounded(J, D)] if i < 2 else []
             pool += [Divisor(J, rounded(J, D).u, rounded(J, D).v, 0)] if i == 2 and curve.model == "split" else []
     opposite = -pool[0]
-    # so near to the opposite that the sum is 0, or undecided, or has few digits
+    # so near the opposite that the sum is 0, undecided, or has few digits
     pool += [
         Divisor(J, opposite.u, (opposite.v[0], opposite.v[1] * (1 + k * RR.eps)), opposite.n)
         for k in (0, 4, 256, 2**14)
@@ -322,8 +324,9 @@ def test_what_is_refused():
 
 @pytest.mark.parametrize("K", [RR, CC], ids=str)
 def test_points_of_very_different_sizes_are_added_as_one_by_one(K):
-    """Beside a point at 6e5 the one at 5e-6 lost ten digits, silently: 1 to 3 rows of 100 with |x| from 2^-20 to 2^20
-    were off by more than 1e-6."""
+    """A point at 5e-6 beside one at 6e5 lost ten digits silently: 1 to 3 rows in 100 with |x| from 2^-20 to 2^20 were
+    off by more than 1e-6.
+    """
     rng = np.random.default_rng(17)
     C = HyperellipticCurve(K, [K.coerce(x) for x in (1.6, 1.5, 1.1, 0.9, 1.1, 0.6)])
     J = C.jacobian()
@@ -377,8 +380,9 @@ def residuals(f, half, rows):
     ids=str,
 )
 def test_ten_thousand_rows_are_on_the_curve_as_single_sums_are(K, f, h):
-    """No row is off by more than 1e-13 (2e-12 before rows beyond 2^-46 were added again), and next to none goes the
-    slow way."""
+    """No row is off by more than 1e-13 (2e-12 before rows beyond 2^-46 were added again), and almost none is added
+    singly.
+    """
     half = np.array([*h, 0, 0, 0, 0][:4]) / 2
     F = np.array([*f, 0][:7]) + np.convolve(half, half)
     F = F[:6] if F[6] == 0 else F

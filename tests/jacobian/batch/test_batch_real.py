@@ -46,7 +46,7 @@ def curves(name):
 
 
 def random_point(curve, unit, rng):
-    """A point away from the branch points: multiples of such a one stay in the range of floats for a while."""
+    """A point away from the branch points, so that its multiples stay in the range of floats for a while."""
     while True:
         x = K.coerce(rng.uniform(-2, 3) * unit)
         h = poly.evaluate(K, curve.h, x)
@@ -170,7 +170,7 @@ def test_arrays_of_every_weight(name):
 
 
 def test_multiples_and_sums():
-    """As near to the truth as single ones: multiples come near infinity and lose digits there in any arithmetic."""
+    """As accurate as single ones: multiples come near infinity and lose digits there in any arithmetic."""
     _, found, true = divisors_of_every_weight("easy")
     A = DivisorArray.stack(found)
     scalars = [0, 1, -1, 2, 3, -4, 3, 2, -2, -3, 4, 0, 4]

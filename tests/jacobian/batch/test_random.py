@@ -1,4 +1,4 @@
-"""Random classes in arrays: on the curve, everywhere in the group alike, the same from the same seed."""
+"""Random classes in arrays: on the curve, uniform in the group, reproducible from the seed."""
 
 from random import Random
 
@@ -59,7 +59,7 @@ def cyclic_group(model):
 
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 def test_classes_are_uniform(model):
-    """χ² over all classes of a group: each is had as often as any other."""
+    """χ² over all classes of a group: all are equally frequent."""
     J, logarithms = cyclic_group(model)
     count = 5 * len(logarithms)
     A = J.random(Random(5), size=count)
@@ -71,8 +71,8 @@ def test_classes_are_uniform(model):
 
 @pytest.mark.parametrize("model", ["ramified", "split"])
 def test_the_bound_of_weil_on_all_characters_of_a_group(model):
-    """What the docstring proves, by all characters of a cyclic group: their sums over the affine points are the
-    discrete Fourier transform of the points' multiplicities, and k-fold sums have its k-th powers.
+    """The bound proven in the docstring, for all characters of a cyclic group: their sums over the affine points are
+    the discrete Fourier transform of the points' multiplicities, and k-fold sums have its k-th powers.
     """
     J, logarithms = cyclic_group(model)
     C, found = J.curve, sampler(engine(J))

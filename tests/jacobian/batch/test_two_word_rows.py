@@ -24,14 +24,14 @@ def with_and_without_h(fields):
 
 
 def group(K, model, with_h=False, genus=2):
-    """The Jacobian of a curve, whose rows are of two words however small the field is."""
+    """The Jacobian of a curve whose rows are stored in two words even over a small field."""
     J = random_curve(K, genus, "two words", model=model, with_h=with_h).jacobian()
     J.__dict__["_rows"] = TwoWordRows(J)
     return J
 
 
 def assert_right(J, classes):
-    """As Cantor's algorithm and the group have them: sums, multiples, and the way to arrays and back."""
+    """Sums, multiples, and conversions to arrays and back agree with Cantor's algorithm and the group."""
     assert_equal_to_cantor(J, classes)
     C = DivisorArray.stack(classes, J)
     scalars = [7 * i - 60 for i in range(len(C))]

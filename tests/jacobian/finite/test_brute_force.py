@@ -1,4 +1,6 @@
-"""Points, zeta functions and twists against all pairs (x, y) tried, in tables that share nothing with our fields."""
+"""Points, zeta functions and twists compared with trying all pairs (x, y), in tables that share nothing with our
+fields.
+"""
 
 from functools import cache
 from itertools import product

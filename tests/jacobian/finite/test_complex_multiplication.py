@@ -1,4 +1,4 @@
-"""y² = x⁵ + a and y² = x⁷ + a: against points counted one by one, and at sizes where nothing can be counted."""
+"""y² = x⁵ + a and y² = x⁷ + a: compared with point counts, and at sizes where counting is impossible."""
 
 from itertools import product
 from random import Random

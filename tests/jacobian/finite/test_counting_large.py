@@ -1,4 +1,4 @@
-"""Characteristic polynomials of Frobenius: the search against counts, closed forms, and the laws they all obey."""
+"""Characteristic polynomials of Frobenius: the search compared with counts, closed forms, and general laws."""
 
 import signal
 import sys
@@ -110,7 +110,7 @@ def test_hasse_witt_over_extensions(p, k, genus):
 
 
 def test_the_recurrence_gives_the_coefficients_of_the_power(monkeypatch):
-    """Two ways to the same matrix, at either side of the prime where one takes over from the other."""
+    """Two computations of the same matrix, on both sides of the prime where the method changes."""
     for p, genus in ((20_011, 2), (20021, 3), (20_011, 20), (19_997, 2)):
         C = random_curve(GF(p), genus, "recurrence")
         found = []
@@ -240,7 +240,7 @@ def test_genus_3_against_counts_over_the_quadratic_extension(p):
     [(10_000_019, 2), (10_000_019, 1), pytest.param(100_000_007, 3, marks=pytest.mark.slow)],
 )
 def test_primes_whose_points_are_not_counted(p, genus):
-    """The trace is read off the Cartier–Manin matrix: the orders of the curve and of its twist annihilate classes."""
+    """The trace comes from the Cartier–Manin matrix: the orders of the curve and of its twist annihilate classes."""
     C = random_curve(GF(p), genus, "beyond counting", model="ramified")
     J, twist, rng = C.jacobian(), C.quadratic_twist().jacobian(), Random(p)
     chi = J.frobenius_polynomial()

@@ -57,7 +57,7 @@ def test_the_step_grows_with_the_root_within_the_memory():
 
 @pytest.mark.parametrize("p", [2**49 - 81, 10**14 + 31, 10**12 + 39])
 def test_products_modulo_large_primes_are_those_of_integers(p):
-    """The values at which the doubling ends, and shifts of them, where no run would reach p."""
+    """The values at the end of the doubling, and shifts of them, for primes beyond the reach of a full run."""
     assert is_prime(p)
     rng, beta, d = Random(p), 2048, 5
     ratios = [rng.randrange(p) for _ in range(d)]
@@ -147,7 +147,7 @@ def test_orders_annihilate_the_curve_and_its_twist(p, genus, model):
 
 
 def test_all_candidates_that_annihilate_a_class_are_found():
-    """Classes of small order meet many: none that is right may be missed."""
+    """Classes of small order match many candidates: no correct one may be missed."""
     C = HyperellipticCurve(GF(103), [0, 1, 0, 0, 0, 0, 0, 0, 1])
     p, side = 103, Side(C, 1)
     a = weil.leading([counting.count_points(C) - p - 1])
@@ -185,7 +185,7 @@ def test_progress_is_logged(caplog, monkeypatch):
 
 
 def test_a_first_order_says_nothing_of_the_hours_that_compilation_seemed_to_show(tmp_path):
-    """It took seven seconds of numba's time, and printed "0 % done, about 2879 s left"."""
+    """Compilation by numba took seven seconds, and the progress line predicted "0 % done, about 2879 s left"."""
     asked = "from jacobian import *; print(HyperellipticCurve(GF(10**7 + 19), [1, -1, 0, 0, 0, 1]).jacobian().order())"
     places = {"NUMBA_CACHE_DIR": str(tmp_path), "XDG_CACHE_HOME": str(tmp_path)}
     run = subprocess.run(

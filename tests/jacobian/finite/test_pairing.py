@@ -1,4 +1,4 @@
-"""The Weil and Tate pairings: the laws on full m-torsion, over every model, and against Frobenius."""
+"""The Weil and Tate pairings: the laws on full m-torsion, over every model, and compared with Frobenius."""
 
 from itertools import combinations, product
 from random import Random

@@ -74,7 +74,7 @@ def test_log_has_the_coordinates_of_all_classes(C):
 
 
 def test_log_in_subgroups():
-    """Of torsion, of which other classes are outside, and over QQ."""
+    """In torsion subgroups, outside of which other classes lie, and over QQ."""
     J = HyperellipticCurve(GF(31), [1, 0, 0, 0, 0, 0, 1]).jacobian()
     whole, halves = J.structure(), J.torsion(2)
     assert whole.invariants == (3, 3, 12, 12)

@@ -1,4 +1,5 @@
-"""Curves whose answers other programs had wrong, by mathematics: points counted here one by one, and Weil's bounds.
+"""Curves on which other programs gave wrong answers, checked by mathematics: points counted here one by one, and Weil's
+bounds.
 
 Magma's tracker has L-polynomials over GF(3) and GF(11) (issue 76) and a factor at 2 (issue 144); Sage had J(P, P) ≠ 0
 on models with two points at infinity, and random elements of inert models of odd genus.
@@ -43,7 +44,7 @@ def counted(p, f):
     ],
 )
 def test_l_polynomials_over_small_fields(p, f, points, L):
-    """a_1 = N_1 − p − 1 and a_2 = (N_2 − p² − 1 + a_1²)/2, from both counts; in every way that there is here."""
+    """a_1 = N_1 − p − 1 and a_2 = (N_2 − p² − 1 + a_1²)/2, from both counts; by every method available here."""
     assert counted(p, f) == points
     first = points[0] - p - 1
     assert [1, first, (points[1] - p * p - 1 + first**2) // 2, p * first, p * p] == L
@@ -56,7 +57,8 @@ def test_l_polynomials_over_small_fields(p, f, points, L):
 
 
 def test_a_factor_at_two():
-    """y² = 16x⁵ + 88x⁴ + 65x³ − 170x² + x has the L-polynomials of 834.a.1668.1; of 2, which is bad, nothing is said.
+    """y² = 16x⁵ + 88x⁴ + 65x³ − 170x² + x has the L-polynomials of 834.a.1668.1; at the bad prime 2 no factor is
+    returned.
 
     The factor 1 + T² − 2T³ = (1 − T)(1 + T + 2T²) has inverse roots of modulus 1 and √2.
     """

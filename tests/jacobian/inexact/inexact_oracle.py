@@ -1,8 +1,9 @@
-"""Sums of points on y² = f(x), deg f = 2g + 1, with hundreds of digits, and what rounding of the summands does to them.
+"""Sums of points on y² = f(x), deg f = 2g + 1, with hundreds of digits, and the effect of rounding of the summands on
+them.
 
 Shares nothing with the package: Newton's interpolation through distinct points and Cantor's reduction step, on mpmath's
-numbers. The conditioning is found by trial: the coefficients of the summands are moved by a unit of the last bit, and
-their points put back on the curve.
+numbers. The conditioning is found by trial: the coefficients of the summands are changed by a unit of the last bit, and
+their points projected back onto the curve.
 """
 
 import mpmath
@@ -89,8 +90,8 @@ def moved(f, points, eps, rng):
 
 
 def conditioning(f, genus, summands, eps, rng, trials=3):
-    """The sum (u, v), and by how much its coefficients move with the last bits of the summands; None where even its
-    degree does.
+    """The sum (u, v), and how far its coefficients move with the last bits of the summands; None if even its degree
+    changes.
     """
     u, v = total(f, genus, [point for points in summands for point in points])
     shift = [WIDE.zero] * (len(u) + len(v))
@@ -98,7 +99,7 @@ def conditioning(f, genus, summands, eps, rng, trials=3):
         try:
             near = total(f, genus, [point for points in summands for point in moved(f, points, eps, rng)])
         except ZeroDivisionError:
-            # last bits make two points one, or opposite
+            # last bits decide whether two points coincide or are opposite
             return (u, v), None
         if len(near[0]) != len(u):
             return (u, v), None

@@ -1,4 +1,4 @@
-"""Inexact composition: accuracy at every distance of the summands, sums against exact ones, what it refuses."""
+"""Inexact composition: accuracy at every distance of the summands, comparison with exact sums, refusals."""
 
 from fractions import Fraction
 from itertools import product
@@ -89,13 +89,13 @@ def rounded(K, curve):
 
 
 def into(J, D):
-    """The rounded copy of an exact divisor: v gets back the zeros that exact polynomials drop."""
+    """The rounded copy of an exact divisor: v regains the leading zeros that exact polynomials drop."""
     zeros = [0] * (len(D.u) - 1 - len(D.v))
     return J.from_mumford(D.u, [*D.v, *zeros], D.n if J.curve.model == "split" else None) if D else J.zero()
 
 
 def assert_equal(found, exact, scale=1):
-    """Of equal weights, and coefficients equal to 1e6 eps beside the largest of them all.
+    """Equal weights, and coefficients equal to 1e6 eps relative to the largest of all.
 
     The square: coefficients of a sum with points far out change faster with the summands than they grow.
     """
@@ -139,7 +139,7 @@ def test_sums_equal_the_exact_ones(row, K):
             undecided += 1
             continue
         assert_equal(total, D + E, size(D) * size(E))
-    # genus 4 with coefficients of 1e3: a few weights are beyond 16 digits, and that is said
+    # genus 4 with coefficients of 1e3: a few weights are beyond 16 digits, and are refused
     assert undecided <= (0.05 * len(pairs) if row.model == "moved" else 0)
 
 
@@ -189,7 +189,7 @@ def test_associativity_to_rounding(row):
 
 @pytest.mark.parametrize("K", FIELDS.values(), ids=FIELDS)
 def test_opposite_points_beside_a_doubled_one(K):
-    """(P + Q) + (ιP + Q) = 2Q: its tangent is known from the curve alone, and here no rounding error hides that."""
+    """(P + Q) + (ιP + Q) = 2Q: its tangent is determined by the curve alone, and no rounding error helps here."""
     row = Row("QQ", "ramified", 2, False)
     C, J = row.curve, rounded(K, row.curve)
     points = rational_points(C)
@@ -262,7 +262,7 @@ def test_a_sum_with_a_point_at_infinity_is_refused():
 
 
 def test_weights_at_infinity_are_not_dropped():
-    """On a split model a lone point comes with one at infinity: such sums are right or refused."""
+    """On a split model a lone point comes with one at infinity: such sums are correct or refused."""
     row = Row("QQ", "split", 2, False)
     C = row.curve
     exact, J = C.jacobian(), rounded(RR, C)
@@ -309,7 +309,7 @@ def test_a_degree_that_cannot_be_decided():
 
 @pytest.mark.parametrize(("x", "weight"), [("1e10", 2), ("1e16", 2), ("1e40", 1)])
 def test_degrees_that_can_be_decided(x, weight):
-    """A point far out is found to the digits that are left; beyond reach it is the point at infinity."""
+    """A point far out is found to the remaining digits; beyond reach it is the point at infinity."""
     f, D, E = with_far_point(x)
     J = HyperellipticCurve(RR, f).jacobian()
     total = J.from_mumford(D.u, D.v) + J.from_mumford(E.u, E.v)

@@ -38,7 +38,7 @@ def test_translations_near_the_identity(k):
 
 
 def test_a_chord_between_divisors_that_are_apart_solves_its_congruence():
-    """L·U ≡ q(V' − V) modulo U', whatever the curve; and a common abscissa is told."""
+    """L·U ≡ q(V' − V) modulo U', for any curve; and a common abscissa is reported."""
     random = Random(11)
     for _ in range(200):
         first, second = (tuple(QQ.coerce(random.randint(-9, 9)) for _ in range(4)) for _ in range(2))

@@ -1,4 +1,6 @@
-"""Inexact sums of points of any size: composition commutes with x → λx, and is as good as its summands' last bits."""
+"""Inexact sums of points of any size: composition commutes with x → λx, and is as accurate as its summands' last
+bits.
+"""
 
 from fractions import Fraction
 from itertools import permutations
@@ -181,7 +183,7 @@ def test_exact_sums_of_rational_points(genus, K):
 
 @pytest.mark.parametrize("genus", [2, 3, 4, 5, 6])
 def test_points_of_every_size(genus):
-    """|x| from 1e-9 to 1e9: right to the last bits of the summands, or refused."""
+    """|x| from 1e-9 to 1e9: accurate to the last bits of the summands, or refused."""
     refused = 0
     for total, f, parts, rng in sums(RR, genus, "every size", 8, -9, 9):
         if total is None:
@@ -236,7 +238,9 @@ def test_clusters_lose_a_degree_only_where_rounding_decides_it(genus):
 
 
 def test_sums_that_the_summands_decide_are_not_refused():
-    """Two divisors of points of all sizes, some last bits apart: intermediate quantities are noise, the sum is not."""
+    """Two divisors of points of all sizes, some last bits apart: intermediate quantities are noise, but the sum is
+    not.
+    """
     f = [
         1.9735734294493752, -1.736960634477068, 1.5636799215323527, -0.8108116040666382, -0.44489478676557326,
         0.7944302569668134, -0.25958515457707243, 0.9236749056709566, 1.0996278811842428, 0.5591945599402299,
@@ -255,7 +259,7 @@ def test_sums_that_the_summands_decide_are_not_refused():
 
 
 def test_the_way_onto_the_curve_may_be_crooked():
-    """Newton's steps towards the curve grow for a while before they shrink, here below the square of the last bit."""
+    """Newton's steps towards the curve may grow before they shrink, here below the square of the last bit."""
     f = [
         3.028795767581607e-07, 40.46867485942532, 1133409851.0197961, 224865646476367.2, 1.6317994498519421e+18,
         1.1638457281341593e+21, 1.5271320651646106e+23, 2.0133989447325077e+23, 6.48184771030601e+22,
@@ -366,7 +370,7 @@ def test_a_repeated_point_and_its_opposite_cancel_to_rounding():
 
 
 def test_points_that_coefficients_cannot_hold_are_refused():
-    """v of {2, 3e8, 1e9} is of size 1e22: its floats know nothing of y(2) = 12."""
+    """v of {2, 3e8, 1e9} is of size 1e22: in floats it does not determine y(2) = 12."""
     J = HyperellipticCurve(RR, [1, 2, 0, 3, 0, 1, 0, 1]).jacobian()
     points = [J.curve.lift_x(x) for x in (2.0, 3e8, 1e9)]
     with pytest.raises(PrecisionLoss, match=r"x=2\.0"):

@@ -1,4 +1,4 @@
-"""The numbers of motions on elliptic curves have mpmath's functions, to their digits."""
+"""The numbers of motions on elliptic curves have mpmath's functions, to all their digits."""
 
 import pickle
 

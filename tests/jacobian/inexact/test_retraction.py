@@ -1,4 +1,4 @@
-"""The way back onto the curve: exact division, quadratic convergence, least length, and stability over many steps."""
+"""Projection onto the curve: exact division, quadratic convergence, least length, and stability over many steps."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Small fields: all classes listed, their number against the zeta function, closure, and uniform sampling."""
+"""Small fields: all classes listed, their number compared with the zeta function, closure, and uniform sampling."""
 
 from collections import Counter
 from math import prod
@@ -62,7 +62,7 @@ def test_points_against_the_count(name, genus, model):
 @pytest.mark.parametrize("model", ["ramified", "split", "inert"])
 @pytest.mark.parametrize("name", ["GF(2)", "GF(4)", "GF(5)", "GF(9)"])
 def test_the_functional_equation_predicts_the_next_count(name, model):
-    """χ_J has the g first counts built in; #C(GF(q^(g+1))) is a check on all of it."""
+    """χ_J is made from the first g counts; #C(GF(q^(g+1))) checks all of it."""
     C = random_curve(SMALL[name], 2, model, Random(f"zeta {name} {model}"))
     q = C.field.order
     chi = C.jacobian().frobenius_polynomial()
@@ -114,7 +114,7 @@ def assert_uniform(J, rng):
 
 
 def test_random_reaches_both_halves_of_a_large_group():
-    """Over a large field: classes that are not twice another one are as frequent as they should be."""
+    """Over a large field: classes that are not twice another class have the expected frequency."""
     p = 2**61 - 1
     C = HyperellipticCurve(GF(p), [0, -4, 0, 5, 0, -1])
     J = C.jacobian()

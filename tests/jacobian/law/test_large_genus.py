@@ -19,7 +19,7 @@ SMALL = {
 
 @pytest.mark.parametrize("name", SMALL)
 def test_sums_of_places_are_uniform(name, monkeypatch):
-    """The way of large genus on groups that can be counted: χ² within five of its deviations."""
+    """The method of large genus on groups that can be counted: χ² within five standard deviations."""
     monkeypatch.setattr(sampling, "MOST_GENUS", 0)
     J, rng, times = SMALL[name].jacobian(), Random(5), 8
     n = J.order()
@@ -30,7 +30,7 @@ def test_sums_of_places_are_uniform(name, monkeypatch):
 
 @pytest.mark.parametrize("genus", [13, 40])
 def test_random_classes_in_large_genus(genus):
-    """By rejection one of 2^g pairs is kept: genus 50 had no end."""
+    """Rejection keeps one of 2^g pairs: genus 50 never ended."""
     f = [Random(3).randrange(101) for _ in range(2 * genus + 1)]
     J = HyperellipticCurve(GF(101), [*f, 1]).jacobian()
     D, E = J.random(Random(1)), J.random(Random(2))
@@ -54,7 +54,7 @@ def test_classes_of_a_large_group_are_not_listed():
 
 
 def test_a_point_a_million_times():
-    """Added one by one it took minutes."""
+    """Adding it one at a time took minutes."""
     J = HyperellipticCurve(GF(101), [1, 0, 0, 0, 0, 1]).jacobian()
     assert J.from_points([(0, 1)] * 10**4) == 10**4 * J((0, 1))
     with pytest.raises(ArgumentError, match="points: 1000000 of them are added one by one, 100000 at most"):

@@ -113,7 +113,7 @@ def test_rational_points_may_be_given_over_an_extension(rng):
 
 @pytest.mark.parametrize("f", [[3, 1, 4, 1, 5, 9, 2, 1], [3, 1, 4, 1, 5, 9, 1], [3, 1, 4, 1, 5, 9, 2]])
 def test_many_conjugate_points(f, rng):
-    """They are added orbit by orbit, whatever the model over the field is called over the extension."""
+    """They are added orbit by orbit, for any representation of the model over the extension."""
     C = HyperellipticCurve(GF(101), f)
     J, L = C.jacobian(), GF(101, 3)
     inclusion = embedding(GF(101), L)
@@ -148,7 +148,7 @@ def test_many_equal_points_are_a_multiple(row, rng):
 
 
 def test_equal_points_over_the_rationals_are_a_multiple_and_have_a_bound():
-    """1.3 s for 400 of them, one after the other, and no end for 2000."""
+    """1.3 s for 400 of them one after the other, and no end in sight for 2000."""
     J = HyperellipticCurve(QQ, [1, 2, 0, 0, 0, 1]).jacobian()
     begun = process_time()
     assert J.from_points([(0, 1)] * 200 + [(0, -1)] * 7) == 193 * J((0, 1))

@@ -11,7 +11,7 @@ from jacobian.finite.counting import count_points
 DATA = json.loads((Path(__file__).parents[2] / "data" / "jacobian_cases.json").read_text(encoding="utf-8"))
 CASES = DATA["cases"]
 
-# what these cases ask for is not built yet: the Kummer surface
+# these cases need something not implemented yet: the Kummer surface
 LATER = {"kummer_order"}
 
 

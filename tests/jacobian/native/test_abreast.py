@@ -72,7 +72,7 @@ def apart(total, x):
 
 
 def sums(f, points, steps, out):
-    """Divisors that are added, among them opposite ones, whose sum takes another way."""
+    """Sums of divisors, some of them opposite, whose sum takes another branch."""
     curve = f[0], f[1], f[2], f[3], f[4], f[5]
     for i in abreast(0, len(points) // 4):
         k = 4 * i
@@ -97,7 +97,7 @@ def twice(row, i):
 
 
 def forks(xs, out):
-    """What differs between the numbers of an item cannot be asked for."""
+    """Conditions that differ between the numbers of an item cannot be compiled."""
     if xs[0] > 0:
         out[0] = 1.0
 
@@ -133,7 +133,7 @@ def test_branches_of_some_lanes(count, n):
 
 @pytest.mark.parametrize("kind", ["floats", "wides"])
 def test_items_of_two_numbers(kind):
-    """Bit by bit those of either number."""
+    """Bit for bit the results of the single numbers."""
     rng, count, parts = np.random.default_rng(3), 7, 1 if kind == "floats" else 2
     # of number, item and part
     xs, ys = rng.uniform(0.5, 2, (2, 2, count, parts)) * [1, 2.0**-55][:parts]
@@ -167,7 +167,7 @@ def test_double_doubles_of_some_lanes():
 
 
 def test_additions_of_divisors():
-    """Every fourth of nearly opposite ones: where lanes take another way than their neighbours, each takes its own."""
+    """One sum in four is of nearly opposite divisors: each lane follows its own branch."""
 
     def divisor(x1, x2, sign):
         y1, y2 = (sign * mp.sqrt(((x**3 + 3) * x + 1) * x + 10) for x in (x1, x2))

@@ -41,7 +41,7 @@ class Pair(NamedTuple):
 
 
 def whole_numbers(a, b):
-    """Quotients that are rounded down, rests, bits, powers."""
+    """Quotients rounded down, remainders, bits, powers."""
     return a // b, a % b, a << 3, a >> 1, a & b, a | b, -a, abs(a), max(a, b, 7), min(a, b), 2**5 + a * FACTOR, a != b
 
 
@@ -56,7 +56,7 @@ def real_numbers(x, y, n):
 
 
 def ways(n, row):
-    """Loops with every way out of them, conditions that must not be computed, both kinds of while."""
+    """Loops with every kind of exit, conditions that must not be computed, both kinds of while."""
     total, seen, k = 0, 0.0, 0
     for i in range(n - 1, -1, -2):
         if i % 5 == 3:
@@ -141,7 +141,7 @@ def sum_of_products(xs, ys, sizes, out):
 
 
 def long_numbers(a, b, n, row, out):
-    """Natural numbers below 2^128: sums, shifts, bits, relations, arrays; an integer beside one is one."""
+    """Natural numbers below 2^128: sums, shifts, bits, relations, arrays; an integer combined with one becomes one."""
     x, best = 1, a
     for i in range(len(row)):
         x = x + row[i]
@@ -169,7 +169,7 @@ def again(way, x, y):
 
 
 def functions(x, y):
-    """A function as an argument, and handed on: each by itself, with results of different kinds."""
+    """A function as an argument, passed on: each compiled separately, with results of different kinds."""
     (a, n), (b, m) = twice(smaller, x, y)
     c, d = twice(larger, x, y)
     return a, b, c, d, n + m
@@ -204,12 +204,12 @@ def same(found, true):
 
 @pytest.mark.parametrize("size", [1, 1e-9, 1e9])
 def test_sums_of_products(size):
-    """To the digits of double-doubles beside the sum of the sizes of what is added, and twice that."""
+    """To the digits of double-doubles relative to the sum of the sizes of the terms, and twice that."""
     rng = Random(5)
     for count in range(1, 30):
         xs, ys = ([Fraction(rng.getrandbits(104) - (1 << 103), 1 << 100) for _ in range(count)] for _ in range(2))
         if count > 3:
-            # what cancels
+            # cancelling terms
             xs[-1], ys[-1] = -xs[1] * Fraction(size), ys[1] / Fraction(size)
         sizes, out = np.array([float(abs(x)) for x in xs]), np.empty((3, 2))
         LOOPS.sum_of_products(pack(xs), pack(ys), sizes, out)
@@ -333,7 +333,7 @@ def test_words_made_beforehand():
 
 
 def test_libraries_that_are_forgotten_leave_the_others_alone():
-    """An engine frees the machine that it was made with."""
+    """An engine frees the target machine it was made with."""
     import gc
 
     kept_one = Library("test_forgotten", {"widened": (widened, (INT,))}, SPECIAL)
@@ -463,7 +463,7 @@ def test_objects_are_kept_until_a_source_changes(tmp_path):
     assert run(tmp_path) == [21, []]
     (tmp_path / "loops_there.py").write_text(SOURCE.replace("n * FACTOR", "n * FACTOR + 1"))
     assert run(tmp_path) == [22, [SAID]]
-    # a file that is no object, or half of one
+    # a file that is not an object, or half of one
     (kept_file,) = (tmp_path / "kept").iterdir()
     kept_file.write_bytes(kept_file.read_bytes()[:-10])
     assert run(tmp_path) == [22, [SAID]]
@@ -472,7 +472,7 @@ def test_objects_are_kept_until_a_source_changes(tmp_path):
 
 
 def test_a_number_is_looked_at_wherever_it_is_made(tmp_path):
-    """Of a file that has no function of the loops, made of one in another that these do not name."""
+    """A constant of a file without functions of the loops, computed from one in another that the loops do not name."""
     (tmp_path / "loops_there.py").write_text(SOURCE)
     (tmp_path / "numbers_there.py").write_text("from others_there import HALF\nFACTOR = 2 * HALF\n")
     (tmp_path / "others_there.py").write_text("HALF = 3\n")
@@ -482,7 +482,7 @@ def test_a_number_is_looked_at_wherever_it_is_made(tmp_path):
 
 
 def test_entries_that_are_called_otherwise_are_made_again(tmp_path):
-    """What is compiled lies in one file, and how it is called in another."""
+    """The compiled code is in one file, the way it is called in another."""
     lines = SOURCE.splitlines(keepends=True)
     (tmp_path / "numbers_there.py").write_text("def times(n):\n    return n + n\n")
     called = "from numbers_there import times\n" + "".join(x for x in lines if "FACTOR" not in x and "def " not in x)
@@ -493,7 +493,9 @@ def test_entries_that_are_called_otherwise_are_made_again(tmp_path):
 
 
 def test_every_source_of_the_compiler_is_looked_at():
-    """What a fresh process imports from this package to compile, but for what any import of it does."""
+    """The modules that a fresh process imports from this package to compile, except those that any import of it
+    loads.
+    """
     needed = "import jacobian.native.library, jacobian.native.special, jacobian.native.modular, jacobian.native.binary"
     names = "import sys; print(*[m for m in sys.modules if m.startswith('jacobian.') and sys.modules[m].__file__])"
     said = [
@@ -508,7 +510,7 @@ def test_every_source_of_the_compiler_is_looked_at():
 
 
 def test_sources_that_are_compiled_are_looked_at(monkeypatch):
-    """Those of the compiler too: an object is not good when what double-doubles are multiplied by has changed."""
+    """Those of the compiler too: an object is invalid after a change of the multiplication of double-doubles."""
     from integrable.torus.compiled import LIBRARY
 
     assert LIBRARY.survey

@@ -1,4 +1,4 @@
-"""Bare reals on mpmath's mpf: a second arithmetic that shares no code with GMP's and flint's, to compare with."""
+"""Bare reals on mpmath's mpf, for comparison: a second arithmetic that shares no code with GMP's and flint's."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

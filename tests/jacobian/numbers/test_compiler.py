@@ -1,4 +1,4 @@
-"""Where compiled code can not be kept, and where nothing is compiled."""
+"""Cases where compiled code cannot be kept, and where nothing is compiled."""
 
 import json
 import os
@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-# numba tries to write to each place that it may use: here none lets it
+# numba tries each folder it may use: none of these is writable
 NOWHERE = """
 from numba.core import caching
 def refused(self):
@@ -123,7 +123,7 @@ def test_groups_and_batches_where_nothing_is_compiled():
 
 
 def test_there_is_nothing_to_compile_beforehand():
-    """Where nothing would be kept, or nothing is to be compiled, the command says so at once."""
+    """If nothing would be kept or compiled, the command says so at once."""
     code = "import sys; from jacobian.__main__ import main; sys.exit(main(['compile']))"
     for before, environment, said in (
         (NOWHERE, {}, "no folder to keep compiled code in; set NUMBA_CACHE_DIR to a folder that can be written to"),

@@ -1,4 +1,4 @@
-"""Bare reals and balls beside mpmath, and the precision that they leave as they found it."""
+"""Bare reals and balls compared with mpmath, and that they restore the precision they found."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A context of :mod:`jacobian.numbers.words` that computes with bounds: the size of each number, in units of p.
 
-A formula that runs through on the bounds of its inputs overflows no word, whatever the prime and the numbers are.
+A formula that runs without error on the bounds of its inputs overflows no word, for any prime and any numbers.
 """
 
 from dataclasses import dataclass
