@@ -71,14 +71,11 @@ def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: 
 
 def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None) -> Reached | None:
     """The states at times that ascend from 0, or descend, if the compiled walk is there and all are right."""
-    kind = system._kind
-    if kind is None:
-        return None
-    constants, given = system._walk_constants, (*state.q, *state.p)
+    given = (*state.q, *state.p)
     for steps in steps_for(tolerance):
-        walk = kind.walk(steps.orders)
+        walk = compiled_walk(system, steps)
         if walk is not None:
-            found = walk(constants, given, times, steps, FASTER * most / walk.weight)
+            found = walk(system._walk_constants, given, times, steps, FASTER * most / walk.weight)
             if found.reached == len(times) and found.wrong is None:
                 return found
     return None

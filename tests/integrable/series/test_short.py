@@ -22,7 +22,7 @@ from integrable.mumford.system import MumfordSystem
 from integrable.series.kinds import Formulas, Kind
 from integrable.series.near import finished, walked
 from integrable.series.recurrences import coefficients, convolved, squared
-from integrable.series.steps import FINE, WIDE
+from integrable.series.steps import FINE, ROUGH, WIDE
 from integrable.series.tape import CONSTANT, VARIABLE, recorded
 from jacobian import MP, RR, ArgumentError
 from tests.integrable.classical.rows import CASES, REAL
@@ -196,6 +196,18 @@ def test_equations_that_are_no_formula_are_left_to_additions() -> None:
     foreign = Foreign(system.constants, *system.parameters)
     assert foreign._kind is None
     assert np.array_equal(foreign.flow(state).at([1.5]).q, system.flow(state).at([1.5]).q)
+
+
+def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() -> None:
+    system = Neumann((1, 2, 4))
+    state, times = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)), np.linspace(0, 12, 40)
+    walk, given = system._kind.walk(ROUGH.orders, compiles=True), (*state.q, *state.p)
+    found = walk(system._walk_constants, given, times, ROUGH, 1e4)
+    assert found.reached == 40
+    assert found.wrong is None
+    true = system._kind.walk(WIDE, compiles=True)(system._walk_constants, given, times, FINE, 1e4)
+    assert np.abs(found.states - true.states).max() <= 2.0**-52
+    assert walk(system._walk_constants, given, 100 * times, ROUGH, 1e4).reached == 0
 
 
 def test_walks_that_share_an_error_are_not_taken_for_right() -> None:
