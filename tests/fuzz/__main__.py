@@ -26,7 +26,7 @@ SUITES = ("flow", "systems", "engine", "inexact", "calls", "command", "outside")
 
 
 def suite_of(name: str) -> Suite:
-    """The suite of that name; each is imported when it is asked for."""
+    """The suite of that name; each is imported on request."""
     suite: Suite = import_module(f"tests.fuzz.{name}").SUITE
     return suite
 
@@ -51,11 +51,11 @@ def parser() -> argparse.ArgumentParser:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     began = time.time()
-    # as in the tests, a warning from inside is a fault
+    # as in the tests, a warning from inside counts as a fault
     warnings.simplefilter("error")
     warnings.simplefilter("ignore", UnphysicalMoments)
     if hasattr(sys.stdout, "reconfigure"):
-        # a reproducer may hold any character, a terminal may not know it
+        # a reproducer may hold characters that the terminal cannot show
         sys.stdout.reconfigure(errors="backslashreplace")
     command = parser()
     given = command.parse_args(arguments)
@@ -109,7 +109,7 @@ def _tally(plan: Plan, given: argparse.Namespace) -> Tally:
         (plan.suite.name, replace(plan, suite=Suite("", {}), start=k, stride=given.jobs)) for k in range(given.jobs)
     ]
     with processes(given.jobs) as pool:
-        # of the module by its name: a process of multiprocessing knows no __main__ of a package
+        # from the module by name: a process of multiprocessing knows no __main__ of a package
         for tally in pool.map(import_module("tests.fuzz.__main__")._share, tasks):
             total.add(tally)
     total.seconds = time.perf_counter() - began

@@ -16,7 +16,7 @@ from jacobian import GF, NotASquare, NotRepresentable
 from jacobian.errors import ArgumentError, FieldError
 from tests.integrable.exact_states import random_state
 
-# the modulus of GF(7^3) is given: galois need not be imported for it
+# the modulus of GF(7^3) is given, so that galois is not imported for it
 FIELDS = {"GF(2^61-1)": lambda: GF(2**61 - 1), "GF(7^3)": lambda: GF(7, 3, [4, 0, 6, 1])}
 # here −1 is a square
 FIELDS_WITH_I = {"GF(2^61-31)": lambda: GF(2**61 - 31), "GF(5^3)": lambda: GF(5, 3, [3, 3, 0, 1])}
@@ -28,7 +28,7 @@ def over_fields(fields: dict[str, Any] = FIELDS) -> Any:
 
 
 def attempt(make: Callable[[], Any], attempts: int = 2000) -> Any:
-    """The first result of ``make``; special positions and missing roots are passed over."""
+    """The first result of ``make``; special positions and missing roots are skipped."""
     for _ in range(attempts):
         try:
             return make()

@@ -1,4 +1,4 @@
-"""The command: what it prints, what it writes, and one line for everything that is wrong."""
+"""The command: what it prints, what it writes, and one line for every error."""
 
 from __future__ import annotations
 
@@ -200,7 +200,7 @@ def test_version_and_help(capsys):
 
 
 def test_the_command_alone_says_what_one_can_do_next(here):
-    """It is no error, it writes nothing, and each command that it names is one."""
+    """It is not an error, it writes nothing, and every command that it names exists."""
     done = subprocess.run([sys.executable, "-m", "integrable"], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     named = [line.split()[1] for line in done.stdout.splitlines() if line.startswith("  integrable ")]
@@ -273,7 +273,7 @@ def test_scenes_as_json(capsys):
 
 
 def test_the_first_row_is_what_people_will_use(here, capsys):
-    """The result, before what it is compared with; and the table says whose unit its times are in."""
+    """The result comes before its comparisons; and the table names the unit of its times."""
     (here / "ball.toml").write_text(BALL + REPORT, encoding="utf-8")
     assert main(["run", "ball.toml", "--no-plots"]) == 0
     lines = capsys.readouterr().out.splitlines()

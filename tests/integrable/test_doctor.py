@@ -1,4 +1,4 @@
-"""What ``integrable doctor`` says, and what is said where another distribution has a package of our name."""
+"""The output of ``integrable doctor``, and its message where another distribution has a package of our name."""
 
 import os
 import subprocess

@@ -1,4 +1,4 @@
-"""Vectors, matrices and times that other libraries hold are taken by their values; what has no order is refused."""
+"""Vectors, matrices and times of other libraries are taken by value; unordered collections are refused."""
 
 import numpy as np
 import pytest
@@ -76,7 +76,7 @@ def test_members_are_indexed():
 
 @pytest.mark.parametrize("which", [[[0], [0, 1]], np.ma.array([0, 1], mask=[False, True])], ids=["ragged", "masked"])
 def test_what_chooses_nothing_is_refused(which):
-    """Lists of several lengths were numpy's ValueError; a masked array chose what its mask hides."""
+    """Ragged lists were numpy's ValueError; a masked array selected what its mask hides."""
     many = ensemble(BALL, STATE.gamma, STATE.M, d=[0.7, 0.8])
     starts = laboratory_ensemble(RollingBall(TENSOR, 1.3, 0.5), np.eye(3), [(1, 2, 3), (3, 2, 1)])
     results = [many.at([0, 1]), starts.at([0, 1]), starts[0].at([0, 1]), BALL.flow(STATE).at([0, 1])]

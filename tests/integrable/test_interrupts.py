@@ -1,4 +1,6 @@
-"""Ctrl-C: one line and exit code 130 from where the handler stands, whatever is under way; nothing is left behind."""
+"""Ctrl-C: one line and exit code 130 from the moment the handler is installed, whatever is running; nothing is left
+behind.
+"""
 
 import os
 import signal
@@ -15,7 +17,7 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="an interrupt of one 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_at_once(command):
-    """Tracebacks, exit codes −2 and an interrupt without effect, in the first quarter of a second."""
+    """There were tracebacks, exit codes −2 and interrupts without effect in the first quarter of a second."""
     found = interrupted(command, 0.0, group=True)
     name = command.split()[0].rpartition(".")[2]
     assert (found.code, found.err, found.out, found.left) == (130, f"{name}: interrupted\n", "", [])
@@ -24,7 +26,7 @@ def test_at_once(command):
 @pytest.mark.parametrize("delay", [0.05, 0.15, 0.4, pytest.param(2.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("executor", ["threads", "processes"])
 def test_a_sweep(executor, delay):
-    """Six seconds, in which threads went on; and the tracebacks of workers."""
+    """It took six seconds, in which threads continued, and workers printed tracebacks."""
     command = f"integrable sweep chaplygin --vary d=0:1:100000 --chunk 5000 --out out.zarr --executor {executor}"
     found = interrupted(command, delay, group=True)
     assert (found.code, found.err, found.out) == (130, "integrable: interrupted\n", "")

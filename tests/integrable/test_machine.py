@@ -1,4 +1,4 @@
-"""Terminals of few letters, libraries that are not installed, systems that are not POSIX: what the commands do."""
+"""The commands on limited terminals, without optional libraries, and on systems that are not POSIX."""
 
 import io
 import json
@@ -210,7 +210,7 @@ for name in ("killpg", "setpgid", "getpgid", "sched_getaffinity", "fork"):
 
 
 def test_a_study_without_what_only_posix_has(here, monkeypatch):
-    """Workers too find it missing: sitecustomize is run by each Python that starts.
+    """Workers lack it too: sitecustomize runs in every Python that starts.
 
     On such a system filelock locks by another call; here, where that does not exist, by the existence of a file.
     """
@@ -251,7 +251,7 @@ def test_a_scene_of_a_name_that_windows_forbids(here):
 
 
 def test_rows_of_scenes_whose_names_differ_in_few_letters_are_kept_apart(here):
-    """Two scenes with one key would show one result for both."""
+    """Two scenes with one key would show the same result."""
     base = load_scene("chaplygin")
     names = ("ä", "ö", "Ball", "ball", "ba ll", "ba_ll", "con", "con.x")
     keys = [row.key for name in names for row in tasks_of(replace(base, name=name), name, "quick")]
@@ -293,7 +293,7 @@ def test_each_run_of_a_method_is_a_piece_of_its_own(here):
 
 
 def test_the_truth_of_many_times_is_many_pieces(here):
-    """With mpmath alone it takes half a minute, in which a bar should not stand still."""
+    """With mpmath alone it takes half a minute, during which the bar should move."""
     given = load_scene("ball.toml")
     many = replace(given, times=replace(given.times, given=tuple(range(50))))
     labels = []

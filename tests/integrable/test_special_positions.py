@@ -128,7 +128,7 @@ def test_real_permanent_rotations_step_or_say_why_not(system, axis) -> None:
 @pytest.mark.parametrize("moments", [(1, 1, 2), (2, 1, 1), (1, 2, 1), (2, 2, 2)])
 @KINDS
 def test_equal_moments(kind, moments) -> None:
-    """Real steps work on states; what needs γ from a divisor says why it cannot."""
+    """Real steps work on states; a computation of γ from a divisor says why it cannot."""
     system = ChaplyginBall(moments, 0.7) if kind == "ball" else EulerTop(moments)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     steps = [system.translation([0.3j, -0.3j]), system.keyless(), system.shift(lambda h1, h2: h1 * h2 / 8)]

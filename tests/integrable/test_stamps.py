@@ -200,7 +200,7 @@ def test_a_sweep_sees_every_parameter(kind, given, tmp_path):
 
 
 def test_a_stamp_tells_times_from_members(tmp_path):
-    """The same bytes, cut in two other places."""
+    """The same bytes, divided in two other ways."""
     pytest.importorskip("h5py")
     out, rows = tmp_path / "out.h5", np.tile([*GAMMA, *M, 1, 2, 3], 2)
     sweep(ensemble(EulerTop((1, 2, 3)), GAMMA, M), times=rows[:10], out=out, executor="threads", chunk=1)

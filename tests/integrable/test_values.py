@@ -1,4 +1,4 @@
-"""What is public is a value: it does not change, compares by what it is, and survives pickle and copy."""
+"""Public objects are values: they are immutable, compare by content, and survive pickle and copy."""
 
 import copy
 import pickle

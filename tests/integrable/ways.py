@@ -1,4 +1,4 @@
-"""A motion of a system by one of its ways, whichever its flow would take: the one place that knows how that is done."""
+"""A motion by a chosen method, whichever its flow would use: the only place that knows how to force one."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ class Forced:
 
 
 def forced(flow: MumfordFlow, way: str) -> Forced:
-    """The flow, by one way."""
+    """The flow, restricted to one method."""
     return Forced(flow, way)
 
 
@@ -47,12 +47,12 @@ def has_torus(flow: MumfordFlow) -> bool:
 
 
 def made_torus(flow: MumfordFlow) -> Any:
-    """A torus of the motion that has not been held against anything."""
+    """A torus of the motion that has not been checked."""
     return flow._made_torus()
 
 
 def confirmed(flow: MumfordFlow, torus: Any) -> bool:
-    """Whether the flow takes this torus for its own."""
+    """Whether the flow accepts this torus."""
     return flow._confirmed(torus)
 
 

@@ -39,7 +39,7 @@ def genus_two_rows(fields):
 
 
 def triple(D):
-    """What :mod:`jacobian.addition.cantor` computes with."""
+    """The representation that :mod:`jacobian.addition.cantor` computes with."""
     return D.u, D.v, D.n
 
 

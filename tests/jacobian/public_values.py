@@ -1,4 +1,4 @@
-"""One value of every public class of `jacobian`, over every kind of field: what the tests of values run over."""
+"""One value of every public class of `jacobian`, over every kind of field, for the tests of values."""
 
 from random import Random
 

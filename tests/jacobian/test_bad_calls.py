@@ -1,4 +1,4 @@
-"""Wrong arguments of the public calls: the error names the argument, its value and what would be right."""
+"""Wrong arguments of the public calls: the error names the argument, its value and what is accepted."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""``python -m jacobian compile``: what it lists, and that it covers every kernel."""
+"""``python -m jacobian compile``: its list, which covers every kernel."""
 
 import pytest
 

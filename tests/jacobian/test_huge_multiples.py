@@ -1,4 +1,4 @@
-"""Multiples by huge numbers: by the order where one is quickly had, in parts, or refused with the reason."""
+"""Multiples by huge numbers: by the order if it is quickly found, in parts, or refused with the reason."""
 
 from random import Random
 
@@ -19,7 +19,7 @@ E = SMALL((0, 1))
 
 
 def test_elements_of_small_order():
-    """Ten to the 100,000 took 21 s; the order of the element tells the multiple."""
+    """Ten to the 100,000 took 21 s; the order of the element gives the multiple."""
     assert FIVE.jacobian.zero() == HUGE * FIVE
     assert (HUGE + 2) * FIVE == 2 * FIVE
     assert -(HUGE + 2) * FIVE == -2 * FIVE

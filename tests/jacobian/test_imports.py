@@ -1,4 +1,4 @@
-"""What is loaded when: measured in a fresh interpreter."""
+"""Which modules are loaded when, measured in a fresh interpreter."""
 
 import subprocess
 import sys
@@ -15,7 +15,7 @@ E = J.from_points([C.lift_x(0.5 - 2), C.lift_x(2.5)])
 E = D + J.from_points([C.lift_x(-0.0 - 1.25), C.lift_x(2.25)])
 -E
 """
-# random classes are another matter: their polynomials are factored by python-flint
+# random classes are an exception: python-flint factors their polynomials
 PRIME = """
 from jacobian import GF, HyperellipticCurve
 C = HyperellipticCurve(GF(2**61 - 1), [1, 2, 3, 4, 5, 6, 1])

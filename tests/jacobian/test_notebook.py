@@ -1,4 +1,4 @@
-"""What notebooks show: well-formed HTML with the values in it."""
+"""The display of values in notebooks: well-formed HTML with the values in it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Polynomials: identities, and the fast GF(p) versions against the plain ones."""
+"""Polynomials: identities, and the fast GF(p) versions compared with the plain ones."""
 
 from random import Random
 

@@ -1,4 +1,5 @@
-"""Curves of genus 2 over QQ beside the LMFDB, Sage and L-functions: invariants, torsion, heights, regulators, periods.
+"""Curves of genus 2 over QQ compared with the LMFDB, Sage and L-functions: invariants, torsion, heights, regulators,
+periods.
 
 ``tests/data/genus2_curves.json``: a label is conductor.class.|discriminant|.number.
 """
@@ -25,7 +26,7 @@ ROWS = {
 }
 TORSION = {label: row for label, row in ROWS.items() if "torsion" in row}
 LEADING = {label: row for label, row in ROWS.items() if "leading" in row}
-# the list says (2, 2): test_a_class_of_order_three_that_the_list_lacks
+# the list has (2, 2): test_a_class_of_order_three_that_the_list_lacks
 MISSED = "784.c.614656.1"
 EVERY_DAY = ("196.a.21952.1", "277.a.277.2", "360.a.6480.1", "587.a.587.1", "8281.a.8281.1", "25913.a.25913.1")
 

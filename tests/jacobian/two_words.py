@@ -1,4 +1,4 @@
-"""Fields of two words, and the classes that a kernel has to take one by one."""
+"""Fields of two words, and the classes that a kernel must add one by one."""
 
 from jacobian import GF
 

@@ -30,7 +30,7 @@ def different(K, rng, count):
 
 
 def on_sphere(K, rng, size):
-    """A random point with Σq² = 1, the last coordinate of which is a root, and a random tangent there."""
+    """A random point with Σq² = 1, whose last coordinate is a square root, and a random tangent there."""
     q = [K.random(rng) for _ in range(size - 1)]
     q.append(K.sqrt(K.sub(K.one, K.dot(q, q))))
     p = [K.random(rng) for _ in range(size)]
@@ -59,7 +59,7 @@ def exact_kowalevski(K, rng, n):
 
 
 def exact_two_gaps(K, rng, n):
-    """Of any genus 2."""
+    """A curve of any kind of genus 2."""
     system = TwoGaps([K.random(rng) for _ in range(3)], K)
     return system, system.state(*([K.random(rng) for _ in range(2)] for _ in range(2)))
 
@@ -70,7 +70,7 @@ def exact_toda(K, rng, n):
 
 
 def exact_ellipsoid(K, rng, n):
-    """A random ellipsoid and point on it, the last coordinate of which is a root, and a tangent there."""
+    """A random ellipsoid and a point on it, whose last coordinate is a square root, with a tangent there."""
 
     def make():
         a = different(K, rng, n + 1)
@@ -125,7 +125,7 @@ def garnier(K, n):
 
 
 def henon_heiles(K, n, barriers=None):
-    """Small and bounded."""
+    """A small, bounded motion."""
     system = HenonHeiles([i * i + 1 for i in range(n)], "-1/2", "-1/4", 0, barriers, K)
     rng = Random(n)
     q, p = ([K.coerce(rng.randint(-9, 9) or 1) / 128 for _ in range(n + 1)] for _ in range(2))
@@ -147,7 +147,7 @@ def pendulum(K, n):
 
 
 def body(make):
-    """A body in a motion of ordinary size."""
+    """A body in motion with numbers of ordinary size."""
 
     def case(K, n):
         system = make(K)
@@ -240,7 +240,7 @@ CASES = [
     ("veselova", 3),
 ]
 over_cases = pytest.mark.parametrize(("name", "n"), CASES)
-# those without a way back from divisors too
+# includes systems without the inverse map from divisors
 over_formulas = pytest.mark.parametrize(("name", "n"), [*CASES, ("kowalevski", 3)])
 
 
@@ -258,7 +258,7 @@ def integrated(system, state, time, steps, order=20):
             return [*found.q, *found.p]
 
         def constrained(z):
-            # off the constraints, which rounding leaves, the equations of motion of spheres are unstable
+            # the equations of motion of spheres are unstable off the constraints, which rounding leaves
             found = system._constrained(L, point(z))
             return [*found.q, *found.p]
 

@@ -1,4 +1,4 @@
-"""Lagrange's top and the spherical pendulum in closed form: the states that additions in long numbers give."""
+"""Lagrange's top and the spherical pendulum in closed form, compared with additions in long numbers."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def started(name):
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_the_closed_form_has_the_states_of_additions(name) -> None:
-    """Signs of every branch, in both directions, the start itself, and after 2^40 rounds."""
+    """Signs of every branch, in both directions, the start itself, and after 2^40 periods."""
     flow = (lambda system, state: system.flow(state))(*started(name))
     times = [0, 0.5, -1.25, 7.5, -40, 1e3, 2.0**20, -(2.0**40) - 0.5]
     found, true = forced(flow, "torus").at(times), forced(flow, "additions").at(times)

@@ -1,4 +1,4 @@
-"""Enclosures of motions of any genus: they contain what many more digits give, are small, and hold what is cut off."""
+"""Enclosures of motions of any genus contain states at many more digits, are small, and bound the truncation errors."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ from tests.integrable.classical.rows import CASES, REAL
 from tests.integrable.mumford.picard import taylor
 
 REALS = BallReals(300)
-# of the numbers that balls are held against
+# digits of the numbers that balls are compared with
 DIGITS = 60
 LAYER = [case for case in CASES if case[0] not in ("ball", "top", "veselova")]
 
@@ -33,7 +33,7 @@ LONGER = [("ellipsoid", 3), ("toda", 5), ("barriers", 2)]
 
 
 def truth(system, state, times):
-    """The states at 60 digits; what is given counts as exact."""
+    """The states at 60 digits; the inputs count as exact."""
     fine = system.over(MP(DIGITS))
     # not checked: the same floats meet constraints to the digits of floats only
     return MumfordFlow(fine, fine._inside(fine.field, state)).at([fine.field.coerce(t) for t in times])
@@ -82,7 +82,7 @@ def test_higher_genus(genus, make) -> None:
 
 @pytest.mark.parametrize(("name", "n"), [("neumann", 2), ("garnier", 3), ("toda", 4), ("lagrange", 3)])
 def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) -> None:
-    """Nothing but rounding and what series leave out is in them, and both are of the size of the balls."""
+    """Their only errors are rounding and truncation, both of the size of the balls."""
     monkeypatch.setattr(enclosure, "OF_GENUS", 0)
     monkeypatch.setattr(balls.EnclosedTranslations, "_order", lambda self: self.field.bits // 6 + 4)
     system, state = REAL[name](RR, n)
@@ -94,7 +94,7 @@ def test_few_bits_make_wide_balls_that_contain_the_motion(name, n, monkeypatch) 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize("complex", [False, True])
 def test_translations_are_those_of_the_taylor_series(sign, complex) -> None:
-    """The points that integrals lead to are those of the motion, with the data that it carries."""
+    """The points found from integrals are those of the motion, with the data that it carries."""
     system, state = REAL["lagrange" if complex else "ellipsoid"](MP(40), 3)
     place = system.flow(state)._place
     with balls.Balls(300, complex) as K:
@@ -163,7 +163,7 @@ def test_values_of_tau() -> None:
 
 
 def test_the_ball_has_its_own() -> None:
-    """Its own, by the formulas of genus 2, and those of the layer overlap."""
+    """The ball's own enclosure and that of the layer, by the formulas of genus 2, overlap."""
     system = BodyOnLayer((1, 2, 3), 0.7)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     own = system.flow(state).enclosure([0.5], digits=12)
@@ -197,7 +197,7 @@ def test_waves(edges) -> None:
     ],
 )
 def test_what_leaves_an_unstable_rest(system, q, p, time) -> None:
-    """Additions in long numbers, balls and floats say the same of a start that rounding would put at rest."""
+    """Additions in long numbers, balls and floats agree on a start that rounding would put at rest."""
     flow = system.flow(system.state(q, p))
     path, found = flow.at([time]), flow.enclosure([time], digits=18)
     assert np.abs(path.q[0, :2]).max() > 1e-6

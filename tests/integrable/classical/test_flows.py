@@ -1,4 +1,4 @@
-"""Flows against an integration that knows the vector field only, against themselves, and at far times."""
+"""Flows compared with an integration of the vector field, with themselves, and at far times."""
 
 import re
 
@@ -26,7 +26,7 @@ REST = Point((1.0, 0.0), (0.0, 0.0))
 
 
 def error_in_many_digits(name, n, time, steps, order):
-    """Of all coordinates with their signs, beside an integration."""
+    """The error of all coordinates with their signs, relative to an integration."""
     K = MP(38)
     system, state = REAL[name](K, n)
     path = system.flow(state).at([time])
@@ -47,7 +47,7 @@ def test_thirty_digits_at_ten_periods(name, n) -> None:
 @over_cases
 @pytest.mark.parametrize("time", [1e6, *(pytest.param(t, marks=pytest.mark.slow) for t in (1e-9, -12.5, -1e9, 1e15))])
 def test_floats_against_forty_digits(name, n, time) -> None:
-    """A float run is the run of many digits from the same floats, rounded, at any time."""
+    """A run in floats is the rounded run in many digits from the same floats, at any time."""
     system, state = REAL[name](RR, n)
     path = system.flow(state).at([time])
     K = MP(40)
@@ -93,7 +93,9 @@ def test_bodies_turn_faster_in_proportion_to_their_momentum(size, count) -> None
 
 @pytest.mark.parametrize("d", [1e-9, 1e-12, 1e-40])
 def test_light_balls_by_additions(d) -> None:
-    """The constants of the curve share all digits of a float: periods take as many more, and the clock is a series."""
+    """The constants of the curve share all digits of a float: periods need that many more, and the clock is a
+    series.
+    """
     ball = BodyOnLayer((1, 2, 3), d)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     own, other = ball.flow(state).at([10, 1e5]), ball.by_additions(state).at([10, 1e5])
@@ -116,8 +118,8 @@ ESCAPING, BOUND = ((0.0625, -0.125), (0.03125, 0.0625)), ((0.01, -0.06), (0.005,
     "name", ["bound", "bound behind a barrier", "escaping", "escaping behind a barrier", "garnier"]
 )
 def test_many_times_are_those_one_by_one(name) -> None:
-    """Of genus 2 they are read off the real torus, behind a barrier too, and where q_0 runs over the saddle: a point
-    passes infinity there, and other roots of f are complex.
+    """In genus 2 they are read off the real torus: behind a barrier too, and where q_0 crosses the saddle. There a
+    point passes infinity, and other roots of f are complex.
     """
     system, state = REAL["garnier"](RR, 2)
     if name != "garnier":
@@ -133,7 +135,7 @@ def test_many_times_are_those_one_by_one(name) -> None:
 
 
 def test_threads_may_share_a_flow(monkeypatch) -> None:
-    """What one thread makes while another makes the same is made twice, and no third thing."""
+    """A result made by two threads at once is made twice, and is the same."""
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
     with LongField(200) as K:
@@ -199,7 +201,9 @@ def test_special_positions_in_quartic_and_cubic_potentials(system, q, p) -> None
 
 
 def test_a_cubic_potential_is_left_and_entered_again() -> None:
-    """Over the saddle q_0 runs to infinity in a finite time, and comes back: around that, in complex time."""
+    """Beyond the saddle q_0 escapes to infinity in finite time and returns: the check goes around it in complex
+    time.
+    """
     system = HenonHeiles((1,), "-1/2", "-1/4")
     state = system.state((-1, 0.25), (-0.5, 0.25))
     path = system.flow(state).at([3.0])
@@ -255,7 +259,7 @@ def test_special_positions_of_axes(system, q, p) -> None:
     ],
 )
 def test_special_positions_of_veselova(q, p) -> None:
-    """Where an oval is a point the clock is a series still; where both have met it is a quadrature."""
+    """If an oval is a point the clock is still a series; if both have met it is a quadrature."""
     system, fine = Veselova((1, 2, 4)), Veselova((1, 2, 4), MP(30))
     start = fine._constrained(fine.field, Point(*(tuple(map(fine.field.coerce, x)) for x in (q, p))))
     path = system.flow(system.state(*(list(map(float, x)) for x in start))).at([1.5, -1.5])
@@ -265,7 +269,7 @@ def test_special_positions_of_veselova(q, p) -> None:
 
 
 def test_a_long_body_of_veselova_is_on_no_separatrix() -> None:
-    """Moments of a ratio of 10^16: a branch point is that close to the one where dt/dτ vanishes."""
+    """Moments with the ratio 10^16: a branch point is that close to the one where dt/dτ vanishes."""
     system = Veselova((5045965.14, 1.6859436e-09, 1.92284376e-08), field=MP(20))
     state = system.state(("0.48", "0.6", "0.64"), ("0.384", "1.28", "-1.488"))
     run = system.flow(state).at([system.field.coerce("2.5e-8")])
@@ -367,7 +371,7 @@ def test_the_lattice_at_rest_stays(n) -> None:
 
 
 def test_a_lattice_with_closed_gaps() -> None:
-    """Neighbours against each other: the motion of two particles, one point of three on the curve's double points."""
+    """Opposite neighbours: the motion of two particles, with one of three points on the curve's double points."""
     p = (1, -1, 1, -1)
     system = TodaLattice(4)
     path = system.flow(system.state([0] * 4, p)).at([1.5, 1e5])
@@ -571,8 +575,8 @@ def test_constraints_beyond_floats_are_refused_by_name() -> None:
 
 @pytest.mark.parametrize("first", [0.0, 1e-60])
 def test_far_along_an_unstable_plane(first) -> None:
-    """A state of the plane q_1 = 0, from where all nearby leave and come back, with another time of arrival, stays
-    there: rounding did not, in all precisions alike. One beside it is there up to t = 1500.
+    """A state of the plane q_1 = 0 stays there, although all nearby states leave it and return with another period.
+    Rounding used to move it off, in all precisions alike. A state near it stays near up to t = 1500.
     """
     a, alpha, beta = (0.0024411904061804155, 3.923886183455546e-05), 6.786038102469164, 0.04350103948664341
     q, p = 0.0369312856466665, -0.012792476786878755

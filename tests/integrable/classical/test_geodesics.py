@@ -1,4 +1,4 @@
-"""Geodesics on ellipsoids beside GeographicLib's, and from one point to another."""
+"""Geodesics on ellipsoids compared with GeographicLib, and the inverse problem."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_opposite_points_have_a_geodesic_too():
 
 
 def test_where_newton_steps_for_a_length_alternate_it_is_found():
-    """From either side of the target Newton's steps led nearly to the point before."""
+    """Newton's steps from either side of the target used to lead almost to the previous point."""
     ellipsoid = Ellipsoid((0.08855663757593155, 0.21011479187620866, 1.5013137880610699))
     start = Point(
         (0.04796929684369781, 0.1892632198743626, -1.0983434383294137),
@@ -109,14 +109,14 @@ def test_where_newton_steps_for_a_length_alternate_it_is_found():
 
 
 SLOW = [
-    # doubled steps each overshot by nearly what the one before had: minutes, then a refusal
+    # doubled steps each overshot by almost as much as the one before: minutes, then a refusal
     (
         (0.46572207114444303, 0.034994824104107335, 0.18009290735929562),
         (0.15086287286409777, -0.15091748830616616, 0.23255084485618627),
         (0.012438332353369573, -0.0027110536602145806, -0.01217455186570281),
         29.9,
     ),
-    # where dt/dτ is a thirtieth of its mean, steps came short for ever: a refusal
+    # where dt/dτ is a thirtieth of its mean, steps fell short for ever: a refusal
     (
         (0.0009296452510845072, 0.0011492904447045111, 3.2941629829952653e-06, 0.0003276980146131546),
         (-0.0006240848224694259, 0.01926754331469173, -0.0010297446746154223, 0.010780769773115172),
@@ -138,7 +138,7 @@ def test_lengths_that_steps_by_rates_did_not_find(squares, q, p, time):
 
 @pytest.mark.parametrize("length", [1e-7, 3e-9])
 def test_short_geodesics_are_found_to_all_digits_and_enclosed(length):
-    """The first Newton step is small there, which was taken for the last one."""
+    """The first Newton step is small there, and was mistaken for the last one."""
     ellipsoid = Ellipsoid((1, 2, 3))
     flow = ellipsoid.flow(ellipsoid.state((1, 0, 0), (0, 1, 0)))
     rough, fine = (flow.tau_near(length, digits) for digits in (20, 40))

@@ -1,4 +1,4 @@
-"""Every system exactly over finite fields: its vector field is the Mumford field, its integrals are constant."""
+"""Every system, exactly over finite fields: its vector field is the Mumford field, its integrals are constant."""
 
 from random import Random
 

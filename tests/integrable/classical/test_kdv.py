@@ -78,7 +78,7 @@ def inner(x, n):
 
 
 def error_in_many_digits(edges, gamma, signs, x, t, steps):
-    """Of u(x, t), beside an integration along x, then t."""
+    """The error of u(x, t), relative to an integration along x, then t."""
     found = wave(edges, gamma, signs, MP(36)).at(x, t)[()]
     kdv = KdV(edges, MP(36))
     with LongField(128) as K:
@@ -137,7 +137,7 @@ def test_reversal_shape_and_bounds(edges, gamma, signs) -> None:
     ],
 )
 def test_many_points_at_one_time(edges, gamma, signs, count, reach) -> None:
-    """From the torus, or from tables, as additions have them, near and far, at several t at once."""
+    """From the torus or from tables, compared with additions, near and far, at several t at once."""
     ours, fine = wave(edges, gamma, signs), wave(edges, gamma, signs, MP(30))
     x, t = np.random.default_rng(count).uniform(-reach, reach, count), np.array([0.0, -1e3 / 3])
     x[:2] = 0.0, 1e-3
@@ -306,7 +306,7 @@ def test_a_soliton_before_a_periodic_wave_is_a_solution() -> None:
 
 
 def test_a_soliton_in_a_gap_above_the_potential() -> None:
-    """u < 0.04 and the double edge at 1.01: what decays there decays by interference."""
+    """u < 0.04 and the double edge at 1.01: the decay there comes from interference."""
     u = wave((0, 1, 1.01, 1.01, 1.02), (1.005, 1.015), (1, 1))
     fine = wave((0, 1, 1.01, 1.01, 1.02), (1.005, 1.015), (1, 1), MP(40))
     x, t = np.array([0.5, -20]), np.array([1.0, -3])
@@ -314,7 +314,7 @@ def test_a_soliton_in_a_gap_above_the_potential() -> None:
 
 
 def test_a_narrow_band_is_no_double_edge() -> None:
-    """Solitons in a row, so far from each other that the eigenvalue comes as near to the band as that is narrow."""
+    """Solitons in a row, so far apart that the eigenvalue comes as near to the band as the band is narrow."""
     width = 2.0**-50
     u, fine = (wave((-1, width - 1, 0), (-0.25,), (1,), *K) for K in ((), (MP(40),)))
     x, t = np.array([17.5, 1e3, -1e5]), np.array([0, 10.0, -1e3])
@@ -325,7 +325,7 @@ def test_a_narrow_band_is_no_double_edge() -> None:
 
 
 def test_a_soliton_too_far_away_is_refused() -> None:
-    """On the way to t its eigenvalue comes so near its edge that nothing of it is left: −2 at x = 4t, not 0."""
+    """On the way to t its eigenvalue comes so near its edge that no digit is left: −2 at x = 4t, not 0."""
     u = wave((-1, -1, 0), (0,), (1,))
     assert abs(u.at(40.0, 10.0) + 2) < 1e-14
     for x, t in ((4e6, 1e6), (4000, 1000), (900, 0)):

@@ -1,4 +1,4 @@
-"""Which test holds what of which system: every place of the table names a test that is there."""
+"""Which test checks which property of which system: every cell of the table names an existing test."""
 
 from importlib import import_module
 
@@ -67,7 +67,7 @@ SPECIAL = {
     ],
 }
 OTHERS = {
-    # from a state to its divisors and no way back
+    # there is a map from a state to its divisors, but no inverse
     "kowalevski": [
         (EXACTLY, "test_the_vector_field_is_a_mumford_field"),
         (LINE, "test_divisors_run_along_a_straight_line"),

@@ -1,6 +1,6 @@
 """The deformations at any time: integrals, signs and digits far out, against the group of the curves and integrations.
 
-Inputs count as exact, so that floats and multiprecision numbers made of the same floats have the same motion.
+Inputs count as exact, so floats and multiprecision numbers with the same values have the same motion.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ FAR = [1e12, -1e12, 1e8, -3e5, 0.3]
 
 
 def drift(system, start, run, digits=60):
-    """The largest change of H and K over the rows, relative to what rounding a row's coordinates makes of them."""
+    """The largest change of H and K over the rows, relative to the effect of rounding a row's coordinates."""
     wide = MP(digits)
     over = system.over(wide)
 
@@ -139,7 +139,7 @@ def _exactly(K, state):
 
 @pytest.mark.parametrize("kind", ["tilde", "tilde, d", "check", "hat"])
 def test_far_states_are_multiples_in_the_group_of_the_curves(kind) -> None:
-    """P_k(n) = P_k(0) + n·(P_k(1) − P_k(0)) by doubling in `jacobian`, n = 10⁸, in the time of the flow."""
+    """P_k(n) = P_k(0) + n·(P_k(1) − P_k(0)) by doubling in `jacobian`, n = 10⁸, and the flow at that time."""
     system, start = random_deformation(kind, Random(5))
     system, count = system.over(MP(120)), 10**8
     start = system.state(*_exactly(system.field, start))
@@ -319,7 +319,7 @@ def test_a_clock_runs_on_both_kinds_of_long_numbers() -> None:
 
 @pytest.mark.parametrize("spoiled", ["integrals", "signs"])
 def test_what_is_wrong_at_any_precision_is_refused(monkeypatch, spoiled) -> None:
-    """A motion that loses H, and one with other signs at each precision, which H and K cannot see."""
+    """A motion that loses H, and one with other signs at each precision, which H and K cannot detect."""
     right, precisions = OvalCarrier.point, []
 
     def wrong(self, tau):

@@ -1,4 +1,4 @@
-"""Enclosures of deformations: they contain what many more digits give, are small, and hold what series leave out."""
+"""Enclosures of deformations contain states at many more digits, are small, and bound the truncation errors."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ def test_a_slow_start_takes_no_more_steps(name, size, time):
 
 @pytest.mark.parametrize("order", [2, 5])
 def test_what_the_series_leave_out_is_in_the_balls(order):
-    """Of a series that is cut off much too early the balls are wide, and contain the motion still."""
+    """If a series is truncated much too early, the balls are wide and still contain the motion."""
     system = SYSTEMS["check"](RR)
     state = system.state(*START)
     march = enclosed._March(system, state, 200)
@@ -82,7 +82,7 @@ def test_what_the_series_leave_out_is_in_the_balls(order):
 
 
 def test_lost_bits_are_made_up_for(monkeypatch):
-    """With as few bits as the digits asked for the first attempt is not enough; the balls are the narrower for it."""
+    """With only the bits of the requested digits the first attempt fails; the final balls are narrower."""
     monkeypatch.setattr(enclosed, "SPARE_BITS", 4)
     system = SYSTEMS["gyroscopic"](MP(25))
     found = system.motion_through(system.state(*START)).enclosure([0.25])
@@ -90,7 +90,7 @@ def test_lost_bits_are_made_up_for(monkeypatch):
 
 
 def test_a_motion_that_ends_is_not_followed_beyond(monkeypatch):
-    # γ₂ is drawn to its pole; where the discs begin to shrink is near enough for a test
+    # γ₂ is attracted to its pole; the place where the discs begin to shrink is near enough for a test
     monkeypatch.setattr(enclosed, "SMALLEST_DISC", 0.8)
     system = Check((1, 2, 4), potential=(0.0, 0.0, 0.0, 0.5, 0.0))
     with pytest.raises(PrecisionLoss, match="the motion ends, or cannot be followed, near t = "):
@@ -110,7 +110,7 @@ def test_digits_are_a_number_of_them():
 
 
 def test_bits_that_m_outgrows_its_unit_by_are_there_from_the_start(monkeypatch) -> None:
-    """Poles make of |M| = 1e-100 some 0.1 at once: the bits for that are no loss, and one attempt has them."""
+    """Poles raise |M| = 1e-100 to about 0.1 at once: these bits are not a loss, and one attempt provides them."""
     tried, made = [], enclosed._March.__init__
 
     def counted(march, system, state, bits):

@@ -1,4 +1,4 @@
-"""The identities that the deformations are made of, residual 0 over finite fields."""
+"""The identities behind the deformations, residual 0 over finite fields."""
 
 from __future__ import annotations
 

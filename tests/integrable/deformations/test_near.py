@@ -1,4 +1,6 @@
-"""Motions of deformations near their start by compiled walks: beside many digits, in t and in τ, and where they end."""
+"""Motions of deformations near their start by compiled walks, compared with many digits, in t and in τ, and where they
+end.
+"""
 
 from __future__ import annotations
 
@@ -56,7 +58,7 @@ def test_near_times_are_those_of_thirty_digits(name) -> None:
     by_tau, truly = motion.at_tau(TIMES), many.at_tau(TIMES)
     assert_rounded(rows(by_tau), rows(truly))
     assert np.abs(by_tau.times - truly.times.astype(float)).max() <= 1e-15 * np.abs(by_tau.times).max()
-    # what is kept of rows that may be refused is the same
+    # the kept rows of a run with refused ones are the same
     assert np.array_equal(rows(motion.at(TIMES, strict=False)), rows(run))
 
 
@@ -69,7 +71,7 @@ def test_far_times_are_those_of_the_curves() -> None:
 
 
 def test_a_pole_that_attracts_is_refused_as_ever() -> None:
-    """γ_1 reaches 0 near t = 0.4: no walk goes beyond, and what is said comes from the equations integrated."""
+    """γ_1 reaches 0 near t = 0.4: no walk continues beyond, and the message comes from the integrated equations."""
     system = Tilde((1, 2, 4), potential=(0, 0, -1.5, 0, 0))
     walks(system)
     motion = system.motion_through(system.state(*START))

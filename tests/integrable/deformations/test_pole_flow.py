@@ -68,7 +68,9 @@ def test_random_starts_and_moments_keep_the_integrals_far_out() -> None:
 
 @pytest.mark.parametrize("size", [10**4, 10**5, 10**7])
 def test_ovals_that_nearly_touch_do_not_end_the_motion(size) -> None:
-    """Ovals b/M² apart: at t = 5/size beside an integration in the unit of time 1/size, ≤ 1e-18 and a rounding."""
+    """Ovals b/M² apart: at t = 5/size compared with an integration in the unit of time 1/size, ≤ 1e-18 plus a
+    rounding.
+    """
     K = MP(20)
     poles, M = [K.coerce(b) for b in ("0.02", "0.04", "0.06")], [K.coerce(m) for m in START[1]]
     scaled, start = case([b / size / size for b in poles], K)
@@ -93,7 +95,7 @@ def test_the_motion_of_large_momenta_that_was_refused(digits) -> None:
 
 
 def test_an_equilibrium_is_no_end_of_the_motion() -> None:
-    """M = 0 where the potential is least: each oval is a point to rounding, and the state stays."""
+    """M = 0 at the minimum of the potential: each oval is a point to rounding, and the state does not move."""
     context = K.context
     system = Tilde((1, 2, 4), potential=[K.coerce(x) for x in (0, 0, 2, 4, 6)], field=K)
 

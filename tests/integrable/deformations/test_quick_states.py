@@ -1,4 +1,6 @@
-"""States of the pairs in compiled double-doubles against the readable additions, from which nothing is shared."""
+"""States of the pairs in compiled double-doubles, compared with the readable additions, which share no code with
+them.
+"""
 
 import numpy as np
 import pytest
@@ -69,7 +71,7 @@ def test_far_times_and_what_is_off_go_the_readable_way(monkeypatch) -> None:
     flow = system.flow(system.state(*START))
     tau = np.array([2.0, 1e12])
     assert np.array_equal(np.hstack([flow.at_tau(tau).gamma, flow.at_tau(tau).M]), flow._curves.at_tau(tau))
-    # a sign that H and K do not know is seen by the farthest state, a changed size by H and K of all
+    # a sign that H and K do not depend on is detected by the farthest state, a changed size by H and K of all
     truth = flow._curves.at_tau(TAU)
     for column, factor in ((1, -1.0), (2, 1 + 1e-15)):
         flow = system.flow(system.state(*START))
@@ -115,7 +117,7 @@ def test_a_clock_that_is_off_goes_the_readable_way(monkeypatch) -> None:
 
 @pytest.mark.parametrize("seed", range(12))
 def test_compiled_times_of_bodies_at_random(seed, monkeypatch) -> None:
-    """Of some of them modes of 1/g hardly move, which are quiet."""
+    """For some of them the modes of 1/g hardly contribute."""
     rng = np.random.default_rng(seed)
     inertia, d, size = 10 ** rng.uniform(-1, 1, 3), 10 ** rng.uniform(-4, 4), 10 ** rng.uniform(-3, 3)
     gamma, M = rng.normal(size=(2, 3))
@@ -140,7 +142,7 @@ def test_compiled_times_of_bodies_at_random(seed, monkeypatch) -> None:
 
 @pytest.mark.parametrize("place", [0, 2, 5])
 def test_a_rate_that_is_off_goes_the_readable_way(place, monkeypatch) -> None:
-    """A mode of 1/g, or the mean of it."""
+    """An error in a mode of 1/g, or in its mean, leads to the readable computation."""
     system = PAIRS["tilde, rolling"]
     truth = system.flow(system.state(*START))._curves.at(TAU)[0]
     right = quick_states.resolved_spectrum

@@ -1,4 +1,4 @@
-"""Recorded formulas and their Taylor series, against formulas themselves, closed solutions and another integrator."""
+"""Recorded formulas and their Taylor series, compared with the formulas, closed solutions and another integrator."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ START = (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
 
 
 def _run(tape: Tape, values):
-    """What a tape says, node by node."""
+    """Evaluates a tape, node by node."""
     found = list(values)
     for kind, p, q, constant in list(zip(*tape[:4], strict=True))[len(values) :]:
         operations = {
@@ -72,7 +72,7 @@ def test_a_tape_does_what_its_formula_does() -> None:
         ]
 
     tape, rng = recorded(formula, 3), Random(3)
-    # a·b is there once, what is multiplied by one or zero not at all
+    # a·b is recorded once, products with one or zero not at all
     assert sum(kind == PRODUCT for kind in tape.kinds) == 2
     for _ in range(20):
         values = [Fraction(rng.randint(1, 50), rng.randint(1, 50)) for _ in range(3)]

@@ -32,7 +32,7 @@ def every_case():
 
 
 def cases(make, field, count, seed, of):
-    """``count`` results of ``of(system, state, rng)`` that are over the field."""
+    """``count`` results of ``of(system, state, rng)`` that lie over the field."""
     K, rng, found = field(), Random(seed), []
     # in GF(7^3) the number 9 is a + 2, not 2: no symmetric function of the moments vanishes
     system = make(K)
@@ -167,7 +167,7 @@ def test_a_real_step(name) -> None:
 
 @pytest.mark.parametrize("name", SYSTEMS)
 def test_a_large_multiple_of_a_real_step(name) -> None:
-    """10⁶ + 1 times, of which floats took seconds, is the engine's sum; 1000 times is what 1000 steps lead to."""
+    """10⁶ + 1 times, which took floats seconds, equals the engine's sum; 1000 times equals 1000 steps."""
     system, state = real_case(name)
     step = system.translation(REAL[name], multiple=10**6 + 1)
     image = step(state)

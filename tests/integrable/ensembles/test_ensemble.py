@@ -1,4 +1,4 @@
-"""Many motions at once: what single flows give, member by member, whatever becomes of the others."""
+"""Many motions at once agree with single flows, member by member, even if others are refused."""
 
 import re
 
@@ -38,7 +38,7 @@ def two_threads():
 @pytest.mark.parametrize("tilted", [False, True])
 @pytest.mark.parametrize("until", [3, 60])
 def test_members_are_single_flows(tilted, until, two_threads):
-    """To the bit where a single flow takes the same way, to the bound of the clock where it does not."""
+    """To the bit if a single flow uses the same method, otherwise to the bound of the clock."""
     gamma, momentum, inertia, d = random_members(np.random.default_rng(1), 40, tilted)
     d[:3] = 0
     inertia[3, 1] = inertia[3, 0]
@@ -64,7 +64,7 @@ def test_members_are_single_flows(tilted, until, two_threads):
 
 
 def single(many, k, times):
-    """A single flow whose clock is as free as those of an ensemble."""
+    """A single flow whose clock has the same tolerance as an ensemble's."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(short, "DRIFT", short.DRIFT_OF_MANY)
         patch.setattr(short, "PACE", short.PACE_OF_MANY)
@@ -73,7 +73,7 @@ def single(many, k, times):
 
 
 def compiled(many, k):
-    """The torus of a member, or what is closed."""
+    """The torus of a member, or the reason why there is none."""
     flow = many.flow(k)
     return flow.system.flow(flow.state, "compiled")
 

@@ -1,4 +1,4 @@
-"""Results of the laboratory as arrays: files read back by the library that people use, slices, joins, pickles."""
+"""Results of the laboratory as arrays: files read back by their usual libraries, slices, joins, pickles."""
 
 import json
 import pickle

@@ -1,4 +1,4 @@
-"""Results as files, each read back by the library that people read it with; nothing half-written."""
+"""Results as files, each read back by its usual library; no partial files."""
 
 import json
 import re
@@ -24,7 +24,7 @@ RESULTS = {"run": RUN, "members": MANY, "members at times of their own": OWN}
 
 
 def wanted(result):
-    """{name: array} of what a file has to hold."""
+    """{name: array}, the content that a file must have."""
     return {
         "time": result.times,
         "gamma": result.gamma,
@@ -222,7 +222,7 @@ except ArgumentError as error:
 
 @pytest.mark.parametrize("suffix", FORMATS)
 def test_a_full_disk_leaves_what_was_there(suffix, tmp_path):
-    """Files of more than three kilobytes are refused by the system, as on a full disk."""
+    """The system refuses files of more than three kilobytes, as on a full disk."""
     pytest.importorskip("resource")
     needs(suffix)
     path = tmp_path / f"run{suffix}"

@@ -1,4 +1,4 @@
-"""Newton's and Euler's equations in the laboratory, for many bodies at once: shares no formula with the package.
+"""Newton's and Euler's equations in the laboratory, for many bodies at once; no formula is shared with the package.
 
 The centre obeys mv̇ = F, the spin Jω̇ + ω × Jω = (−rz) × F, and rolling v = rω × z gives F: with d = mr²,
 (J + d(1 − zzᵀ))ω̇ = −ω × Jω, J turning with the body; d = 0 is a free one. Extrapolated midpoint steps (Gragg 1965,
@@ -13,7 +13,7 @@ import numpy as np
 
 
 def integrated(J: Any, d: Any, R: Any, omega: Any, radius: Any, time: Any, steps: int, columns: int = 9) -> Any:
-    """(R, ω, way of the contact) at ``time``, of tensors (K, 3, 3), d (K,), rotations, ω (K, 3) and radii (K,)."""
+    """(R, ω, path of the contact) at ``time``, for tensors (K, 3, 3), d (K,), rotations, ω (K, 3) and radii (K,)."""
     kind = np.asarray(J).dtype
     table = np.concatenate([np.asarray(R).reshape(len(J), 9), omega, np.zeros((len(J), 2), dtype=kind)], axis=1)
     step = time / steps
@@ -38,7 +38,7 @@ def _midpoint(J: Any, d: Any, radius: Any, table: Any, step: Any, count: int) ->
 
 
 def rates(J: Any, d: Any, radius: Any, table: Any) -> Any:
-    """Of tables (K, 14): R row by row, ω, way of the contact."""
+    """The rates of tables (K, 14): R row by row, ω, path of the contact."""
     R, w = table[:, :9].reshape(-1, 3, 3), table[:, 9:12]
     turned = R @ J @ R.transpose(0, 2, 1)
     rolling = turned + d[:, None, None] * np.diag([1, 1, 0])

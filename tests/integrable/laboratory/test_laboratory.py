@@ -1,4 +1,4 @@
-"""Bodies in the laboratory beside Newton's and Euler's equations in the axes of their tensors."""
+"""Bodies in the laboratory compared with Newton's and Euler's equations in the axes of their tensors."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def tensor(moments: tuple[float, ...], axes: np.ndarray) -> np.ndarray:
 
 
 def tensors(rng: np.random.Generator, count: int) -> np.ndarray:
-    """Of six masses each inside a ball of RADIUS, MASS together."""
+    """The tensors of six masses each inside a ball of RADIUS, with the total mass MASS."""
     found = []
     for _ in range(count):
         points = rng.normal(size=(6, 3))
@@ -41,7 +41,7 @@ def tensors(rng: np.random.Generator, count: int) -> np.ndarray:
 
 
 def beside(J, R, omega, time, ball=True, steps=20):
-    """The largest difference of R, of ω beside its size, and of the contact, at ``time``, and the ways taken."""
+    """The largest difference of R, of ω relative to its size, and of the contact, at ``time``, and the methods used."""
     count = len(J)
     d = np.full(count, np.longdouble(MASS) * np.longdouble(RADIUS) ** 2 * ball)
     truth = integrated(*(x.astype(np.longdouble) for x in (J, d, R, omega, np.full(count, RADIUS))), time, steps)
@@ -83,7 +83,7 @@ def test_two_hundred_random_bodies(ball):
 
 
 def lean(J, R, spin):
-    """ω in the laboratory for which M about the point of contact is ``spin``."""
+    """ω in the laboratory such that M about the point of contact is ``spin``."""
     return np.linalg.solve(R @ J @ R.T + MASS * RADIUS**2 * np.diag([1, 1, 0]), spin)
 
 
@@ -124,7 +124,7 @@ def test_a_vertical_momentum_and_nearly_vertical_ones():
 
 
 def test_the_path_of_a_vertical_momentum_after_many_periods():
-    """Against Simpson's rule along the way, some periods on and back."""
+    """Compared with Simpson's rule along the path, some periods forth and back."""
     rng = np.random.default_rng(6)
     R = rotation(rng)
     J = tensor((0.05, 0.12, 0.15), rotation(rng))
@@ -234,7 +234,7 @@ def test_momentum_stays_where_it_is_at_any_epoch():
 
 
 def test_phases_do_not_keep_the_rounding_of_the_momentum():
-    """The same floats at 30 digits: M = Iω is not rounded on the way, so that 10⁹ s later all digits are there."""
+    """The same floats at 30 digits: M = Iω is not rounded on the way, so all digits are right after 10⁹ s."""
     start = (0.384, 0.64, -0.496)
     exact = RigidBody((1, 2, 3), field=MP(30)).motion(UP, start).at([1e9])
     assert abs(RigidBody((1, 2, 3)).motion(UP, start).at([1e9]).omega_body - exact.omega_body).max() < 1e-15

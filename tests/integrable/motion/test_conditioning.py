@@ -1,4 +1,4 @@
-"""The conditioning of a motion, against derivatives that are known."""
+"""The conditioning of a motion, compared with known derivatives."""
 
 from __future__ import annotations
 

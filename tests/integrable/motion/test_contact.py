@@ -155,7 +155,7 @@ def fastest(flow):
 
 
 def test_paths_of_all_kinds_of_bodies(any_flow):
-    """Against an integration of the rolling constraint, its own steps taken by the body's turns."""
+    """Compared with an integration of the rolling constraint whose steps follow the body's turns."""
     pace = fastest(any_flow)
     times = np.array([0.7, 12.0, 25.0]) / pace
     found, true = any_flow.at(times).contact, rolled(any_flow, times, pace)
@@ -169,7 +169,7 @@ def test_paths_of_all_kinds_of_bodies(any_flow):
 
 
 def test_paths_do_not_depend_on_how_they_are_asked_for(any_flow, monkeypatch):
-    """By panels along the way and by a Fourier series; at times and at values of τ."""
+    """By panels along the motion and by a Fourier series; at times and at values of τ."""
     times = np.array([60.0, -20.0, 30.0]) / fastest(any_flow)
     path = any_flow.at(times).contact
     gamma, momentum = any_flow.state.gamma, any_flow.state.M
@@ -183,7 +183,7 @@ def test_paths_do_not_depend_on_how_they_are_asked_for(any_flow, monkeypatch):
 
 @pytest.mark.parametrize("t", [1e8, 1e12])
 def test_far_away_the_path_goes_on(any_flow, t):
-    """On the mean as a ball of three equal moments 1/ζ − d would: the rest is bounded."""
+    """On average like that of a ball with three equal moments 1/ζ − d; the rest is bounded."""
     rate = fastest(any_flow)
     t /= rate
     here = any_flow.at([t, -t]).contact
@@ -200,7 +200,7 @@ def test_three_equal_moments_roll_straight():
 
 
 def test_a_heavy_ball_far_away():
-    """Its velocity is a small difference of large terms; the truth is that of 40 digits."""
+    """Its velocity is a small difference of large terms; the reference has 40 digits."""
     values = (1, 2, 3), 1e6, (0.48, 0.6, 0.64), (0.384, 1.28, -1.488)
     found = _path(RR, *values, [30.0, 4000.0, 1e12])
     true = _path(MP(40), *values, [30.0, 4000.0])
@@ -218,7 +218,9 @@ def test_a_heavy_ball_in_multiprecision():
 @pytest.mark.slow
 @pytest.mark.parametrize("tilted", [False, True], ids=["upright", "tilted"])
 def test_far_away_in_multiprecision(tilted, monkeypatch):
-    """A Fourier series on the torus: beside rules along the way, more digits, and floats; 1e9 took for ever."""
+    """A Fourier series on the torus, compared with quadrature along the motion, more digits, and floats; 1e9 never
+    ended before.
+    """
     momentum = (1, 1.28, 1.488) if tilted else (0.384, 1.28, -1.488)
     ball = ChaplyginBall((1, 2, 3), 50.0)
     state = onto_constraints(widened(ball, MP(18)), ball.state((0.48, 0.6, 0.64), momentum, tilted=tilted))

@@ -1,4 +1,4 @@
-"""Which bodies and states floats take: inside they are answered, outside refused at once by name."""
+"""The bodies and states that floats accept: inside the domain they are answered, outside refused at once by name."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def flow_of(inertia, d, factor=1.0):
 
 
 def exact(inertia, d, times, digits=18):
-    """The motion by Taylor series, from the start put on (γ, γ) = 1, (γ, M) = 0 to the last digit."""
+    """The motion by Taylor series, from the start projected onto (γ, γ) = 1, (γ, M) = 0 to the last digit."""
     K = MP(40)
     g, m = [K.coerce(x) for x in GAMMA], [K.coerce(x) for x in M]
     length, lean = K.sqrt(K.dot(g, g)), K.dot(g, m)
@@ -98,7 +98,7 @@ def test_nearly_equal_moments_keep_all_digits(name) -> None:
     torus = TorusFlow(flow.setup, CompiledLoops())
     rows, _ = torus.at(np.array(times))
     assert np.abs(rows - exact(inertia, d, times)).max() < 2e-15
-    # spinning long: there and back by another start
+    # a long spin: forth and back through another start
     (far,), _ = torus.at(np.array([1e6]))
     start = flow.system.state(tuple(far[:3]), tuple(far[3:]))
     back = flow.system.flow(start, kernel="compiled").at([-1e6, -1e6 + 3.0])
@@ -164,7 +164,7 @@ def test_moments_and_d_of_any_scales_keep_all_digits(seed) -> None:
     rows, _ = torus.at(times)
     rows[:, 3:] /= np.linalg.norm(M)
     assert np.abs(rows - exact_motion(system, gamma, M, tilted, times)).max() < 5e-15
-    # there and back by another start, as far as floats tell the start
+    # forth and back through another start, to the accuracy of its floats
     (far,), _ = torus.at(np.array([1e5 * times[0]]))
     start = system.state(far[:3].tolist(), far[3:].tolist(), tilted=tilted)
     back = system.flow(start, kernel="compiled").at([-1e5 * times[0]])
@@ -205,7 +205,7 @@ def test_moments_of_the_largest_ratio_are_answered_or_refused_at_once(seed) -> N
     with suppress(PrecisionLoss):
         again = system.flow(system.state(gamma, M, tilted=tilted)).at([*times, *rng.uniform(-1e5, 1e5, 20)])
         assert np.abs(again.gamma[:2] - exact[:, :3]).max() < 2e-13
-    # seconds to minutes once
+    # formerly seconds to minutes
     assert process_time() - began < 10
 
 
@@ -222,7 +222,7 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
     with pytest.raises(PrecisionLoss, match=r"values of 1/g, where floats take 1\.6e\+04.*MP\(digits\).*nearer times"):
         flow.at([0.01, 1e9, -1e5])
     assert process_time() - began < 10
-    # the same to as many digits as are asked for has no such bound
+    # in multiprecision there is no such bound
     flow = flow_from(890, (-0.304, 0.947, 0.107), np.array([-0.609, -0.138, -0.507]))
     with pytest.raises(PrecisionLoss, match=r"floats take 100"):
         PreciseFlow(flow.system.body, flow.state, 17, limits=ClockLimits(100)).at([1000.0])
@@ -231,7 +231,9 @@ def test_what_takes_too_long_in_floats_is_refused_at_once() -> None:
 
 
 def test_the_corners_of_a_very_heavy_ball_close_in_double_doubles() -> None:
-    """1/d and the a_i of two moments within 2e-6 of each other: far times were refused, near ones came from digits."""
+    """1/d and the a_i of two moments within 2e-6 of each other: far times used to be refused, near ones needed
+    multiprecision.
+    """
     system, gamma = ChaplyginBall((9.8e4, 1e-5, 0.21), 160_000), np.array((0.469, 0.717, 0.551))
     gamma, M = gamma / np.linalg.norm(gamma), np.array([-0.457, -1.695, -0.799])
     flow = system.flow(system.state(gamma.tolist(), (M - gamma * (gamma @ M)).tolist()))

@@ -1,4 +1,4 @@
-"""Enclosures: they contain what many more digits give, they are small, and every truncation bound in them holds."""
+"""Enclosures contain states at many more digits, are small, and every truncation bound in them holds."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def balls():
 
 
 def test_the_differential_equation_is_that_of_the_flow(balls) -> None:
-    """A difference quotient of the moving point lies around the velocity."""
+    """A difference quotient of the moving point lies in the enclosure of the velocity."""
     with balls.reals:
         h = balls.reals.number(2.0**-100)
         before, after = (balls.point(balls.reals.number(1) + k * h) for k in (-1, 1))
@@ -184,7 +184,7 @@ def test_times_too_far_for_panels_are_refused() -> None:
 
 
 def test_times_share_the_panels_that_they_pass(monkeypatch):
-    """Times cost the panels to the farthest and one each, not those of each from the start; the balls overlap."""
+    """Times cost the panels to the farthest plus one each, not those from the start for each; the balls overlap."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488)))
     panels = []

@@ -35,7 +35,7 @@ def test_a_jump_is_refused():
 
 
 def test_rounding_is_refused_before_it_is_halved_away():
-    """Twelve halvings of panels that only rounding keeps from converging took 4095 panels."""
+    """Twelve halvings of panels whose convergence only rounding prevents took 4095 panels."""
     rng, asked = np.random.default_rng(3), 0
 
     def noisy(t):
@@ -75,7 +75,7 @@ def test_rising_and_falling_zeros_are_all_zeros():
 
 @pytest.mark.parametrize("speed", [1e-100, 1e-13, 1e13, 1e20])
 def test_the_zeros_of_a_motion_are_those_of_a_slower_one(speed):
-    """Times are inverse to momenta: a zero is told from its neighbour on the scale of the motion."""
+    """Times scale inversely with momenta: zeros are separated on the time scale of the motion."""
     count = len(BALL.flow(BALL.state(GAMMA, M)).events(lambda gamma, M: gamma[:, 2], 0, 30))
     flow = BALL.flow(BALL.state(GAMMA, tuple(speed * x for x in M)))
     found = flow.events(lambda gamma, M: gamma[:, 2], 0, 30 / speed)

@@ -1,4 +1,4 @@
-"""The exact flow against reference trajectories, against itself at higher precision, and on every kind of body."""
+"""The exact flow compared with reference trajectories, with itself at higher precision, and on every kind of body."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def reference(name: str, field=None):
 @pytest.mark.parametrize("kernel", ["python", "compiled"])
 @pytest.mark.parametrize("name", ["S1", "S2", "S4a"])
 def test_floats_against_the_reference(name, kernel) -> None:
-    """tests/data/trajectories.json, T = 1 … 10000: signs included, to what rounding the inputs to floats leaves."""
+    """tests/data/trajectories.json, T = 1 … 10000: signs included, to the effect of rounding the inputs to floats."""
     system, state, times, states = reference(name)
     run = system.flow(state, kernel=kernel).at(times)
     for t, gamma, M, truth in zip(times, run.gamma, run.M, states, strict=True):
@@ -126,7 +126,7 @@ def test_the_compiled_loops_equal_the_readable_ones() -> None:
 
 
 def test_the_flow_in_multiprecision_is_its_own_witness() -> None:
-    """Two precisions agree to the smaller one."""
+    """Two precisions agree to the digits of the smaller one."""
     runs = []
     for digits in (30, 45):
         system, state, _, _ = reference("S1", MP(digits))
@@ -228,7 +228,7 @@ def test_flows_are_for_the_reals() -> None:
 
 
 def test_the_small_translation_keeps_its_digits_down_to_nothing() -> None:
-    """T(ε) added in doubles against 45 digits: no loss as ε → 0, where U' has an almost double root."""
+    """T(ε) added in doubles, compared with 45 digits: no loss as ε → 0, where U' has an almost double root."""
     system, state, _, _ = reference("S1")
     setup = system.flow(state, kernel="python").setup
     for exponent in range(16):

@@ -1,4 +1,4 @@
-"""Near times in floats, by short runs: right to 1e-13, or left to the next way."""
+"""Near times in floats, by short runs: accurate to 1e-13, or left to the next method."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from integrable.phase.state import onto_constraints
 from integrable.steps.guard_digits import widened
 from jacobian import MP, PrecisionLoss
 
-# moments, d, γ, M, tilted, t: on each of them the first step or the steps on the way lose digits
+# moments, d, γ, M, tilted, t: in each case the first step or the intermediate steps lose digits
 LOSING = {
     "heavy, M near γ": (
         (0.6596997269400164, 0.42163309175174, 0.997294361653126),
@@ -48,7 +48,7 @@ LOSING = {
         True,
         3.651382580255462e-05,
     ),
-    # u1 passes as near the other branch points as they are to each other: 21 digits on a passage, 160 panels away
+    # u1 passes as close to the other branch points as they are to each other: 21 digits per passage, 160 panels away
     "four branch points within 3e-7": (
         (1612222.6318501914, 0.032057838671825524, 0.0004155290068605134),
         211390.91202183932,
@@ -61,7 +61,7 @@ LOSING = {
 
 
 def error(system, state, t):
-    """Of γ and M/|M| at t, against 40 digits from the same floats."""
+    """The error of γ and M/|M| at t, relative to 40 digits from the same floats."""
     flow = system.flow(state)
     wide = widened(system, MP(40))
     true = wide.flow(onto_constraints(wide, state)).at([t])
@@ -122,7 +122,7 @@ def test_a_separatrix_is_a_short_run_about_centres_of_more_digits(name) -> None:
     state = system.state(gamma, M)
     flow = system.flow(state)
     times, tau = np.array([t, 0.1 * t, -0.3 * t]), np.array([0.5 * t, -0.2 * t])
-    # what takes as many digits as errors may grow by, without panels
+    # cases that need as many digits as errors may grow by, without panels
     precise, size = flow._precise, float(np.linalg.norm(state.M))
     for run, true in ((flow.at(times), precise.at(times)[0]), (flow.at_tau(tau), precise.at_tau(tau))):
         assert run.way == "short run"
@@ -142,7 +142,7 @@ BESIDE = {
 
 @pytest.mark.parametrize("name", [*SEPARATRIX, *BESIDE])
 def test_beside_a_separatrix_panels_in_double_doubles_lose_no_more_than_inputs(name) -> None:
-    """Errors of inputs grow by up to 10^14 on the way, those of U and V would by the square of it."""
+    """Input errors grow by up to 10^14, those of U and V would by the square of that."""
     system, gamma, M, t = (SEPARATRIX | BESIDE)[name]
     state = system.state(gamma, M)
     times, runs = np.array([t, 0.6 * t, -0.4 * t]), ShortRuns(system, state)

@@ -1,4 +1,4 @@
-"""The flow to many digits: two precisions, three kinds of numbers, panels against cells, certificates."""
+"""The flow in multiprecision: two precisions, three kinds of numbers, panels and cells, certificates."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def largest(K, run, other) -> float:
 
 @pytest.mark.parametrize("d", ["1e-8", "1e-12", "1e-20"])
 def test_a_clock_that_hardly_varies_keeps_its_digits(d) -> None:
-    """1/g = 1 + O(d): what floats take for rounding still is a function of many nodes."""
+    """1/g = 1 + O(d): variations that floats cannot tell from rounding still need many nodes."""
     runs = []
     for digits in (30, 45):
         system, state = ball(digits, d=d)
@@ -129,7 +129,7 @@ HEAVY_START = (
 
 
 def heavy_setup(digits: int) -> Setup:
-    """Of a ball that double-double numbers do not carry: its clock takes 15,000 values of 1/g to a few turns."""
+    """The set-up of a ball beyond double-double numbers: its clock takes 15,000 values of 1/g for a few turns."""
     system = ChaplyginBall(*HEAVY)
     state = system.state(*HEAVY_START)
     return Setup(system.body, state.gamma, state.M, digits=digits)
@@ -164,7 +164,7 @@ def test_values_that_double_double_numbers_have_too_few_digits_for_are_made_with
 
 
 def test_what_floats_leave_to_more_digits_takes_no_second() -> None:
-    """Three quarters of a second or more each, with values of 1/g in multiprecision."""
+    """With values of 1/g in multiprecision each took three quarters of a second or more."""
     system = ChaplyginBall(*HEAVY)
     flow = system.flow(system.state(*HEAVY_START))
     times = [380.1479591886898, -5045549.602646869, -2516822.66596671, -93769.63370811127]
@@ -209,7 +209,9 @@ def test_the_torus_takes_over_far_away_and_agrees() -> None:
 
 
 def test_beside_a_separatrix_the_torus_waits_until_it_costs_less_than_counting_steps() -> None:
-    """Its tables grow with the closeness: they take half a second here, as long as some ten thousand steps."""
+    """The cost of its tables grows near the separatrix: here they take half a second, as long as some ten thousand
+    steps.
+    """
     system, state = ball(16, start=((0, 0, 1), ("0.01", "1", 0)))
     carrier = PreciseFlow(system.body, state, 16).carrier
     setup = carrier.setup
@@ -224,7 +226,7 @@ def test_beside_a_separatrix_the_torus_waits_until_it_costs_less_than_counting_s
 
 
 def test_lost_digits_are_found_and_made_up_for() -> None:
-    """Near the separatrix errors grow like e^(λt): the precision is raised until 30 digits are left."""
+    """Near the separatrix errors grow like e^(λt): the precision is raised until 30 digits remain."""
     unstable = (("1e-20", "0", "1"), ("0", "1", "0"))
     system, state = ball(30, start=unstable)
     flow = PreciseFlow(system.body, state, 30)
@@ -299,7 +301,7 @@ def test_a_certificate_counts_the_digits_that_agree(digits) -> None:
 
 @pytest.mark.parametrize("digits", [15, 30])
 def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) -> None:
-    """Right states were refused, one digit of them was said to agree."""
+    """Correct states were refused because only one digit seemed to agree."""
     system, state = load_scene("chaplygin").start(digits)
     system = ChaplyginBall((1, 2, 2), 1, field=system.field)
     state = system.state(state.gamma, [m + g for m, g in zip(state.M, state.gamma, strict=True)], tilted=True)
@@ -311,7 +313,7 @@ def test_a_certificate_of_a_tilted_ball_with_two_equal_moments_far_away(digits) 
 @pytest.mark.parametrize("digits", [15, 30])
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 2)])
 def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, monkeypatch) -> None:
-    """What it is compared with was the same closed form in more digits, whose mistakes agree."""
+    """It used to be compared with the same closed form in more digits, whose mistakes agree."""
     system, state = ball(digits, inertia, tilt=0.7)
     assert (system.flow(state).certify([1e3, -1e9]).digits >= digits - 3).all()
     true = Swing.clock
@@ -323,7 +325,7 @@ def test_a_certificate_of_equal_moments_shares_no_closed_form(inertia, digits, m
 
 @pytest.mark.parametrize("field", [15, 30])
 def test_a_certificate_fails_where_the_run_is_wrong(field, monkeypatch) -> None:
-    """A run that is late by 10^-5 is right to five digits only."""
+    """A run with a delay of 10^-5 is right to five digits only."""
     system, state = load_scene("chaplygin").start(field)
     flow = system.flow(state)
     true_at = Flow.at

@@ -1,4 +1,4 @@
-"""Rotations about a principal axis: floats have them at any time, also about the middle one."""
+"""Rotations about a principal axis: floats reach any time, also about the middle axis."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def test_near_the_start_it_is_what_a_taylor_series_gives(system, start):
 
 
 def test_far_away_and_beyond_the_digits():
-    """These were refused after seconds, about the middle axis."""
+    """About the middle axis these used to be refused after seconds."""
     system = ChaplyginBall((36.25874119771842, 8.372158690428956, 17.11369844447391), 2.324797238800649)
     state = system.state((-1.0, 0.0, 0.0), (0.0, 0.0, 823.8684484500192))
     flow: Flow = system.flow(state)
@@ -58,7 +58,7 @@ def test_far_away_and_beyond_the_digits():
 @pytest.mark.parametrize("start", STATES.values(), ids=STATES)
 @pytest.mark.parametrize("system", SYSTEMS.values(), ids=SYSTEMS)
 def test_multiprecision_has_them_at_any_time(system, start):
-    """About the middle axis 1000 units of time were refused: 415 digits are lost on the way."""
+    """About the middle axis 1000 units of time used to be refused: 415 digits are lost."""
     rows = {}
     for digits in (30, 50):
         K = MP(digits)

@@ -1,4 +1,4 @@
-"""What "auto" takes the costs of a torus for, and how far the clock of short runs is right."""
+"""The costs of a torus that "auto" assumes, and how far the clock of short runs is accurate."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from integrable.motion.short import FREE, ROLLING, THIN, ShortRuns, panels_withi
 
 
 def test_the_costs_of_a_torus_follow_from_its_clock() -> None:
-    """Without d there is none; moments that differ much beside d give 1/g many modes; tenths of d are no difference."""
+    """For d = 0 there is no clock; moments that differ much relative to d give 1/g many modes; tenths of d do not
+    matter.
+    """
     bodies = ((1.0, 3.0, 0.0), (1.0, 3.0, 0.7), (1e-4, 1.5, 1.0), (0.1, 0.3, 1e3))
     assert [torus_cost(*body) for body in bodies] == [FREE, ROLLING, THIN, ROLLING]
 
@@ -23,7 +25,9 @@ def test_a_torus_that_is_cheap_leaves_fewer_panels_and_many_times_more() -> None
 
 @pytest.mark.parametrize(("inertia", "d", "T"), [((1e-4, 1.0, 1.5), 1.0, 100.0), ((1.0, 2.0, 3.0), 0.7, 300.0)])
 def test_the_clock_of_many_panels_has_no_rate_that_rounding_gives_it(inertia, d, T) -> None:
-    """Rounding makes all σ at a node larger by the same part, on thin balls hundreds of roundings: 10⁻¹³ in γ here."""
+    """Rounding increases all σ at a node by a common factor, on thin balls by hundreds of roundings: 10⁻¹³ in γ
+    here.
+    """
     ball = ChaplyginBall(inertia, d)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     times = np.linspace(0.9, 1, 20) * T

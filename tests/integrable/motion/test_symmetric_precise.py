@@ -1,4 +1,4 @@
-"""Two or three equal moments over MP(digits): the closed form beside additions, more digits, and rotations."""
+"""Two or three equal moments over MP(digits): the closed form compared with additions, more digits, and rotations."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ def _gap(run, other) -> float:
 
 @pytest.mark.parametrize("name", BODIES)
 def test_near_the_start_it_is_what_additions_give(name) -> None:
-    """The additions of :mod:`integrable.motion.precise` know nothing of equal moments."""
+    """The additions of :mod:`integrable.motion.precise` do not treat equal moments specially."""
     flow, times = _flow(name), [K.coerce(x) for x in ("0.5", "-3.25", "7")]
     run = flow.at(times)
     rows, tau = flow._precise.at(np.array(times, dtype=object))

@@ -1,4 +1,4 @@
-"""One result of all motions: what computed it, which rows it has, and what a system refuses to be asked."""
+"""The result of all motions: its method, its rows, and the quantities that a system refuses."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def test_steps_over_a_finite_field_have_integrals_and_no_attitude() -> None:
 
 @pytest.mark.parametrize("made", ["flow", "orbit"])
 def test_states_one_after_the_other_and_by_their_number(made) -> None:
-    """A loop over the states ended in an error, and an orbit knew no numpy integer."""
+    """A loop over the states used to end in an error, and an orbit did not accept numpy integers."""
     state = BALL.state(*START)
     run = BALL.flow(state).at([0, 1, 2]) if made == "flow" else orbit(BALL.translation([1.8, 2.5]), state, 2)
     assert [x.gamma for x in run] == [tuple(row) for row in run.gamma.tolist()]
@@ -197,7 +197,7 @@ def test_all_rows_may_be_had_or_refused() -> None:
 @pytest.mark.parametrize("method", ["at", "at_tau"])
 def test_runs_with_refused_rows_are_values(method) -> None:
     asked = getattr(motion(BALL), method)
-    # the way to few near times is another one as long as there is no torus
+    # few near times use another method as long as there is no torus
     asked([1e6])
     run = asked([1.0, 1e30], strict=False)
     assert run == asked([1.0, 1e30], strict=False)
@@ -262,7 +262,7 @@ def test_what_would_take_minutes_is_refused_alone() -> None:
 
 
 def test_rows_that_are_refused_together_only() -> None:
-    """Not more than three at once: the nearest are kept, whatever single rows say."""
+    """More than three at once are refused: the nearest are kept, whatever single rows give."""
 
     def compute(values):
         if len(values) > 3:

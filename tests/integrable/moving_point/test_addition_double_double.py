@@ -1,4 +1,4 @@
-"""The loops of the flow in double-double arithmetic beside the same loops on mpf, on easy and on hard bodies.
+"""The loops of the flow in double-double arithmetic compared with the same loops on mpf, on easy and hard bodies.
 
 Both get the same inputs, those that two floats hold; what a body does to errors is measured by running the loop on mpf
 again from inputs changed by 1e-31 of their size.
@@ -75,7 +75,7 @@ def setup_of(name):
 
 
 def exact(array):
-    """What two floats hold, as numbers of the field."""
+    """The values that two floats hold, as numbers of the field."""
     return double_double.unpack(array, K.coerce)
 
 
@@ -90,7 +90,7 @@ def flat(value):
 
 
 def assert_as_exact_as_possible(found, loop, inputs, seed, factor=300):
-    """``found`` against ``loop`` of the exact inputs, to ``factor`` times what 1e-31 in the inputs does to it."""
+    """``found`` compared with ``loop`` of the exact inputs, to ``factor`` times the effect of 1e-31 in the inputs."""
     rng, values = Random(seed), [exact(x) for x in inputs]
     true = flat(loop(*values))
     floor = [0] * len(true)

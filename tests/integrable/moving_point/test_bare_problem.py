@@ -1,4 +1,4 @@
-"""The numbers that a torus is made from, in bare reals, beside those of the readable problem."""
+"""The bare reals from which a torus is made, compared with those of the readable problem."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The incomplete integral of the third kind against mpmath's."""
+"""The incomplete integral of the third kind compared with mpmath's."""
 
 from __future__ import annotations
 
@@ -20,7 +20,9 @@ def exact(x):
 @pytest.mark.parametrize("kind", [np.float64, np.longdouble])
 @pytest.mark.parametrize("modulus", ["small", "below 1", "above 1"])
 def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
-    """At cos²θ, cos²θ + k²sin²θ, 1, cos²θ + κ²sin²θ, as a body of two equal moments asks for it; one by one too."""
+    """At cos²θ, cos²θ + k²sin²θ, 1, cos²θ + κ²sin²θ, as needed for a body with two equal moments; also one at a
+    time.
+    """
     generator, count = np.random.default_rng(4), 40
     angles = np.concatenate([generator.uniform(0, np.pi / 2, count), 10 ** generator.uniform(-6, -1, count)])
     k2 = {"small": 10 ** generator.uniform(-6, -1, 2 * count), "below 1": generator.uniform(0.5, 1, 2 * count),
@@ -42,7 +44,7 @@ def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
 
 
 def test_what_is_no_number_leaves_its_neighbours_alone() -> None:
-    """The terms of a series are counted for all of an array: beside a NaN there were none."""
+    """The number of terms is chosen for the whole array: a NaN used to make it zero."""
     found = arctan_over(np.array([0.0, 1e-6, np.nan, 1.0]))
     assert np.isnan(found[2])
     assert np.abs(found[[0, 1, 3]] - [1.0, np.arctan(1e-3) / 1e-3, np.pi / 4]).max() < 1e-15

@@ -1,4 +1,4 @@
-"""What 1/g may be at most on a short run, by which runs are given up before they begin."""
+"""The bound of 1/g on a short run, by which hopeless runs are given up before they begin."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from integrable.motion import short
 @pytest.mark.parametrize("inertia", [(1, 2, 3), (3, 1, 2), (0.01, 0.02, 0.0299), (1, 30, 900)])
 @pytest.mark.parametrize("d", [1e-6, 0.7, 40.0])
 def test_no_run_that_leads_to_its_end_is_given_up(inertia, d, monkeypatch) -> None:
-    """Some more panels than a run has taken are enough for another one, whose pace may be taken for a slower one."""
+    """A limit of some more panels than a run has taken suffices for it, even if its pace is estimated too low."""
     ball = ChaplyginBall(inertia, d)
     generator = np.random.default_rng(1)
     found = 0

@@ -1,4 +1,4 @@
-"""Panels of short runs: their nodes, and what compiled loops do abreast beside the same loops interpreted."""
+"""Panels of short runs: their nodes, and compiled loops in lanes compared with the same loops interpreted."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from jacobian.numbers.long_reals import BareReals
 
 
 def test_nodes_are_sums_that_are_done_abreast_and_interpolate_like_chebyshevs() -> None:
-    """None of a lot is made from another of it, ±1 are where the steps between panels are looked at."""
+    """No node is made from another of its lot, and jumps between panels are measured at ±1."""
     nodes = rule().nodes
     assert max(LOT, len(SUMS) - LOT) <= LANES
     assert all(0 <= first < LOT for first, _ in SUMS[LOT:])
@@ -85,7 +85,7 @@ def test_two_equal_moments_are_gone_through_too(name) -> None:
 
 @pytest.mark.parametrize("apart", [2.0**-52, 1e-12, 1e-10, 1e-8])
 def test_all_but_equal_moments_are_gone_through_too(apart) -> None:
-    """Sums over axes of what is divided by small κ would lose translations their digits."""
+    """Sums over axes of quotients by a small κ would cost translations their digits."""
     ball = ChaplyginBall((1, 1 + apart, 3), 0.7)
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     times = np.array([-60.0, 20.0, 100.0])
@@ -134,7 +134,7 @@ STEPS = Library(
 
 @pytest.mark.parametrize("name", MOTIONS)
 def test_a_point_off_its_level_is_put_back_on_it(name) -> None:
-    """U, V and the pairs fit each other to all digits, and the curve a hundred times as well."""
+    """U, V and the pairs agree to all digits, and with the curve a hundred times better."""
     system, gamma, M, tilted = MOTIONS[name]
     state = system.state(gamma, M, tilted=tilted)
     reals = BareReals(200)
@@ -168,7 +168,7 @@ def remainder(f, point, a):
 
 @pytest.mark.parametrize(("inertia", "most"), [((1.0, 1e4, 1e8), 100), ((1e8, 1e4, 1.0), 200)])
 def test_small_branch_points_do_not_shorten_panels(inertia, most) -> None:
-    """They bound the series of translations alone: the body turns by little on so short a panel."""
+    """They limit only the series of translations: the body turns little on so short a panel."""
     system = ChaplyginBall(inertia, 0.7)
     state = system.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     times = np.linspace(-10, 10 / np.linalg.norm(system.omega(state)), 21)

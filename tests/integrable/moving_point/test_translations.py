@@ -1,4 +1,4 @@
-"""Translations by short times: the expansion in the time against Newton's iteration, and as a group."""
+"""Translations by short times: the expansion in time compared with Newton's iteration, and as a group."""
 
 import pytest
 
@@ -62,7 +62,7 @@ def test_translations_add_up(ball) -> None:
 
 @pytest.mark.parametrize("name", ["ball", "top", "moments nearly equal", "thin"])
 def test_the_rate_is_read_off_the_height_above_infinity(name) -> None:
-    """Three digits go with each two of 1 − dα: a thin ball shows why it is not taken there."""
+    """Every two digits of 1 − dα cost three: a thin ball shows why the formula is not used there."""
     setup = setup_of(BODIES[name], 40)
     bare, reals = setup.bare, setup.reals
     with reals:

@@ -1,4 +1,4 @@
-"""Motions of genus 1 in closed form: the states that additions in long numbers give, signs included."""
+"""Motions of genus 1 in closed form, compared with additions in long numbers, signs included."""
 
 from __future__ import annotations
 
@@ -94,7 +94,7 @@ def test_a_wrong_sign_is_noticed(name, sign, monkeypatch) -> None:
 
     assert has_torus(flow_of(name))
     monkeypatch.setattr(EllipticTorus, "__init__", wrong)
-    # a motion that does not read it has nothing wrong
+    # a motion that does not use it has no error
     assert has_torus(flow_of(name)) != bool(noticed)
 
 

@@ -1,4 +1,4 @@
-"""Motions of genus 2 on their real torus: the states that additions in long numbers give, signs included."""
+"""Motions of genus 2 on their real torus, compared with additions in long numbers, signs included."""
 
 from __future__ import annotations
 
@@ -117,7 +117,7 @@ def test_data_that_are_not_the_time_are_left_to_additions():
 
 @pytest.mark.parametrize("case", range(len(GEODESICS)))
 def test_the_clock_of_a_geodesic_is_right_after_many_turns(case):
-    """The mean of dt/dτ is a determinant of integrals, and not a sum over a grid, which ended at 2^26 turns."""
+    """The mean of dt/dτ is a determinant of integrals; the former sum over a grid failed at 2^26 turns."""
     system, state = geodesic(*GEODESICS[case])
     flow = system.flow(state)
     # a round takes about as long as the way around at this speed
@@ -130,7 +130,7 @@ def test_the_clock_of_a_geodesic_is_right_after_many_turns(case):
 
 
 def test_neighbours_on_the_torus_are_neighbours():
-    """No corner of a cell, no period and no sign shows."""
+    """No jump at corners of cells, periods or sign changes."""
     system, state = CASES[0]
     times = np.linspace(0, 40, 4001)
     path = system.flow(state).at(times)
@@ -144,7 +144,7 @@ def test_neighbours_on_the_torus_are_neighbours():
 
 
 def test_what_has_no_torus_takes_additions():
-    """A separatrix, a closed gap, and times that are too far for double-doubles."""
+    """A separatrix, a closed gap, and times too far for double-doubles."""
     system = Neumann((1, 2, 4))
     for q, p in (((0, 1, 0), (0, 0, 0)), ((0, 0.6, 0.8), (0, 0.8, -0.6))):
         flow = system.flow(system.state(q, p))

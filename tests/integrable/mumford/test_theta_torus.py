@@ -52,7 +52,7 @@ def test_far_states_are_those_of_additions(name) -> None:
 
 @compiled
 def test_few_far_times_do_not_wait_for_theta_functions() -> None:
-    """And have the same bits."""
+    """And they have the same bits."""
     times = np.linspace(1e6, 1e6 + 40, TIMES_TO_THETA)
     many, few = flow_of("two complex roots").at(times), flow_of("two complex roots").at(times[:-1])
     assert (many.way, few.way) == ("torus", "additions")
@@ -64,7 +64,7 @@ def test_few_far_times_do_not_wait_for_theta_functions() -> None:
 @pytest.mark.parametrize("which", range(2))
 @pytest.mark.parametrize("name", MOTIONS)
 def test_what_is_wrong_is_noticed(name, which) -> None:
-    """The sign of a lift, the way a phase runs, its place at the start, and its frequency."""
+    """The sign of a lift, the direction of a phase, its value at the start, and its frequency."""
     flow = flow_of(name)
 
     def torus():

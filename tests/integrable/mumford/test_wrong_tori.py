@@ -1,4 +1,4 @@
-"""A torus with one wrong sign is not taken: of a period, a corner, a lift, the direction, a sheet or the clock."""
+"""A torus with one wrong sign is rejected: of a period, a corner, a lift, the direction, a sheet or the clock."""
 
 from __future__ import annotations
 

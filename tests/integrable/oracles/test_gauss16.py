@@ -1,4 +1,4 @@
-"""The compiled Gauss–Legendre method of order 16 against the readable one, its order, and its round-off."""
+"""The compiled Gauss–Legendre method of order 16 compared with the readable one, its order, and its round-off."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def test_it_is_of_order_sixteen(name):
     errors = [np.abs(steps_of(name, K, 8, [2], Fraction(2, n)).gamma - exact.gamma).max() for n in (8, 12)]
     slope = float(K.context.log(errors[0] / errors[1]) / K.context.log(1.5))
     assert slope == pytest.approx(16, abs=1)
-    # and the method that a tolerance drives is the same one
+    # and the method with a tolerance is the same one
     adapted = gauss16(system, state, [2.0], tolerance=1e-18)
     assert np.abs(adapted.gamma - exact.gamma.astype(float)).max() < 2e-15
 

@@ -1,4 +1,4 @@
-"""The comparators: one interface, what each keeps, and its order as the slope of error against its setting."""
+"""The comparators: one interface, what each conserves, and its order as the slope of error over its setting."""
 
 from __future__ import annotations
 
@@ -51,13 +51,13 @@ STEPPING = [name for name, method in METHODS.items() if method.parameter == "ste
 
 
 def named(names):
-    """Parameters for methods, those left out that need what is not installed."""
+    """Parameters for methods, without those that need an uninstalled package."""
     missing = pytest.mark.skipif
     return [pytest.param(n, marks=missing(not METHODS[n].installed, reason=METHODS[n].module)) for n in names]
 
 
 def fitting(names, problems, top=None):
-    """(method, problem) where the method is for the problem: a top, where that is so."""
+    """(method, problem) pairs for which the method applies: the problem is a top if possible."""
     tops = {problem: "top" in problem if top is None else top for problem in problems}
     pairs = [(n, p) for n in names for p in problems if METHODS[n].kinds != ("top",) or tops[p]]
     return [pytest.param(*named([n])[0].values, p, marks=named([n])[0].marks) for n, p in pairs]
@@ -414,7 +414,7 @@ def test_all_balls_are_of_one_kind_and_all_tops() -> None:
 
 
 def test_an_integrator_is_built_once_for_all_bodies() -> None:
-    """A compilation is once a machine: it is no part of a start, whoever compiles."""
+    """Compilation happens once per machine and is no part of a start."""
 
     class Slow(type(METHODS["SciPy DOP853"])):
         def build(self, kind, setting):
@@ -436,7 +436,7 @@ def test_an_integrator_is_built_once_for_all_bodies() -> None:
 
 @pytest.mark.parametrize("name", ["heyoka", "heyoka, long double"])
 def test_heyoka_takes_times_of_any_sort(name):
-    """It is given a list of floats as it is; what it does not take as it is goes another way to the same states."""
+    """A list of floats is passed as it is; other inputs are converted, with the same states."""
     pytest.importorskip("heyoka")
     system, state = PROBLEMS["top"]
     solve = partial(METHODS[name].solve, system, state, setting=1e-15)

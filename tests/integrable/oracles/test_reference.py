@@ -1,4 +1,4 @@
-"""The oracles against the shipped trajectories, against each other and against closed forms."""
+"""The oracles compared with the shipped trajectories, with each other and with closed forms."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a motion is, beside means over long runs and integrals by other rules."""
+"""The global quantities of a motion compared with means over long runs and integrals by other rules."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def flow_of(name):
 
 
 def mean_turning(angles, times):
-    """Radians a unit of time, by a mean whose weight vanishes at both ends with all derivatives."""
+    """Radians per unit time, by a mean whose weight vanishes at both ends with all derivatives."""
     x = np.linspace(0, 1, len(times))[1:-1]
     weight = np.exp(-1 / (x * (1 - x)))
     rates = np.gradient(np.unwrap(angles), times)[1:-1]

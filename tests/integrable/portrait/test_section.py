@@ -1,4 +1,4 @@
-"""Poincaré sections beside the flow itself."""
+"""Poincaré sections compared with the flow."""
 
 from __future__ import annotations
 

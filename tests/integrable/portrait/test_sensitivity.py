@@ -1,4 +1,4 @@
-"""Derivatives of states beside the equations of variation, and what they have to obey at any time."""
+"""Derivatives of states compared with the equations of variation, and identities that they satisfy at any time."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def test_fifty_bodies():
 @pytest.mark.slow
 @pytest.mark.parametrize("near", [1e-1, 1e-3, 1e-5])
 def test_beside_the_separatrix(near):
-    """On the torus large integrals nearly cancel there; what is lost is noticed."""
+    """On the torus large integrals nearly cancel there; the loss is detected."""
     gaps, sizes, ways = beside([(1, 2, 3)], (0.7,), [(0.6, 0, 0.8)], [(0, 2, 0.3 * near)], 15.0, 80)
     assert sizes[0] > 100
     assert gaps[0] < 2e-12
@@ -61,7 +61,9 @@ def test_beside_the_separatrix(near):
 
 @pytest.mark.parametrize("ball", [ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3.5))])
 def test_what_holds_at_any_time(ball):
-    """S carries ẋ(0) to ẋ(t); a heavier body with the momentum moves alike, a faster one earlier."""
+    """S carries ẋ(0) to ẋ(t); scaling the moments with the momentum leaves γ unchanged, scaling the momentum rescales
+    time.
+    """
     gamma, M = np.array((0.48, 0.6, 0.64)), np.array((0.4, 1.2, 0.3))
     flow = ball.flow(ball.state(gamma, M, tilted=True))
     times = np.array([10.0, 1e3, 1e6])

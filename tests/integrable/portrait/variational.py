@@ -1,7 +1,7 @@
 """The equations of motion and of variation written out, and extrapolated midpoint steps for them (Gragg 1965).
 
-Shares no formula with the package: δq, δn and δω one after the other, in numbers of any kind. A table has the columns
-γ, M and then, for each of ten inputs (γ(0), M(0), I, d), δγ and δM.
+It shares no formula with the package: δq, δn and δω are computed in turn, in numbers of any kind. A table has the
+columns γ, M and then, for each of ten inputs (γ(0), M(0), I, d), δγ and δM.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Taylor series of any equations in flint's power series: an integrator that shares nothing with the package's motions.
+"""Taylor series of any equations in flint's power series: an integrator that shares no code with the package's motions.
 
 Coefficient k + 1 of the solution is that of the rates at the series up to k, over k + 1.
 """

@@ -1,4 +1,4 @@
-"""The data set of certified trajectories: whole, as its schema says, and true."""
+"""The data set of certified trajectories is complete, follows its schema, and is correct."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_a_motion_with_the_name_of_a_scene_is_that_scene():
 
 @pytest.mark.parametrize("name", ["random_01", "random_06", "heavy"])
 def test_the_other_motions_are_problems_too(name):
-    """Which begin at doubles, 1e-16 from the strings of the first row."""
+    """They start at doubles, 1e-16 from the strings of the first row."""
     motion, one = certified(name), problem(name)
     assert one.times == motion.times
     assert one.description == motion.about
@@ -87,7 +87,7 @@ def test_an_integrator_that_shares_no_code_agrees_within_the_bounds(name):
 
 @pytest.mark.parametrize("name", ["tilde", "check", "hat", "tilde_poles"])
 def test_deformations_are_where_their_curves_say(name):
-    """The balls are of Taylor series; additions on two elliptic curves at 40 digits share nothing with them."""
+    """The balls come from Taylor series; additions on two elliptic curves at 40 digits share nothing with them."""
     motion = certified(name)
     system, _ = motion.start()
     exact = system.over(MP(40))

@@ -1,4 +1,6 @@
-"""Problems: their equations, integrals and derivatives against each other, their truth against another integrator."""
+"""Problems: their equations, integrals and derivatives agree with each other, their solution with another
+integrator.
+"""
 
 import numpy as np
 import pytest
@@ -21,7 +23,7 @@ def starts(name, count=3):
 
 
 def distance_from_series(one: Problem, time: float, digits: int) -> float:
-    """How many of its radii, and at least of its last digits, the truth is off another integrator's."""
+    """The distance of the solution from another integrator's, in its radii and at least in its last digits."""
     found = one.truth(time, digits)
     expected = by_series(one.rates, one.y0, time)
     scale = np.abs(found.y.astype(float)).max()

@@ -8,7 +8,7 @@ CALLS = []
 
 
 def runge_kutta(problem, times, tolerance):
-    """The classical method, with a step that goes with the tolerance."""
+    """The classical method, with a step that depends on the tolerance."""
     longest = 0.5 * problem.time_scale * tolerance**0.25
     y, now, rows = problem.y0, 0.0, []
     for end in times:
@@ -25,7 +25,7 @@ def runge_kutta(problem, times, tolerance):
 
 
 def compiling(problem, times, tolerance):
-    """Which takes a while at its first call."""
+    """A solver whose first call takes a while."""
     if not CALLS:
         time.sleep(0.5)
     CALLS.append(tolerance)
@@ -33,7 +33,7 @@ def compiling(problem, times, tolerance):
 
 
 def failing(problem, times, tolerance):
-    """Which gives up at tight tolerances, and before returns what is no number."""
+    """A solver that gives up at tight tolerances and returns NaN just before."""
     if tolerance < 1e-6:
         raise FloatingPointError("the step size is too small")
     return np.full((len(times), len(problem.y0)), 1.0 if tolerance > 1e-5 else np.nan)

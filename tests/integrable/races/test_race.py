@@ -1,4 +1,4 @@
-"""Races: errors and times are what they are said to be, failures stay in the race, the page stands alone."""
+"""Races: errors and times are as stated, failures stay in the race, the page stands alone."""
 
 import json
 import re
@@ -90,7 +90,9 @@ def test_a_run_that_would_take_too_long_is_not_made() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["neumann", "kdv_two_gaps", "tilted_ball", "toda_5"])
 def test_every_rival_takes_doubles_of_any_length(name) -> None:
-    """The start is no unit vector, and the methods get it as it is: tight ones come near the truth."""
+    """The start is not exactly a unit vector, and the methods receive it unchanged: tight ones come near the
+    solution.
+    """
     one = problem(name)
     other = one.another(np.random.default_rng(3))
     times = np.array([0.5, 2.0]) * other.time_scale

@@ -1,4 +1,4 @@
-"""What the tests of scenes share."""
+"""Fixtures shared by the tests of scenes."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Scenes: what is read, and what is refused with one line that helps."""
+"""Scenes: what is read, and what is refused with one helpful line."""
 
 from __future__ import annotations
 

@@ -211,7 +211,7 @@ def test_what_is_for_bodies_alone_is_refused(tmp_path):
 
 
 def test_next_to_a_pole_a_row_is_measured_by_itself() -> None:
-    """q_0 = 1803 at t = 81, p_0 = 153061: what inputs do there, and rounding, counts beside these."""
+    """q_0 = 1803 at t = 81, p_0 = 153061: input errors and rounding count relative to these."""
     system = ClassicalSystem(HenonHeiles.with_frequencies(1, 1.25))
     state = system.state((0.1, 0.05), (0, 0.1))
     times = [80.0, 81.0]

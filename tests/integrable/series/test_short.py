@@ -1,4 +1,6 @@
-"""Short runs in floats along Taylor series: beside additions in 40 digits, and where they must give way to them."""
+"""Short runs in floats along Taylor series, compared with additions in 40 digits, and where they must give way to
+them.
+"""
 
 from __future__ import annotations
 
@@ -115,7 +117,7 @@ def test_small_motions_of_a_lattice(size) -> None:
 
 
 def test_what_is_left_of_forces_that_cancel() -> None:
-    """From rest, one rounding from where all forces are in balance: p grows from some 1e-17."""
+    """From rest, one rounding away from equilibrium of all forces: p grows from about 1e-17."""
     rng = Random(3)
     for _ in range(6):
         beta = -rng.uniform(0.5, 3)
@@ -149,7 +151,7 @@ def test_beyond_a_pole_it_is_no_series() -> None:
 
 @pytest.mark.parametrize("count", [1, 101])
 def test_far_times_cost_no_walk(count) -> None:
-    """Where the last of the times is far, one series says so."""
+    """If the last of the times is far, a single series shows it."""
     system, state = REAL["neumann"](RR, 2)
     flow = system.flow(state)
     places, *_ = flow._near(np.linspace(1e5, 1e6, count))
@@ -168,7 +170,7 @@ def test_steps_are_short_enough_for_terms_in_floats() -> None:
 
 
 def test_what_an_instability_has_blown_up_is_not_handed_out() -> None:
-    """The pendulum leaves the vertical by 1e-25 e^t: what floats of 20 or 30 digits know of it is gone at t = 80."""
+    """The pendulum leaves the vertical like 1e-25 e^t: floats of 20 or 30 digits have lost it at t = 80."""
     system = SphericalPendulum()
     flow = system.flow(system.state((1e-25, 0, 1), (0, 1e-25, 0)))
     times = [10.0, 150.0]
@@ -211,7 +213,7 @@ def test_steps_for_few_of_them_are_right_to_the_last_bits_and_go_no_further() ->
 
 
 def test_walks_that_share_an_error_are_not_taken_for_right() -> None:
-    """Terms in floats were off by 3e-16 in one walk and by 4.4e-16, of the same sign, in the other."""
+    """Terms in floats were off by 3e-16 in one walk and by 4.4e-16 of the same sign in the other."""
     system, time = SphericalPendulum(), 57.64737010567073
     q = (0.9073889848172207, -0.3362041320318375, -0.25221421815015194)
     start = Point(q, (1.4631451189757265, 5.1490700211285905, -1.5998180278513123))
@@ -237,7 +239,7 @@ def test_walks_share_no_terms_in_floats_about_the_start() -> None:
 
 
 def test_a_tape_has_its_constants_first_and_operations_by_kind() -> None:
-    """Every node after those that it is made of, whatever the order in which the formula came to them."""
+    """Every node comes after its operands, in whatever order the formula produced them."""
     tape = recorded(lambda y: [y[0] * 3 + y[1] * y[1] / (y[0] - 7), (y[0] + y[1]) * y[0], y[1] * y[1] - 3], 2)
     count = tape.kinds.count(CONSTANT)
     assert tape.kinds[: 2 + count] == [VARIABLE] * 2 + [CONSTANT] * count

@@ -1,4 +1,6 @@
-"""Compiled walks of kinds of systems: beside the interpreted tape, with a tolerance, and when they are compiled."""
+"""Compiled walks of kinds of systems: compared with the interpreted tape, with a tolerance, and when they are
+compiled.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,7 @@ def both(path):
 
 
 def off(found, true):
-    """The largest difference beside the largest q, or p."""
+    """The largest difference relative to the largest q, or p."""
     return (np.abs(found - true).max(axis=-1) / np.abs(true).max(axis=-1)).max()
 
 
@@ -93,7 +95,7 @@ def test_a_tolerance_is_kept_and_its_estimate_is_one(name, n, monkeypatch) -> No
 
 
 def test_what_a_tolerance_does_not_hold_for_is_right_to_the_last_bits(monkeypatch) -> None:
-    """An instability makes 1e-16 of plain steps 1e-3; steps in double-doubles have it."""
+    """An instability turns 1e-16 of plain steps into 1e-3; steps in double-doubles are accurate."""
     walks(monkeypatch, "compiled")
     system = SphericalPendulum()
     state = system.state((1e-5, 0.0, 1.0), (0.0, 1e-5, 0.0))
@@ -180,7 +182,7 @@ EDGES = {
 
 @pytest.mark.parametrize("name", EDGES)
 def test_the_edges_of_a_walk(name, monkeypatch) -> None:
-    """Beside 40 digits by additions, both ways in time: whatever a walk does not reach others answer."""
+    """Compared with 40 digits by additions, both ways in time: times beyond a walk are computed by other methods."""
     walks(monkeypatch, "compiled")
     system, q, p, time = EDGES[name]
     state, K, times = system.state(q, p), MP(40), [time, -time / 3, 0.0]
@@ -244,7 +246,7 @@ def test_a_walk_ends_where_its_rows_say_that_the_last_is_lost() -> None:
 
 
 def test_barriers_of_nothing_are_none() -> None:
-    """They were terms of 0 that divide by q_1: a walk from q_1 = 0 had no step."""
+    """They used to be terms of 0 that divide by q_1: a walk from q_1 = 0 had no step."""
     system = HenonHeiles((1.0,), -0.5, -0.25)
     state = system.state((0.05, 0.0), (0.01, 0.02))
     walk, times = system._kind.walk(WIDE, compiles=True), np.linspace(0, 10, 11)

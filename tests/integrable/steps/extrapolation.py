@@ -1,6 +1,6 @@
 """An integrator of any precision: the modified midpoint rule, extrapolated (Gragg 1965; Bulirsch and Stoer 1966).
 
-For numbers with operators: floats, mpf. Nothing is known of the equations but their right-hand side.
+For numbers with operators: floats, mpf. Only the right-hand side of the equations is used.
 """
 
 from __future__ import annotations

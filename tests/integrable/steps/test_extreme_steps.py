@@ -1,4 +1,4 @@
-"""Translations next to the identity, next to 2-torsion and by large multiples: right to rounding × their condition."""
+"""Translations near the identity, near 2-torsion and by large multiples: accurate to rounding × their condition."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ START = ((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
 WIDE = MP(60)
 EPS = RR.eps
 
-# the last number: by how much the map itself turns a change of the state, in units of its change
+# the last number: the map's own amplification of a change of the state
 EXTREME = {
     "pair at 1e-12": (BALL, {"points": [1e-12j, -1e-12j]}, 10),
     "pair at 1e-12, top": (TOP, {"points": [1e-12j, -1e-12j]}, 10),
@@ -347,7 +347,7 @@ def test_a_rotation_about_a_principal_axis_has_no_multiple(system) -> None:
 
 
 def test_next_to_a_rotation_floats_are_not_asked_for_the_sum() -> None:
-    """The sum next to the double point of the curve loses more digits than floats have; it was an IndexError."""
+    """The sum near the double point of the curve loses more digits than floats have; it used to be an IndexError."""
     system = ChaplyginBall(
         (8.44644710162115e-05, 3.9777953392502493e-05, 3.502533507914114e-05), 4.4014079572322455e-05
     )

@@ -1,4 +1,4 @@
-"""The signs: the lift of the sum at every branch point, its matrix, which D' have it."""
+"""The signs: the lift of the sum at every branch point, its matrix, and the D' that have one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Addition, its lift to (Γ, n), which D' are canonical; exactly."""
+"""Addition, its lift to (Γ, n), and the D' that are canonical; exactly."""
 
 from __future__ import annotations
 

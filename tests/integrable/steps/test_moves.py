@@ -22,7 +22,7 @@ from tests.integrable.steps.equations_of_pairs import shifted
 @pytest.mark.parametrize("factor", [10**400, -(10**5000)], ids=["10^400", "-10^5000"])
 @pytest.mark.parametrize("K", [None, MP(30)], ids=["RR", "MP(30)"])
 def test_multiples_without_end_are_refused_at_once_over_the_reals(factor, K) -> None:
-    """10**400 was an OverflowError, and a larger one was computed without end."""
+    """10**400 was an OverflowError, and a larger multiple never ended."""
     ball = ChaplyginBall((1, 2, 3), 1) if K is None else ChaplyginBall((1, 2, 3), 1, field=K)
     with pytest.raises(Infeasible, match="factor = "):
         ball.multiplication(factor)
@@ -97,7 +97,7 @@ def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
 
 
 def test_far_shifts_have_their_digits() -> None:
-    """10⁶ and 10²⁰ turns on: against the flow in more digits, and the closed form of the top about M."""
+    """10⁶ and 10²⁰ turns on: compared with the flow in more digits, and with the closed form of the top about M."""
     ball, top = ChaplyginBall((1, 2, 3), 0.7), EulerTop((1, 2, 3))
     state = ball.state((0.48, 0.6, 0.64), (0.384, 1.28, -1.488))
     for tau in (1e6, -1e6, 1e20):

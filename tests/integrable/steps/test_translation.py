@@ -93,7 +93,7 @@ def test_a_divisor_of_another_system_is_refused() -> None:
 
 
 def test_a_divisor_that_does_not_determine_its_state_is_refused() -> None:
-    """The moments are alike to 10⁻⁴ beside d: half of the digits of (U, V) hold no γ."""
+    """The moments agree to 10⁻⁴ relative to d: half of the digits of (U, V) do not determine γ."""
     heavy = ChaplyginBall((1, 2, 3), 1e4)
     with pytest.raises(PrecisionLoss, match="does not determine"):
         heavy.from_divisor(heavy.divisor(heavy.state(*START)))
@@ -279,9 +279,7 @@ def _constrained(K, start):
 
 
 def test_a_real_orbit_turns_through_every_sign_of_gamma() -> None:
-    """1000 steps of the 2 x conjugate-pair map: γ_i changes sign again and again, and the divisor sum is kept
-    throughout.
-    """
+    """1000 steps of the 2 x conjugate-pair map: γ_i changes sign repeatedly, and the divisor sum is kept throughout."""
     step, state = RR_BALL.translation([0.3j, -0.3j]), RR_BALL.state(*START)
     orbit = [state]
     for _ in range(300):

@@ -1,4 +1,4 @@
-"""Steps over small prime fields as the textbook has them, in Python's ints: nothing of the packages is imported.
+"""Steps over small prime fields by textbook formulas, in Python's ints: nothing of the packages is imported.
 
 A state becomes (U, V) by U = Σr_i(gγ_i)²(x − a_j)(x − a_k), V = Σr_i gγ_i n_i(x − a_j)(x − a_k), n = 2γ × M + 2gd(Aγ, γ
 × M)gγ, r_i = 1 − da_i; a sum is found by trying every polynomial P that passes through the summands.
@@ -120,7 +120,7 @@ def _residue(p: int, P: Poly, u: Poly) -> Poly:
 
 
 def member(p: int, f: Poly, D: Pair, P: Poly) -> Pair | None:
-    """What y − P leaves beside (U, P), turned over: None where it has a point at infinity."""
+    """The remaining zeros of y − P beside (U, P), reflected: None if it has a point at infinity."""
     quotient = divided(p, less(p, times(p, P, P) if P else [], f), D[0])[0]
     if len(quotient) != 3:
         return None

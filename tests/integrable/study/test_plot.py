@@ -1,4 +1,4 @@
-"""Pictures: made from made-up reports, looked at by their contents; no global state is touched."""
+"""Pictures made from artificial reports, inspected by their contents; no global state is touched."""
 
 from __future__ import annotations
 
@@ -79,7 +79,9 @@ def test_work_precision_of_nothing_is_still_a_picture():
 
 @pytest.mark.parametrize(("times", "side"), [((0.04, 0.6), "right"), ((0.6, 7.0), "left")])
 def test_the_label_of_the_floor_is_where_no_marks_are(times, side):
-    """It lay on the mark of the compiled run: the side was chosen by one mark of two at the same height."""
+    """It used to lie on the mark of the compiled run: the side was chosen by only one of two marks at the same
+    height.
+    """
     flow = [Row("divisor flow", "floats", error_gamma=1.5e-14, total=time, digits=15) for time in reversed(times)]
     rows = (*flow, Row("divisor flow", "30 digits", error_gamma=1e-29, total=8.0),
             Row("SciPy DOP853", "tol 1e-4", error_gamma=0.8, total=0.04))  # fmt: skip

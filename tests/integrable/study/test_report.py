@@ -1,4 +1,4 @@
-"""The report: its figures against independent ones, its table, its JSON."""
+"""The report: its figures compared with independent ones, its table, its JSON."""
 
 from __future__ import annotations
 
@@ -120,7 +120,7 @@ def test_digits_of_the_run_are_measured_even_if_not_listed():
 
 
 def test_the_own_result_is_there_before_truth_and_rivals():
-    """Its row, and its trajectory for pictures; then every line of the table, in the order of the table."""
+    """Its row comes first, with its trajectory for pictures; then every line of the table in order."""
     labels, said = [], []
     watch = Watch(lambda line: said.append((line, list(labels))), lambda run: said.append((run, list(labels))))
     asked = replace(ASKED, digits=(15, 25), truth_digits=40)
@@ -136,7 +136,9 @@ def test_the_own_result_is_there_before_truth_and_rivals():
 
 
 def test_an_error_is_against_the_motion_of_the_doubles_the_method_got():
-    """It was held against the motion of decimal fractions, which the method never saw: 1.5e-14 for 5.7e-17."""
+    """It used to be relative to the motion of decimal fractions, which the method never received: 1.5e-14 for
+    5.7e-17.
+    """
     scene = replace(short(), times=Times(given=(Fraction(1000),)))
     report, _ = measure(replace(scene, report=replace(ASKED, tolerances=(), steps=(), repeat=1)), 15, lambda _: None)
     assert report.rows[0].error_gamma < 1e-15
@@ -174,7 +176,7 @@ def test_a_method_that_gives_up_keeps_its_line():
 
 
 def test_a_method_that_returns_no_number_is_said_to(monkeypatch):
-    """It was compared with the truth, and written as an error that is not a number."""
+    """It was compared with the truth, and its error written as NaN."""
     nothing = Solution(np.full((3, 3), np.nan), np.full((3, 3), np.nan), 7)
     monkeypatch.setattr("integrable.study.measure.dop853", lambda *_, **__: nothing)
     asked = replace(ASKED, digits=(15,), tolerances=(Fraction("1e-5"),), steps=(), repeat=1)

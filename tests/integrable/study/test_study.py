@@ -1,4 +1,4 @@
-"""``integrable report``: rows that survive kills, share work and say why they failed; errors that are what they say."""
+"""``integrable report``: rows that survive kills, share work and state why they failed; errors that are correct."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def done(tmp_path_factory):
     kept = ("SciPy DOP853", "Gauss-Legendre 6", "implicit midpoint", "closed elliptic form", FLOW, "Bäcklund steps")
     every = [r for r in planned([scene], [str(source)], "quick") if r.method in kept or r.kind in ("truth", "floor")]
     rows = [r for r in every if r.kind != "first answer" and r.setting != "compiled"]
-    # what they find is tested, and not how fast this machine is just now
+    # their results are tested, not the speed of this machine
     rows = [replace(r, limits=replace(r.limits, run=60.0)) for r in rows]
     store = Store(folder / "out")
     return rows, run_tasks(rows, store, 2), store
@@ -102,7 +102,7 @@ def start(tmp_path, source, folder):
 
 
 def numbers(folder):
-    """What the rows of a folder found, without what depends on the clock."""
+    """The results in the rows of a folder, without quantities that depend on the clock."""
     clocked, found = ("seconds", *PARTS, "total", "flow", "mad", "runs", "check"), {}
     for path in sorted((folder / "rows").glob("*.json")):
         content = json.loads(path.read_text(encoding="utf-8"))
@@ -594,7 +594,7 @@ def test_a_miss_of_the_floor_is_told_with_its_cause_and_silent_errors_are_found(
 
 
 def test_at_one_time_the_fastest_that_is_near_enough_stands_beside_the_flow(done, monkeypatch):
-    """Multiprecision is near enough and slow, the midpoint rule never near enough."""
+    """Multiprecision is accurate enough and slow, the midpoint rule never accurate enough."""
     row = replace(done[0][0], kind="horizon", method=FLOW, setting="T = 10", value=10)
     for names, peer in (
         (("implicit midpoint", "closed elliptic form"), "closed elliptic form"),
@@ -634,7 +634,7 @@ def test_the_cheapest_setting_that_is_near_enough_is_found_from_the_most_accurat
 
 
 def fake(monkeypatch, task, method, errors, seconds, fastest=inf):
-    """What is found of a method that errs and takes as it is said, and the settings that were run."""
+    """The result of a method with given errors and costs, and the settings that were run."""
     runs = []
 
     class Judge:
@@ -750,7 +750,7 @@ def test_run_times_that_scatter_are_marked(done):
 
 
 def test_what_is_timed_runs_alone(rows, tmp_path, monkeypatch):
-    """Truths and floors are computed beside each other, and nothing beside what is timed."""
+    """Truths and floors are computed in parallel, and nothing runs beside a timing."""
     together, begin = [], runner._Worker.take
 
     def take(self, task, store, finished):
@@ -795,7 +795,7 @@ def test_what_scatters_is_measured_again_and_machines_costs_are_no_part_of_a_rat
 
 
 def test_what_the_flow_costs_once_a_machine_is_what_its_first_use_had(done, monkeypatch):
-    """Later rows of the process have that figure too, and not what a warm process needs."""
+    """Later rows of the process show that figure too, not the cost in a warm process."""
     spent = iter([Spent(0.0, 2.0, 1.0, 4.0), *[Spent(0.0, 0.5, 0.25, 0.5)] * 100])
     rows = done[0]
     monkeypatch.setattr(rivals, "_KEPT", {})
@@ -818,7 +818,7 @@ def test_two_in_a_ratio_run_in_turn():
 
 
 def test_the_sites_pages_are_made_of_the_report_alone(done, tmp_path):
-    """What report.json holds is enough for the one screen, the lost rows and a page a scene."""
+    """report.json suffices for the one screen, the lost rows and a page per scene."""
     spec = spec_from_file_location("measured_pages", ROOT / "docs" / "site" / "measured.py")
     pages = module_from_spec(spec)
     spec.loader.exec_module(pages)
@@ -930,7 +930,9 @@ def test_the_report_goes_to_stdout_as_the_schema_says(tmp_path, capsys):
 
 
 def test_an_orbit_over_the_reals_is_held_against_its_floor(tmp_path):
-    """The page of one that keeps its integrals could not be written: its rows have no way, which a motion's have."""
+    """The page of one that keeps its integrals could not be written: its rows have no method, unlike those of a
+    motion.
+    """
     path = tmp_path / "orbit.toml"
     path.write_text(ORBIT, encoding="utf-8")
     study = study_of([str(path)], out=tmp_path / "out", quick=True, formats=(), jobs=1)
@@ -1008,7 +1010,7 @@ def test_a_report_is_published_by_one_command(done, tmp_path):
 
 
 def test_what_is_published_is_of_one_report():
-    """The page, and the table of peers.md, are what the JSON says; where others are faster is said on both."""
+    """The page and the table of peers.md agree with the JSON; both say where others are faster."""
     docs = ROOT / "docs"
     data = json.loads((docs / "error_against_run_time.json").read_text(encoding="utf-8"))
     study = study_from(data, [load_scene(name) for name in data["scenes"]])

@@ -1,4 +1,4 @@
-"""Worker processes end with the process that has started them, however that ends."""
+"""Worker processes end with the process that started them, however that ends."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-# starts two workers, says who they are, and does nothing more
+# starts two workers, prints their ids, and does nothing more
 POOL = """
 import os, time
 from integrable.sweeps.sweep import _pool
@@ -25,7 +25,7 @@ if __name__ == "__main__":
         print(*pool._processes, flush=True)
         time.sleep(60)
 """
-# as a worker of a study is at its row
+# like a worker of a study busy with its row
 WORKER = """
 import multiprocessing
 import os
@@ -45,7 +45,7 @@ if __name__ == "__main__":
 
 
 def runs(process: int) -> bool:
-    """Whether there is such a process, that has not ended and waits for somebody to ask how."""
+    """Whether such a process exists that has neither ended nor become a zombie."""
     try:
         return Path(f"/proc/{process}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
     except OSError:

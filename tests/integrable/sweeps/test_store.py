@@ -1,4 +1,4 @@
-"""What is left of a sweep where files cannot be written, and where its folder is damaged."""
+"""What remains of a sweep when files cannot be written, and when its folder is damaged."""
 
 import json
 import subprocess
@@ -46,7 +46,7 @@ swept(sys.argv[1])
 )
 def test_a_limit_of_the_size_of_files_is_one_error(suffix, limits, kept, tmp_path):
     """``ulimit -f``: RuntimeError "Can't decrement id ref count" and a segmentation fault, of HDF5's library. The
-    chunks survive; a folder that nobody can go on from does not.
+    chunks survive; a folder without anything to resume from does not.
     """
     pytest.importorskip("resource")
     pytest.importorskip("h5py" if suffix == ".h5" else "zarr")
@@ -93,7 +93,7 @@ def test_a_damaged_journal_is_named(suffix, what, tmp_path):
     (tmp_path / f"out{suffix}.part" / "journal.json").write_text(JOURNALS[what], encoding="utf-8")
     with pytest.raises(ArgumentError, match=r"\.part' has a journal that is damaged; give another name, or remove it"):
         swept(out)
-    # what is there is the user's to remove
+    # existing files are for the user to remove
     assert (tmp_path / f"out{suffix}.part").exists()
 
 
@@ -120,7 +120,7 @@ DAMAGED = [pytest.param(*x.values, name, marks=x.marks) for x in SUFFIXES for na
 
 @pytest.mark.parametrize(("suffix", "what"), DAMAGED)
 def test_a_damaged_chunk_is_computed_again(suffix, what, tmp_path):
-    """A chunk of zarr that is gone would be read as zeros."""
+    """A missing zarr chunk would be read as zeros."""
     out = tmp_path / f"out{suffix}"
     with pytest.raises(SweepStopped, match="3 of 6 chunks are kept"):
         swept(out, Dead(3))
@@ -134,7 +134,7 @@ def test_a_damaged_chunk_is_computed_again(suffix, what, tmp_path):
 
 @needs_hdf5
 def test_refused_members_are_counted_once(tmp_path):
-    """Of chunks that are gone on with, and of one that is computed again."""
+    """In chunks that are resumed, and in one that is computed again."""
     many = ensemble(EulerTop((1, 2, 3)), GAMMA, np.array([M, (0, 0, 0)] * 4))
     out = tmp_path / "out.h5"
     with pytest.raises(SweepStopped, match="3 of 4 chunks are kept"):

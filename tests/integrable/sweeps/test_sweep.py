@@ -1,4 +1,4 @@
-"""Sweeps: every member once, equal to the serial result to the bit, whatever dies on the way."""
+"""Sweeps: every member once, equal to the serial result to the bit, whatever fails in between."""
 
 import os
 import re
@@ -234,7 +234,7 @@ except ArgumentError as error:
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 def test_a_full_disk_is_one_line(scene, suffix, tmp_path):
-    """Files of more than 1500 bytes are refused by the system; the chunk is made again when there is room."""
+    """The system refuses files of more than 1500 bytes; the chunk is computed again when there is space."""
     pytest.importorskip("resource")
     out = tmp_path / f"out{suffix}"
     words = [sys.executable, "-c", FULL, str(tmp_path / "ball.toml"), str(out), suffix]
@@ -364,7 +364,7 @@ def kill_one(client):
 
 
 class Killing(Executor):
-    """Another executor, and something that is done after forty jobs."""
+    """Another executor, with an action after forty jobs."""
 
     def __init__(self, other, action):
         self._other, self._action, self._count = other, action, 0

@@ -1,5 +1,5 @@
-"""Moments that no distribution of mass has: a warning of one line that names the inequality, and the motion all the
-same.
+"""Moments that no distribution of mass has: a one-line warning names the inequality, and the motion is still
+computed.
 """
 
 import warnings

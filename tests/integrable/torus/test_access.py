@@ -1,4 +1,6 @@
-"""Random access on the torus: against the table of counts and quadrature at more digits, on every kind of body."""
+"""Random access on the torus, compared with the table of counts and quadrature at more digits, on every kind of
+body.
+"""
 
 from __future__ import annotations
 
@@ -153,7 +155,9 @@ def test_many_times_keep_the_integrals() -> None:
 
 @pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14"])
 def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None:
-    """One walk around the long period multiplies its errors by what the motion leaves the unstable rotation with."""
+    """One walk around the long period multiplies its errors by the factor with which the motion leaves the unstable
+    rotation.
+    """
     scene = load_scene(name)
     system, state = scene.start(15)
     flow = system.flow(state, kernel="compiled")
@@ -168,7 +172,7 @@ def test_beside_the_separatrix_corners_are_reached_from_both_sides(name) -> None
 
 @pytest.mark.parametrize("name", ["near_separatrix_8", "near_separatrix_14", "1e-14 beside the separatrix"])
 def test_beside_the_separatrix_one_walk_over_the_corners_is_enough(monkeypatch, name) -> None:
-    """Where the walks have to meet is known before them; from a start that is there it is not met at its worst."""
+    """The place where the walks must meet is known before them; a start there is the worst case."""
     walks, walk = [], Corners._walk
 
     def counted(corners, forward, most) -> None:
@@ -333,7 +337,7 @@ def test_one_over_g_of_thinner_and_tilted_balls_is_had_from_the_axes() -> None:
 
 
 def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None:
-    """(γ, M) = 0 in a state made as a tilted one: half of the grid was empty, and digits were sent for."""
+    """(γ, M) = 0 in a state made as a tilted one: half of the grid was empty, and multiprecision was used."""
     ball = ChaplyginBall((0.013839669882170155, 0.002377476045841977, 0.016785435607574308), 1.0475366205208094e-09)
     gamma, momentum = (-1.0, 0.0, 0.0), (0.0, -1.3580771168322964e-06, -4.319558273040246e-06)
     times = [402449.2727409653, -2e6]
@@ -345,7 +349,9 @@ def test_a_tilted_state_without_a_tilt_has_the_clock_of_an_upright_one() -> None
 
 @pytest.mark.parametrize("d", [1e4, 1e6, 1e10])
 def test_what_a_torus_of_a_heavy_ball_is_held_against_is_right(d) -> None:
-    """Additions to the start beside 40 digits; at 10⁶ they were off by 1, and digits decided about every torus."""
+    """Additions to the start compared with 40 digits; at 10⁶ they were off by 1, and every torus had to be checked in
+    multiprecision.
+    """
     ball = ChaplyginBall((1, 2, 3), d)
     state = ball.state(*START)
     torus = TorusFlow(ball.flow(state).setup, CompiledLoops())
@@ -373,7 +379,7 @@ class AnotherQuadrant(CompiledLoops):
 
 
 def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
-    """The rough comparison and the one in digits refuse it."""
+    """Both the rough comparison and the one in multiprecision refuse it."""
     ball = ChaplyginBall((1, 2, 3), 1e6)
     setup = ball.flow(ball.state(*START)).setup
     TorusFlow(setup, CompiledLoops())
@@ -382,7 +388,7 @@ def test_a_wrong_torus_of_a_heavy_ball_is_noticed() -> None:
 
 
 def test_digits_are_asked_only_about_what_double_doubles_left_open(monkeypatch) -> None:
-    """At 1e-14 from a separatrix additions lose all but four digits at one time of four."""
+    """At 1e-14 from a separatrix additions lose all but four digits at one time in four."""
     asked, in_digits = [], witness._in_digits
 
     def counted(bare, translations, tau):
@@ -409,7 +415,7 @@ def test_rounding_of_samples_is_no_decay_to_wait_for() -> None:
         dust = rounding * np.random.default_rng(1).standard_normal((size, 16))
         return needed_sizes(spectrum(smooth[:, None] + dust), (noise, 1e-9))[0]
 
-    # what decays is waited for as before, and so is rounding that another doubling averages away
+    # decay is waited for as before, and so is rounding that another doubling averages away
     assert needed(64, 1e-15, 1e-17) == 128
     assert needed(1024, 1e-12, 1e-14) == 2048
     # a hundredth of it takes ten thousand times as many samples
@@ -486,7 +492,7 @@ def test_beside_an_unstable_rotation_that_leans():
 
 
 def test_cells_that_do_not_fit(monkeypatch):
-    """Corners that are off by 1e-12 are seen on the borders of their cells, and the motion is left to more digits."""
+    """Corners that are off by 1e-12 show on the borders of their cells, and the motion is left to multiprecision."""
     flow = BALL.flow(BALL.state(*START))
     walk = Corners._walk
 

@@ -74,7 +74,7 @@ def test_modes_from_both_ovals_are_those_of_the_clock_that_counts_steps(ball, st
 
 @pytest.mark.parametrize("inertia", [(1, 2, 2), (2, 2, 1)])
 def test_modes_of_a_tilted_ball_with_two_equal_moments_are_not_taken_for_none(inertia) -> None:
-    """What leans is 0/0 there: left out, it put the states of far times at others."""
+    """The tilt term is 0/0 there: omitting it gave wrong states at far times."""
     ball = ChaplyginBall(inertia, 1)
     state = ball.state(START[0], (1.104, 2.18, -0.528), tilted=True)
     with pytest.raises(PrecisionLoss, match="two moments of this body are equal"):
@@ -126,7 +126,7 @@ def test_a_series_of_many_digits_leaves_to_floats_what_they_hold(digits) -> None
 
 @pytest.mark.parametrize(("inertia", "apart"), [((1, 2, 2), 28), ((2, 2, 1), 22), ((1, 3, 1), 28)])
 def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, apart) -> None:
-    """Far states of a tilted ball with two moments 10^-28 apart were off by 10^-20 of 30 digits, without a word."""
+    """Far states of a tilted ball with two moments 10^-28 apart were off by 10^-20 of 30 digits, without an error."""
     K = MP(30)
     moved = [K.coerce(x) for x in inertia]
     k = next(k for k in range(3) if inertia.count(inertia[k]) == 2)
@@ -293,7 +293,7 @@ def test_ovals_that_nearly_meet_keep_the_digits_of_their_periods() -> None:
 
 
 def test_the_separatrix_has_no_compact_torus_and_is_followed_while_it_pays() -> None:
-    """H1/H2 = a2: e^(λt) outgrows every digit of a float by t = 400; more digits carry it."""
+    """H1/H2 = a2: e^(λt) exceeds every digit of a float by t = 400; more digits reach further."""
     ball = ChaplyginBall((1, 2, 3), 0.7)
     flow = ball.flow(ball.state((0, 0, 1), (0, 1, 0)))
     with pytest.raises(PrecisionLoss, match="met"):
@@ -342,7 +342,7 @@ def test_far_times_against_the_same_motion_in_multiprecision() -> None:
 
 
 def test_modes_that_rounding_has_drowned_are_not_looked_for_among_more(monkeypatch) -> None:
-    """Twice and four times as many modes were made, half a minute, before the same was said."""
+    """Twice and four times as many modes used to be computed, for half a minute, before the same refusal."""
     body = Veselova((12.488247637324774, 1.46209256319696e-10, 12.253046214624495))
     gamma = (-0.6266829347572684, 0.6372198491462872, 0.44857481331211685)
     M = (0.00010323665044658085, 0.00017293937154728905, -0.00010144072253290405)
@@ -395,7 +395,7 @@ def test_an_interrupted_far_time_leaves_the_digits_as_they_were(monkeypatch):
 
 
 def test_near_times_have_the_first_digits_again_after_a_far_one():
-    """After t = 1e308 they took ten times as long for ever; and a second far time takes no second set-up."""
+    """After t = 1e308 they used to take ten times as long for ever; and a second far time needs no second set-up."""
     ball = ChaplyginBall((1, 2, 3), "0.7", field=MP(30))
     state = ball.state(*([ball.field.coerce(str(x)) for x in v] for v in START))
     flow, alone = ball.flow(state), ball.flow(state)

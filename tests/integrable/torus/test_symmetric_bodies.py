@@ -29,7 +29,7 @@ def rotated(axis, angles, vectors):
 
 
 def closed_form(inertia, axis, gamma, M, times, tilted):
-    """γ and M of a top whose moments but that of ``axis`` are equal, floats of shape (N, 6)."""
+    """γ and M of a top with two equal moments, the third being that of ``axis``: floats of shape (N, 6)."""
     with mpmath.workdps(DIGITS):
         own, other = mpmath.mpf(inertia[axis]), mpmath.mpf(inertia[axis - 1])
         gamma, M = [mpmath.mpf(x) for x in gamma], [mpmath.mpf(x) for x in M]
@@ -40,7 +40,7 @@ def closed_form(inertia, axis, gamma, M, times, tilted):
             M = [x - lean * y for x, y in zip(M, gamma, strict=True)]
         momentum = mpmath.sqrt(mpmath.fsum(x * x for x in M))
         rates = -momentum / other, -M[axis] * (1 / own - 1 / other)
-        # the angles are large numbers: reduced here, then floats do
+        # the angles are large: after reduction here floats suffice
         first, second = (np.array([float((rate * t) % (2 * mpmath.pi)) for t in times]) for rate in rates)
         direction = np.array([float(x / momentum) for x in M])
         gamma, M = (np.tile(np.array(v, dtype=float), (len(times), 1)) for v in (gamma, M))
@@ -306,7 +306,7 @@ def test_a_wrong_sign_of_a_period_is_noticed(name, place, monkeypatch) -> None:
 
 
 class WrongCorners(CompiledLoops):
-    """The corners of a walk that closes, with a sign that is wrong but at the start."""
+    """The corners of a walk that closes, with a wrong sign everywhere but at the start."""
 
     def __init__(self, axis: int) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""The page that moves: its numbers are those of the motion, and it moves in a browser."""
+"""The animated page: its numbers are those of the motion, and it moves in a browser."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_a_curve_without_two_ovals_is_refused_by_name():
     [("chaplygin", 20, "the 20 frames"), ("thin_ball", 600, "the 600 frames"), ("heavy_ball", 600, "rounding")],
 )
 def test_why_there_is_no_torus(name, frames, why):
-    """Few frames for a long motion were taken for lost digits."""
+    """Few frames for a long motion were mistaken for lost digits."""
     content = shown(name, frames=frames)
     assert "angles" not in content
     assert len(content["missing"]) == 1
@@ -121,7 +121,7 @@ def test_wrong_arguments_get_one_line(tmp_path, monkeypatch, capsys, options, sa
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "width"), [("chaplygin", 1280), ("chaplygin", 390), ("hat", 1280), ("keyless", 1280)])
 def test_the_page_moves_in_a_browser(tmp_path, monkeypatch, capsys, name, width):
-    """No error on the console, nothing loaded from elsewhere, the slider moves what is drawn, and so does Play."""
+    """No console error, no external request, the slider moves the drawing, and so does Play."""
     pytest.importorskip("plotly")
     monkeypatch.chdir(tmp_path)
     assert main(["view", name, "--frames", "100"]) == 0
@@ -172,7 +172,7 @@ def test_lines_on_the_torus_reach_its_edges(tmp_path):
 
 @pytest.mark.slow
 def test_the_captions_are_of_the_body_that_is_shown(tmp_path):
-    """A top was said to be a ball that rolls on a plane."""
+    """The caption of a top used to describe a ball that rolls on a plane."""
     pytest.importorskip("plotly")
     text = {
         name: view(name, tmp_path / f"{name}.html", frames=20).read_text(encoding="utf-8")

@@ -17,7 +17,7 @@ def modulus(p, k):
 
 
 def times(a, b, low, p):
-    """Products in GF(p)[t]/(t^k + …), coefficient by coefficient: arrays, or ints."""
+    """Products in GF(p)[t]/(t^k + …), coefficient by coefficient: of arrays or ints."""
     k = len(low)
     total = [sum(a[i] * b[n - i] for i in range(max(0, n - k + 1), min(n + 1, k))) for n in range(2 * k - 1)]
     for n in range(2 * k - 2, k - 1, -1):

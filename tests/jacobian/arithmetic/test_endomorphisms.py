@@ -1,4 +1,4 @@
-"""Endomorphisms seen in periods: known rings, exact relations, and L-polynomials that contradict what is not there."""
+"""Endomorphisms seen in periods: known rings, exact relations, and L-polynomials that exclude further ones."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def test_quaternions():
 
 @pytest.mark.parametrize("name", CURVES)
 def test_the_matrices_are_a_ring_with_one(name):
-    """A·Π = Π·R with balls, and products are combinations again: exactly."""
+    """A·Π = Π·R holds in balls, and products are combinations again, exactly."""
     found = endomorphisms(curve(name), 60)
     matrices = [flint.fmpz_mat([list(row) for row in R]) for R in found.matrices]
     with found.periods.cover.numbers.working():

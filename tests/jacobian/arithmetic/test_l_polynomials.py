@@ -1,4 +1,4 @@
-"""L-polynomials at all primes beside points counted one by one, PARI, torsion, and themselves by another way."""
+"""L-polynomials at all primes compared with point counts, PARI, torsion, and another computation of themselves."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def test_orders_are_those_of_random_classes(f, h):
 
 
 def check_points(C, L, p, degrees):
-    """The points over GF(p^k) are those that all of L_p says, and not its lower half alone."""
+    """The points over GF(p^k) agree with all of L_p, not only its lower half."""
     said = counts(L.polynomial(p), p, max(degrees))
     assert [said[k - 1] for k in degrees] == [points(C.discriminant, p, k) for k in degrees], (C, p)
 
@@ -216,7 +216,7 @@ class Killed(Exception):
 
 @pytest.mark.parametrize("after", [60, 400, 1500])
 def test_a_run_that_is_killed_goes_on(monkeypatch, tmp_path, after):
-    """From the last state, with trees and without, and to the same result."""
+    """From the last state, with trees and without, to the same result."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
     wanted = C.l_polynomials(20_000)
     monkeypatch.setattr(forest, "WALKED_TO", 1 << 10)
@@ -250,7 +250,7 @@ HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]).l_polynomials(1 << 15, file=sys.argv
 
 
 def test_a_process_that_is_killed_leaves_a_state_to_go_on_from(monkeypatch, tmp_path):
-    """By SIGKILL, which no process hears, whether it is writing just then or not."""
+    """By SIGKILL, which no process can catch, whether it is writing just then or not."""
     C, path = HyperellipticCurve(QQ, [1, -1, 0, 0, 0, 1]), tmp_path / "run.npz"
     process = subprocess.Popen([sys.executable, "-c", RUN, str(path)], cwd=Path(__file__).parents[3])
     try:

@@ -1,4 +1,4 @@
-"""Sato–Tate groups: their moments, curves that they are found for; pictures, Dirichlet coefficients, the command."""
+"""Sato–Tate groups: their moments, curves with known groups; pictures, Dirichlet coefficients, the command."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def test_there_are_52_groups_with_integral_moments():
 
 
 def test_moments_that_are_counted_otherwise():
-    """Of a_1 of USp(4): closed walks in its Weyl chamber; of SU(2) and U(1): Catalan and central binomial numbers."""
+    """a_1 of USp(4): closed walks in its Weyl chamber; of SU(2) and U(1): Catalan and central binomial numbers."""
     found = moments_of_groups(8)
     assert found["USp(4)"][:4] == [_walks(n) for n in (2, 4, 6, 8)]
     one = groups(1)

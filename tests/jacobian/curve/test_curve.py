@@ -255,7 +255,7 @@ def test_bad_points():
 @pytest.mark.parametrize(("f", "h"), [([1, 0, 2, 0, 0, 1], []), ([1, 8, -2, -7, 16, 1, -6, 4, 1], [1, 1])])
 @pytest.mark.parametrize("K", [RR, CC], ids=str)
 def test_what_floats_do_not_reach_is_on_no_curve(K, f, h, x):
-    """f(x) is infinite: y = 0 was found beside it, and every pair was on the curve."""
+    """f(x) is infinite: y = 0 used to be found over it, and every pair was on the curve."""
     C = HyperellipticCurve(K, f, h)
     with pytest.raises(PrecisionLoss):
         C.lift_x(x)

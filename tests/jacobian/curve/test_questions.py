@@ -1,4 +1,4 @@
-"""Curves over other fields, twists, and zeta functions, against points counted one by one."""
+"""Curves over other fields, twists, and zeta functions, compared with points counted one by one."""
 
 from random import Random
 
@@ -112,7 +112,7 @@ def test_both_points_at_infinity_keep_their_names():
 
 
 def test_what_is_not_shared_evenly_at_infinity_stays_above():
-    """On a curve that splits over GF(49) only, ∞₊ − ∞₋ is a class of that field alone."""
+    """On a curve that splits over GF(49) only, ∞₊ − ∞₋ is a class over that field alone."""
     K, L = GF(7), GF(7, 2)
     C = HyperellipticCurve(K, [1, 1, 0, 0, 1, 0, 3])
     above = C.change_ring(L)
@@ -201,7 +201,7 @@ def test_supersingular_curves():
 
 
 def test_ranks_and_slopes_in_characteristic_2():
-    """Against χ, and over fields where χ is not had."""
+    """Compared with χ, and over fields where χ is out of reach."""
     for C in curves(6, 60, [GF(2), GF(2, 2), GF(2, 3), GF(2, 4)]):
         g, k = C.genus, C.field.degree
         a = C.jacobian().frobenius_polynomial()[::-1][: g + 1]

@@ -1,4 +1,4 @@
-"""Points of small height over QQ, against all x tried one by one."""
+"""Points of small height over QQ, compared with trying all x one by one."""
 
 from fractions import Fraction
 from random import Random

@@ -1,4 +1,4 @@
-"""Polynomials of python-flint that are kept in cycles, and what is kept of their rings."""
+"""python-flint's polynomials in reference cycles, and what is kept of their rings."""
 
 import subprocess
 import sys

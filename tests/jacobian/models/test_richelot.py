@@ -75,7 +75,7 @@ def test_all_fifteen():
 
 
 def a_chain(C, length):
-    """Isogenies one after the other, none the dual of the one before, or None."""
+    """Successive isogenies, none the dual of the one before, or None."""
     chain = []
     for _ in range(length):
         curve = chain[-1].target if chain else C

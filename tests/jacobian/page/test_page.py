@@ -15,7 +15,7 @@ from jacobian.page.record import NOT_KNOWN, PROVEN
 from jacobian.relatives.heights import regulator
 from tests.jacobian.test_published_curves import EVERY_DAY, MISSED, ROWS, curve, most_are_slow
 
-# endomorphisms of the geometric Jacobian that the LMFDB has, of curves whose source does not say so
+# endomorphisms of the geometric Jacobian by the LMFDB, for curves whose source does not state them
 MORE = {
     "QQ × QQ": "294.a.294.1 336.a.172032.1 360.a.6480.1 363.a.11979.1 450.a.2700.1 450.a.36450.1 504.a.27216.1 "
     "600.a.18000.1 600.b.30000.1 720.a.6480.1 1300.a.130000.1 8281.a.8281.1",
@@ -38,7 +38,7 @@ def test_the_whole_page_of_a_published_curve(label):
     if "torsion" in row and label != MISSED:
         assert torsion.value["invariants"] == row["torsion"]
     if "classes" in row:
-        # those that were published generate, and what the points give is all of it
+        # the published points generate, and the points found give all of it
         classes = [C.jacobian().from_mumford(*given) for given in row["classes"]]
         assert page["rank"].value == len(classes)
         if classes:

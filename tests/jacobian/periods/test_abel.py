@@ -99,7 +99,7 @@ def test_three_real_curves(name, dps):
 
 
 def test_the_ovals_against_another_quadrature():
-    """Gauss–Chebyshev against tanh–sinh, on a curve with real and complex branch points."""
+    """Gauss–Chebyshev compared with tanh–sinh, on a curve with real and complex branch points."""
     K = MP(25)
     C = HyperellipticCurve(K, [6, -5, -2, 3, 1, 1, -1])
     ovals = real_periods(C)
@@ -187,7 +187,7 @@ def test_the_map_and_its_inverse(K, genus, degree, with_h):
 
 @pytest.mark.parametrize(("K", "genus", "degree", "with_h"), [row for row in _table() if row[0] in (CC, MP(30))])
 def test_abels_theorem(K, genus, degree, with_h):
-    """The zeros of y − p(x), deg p ≤ g, add up to nothing: no group law is used, only roots of a polynomial."""
+    """The zeros of y − p(x), deg p ≤ g, add up to zero: only roots of a polynomial are used, no group law."""
     A, rng = _random_map(K, genus, degree, with_h)
     C, F = A.curve, A.curve.field
     p = [F.random(rng) for _ in range(genus + 1)]
@@ -329,7 +329,7 @@ def test_nothing_global_is_touched_or_imported():
 
 
 def test_the_inverse_looks_at_what_it_returns():
-    """Points far out: the divisor found is on the curve and has the image asked for, or PrecisionLoss is raised."""
+    """Points far out: the divisor found is on the curve and has the requested image, or PrecisionLoss is raised."""
     rng, seen = Random(5), 0
     A = AbelMap(HyperellipticCurve(RR, [1, 2, 0, 3, 0, 1, 0, 1]))
     for size in (1e3, 6.7e7):

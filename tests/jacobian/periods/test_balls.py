@@ -1,5 +1,6 @@
-"""Periods in balls: they contain what twice the digits give, other integrators find the same, Riemann's relations and
-the theta functions of hyperelliptic curves hold as balls."""
+"""Periods in balls contain the values at twice the digits, agree with other integrators, and satisfy Riemann's
+relations and the theta identities of hyperelliptic curves as balls.
+"""
 
 import pickle
 from fractions import Fraction

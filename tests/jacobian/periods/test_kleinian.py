@@ -126,7 +126,7 @@ def from_theta(P, z, characteristic):
 
 @pytest.mark.parametrize(("f", "h"), GENUS_2)
 def test_beside_theta(f, h):
-    """One of the six odd characteristics, the same at all points, gives all five functions."""
+    """One of the six odd characteristics, the same at all points, reproduces all five functions."""
     C = HyperellipticCurve(QQ, f, h)
     A = AbelBalls(C, 60)
     K = KleinianFunctions(A, None if C.model == "ramified" else 3)

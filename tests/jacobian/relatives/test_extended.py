@@ -55,7 +55,7 @@ def element(group, curve, rng):
 
 
 def same(group, D, E):
-    """Whether two are equal: lifts up to (κ/c², cσ, cν) with c a power of ℓ on odd models, any c on even ones."""
+    """Whether two are equal: lifts up to (κ/c², cσ, cν), with c a power of ℓ on odd models and any c on even ones."""
     assert (D.u, D.v) == (E.u, E.v)
     for kind, x, y in zip(group.kinds, D.data, E.data, strict=True):
         if isinstance(kind, Lift):
@@ -112,7 +112,7 @@ def test_the_pairs_add_as_in_the_jacobian(degree) -> None:
 
 
 def test_lifts_are_the_pairs_of_the_signed_group() -> None:
-    """In genus 2: one construction, of which the sign-resolved group is a case; signs up to one of all of them."""
+    """In genus 2: the sign-resolved group is a special case; signs agree up to a common one."""
     rng = Random(1)
     group, curve = group_of(5, rng)
     signed = SignedGroup(curve, [kind.e for kind in group.kinds[:2]])
@@ -165,7 +165,7 @@ def test_long_numbers_against_rational_ones(degree) -> None:
 
 
 def test_a_pair_comes_back_onto_its_curve() -> None:
-    """Newton's method: the rest of f − V² modulo U is squared, down to rounding."""
+    """Newton's method: the remainder of f − V² modulo U is squared, down to rounding."""
     with LongField(300) as L:
         group = ExtendedGroup(L, poly.from_roots(L, map(L.coerce, (-1, 0, 1, 2, 3, 5, 8))))
         xs = [L.coerce(x) for x in (9, 10, 12)]

@@ -1,4 +1,4 @@
-"""Generators modulo torsion of groups that are generated otherwise."""
+"""Generators modulo torsion of groups whose generators are known independently."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ def close(found, expected):
 
 
 def test_a_lattice_grows_to_the_one_that_holds_all_classes():
-    """Sublattices of ℤD + ℤE by random combinations, with D and E among what they generate in the end."""
+    """Sublattices of ℤD + ℤE by random combinations, with D and E in the lattice at the end."""
     rng, whole = Random(5), regulator([D, E])
     for _ in range(4):
         classes = [rng.randint(-3, 3) * D + rng.randint(-3, 3) * E for _ in range(3)]
@@ -28,7 +28,7 @@ def test_a_lattice_grows_to_the_one_that_holds_all_classes():
 
 
 def test_the_index_is_kept():
-    """Nothing is divided that is not in the group: 2D and 3E generate a group of index 6."""
+    """No class outside the group is divided: 2D and 3E generate a group of index 6."""
     found = generators([2 * D, 3 * E, 2 * D + 3 * E, J.zero()])
     assert close(found.regulator, 36 * regulator([D, E]))
     assert close(generators([4 * D, 6 * D]).regulator, 4 * regulator([D]))

@@ -1,4 +1,4 @@
-"""The generalized Jacobian with modulus ∞₊ + ∞₋: its axioms exactly, what it refuses, and inexact against exact."""
+"""The generalized Jacobian with modulus ∞₊ + ∞₋: its axioms exactly, its refusals, and inexact compared with exact."""
 
 from itertools import product
 from random import Random

@@ -1,4 +1,4 @@
-"""Sums on Kummer surfaces over GF(p): those of the group, for every pair of small groups and every special point."""
+"""Sums on Kummer surfaces over GF(p) agree with the group, for every pair of small groups and every special point."""
 
 import copy
 import pickle

@@ -1,4 +1,4 @@
-"""Torsion over QQ against published groups: modular curves and Leprévost's curve."""
+"""Torsion over QQ compared with published groups: modular curves and Leprévost's curve."""
 
 import pytest
 
@@ -77,7 +77,7 @@ def test_points_of_great_height_are_not_needed():
 
 
 def test_what_is_not_found_is_not_called_proven():
-    """y² = x⁷ + 1 with x + 1/97 for x, in genus 3: nothing is looked for but points."""
+    """y² = x⁷ + 1 with x + 1/97 for x, in genus 3: only points are searched for."""
     f = poly.shift(QQ, tuple(map(QQ.coerce, [1, 0, 0, 0, 0, 0, 0, 1])), QQ.coerce("1/97"))
     torsion = HyperellipticCurve(QQ, f).jacobian().rational_torsion(height=1)
     assert torsion.bound == (14,)
