@@ -28,6 +28,8 @@ __all__ = ["IntegratedMotion"]
 # digits of a step beyond those asked for, and what all steps together may lose of H and K
 STEP_DIGITS = 2
 LOST_DIGITS = 3
+# powers of 2 between which rates stay as they are, without a product for each
+USUAL = 10
 # not so small that a K with a double zero, as at K = 0, does not change
 PART = 1.2345e-4
 
@@ -106,8 +108,23 @@ class IntegratedStates:
         system, state, digits = self._system, self._state, self._asked + STEP_DIGITS
         wide = system.field
         start = [*state.gamma, *state.M, *([wide.zero] if system.body.rolls else [])]
-        times = [wide.coerce(x) for x in given.tolist()]
-        return integrate(wide, recorded(right_hand_sides(system, physical), len(start)), start, times, digits, refused)
+        rates, exponent = right_hand_sides(system, physical), self._exponent
+        times = [wide.context.ldexp(wide.coerce(x), exponent) for x in given.tolist()]
+        unit = wide.context.ldexp(wide.one, -exponent)
+        slowed = (lambda y: [unit * x for x in rates(y)]) if exponent else rates
+        return integrate(wide, recorded(slowed, len(start)), start, times, digits, refused, float(unit))
+
+    @property
+    def _exponent(self) -> int:
+        """Times are integrated along in units of 2^−exponent, so that a fast or slow γ moves by about 1 in one:
+        coefficients of an order beyond 20 are the rate to that power, beyond floats.
+        """
+        context, rate = self._system.field.context, self._system.vector_field(self._state)
+        # γ̈ of a body at rest is Ṁ over a moment
+        pull = max(abs(a * m) for a, m in zip(self._system.a, rate.M, strict=True))
+        fastest = max(*map(abs, rate.gamma), context.sqrt(pull))
+        exponent = int(context.mag(fastest)) if fastest else 0
+        return exponent if abs(exponent) > USUAL else 0
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
         """How many of the digits asked for, but for LOST_DIGITS, H and K of each row lack."""

@@ -102,12 +102,14 @@ def integrate(
     times: Sequence[Any],
     digits: int,
     refused: dict[int, str] | None = None,
+    unit: float = 1.0,
 ) -> list[list[Any]]:
     """The variables at ``times``, in any order and of either sign, from ``start`` at time 0: numbers of an MP field.
 
     A step neglects less than 10^−digits of the largest variable in its third of them. PrecisionLoss where the steps
     shrink to 10^−digits of the first or of the time, as at a singularity; Infeasible where there would be too many.
-    ``refused``, if given, receives the index of each such time and the reason instead.
+    ``refused``, if given, receives the index of each such time and the reason instead. Reasons name times of the user,
+    of which one of ``times`` is ``unit``.
     """
     rows: list[list[Any]] = [list(start)] * len(times)
     for sign in (1, -1):
@@ -115,7 +117,7 @@ def integrate(
         if not order:
             continue
         ahead = [times[i] for i in order]
-        found, why = _on_loops(_marched, digits, field, tape, start, ahead, digits, refused is None)
+        found, why = _on_loops(_marched, digits, field, tape, start, ahead, digits, refused is None, unit)
         for i, row in zip(order, found, strict=False):
             rows[i] = row
         if why:
@@ -159,7 +161,14 @@ def _evaluated(loops: _Loops, field: Any, tape: Tape, rows: Sequence[Sequence[An
 
 
 def _marched(
-    loops: _Loops, field: Any, tape: Tape, start: Sequence[Any], times: Sequence[Any], digits: int, strict: bool
+    loops: _Loops,
+    field: Any,
+    tape: Tape,
+    start: Sequence[Any],
+    times: Sequence[Any],
+    digits: int,
+    strict: bool,
+    unit: float,
 ) -> tuple[list[list[Any]], Exception | None]:
     """The variables at the times that were reached, and why the others were not."""
     count = len(start)
@@ -176,12 +185,12 @@ def _marched(
     values = [loops.wide(out[i * count : (i + 1) * count]) for i in range(done)]
     if status == 0:
         return values, None
-    now, time = float(loops.wide(room.now)[0]), float(times[done])
+    now, time = unit * float(loops.wide(room.now)[0]), unit * float(times[done])
     if status == ENDS:
         return values, PrecisionLoss(
             f"times: the motion ends, or cannot be followed, near t = {now:g}, before {time:g}"
         )
-    end = float(times[-1]) if strict else time
+    end = unit * float(times[-1]) if strict else time
     return values, Infeasible(
         f"times: the equations of motion are integrated, and t = {end:g} takes more than {most:.0f} steps; about |t| = "
         f"{abs(now) * most / room.told[STEPS]:.2g} is within reach"

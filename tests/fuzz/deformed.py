@@ -10,8 +10,9 @@ from typing import Any
 import mpmath
 import numpy as np
 
+from jacobian import PrecisionLoss
 from tests.fuzz import distributions as random
-from tests.fuzz.case import Case, Complaint
+from tests.fuzz.case import Case, Complaint, Undecided
 from tests.fuzz.distributions import Motion
 from tests.fuzz.integrated import Integrated, cross, dot, times
 
@@ -59,6 +60,49 @@ def poles(rng: Random) -> Case:
         lambda names: judged(names["got"], start, Integrated(start, "poles", np.array(b)), wanted),
         refusals=(),
     )
+
+
+def potential(name: str, rng: Random) -> Case:
+    """All five terms, some of them 0, of either sign; |M| to 10⁸, beside a potential of its size or of size 1."""
+    start, _ = _start(name, rng)
+    size, gamma = random.magnitude(rng, 0, 27), random.unit(rng)
+    start = replace(start, gamma=gamma, M=random.cross(gamma, [size * x for x in random.unit(rng)]))
+    unit = float(np.linalg.norm(start.M)) ** 2 if rng.random() < 0.5 else 1.0
+    terms = [rng.choice((0.0, 1.0, 1.0, -1.0)) * random.magnitude(rng, -8, 2) * unit for _ in range(5)]
+    if name == "tilde" and not start.d and rng.random() < 0.5:
+        # repelling poles, whose curves are known
+        terms = [0.0, 0.0, *(abs(x) or unit for x in terms[2:])]
+    wanted = [t / _pace(name, start) for t in random.times(rng, start, 3, -8, 2)]
+    made = f"{NAMES[name]}({start.inertia}{f', {start.d}' if start.d else ''}, potential={tuple(terms)})"
+    equations = f"{'rolling ' if start.d else ''}{name} in a potential"
+    return Case(
+        f"import numpy as np\nfrom integrable import {NAMES[name]}\nsystem = {made}\n"
+        f"state = system.state({start.gamma}, {start.M})\nfrom tests.fuzz.deformed import rows_or_end\n",
+        f"rows_or_end(system.motion_through(state), {wanted})",
+        lambda names: _goes_on(names["got"], start, Integrated(start, equations, np.array(terms)), wanted),
+        limit=3.0,
+    )
+
+
+def rows_or_end(motion: Any, wanted: list[float]) -> Any:
+    """The states, or what is said where the motion ends."""
+    try:
+        return np.hstack([(run := motion.at(wanted)).gamma, run.M])
+    except PrecisionLoss as error:
+        return str(error)
+
+
+def _goes_on(got: Any, start: Motion, oracle: Integrated, wanted: list[float]) -> Complaint | None:
+    """Against the oracle's states; a motion that is said to end must not go on there."""
+    from tests.fuzz.flow import HOPELESS, judged
+
+    if not isinstance(got, str):
+        return judged(got, start, oracle, wanted)
+    if "the motion ends" not in got:
+        raise Undecided("digits are lost, as is said")
+    if np.isnan(oracle.rows(wanted)).any() or not (oracle.floor(wanted) < HOPELESS / 100).all():
+        raise Undecided("the motion ends")
+    return Complaint(f"refused, {got}, and goes on", f"np.array({oracle.rows(wanted).tolist()})", "False")
 
 
 def far(name: str, rng: Random) -> Case:
@@ -136,6 +180,9 @@ KINDS = {
     "hat": partial(near, "hat"),
     "gyroscopic": partial(near, "gyroscopic"),
     "poles": poles,
+    "tilde in a potential": partial(potential, "tilde"),
+    "check in a potential": partial(potential, "check"),
+    "hat in a potential": partial(potential, "hat"),
     "far tilde": partial(far, "tilde"),
     "far check": partial(far, "check"),
     "far hat": partial(far, "hat"),

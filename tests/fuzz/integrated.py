@@ -73,7 +73,101 @@ def poles(a: Any, q: Any, d: Any, b: Any, x: Any, m: Any) -> tuple[Any, Any]:
     return w, added(momentum, cross(x, slope))
 
 
-EQUATIONS = {"body": body, "tilde": tilde, "check": check, "hat": hat, "gyroscopic": gyroscopic, "poles": poles}
+class Dual:
+    """A number and its slopes along γ1, γ2 and γ3."""
+
+    def __init__(self, value: Any, slopes: Any = (0.0, 0.0, 0.0)) -> None:
+        self.value, self.slopes = value, list(slopes)
+
+    def __add__(self, other: Any) -> Dual:
+        y = _dual(other)
+        return Dual(self.value + y.value, added(self.slopes, y.slopes))
+
+    def __sub__(self, other: Any) -> Dual:
+        return self + _dual(other) * -1.0
+
+    def __rsub__(self, other: Any) -> Dual:
+        return _dual(other) - self
+
+    def __mul__(self, other: Any) -> Dual:
+        y = _dual(other)
+        return Dual(self.value * y.value, mixed((self.value, y.slopes), (y.value, self.slopes)))
+
+    def __truediv__(self, other: Any) -> Dual:
+        y = _dual(other)
+        found = self.value / y.value
+        return Dual(found, [(u - found * v) / y.value for u, v in zip(self.slopes, y.slopes, strict=True)])
+
+    def __rtruediv__(self, other: Any) -> Dual:
+        return _dual(other) / self
+
+    __radd__, __rmul__ = __add__, __mul__
+
+
+def _dual(x: Any) -> Dual:
+    return x if isinstance(x, Dual) else Dual(x)
+
+
+def tilde_potential(a: Any, q: Any, d: Any, b: Any, squares: Any) -> Any:
+    """as + b(s³ − tr A·s²) + Σb_i(a_j + a_k − 2s)/γ_i²."""
+    s = dot(a, squares)
+    return b[0] * s + b[1] * (s - sum(a)) * s * s + _poles(b, squares, lambda i, j, k: a[j] + a[k] - 2 * s)
+
+
+def rolling_potential(a: Any, q: Any, d: Any, b: Any, squares: Any) -> Any:
+    """aG + b(G³ − TG²) + Σb_i(a_j + a_k − 2κ)/(Gγ_i²), 1/G = (γ, Qγ), κ = G(γ, AQγ), T = Σ1/q_i."""
+    G, trace = 1 / dot(q, squares), sum(1 / x for x in q)
+    kappa = G * dot(times(a, q), squares)
+    wells = _poles(b, squares, lambda i, j, k: (a[j] + a[k] - 2 * kappa) / G)
+    return b[0] * G + b[1] * (G - trace) * G * G + wells
+
+
+def check_potential(a: Any, q: Any, d: Any, b: Any, squares: Any) -> Any:
+    """a/s + b(s⁻³ − tr A⁻¹·s⁻²) + Σb_i(1/a_j + 1/a_k − 2/s)s/(a_iγ_i²)."""
+    s = dot(a, squares)
+    S, trace = 1 / s, sum(1 / x for x in a)
+    wells = _poles(b, squares, lambda i, j, k: (1 / a[j] + 1 / a[k] - 2 * S) * s / a[i])
+    return b[0] * S + b[1] * (S - trace) * S * S + wells
+
+
+def hat_potential(a: Any, q: Any, d: Any, b: Any, squares: Any) -> Any:
+    """aS + b(S³ − tr A⁻¹·S²) + Σb_i(1/a_j + 1/a_k − 2S)σ/(a_ja_kγ_i²), S = tr A⁻¹ − τ/σ."""
+    trace, sigma = sum(1 / x for x in a), dot([a[i - 2] * a[i - 1] for i in range(3)], squares)
+    S = trace - (sum(a) - dot(a, squares)) / sigma
+    wells = _poles(b, squares, lambda i, j, k: (1 / a[j] + 1 / a[k] - 2 * S) * sigma / (a[j] * a[k]))
+    return b[0] * S + b[1] * (S - trace) * S * S + wells
+
+
+def _poles(b: Any, squares: Any, term: Any) -> Any:
+    return sum(b[2 + i] * term(i, i - 2, i - 1) / squares[i] for i in range(3))
+
+
+def in_potential(kinetic: Any, energy: Any) -> Any:
+    """The equations with a potential V: Ṁ has γ × ½∂V/∂γ more."""
+
+    def rates(a: Any, q: Any, d: Any, b: Any, x: Any, m: Any) -> tuple[Any, Any]:
+        w, momentum = kinetic(a, q, d, 0.0, x, m)
+        gamma = [Dual(x[i], [float(i == k) for k in range(3)]) for i in range(3)]
+        slopes = energy(a, q, d, b, [y * y for y in gamma]).slopes
+        return w, added(momentum, cross(x, [0.5 * y for y in slopes]))
+
+    return rates
+
+
+EQUATIONS = {
+    "body": body,
+    "tilde": tilde,
+    "check": check,
+    "hat": hat,
+    "gyroscopic": gyroscopic,
+    "poles": poles,
+    "tilde in a potential": in_potential(tilde, tilde_potential),
+    "rolling tilde in a potential": in_potential(tilde, rolling_potential),
+    "check in a potential": in_potential(check, check_potential),
+    "hat in a potential": in_potential(hat, hat_potential),
+}
+# of how many constants the potential is made; it goes with the square of |M|
+TERMS = {name: 3 if name == "poles" else 5 for name in EQUATIONS if name == "poles" or name.endswith("potential")}
 
 
 def dot(x: Any, y: Any) -> Any:
@@ -99,8 +193,8 @@ def added(x: Any, y: Any) -> list[Any]:
 class Integrated:
     """``rows`` (N, 6) of γ and M/|M(0)|, NaN beyond the horizon, and ``floor`` (N,) as in :class:`closed_forms.Closed`.
 
-    ``equations``: a name above; ``c``: the constant of the gyroscopic terms or the three of the poles; that of a body
-    is its (γ, M).
+    ``equations``: a name above; ``c``: the constant of the gyroscopic terms, the three of the poles or the five of a
+    potential; that of a body is its (γ, M).
     """
 
     def __init__(self, start: Motion, equations: str = "body", c: Any = 0.0) -> None:
@@ -145,7 +239,7 @@ class Integrated:
             c = gamma @ M if self.start.tilted else 0 * c
         unit = np.sqrt(M @ M)
         a, wanted = 1 / (inertia + d), np.array(wanted) * unit
-        c = c / (unit * unit if self.equations == "poles" else unit)
+        c = c / (unit * unit if self.equations in TERMS else unit)
         if self.extended:
             return by_heyoka(
                 _integrator(self.equations, tol),
@@ -182,8 +276,8 @@ def _integrator(name: str, tol: float) -> Any:
     hy = heyoka()
     x, m = hy.make_vars("x1", "x2", "x3"), hy.make_vars("m1", "m2", "m3")
     a, q, d, c = [hy.par[i] for i in range(3)], [hy.par[3 + i] for i in range(3)], hy.par[6], hy.par[7]
-    if name == "poles":
-        c = [hy.par[i] for i in range(7, 10)]
+    if name in TERMS:
+        c = [hy.par[7 + i] for i in range(TERMS[name])]
     w, momentum = EQUATIONS[name](a, q, d, c, x, m)
     equations = list(zip([*x, *m], [*cross(x, w), *momentum], strict=True))
     start = np.zeros(6, np.longdouble)
@@ -203,7 +297,7 @@ def by_heyoka(run: Any, constants: Any, start: Any, wanted: np.ndarray) -> np.nd
         run.state[:] = start
         *_, values = run.propagate_grid(np.concatenate([[0], sign * grid]).astype(np.longdouble), max_steps=MOST_STEPS)
         found = np.full((len(grid), len(start)), np.nan)
-        found[: len(values) - 1] = values[1:]
+        found[: max(0, len(values) - 1)] = values[1:]
         rows[chosen] = found[back]
     rows[wanted == 0] = start
     return rows

@@ -252,29 +252,101 @@ def _same_level(row: list[float], start: Motion) -> Complaint | None:
 
 
 def against_motion(rng: Random) -> Case:
-    """A step over GF(p) and the motion in τ."""
-    p, rolls = rng.choice((101, 499, 10007, 2**61 - 1)), rng.random() < 0.6
-    draw = lambda: rng.randrange(1, p)  # noqa: E731
-    inertia, d = (draw(), draw(), draw()), draw() if rolls else 0
-    x, y = draw(), draw()
-    below = pow(1 + x * x + y * y, p - 2, p)
-    gamma = tuple(c * below % p for c in (2 * x, 2 * y, 1 - x * x - y * y))
-    M = tuple(c % p for c in _cross(gamma, [draw() for _ in range(3)]))
-    m = rng.choice((1, 1, 2, -3, 7, 10**9, 10**400 + 1))
-    # how many times as fast the image moves
-    name, factor = rng.choice(
-        [(f"translation([{draw()}, {draw()}], multiple={m})", 1), ("keyless()", 1), (f"multiplication({m})", m)]
-        + [(f"translation([{draw()}], multiple={m})", 1), ("torsion()", 1)] * rolls
-        + [(f"conic(None, {draw()})", 1), (f"conic({draw()}, {draw()})", 0)] * (not rolls)
+    """A step over GF(p) and the motion in τ, of bodies, states and points for which all roots are in GF(p)."""
+    rolls, multiple = rng.random() < 0.6, rng.choice((1, 1, 2, -3, 7, 10**9, 10**400 + 1))
+    name = rng.choice(
+        ["two points", "keyless", "multiplication"]
+        + ["one point", "torsion"] * rolls
+        + ["conic at infinity", "conic"] * (not rolls)
     )
+    # an even multiple of the own divisor needs √−1
+    even = name == "multiplication" and multiple % 2 == 0
+    p = rng.choice((101, 10009, 2**61 - 31) if even else (101, 499, 10007, 2**61 - 1))
+    is_square = lambda x: pow(x, (p - 1) // 2, p) == 1  # noqa: E731
+    for _ in range(200):
+        inertia, d = _exact_body(rng, p, rolls, even)
+        a = [pow(x + d, -1, p) for x in inertia]
+        gamma, M = _exact_state(rng, p)
+        h1, h2 = _field(p, a, d, gamma, M, None)[0] if not rolls else (0, sum(m * m for m in M) % p)
+        below = 1 - d * sum(x * y * y for x, y in zip(a, gamma, strict=True))
+        if not is_square(below) or not is_square(h2):
+            continue
+        if rolls:
+            lean = sum(x * y * z for x, y, z in zip(a, gamma, M, strict=True))
+            h1 = (sum(x * m * m for x, m in zip(a, M, strict=True)) + d * lean * lean * pow(below, -1, p)) % p
+        step = _exact_step(rng, p, name, multiple, (a, d, gamma, M, h1, h2))
+        if step:
+            break
+    else:
+        step = f"multiplication({multiple})"
+    # how many times as fast the image moves
+    factor = {"multiplication": multiple, "conic": 0}.get(step.split("(")[0] if name != "conic at infinity" else "", 1)
     kind = f"ChaplyginBall({inertia}, {d}, field=GF({p}))" if rolls else f"EulerTop({inertia}, field=GF({p}))"
     setup = (
         f"from integrable import {kind.split('(')[0]}\nfrom integrable.phase.brackets import differential\n"
-        f"from jacobian import GF\nsystem = {kind}\nstate = system.state({gamma}, {M})\nstep = system.{name}\n"
+        f"from jacobian import GF\nsystem = {kind}\nstate = system.state({gamma}, {M})\nstep = system.{step}\n"
         "six = lambda x: (*x.gamma, *x.M)\n"
     )
     call = "(state.g, step(state), differential(system, lambda s, x: six(step.over(s)(x)), state))"
     return Case(setup, call, lambda names: _moves_alike(names["got"], p, inertia, d, gamma, M, factor), limit=3)
+
+
+def _exact_body(rng: Random, p: int, rolls: bool, even: bool) -> tuple[tuple[int, int, int], int]:
+    """Three different moments and d, every 1 − da_i a square: I = dt²/(1 − t²); with all κ_i squares if ``even``."""
+    while True:
+        d = rng.randrange(1, p) if rolls else 0
+        t = [rng.randrange(2, p - 1) for _ in range(3)]
+        found = [d * x * x * pow(1 - x * x, -1, p) % p if rolls else x for x in t]
+        x, y, z = found
+        if len({0, x, y, z}) < 4 or 0 in ((x + d) % p, (y + d) % p, (z + d) % p):
+            continue
+        a = [pow(x + d, -1, p) for x in found]
+        kappas = [(1 - d * a[i]) * (a[i] - a[i - 1]) * (a[i] - a[i - 2]) for i in range(3)]
+        if not even or all(pow(kappa, (p - 1) // 2, p) == 1 for kappa in kappas):
+            return (x, y, z), d
+
+
+def _exact_state(rng: Random, p: int) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """γ on the sphere, M across it."""
+    while True:
+        x, y = rng.randrange(1, p), rng.randrange(1, p)
+        length = 1 + x * x + y * y
+        if length % p:
+            below = pow(length, -1, p)
+            gamma = tuple(c * below % p for c in (2 * x, 2 * y, 1 - x * x - y * y))
+            M = tuple(c % p for c in _cross(gamma, [rng.randrange(1, p) for _ in range(3)]))
+            return gamma, M
+
+
+def _exact_step(rng: Random, p: int, name: str, multiple: int, state: Any) -> str | None:
+    """A step of that kind for which a state has an image; None where none was found."""
+    a, d, gamma, M, h1, h2 = state
+    draw = lambda: rng.randrange(1, p)  # noqa: E731
+    is_square = lambda x: pow(x, (p - 1) // 2, p) == 1  # noqa: E731
+    if name in ("keyless", "torsion"):
+        tilde = sum(w * w * pow(1 - d * x, -1, p) for w, x in zip(_cross(gamma, M), a, strict=True))
+        return f"{name}()" if not d or is_square(tilde) else None
+    if name == "multiplication":
+        return f"multiplication({multiple})"
+    for _ in range(200):
+        if name.startswith("conic"):
+            c, x0 = draw(), draw()
+            if not is_square(c * c + 4 * h2):
+                continue
+            if name != "conic":
+                return f"conic(None, {c})"
+            others = [(x0 - a[i - 2]) * (x0 - a[i - 1]) for i in range(3)]
+            U = sum(x * x * o for x, o in zip(gamma, others, strict=True))
+            V = sum(2 * x * w * o for x, w, o in zip(gamma, _cross(gamma, M), others, strict=True))
+            return f"conic({x0}, {(V + c * U) % p})"
+        points = [draw() for _ in range(2 if name == "two points" else 1)]
+        heights = [4 * (1 - d * x) * (a[0] - x) * (a[1] - x) * (a[2] - x) * (x * h2 - h1) for x in points]
+        # the roots at the branch points, which an even multiple does not need
+        places = [*a, pow(d, -1, p)] if d else a
+        roots = [(points[0] - e) * (points[-1] - e if len(points) == 2 else 1) for e in places] * (multiple % 2)
+        if all(map(is_square, heights + roots)):
+            return f"translation({points}, multiple={multiple})"
+    return None
 
 
 def _moves_alike(got: Any, p: int, inertia: Any, d: int, gamma: Any, M: Any, factor: int) -> Complaint | None:

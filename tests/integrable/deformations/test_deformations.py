@@ -361,6 +361,25 @@ def test_a_pole_that_attracts_ends_the_motion_with_a_named_error() -> None:
         system.motion_through(_generic(system)).at([1.0])
 
 
+@pytest.mark.parametrize("d", [0, 0.3])
+def test_fast_motions_turn_back_before_a_pole(d) -> None:
+    """ "The motion ends": coefficients of the series of a fast one were beyond floats. In another unit of time M, V and
+    t go with a number, its square and its inverse.
+    """
+    inertia, terms = (0.9, 15.5, 3.6), (-0.004, 0.7, 0.7, 0.02, 0.05)
+    gamma, unit = (0.48, 0.05, -0.87), 2.0**24
+    fast = Tilde(inertia, d, potential=terms)
+    slow = Tilde(inertia, d, potential=[x / unit**2 for x in terms])
+    for w in ((0.1, -0.1, 0.6), (-0.7, -0.2, -0.7)):
+        x = np.array(gamma) / np.linalg.norm(gamma)
+        M = np.cross(x, w)
+        start = slow.state(tuple(x), tuple(M))
+        found = fast.motion_through(State(start.gamma, tuple(m * unit for m in start.M))).at(np.array([3, -3.0]) / unit)
+        expected = slow.motion_through(start).at([3, -3])
+        assert np.abs(found.gamma - expected.gamma).max() < 1e-13
+        assert np.abs(found.M / unit - expected.M).max() < 1e-13
+
+
 def test_where_a_curve_degenerates_the_equations_are_integrated() -> None:
     """K = 0 and equal moments: flow is refused by name, motion_through goes on."""
     for system in (Tilde((1, 2, 3), 0.7), Tilde((1, 1, 3), 0.7)):
