@@ -19,8 +19,8 @@ SPARE, LOST = 4, (0, 40, 160, 640)
 
 
 def start_angles(system: PhaseSpace, state: State, wide: Any, digits: int) -> tuple[Any, Any]:
-    """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, in numbers of the ``wide`` field to so
-    many ``digits``; PrecisionLoss where the ovals have all but met.
+    """θ with Σ∫(dx, x dx)/y = θ1·2(A0, A1) + θ2·2(B0, B1) at the start, modulo 1, in numbers of the ``wide`` field to
+    this many ``digits``; PrecisionLoss if the ovals have nearly met.
     """
     for lost in LOST:
         setup = Setup(system.body, state.gamma, state.M, state.tilted, digits=wide.dps + lost)
