@@ -16,8 +16,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from integrable.series.room import Orders, Room
 from integrable.series.steps import Reached, Steps, bounds_of, inverses, terms, weight
-from integrable.series.steps_text import Orders, Room
 from integrable.series.symbols import Functions, SymbolField
 from integrable.series.tape import Recorded, Tape, recorded
 from integrable.series.tape_walk import TapeWalk
@@ -28,7 +28,7 @@ from jacobian.native import kept, machine
 from jacobian.numbers.compiler import interpreted
 
 LOG = logging.getLogger(__name__)
-MODULES = [f"integrable.series.{name}" for name in ("steps_text", "symbols", "tape", "text", "walk_text")]
+MODULES = [f"integrable.series.{name}" for name in ("room", "steps_text", "symbols", "tape", "text", "walk_text")]
 ENTRIES = ("start", "series", "advance", "dense")
 # rooms begin at multiples of so many bytes, a line of the cache
 LINE = 64

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from integrable.series.steps_text import Orders
+from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
 # what a step takes beside its products, in these, and both for Neumann's point

@@ -1,143 +1,23 @@
 """A Taylor step of a tape as straight-line code: the coefficients of all orders, one after the other.
 
 Coefficients up to the order ``wide`` are double-doubles, those beyond floats; both walks go in lanes of each number.
-Products that do not wait for each other are done abreast, their factors kept side by side. What was made last stays in
-registers, as a wide load waits for narrow stores just made.
+What was made last stays in registers, as a wide load waits for narrow stores just made, and is added last: the earlier
+coefficients of a product are there an order before.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
-from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, QUOTIENT, ROOT, SUM, VARIABLE, Tape
+from integrable.series.room import FIRST, RATIOS, UNITS, Room, chunks
+from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT, SUM, VARIABLE
 from integrable.series.text import Text, Wide, joined_lanes
-from jacobian.native.machine import features
 from jacobian.numbers.double_double_steps import fast_two_sum, quotient, reciprocal, square_root, two_product, two_sum
 
-# floats abreast: those of a register
-WIDEST = 8 if "+avx512f" in features() else 4
-# as many variables side by side at most
-ABREAST = 4
 # lines after which a block ends: what LLVM does with a block grows with the square of its length
 BLOCK = 150
-# the vectors of a room: terms that the step is read off, whether the motion is bent, the steps, and unit/(k + 1)
-RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
-# coefficients that the size of a variable is read off
-FIRST = 4
-
 Term = tuple[int, int, int]
 """(factor, j, k − j)."""
-
-
-class Orders(NamedTuple):
-    """Coefficients up to the order ``wide`` are double-doubles, −1 for none, those up to ``order`` floats."""
-
-    wide: int
-    order: int
-
-
-class Group(NamedTuple):
-    """Products abreast: their nodes, and for either side one node for all, or the nodes and where they are kept."""
-
-    nodes: tuple[int, ...]
-    sides: tuple[tuple[tuple[int, ...], int], ...]
-
-
-class Room:
-    """Where the coefficients of a tape are, counted in vectors of ``lanes`` floats."""
-
-    def __init__(self, tape: Tape, count: int, orders: Orders, lanes: int) -> None:
-        self.tape, self.count, self.orders, self.lanes = tape, count, orders, lanes
-        wide, order = orders
-        self.lows_of_units = UNITS + order
-        begin = self.lows_of_units + wide + 1
-        self.groups = [(nodes, square) for nodes, square in _abreast(tape, WIDEST // lanes)]
-        squares = {n for nodes, square in self.groups for n in nodes if square}
-        self.factors = _factors(tape)
-        self.packs = _packs([n for n in self.factors if n not in squares], WIDEST // lanes)
-        self.packs |= {nodes: len(nodes) for nodes, square in self.groups if square}
-        packed = {n for nodes in self.packs for n in nodes}
-        # nodes whose earlier coefficients are read again: of all others that of the order 0, or none
-        self.kept = {n for n, kind in enumerate(tape.kinds) if kind in (VARIABLE, CONSTANT)}
-        for n in self.factors.keys() - squares - packed:
-            self.kept |= set(self.factors[n])
-        # variables side by side, as all of them are moved at once
-        self.begin = begin + -begin % ABREAST
-        self.apart = count + -count % ABREAST
-        begin = self.begin + (order + max(wide, 0) + 2) * self.apart
-        rest = sorted(self.kept.union(*self.factors.values()) - set(range(count)))
-        self._highs = {n: begin + i * (order + max(wide, 0) + 2) for i, n in enumerate(rest)}
-        begin += len(rest) * (order + max(wide, 0) + 2)
-        divided = [n for n, kind in enumerate(tape.kinds) if kind in (QUOTIENT, ROOT)]
-        self.inverses = {n: begin + 2 * i for i, n in enumerate(divided)}
-        self.size = begin + 2 * len(divided)
-        self.copies: dict[int, list[tuple[int, int, int]]] = {}
-        self.sides = {nodes: self._placed(nodes, width, nodes[0] in squares) for nodes, width in self.packs.items()}
-        self.members = {n: nodes for nodes, _ in self.groups for n in nodes}
-        self.pack_of = {n: nodes for nodes in self.packs for n in nodes}
-
-    def high(self, n: int, k: int) -> int:
-        """Where the coefficient k of a node is, or its high part."""
-        return self._highs[n] + k if n >= self.count else self.begin + k * self.apart + n
-
-    def low(self, n: int, k: int) -> int:
-        """Where its low part is."""
-        return self.high(n, self.orders.order + 1 + k)
-
-    def has(self, n: int, k: int) -> bool:
-        """Whether there is a place for it."""
-        return n in self.kept or (k == 0 and n in self._highs)
-
-    def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
-        """For either side of products abreast their factors, and where copies of them are side by side."""
-        wide, order = self.orders
-        found = []
-        for side in range(1 if square else 2):
-            factors = tuple(self.factors[n][side] for n in nodes)
-            self.size += -self.size % width
-            for slot, n in enumerate(factors):
-                self.copies.setdefault(n, []).append((self.size, width, slot))
-            found.append((factors, self.size))
-            self.size += width * (order + 1 + max(wide, 0) + 1)
-        return tuple(found)
-
-
-def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
-    """Whose earlier coefficients products, quotients and roots are made of."""
-    found = {}
-    for n, (kind, p, q) in enumerate(zip(tape.kinds, tape.left, tape.right, strict=True)):
-        if kind in (PRODUCT, ROOT) or (kind == QUOTIENT and tape.kinds[q] != CONSTANT):
-            found[n] = (p if kind == PRODUCT else n), (n if kind == ROOT else q)
-    return found
-
-
-def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
-    """Nodes whose sums of earlier coefficients are done abreast, as these wait for nothing, and in how many places."""
-    if most < 2 or len(nodes) < 2:
-        return {}
-    width = min(most, 4)
-    found = [tuple(nodes[i : i + width]) for i in range(0, len(nodes), width)]
-    return {each: width if len(each) > 2 else 2 for each in found}
-
-
-def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
-    """Products and whether they are squares, two or four together that may be done in any order."""
-    levels = list[int]()
-    for kind, p, q in zip(tape.kinds, tape.left, tape.right, strict=True):
-        levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))
-    found = []
-    for level in sorted(set(levels)):
-        for square in (True, False):
-            nodes = [
-                n for n, kind in enumerate(tape.kinds)
-                if kind == PRODUCT and levels[n] == level and (tape.left[n] == tape.right[n]) == square
-            ]  # fmt: skip
-            while len(nodes) > 1 and most > 1:
-                width = min(most, 4 if len(nodes) > 3 else 2)
-                found.append((tuple(nodes[:width]), square))
-                nodes = nodes[width:]
-    return found
 
 
 class Series:
@@ -403,15 +283,6 @@ class Series:
                 if first:
                     best = self.text.larger(best, self.text.load(RATIOS + m))
                 self.text.store(best, RATIOS + m)
-
-
-def chunks(count: int) -> list[tuple[int, int]]:
-    """Variables side by side that are done at once: from which on, and how many."""
-    found = [(first, ABREAST) for first in range(0, count - ABREAST + 1, ABREAST)]
-    for width in (2, 1):
-        if count & width:
-            found.append((count - count % (2 * width), width))
-    return found
 
 
 def _terms(square: bool, begin: int, end: int, k: int) -> list[Term]:

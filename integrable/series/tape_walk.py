@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from integrable.series.room import FIRST, UNITS
 from integrable.series.steps import Reached, Steps, bounds_of, inverses
-from integrable.series.steps_text import FIRST, UNITS
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import (
     CONSTANT,

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 from integrable.series.recurrences import coefficients
-from integrable.series.steps_text import BENT, FIRST, STEP, UNITS
+from integrable.series.room import BENT, FIRST, STEP, UNITS
 from integrable.series.walk import FARTHEST, LANES
 from integrable.series.walk_text import TIMES
 from jacobian.numbers.sums import plus_product

@@ -11,7 +11,7 @@ import ctypes
 from math import exp, floor, log, log2
 from typing import Any, NamedTuple
 
-from integrable.series.steps_text import BENT, FIRST, STEP, UNITS
+from integrable.series.room import BENT, FIRST, STEP, UNITS
 from integrable.series.walk_text import TIMES
 
 __all__ = ["Bounds", "Codes", "Given", "walked"]

@@ -6,7 +6,8 @@ from collections.abc import Iterator
 from fractions import Fraction
 from math import factorial
 
-from integrable.series.steps_text import STEP, WIDEST, Room, Series, chunks
+from integrable.series.room import STEP, WIDEST, Room, chunks
+from integrable.series.steps_text import Series
 from integrable.series.symbols import Key, key_of
 from integrable.series.tape import CONSTANT, DIFFERENCE, GROWTH, MULTIPLE, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
 from integrable.series.text import Text, Wide, joined_lanes
