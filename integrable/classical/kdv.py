@@ -247,7 +247,7 @@ class Wave:
 
             def place(K: Any) -> Start:
                 start = self._place(K)
-                u, v = (tuple(element(K, x) if hasattr(K, "dps") else x for x in a) for a in (pair[:size], pair[size:]))
+                u, v = (tuple(element(K, x) if K.dps else x for x in a) for a in (pair[:size], pair[size:]))
                 return Start(start.f, u, v, start.direction)
 
             found = Profile(

@@ -195,7 +195,7 @@ def integrals_missing(
 
 def digits_asked(K: Any) -> int:
     """The digits that states over RR or MP(digits) are rounded to; ArgumentError for other fields."""
-    if K.exact or getattr(K, "complex", False):
+    if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 

@@ -324,7 +324,7 @@ class MumfordFlow:
 
 def long_digits(K: Any) -> int:
     """How many digits long numbers need for results in K; ArgumentError but for RR and MP(digits)."""
-    if K.exact or getattr(K, "complex", False) or isinstance(K.one, complex):
+    if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)
 

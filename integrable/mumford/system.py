@@ -402,7 +402,7 @@ class MumfordSystem(Made):
     def _settled(self, read: Callable[[LongField], Point]) -> Point:
         """A state that is made in long numbers, to the digits of the field."""
         K = self.field
-        rows = settled_digits(read, getattr(K, "dps", ROUNDED_TO_FLOATS))
+        rows = settled_digits(read, K.dps or ROUNDED_TO_FLOATS)
         return Point(*(tuple(element(K, c) for c in row) for row in rows))
 
     def _inside(self, N: Any, state: Point) -> Point:

@@ -206,7 +206,7 @@ def _rounded(field: Any, state: State) -> State:
 
 def _digits(field: Any, condition: float) -> list[int]:
     """The digits of the field plus those that the condition costs, and 2, 4 and 8 times that."""
-    own = getattr(field, "dps", EPS_DIGITS)
+    own = field.dps or EPS_DIGITS
     lost = log10(condition) if isfinite(condition) else log10(LARGEST)
     first = ceil(2 * (own + lost))
     return [first << k for k in range(ATTEMPTS)]

@@ -84,7 +84,7 @@ class Shift(Move):
     def _translation(self, state: State) -> tuple[Setup, Row | None]:
         """The motion through a state, with enough digits for |w|, and T(w) in its bare reals; None for w = 0."""
         body = self.system.body
-        least = getattr(self.system.field, "dps", EPS_DIGITS) + digits_of_closeness(body)
+        least = (self.system.field.dps or EPS_DIGITS) + digits_of_closeness(body)
         digits = least + SPARE
         while True:
             setup = Setup(body, state.gamma, state.M, state.tilted, digits)

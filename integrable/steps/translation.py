@@ -313,7 +313,7 @@ def _abscissas(system: PhaseSpace, points: Sequence[Any]) -> tuple[Any, ...]:
 
 def _own(K: Any, x: Any) -> Any:
     """An abscissa in the numbers of K; the digits of a complex number count as exact."""
-    return K.context.mpc(x) if hasattr(K, "context") and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
+    return K.context.mpc(x) if not K.exact and K.dps and (isinstance(x, complex) or hasattr(x, "_mpc_")) else x
 
 
 def _size_at(f: poly.Poly, x: Any) -> Any:

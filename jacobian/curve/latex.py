@@ -14,7 +14,7 @@ _INT = r"\d+(?:…\d+\[\d+ digits\])?"
 def field(K: Any) -> str:
     """The symbol of a field: 𝐅 with its order, 𝐐, 𝐑, 𝐂; MP(digits) is 𝐑 or 𝐂 too."""
     if K.order is None:
-        letter = "Q" if K.exact else "C" if getattr(K, "complex", isinstance(K.one, complex)) else "R"
+        letter = "Q" if K.exact else "C" if K.complex else "R"
         return rf"\mathbf{{{letter}}}"
     power = f"{K.characteristic}^{{{K.degree}}}" if K.order != K.characteristic else str(K.order)
     return rf"\mathbf{{F}}_{{{power}}}"

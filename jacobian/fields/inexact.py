@@ -21,6 +21,10 @@ class InexactField(Immutable):
     characteristic = 0
     order = None
     eps: Any
+    dps: Any = None
+    """Decimal digits of the numbers; None of machine numbers."""
+    complex: bool = False
+    """Whether the numbers are complex."""
 
     def __repr__(self) -> str:
         return self.name

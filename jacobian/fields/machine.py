@@ -90,6 +90,9 @@ class ComplexField(InexactField):
     one = 1 + 0j
     eps = sys.float_info.epsilon
 
+    def __init__(self) -> None:
+        self.complex = True
+
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ComplexField)
 

@@ -28,7 +28,7 @@ class Digits:
     def __init__(self, field: Any, bits: int) -> None:
         self.bits = bits
         self.field = field
-        self._complex = isinstance(field.one, complex) or hasattr(field.one, "_mpc_")
+        self._complex = field.complex
         self._reals = BareReals(bits)
         # quantities that are zero at every precision stay below it
         self.floor = self._reals.number(0.5) ** (bits // 2)
@@ -58,7 +58,7 @@ class Digits:
         from jacobian.fields import MP
 
         x, field = x * self._reals.number(2) ** exponent, self.field
-        if field.eps == 2.0**-52 and not hasattr(field, "dps"):
+        if field.eps == 2.0**-52 and field.dps is None:
             result = complex(x) if self._complex else float(x)
             if abs(result) == float("inf"):
                 raise PrecisionLoss(f"a coefficient of the sum is beyond the range of {field.name}; use MP(digits)")

@@ -206,7 +206,7 @@ class AbelMap(AbelImage):
 
 def complexified(curve: HyperellipticCurve, field: Any) -> HyperellipticCurve:
     """The curve over a complex field, ∞₊ being the same point."""
-    machine = not hasattr(field, "dps")
+    machine = field.dps is None
 
     def move(c: Any) -> Any:
         return complex(c) if machine else field.coerce(c)

@@ -28,7 +28,7 @@ class Numbers:
     def __init__(self, field: Any) -> None:
         if field.exact:
             raise FieldError(f"field = {field.name}: periods are numbers of RR, CC or MP(dps)")
-        self.machine = not hasattr(field, "dps")
+        self.machine = field.dps is None
         self.sqrt: Any = cmath.sqrt
         self.pi: Any = math.pi
         self.digits = 16
@@ -119,7 +119,7 @@ def complex_field(field: Any) -> Any:
     """CC beside RR, MP(dps, complex=True) beside MP(dps)."""
     from jacobian.fields import CC, MP
 
-    return MP(field.dps, complex=True) if hasattr(field, "dps") else CC
+    return CC if field.dps is None else MP(field.dps, complex=True)
 
 
 @lru_cache(maxsize=64)
