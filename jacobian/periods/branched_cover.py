@@ -35,7 +35,8 @@ class BranchedCover:
         self.curve = check_curve(curve)
         self.genus = curve.genus
         self.numbers = numbers = working_numbers(curve.field)
-        self.real = curve.field.exact or not curve.field.complex
+        K: Any = curve.field
+        self.real = K.exact or not K.complex
         four = [numbers.convert(c) for c in curve.discriminant]
         self.coefficients = [c / 4 for c in four[: 2 * self.genus + 2 if curve.model == "ramified" else None]]
         self.lead = self.coefficients[-1]
