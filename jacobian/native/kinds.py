@@ -165,7 +165,7 @@ OBJECT = ObjectKind()
 
 @dataclass(frozen=True)
 class FunctionKind:
-    """A function as an argument: what is called with it is compiled for each ``thing`` by itself."""
+    """A function passed as an argument: its caller is compiled separately for each ``thing``."""
 
     thing: Any
     leaves: tuple[str, ...] = ()
