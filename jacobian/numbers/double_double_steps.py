@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol
 
-Float = Any  # what the instructions take and give: LLVM's values, or their names
+Float = Any  # operands and results of instructions: LLVM's values, or their names
 Pair = tuple[Float, Float]
 
 

@@ -62,8 +62,8 @@ def put_rows(values: Row, grid: tuple[int, int], out: Row) -> None:
 
 
 def transformed(values: Row, rows: int, width: int, circle: Row, other: Row) -> bool:
-    """Σ_j x_j·e^{−2πijk/rows} for so many rows x_j of ``width`` complex numbers each, their parts in turn, into
-    ``values`` or, if true is returned, ``other`` (Stockham's order; Swarztrauber 1982).
+    """Σ_j x_j·e^{−2πijk/rows} for ``rows`` rows x_j of ``width`` complex numbers each, real and imaginary parts
+    alternating, into ``values`` or, if true is returned, ``other`` (Stockham's order; Swarztrauber 1982).
     """
     size, stride, turned = rows, width, False
     while size > 1:
@@ -98,7 +98,7 @@ def pass_over(values: Row, out: Row, size: int, stride: int, circle: Row) -> Non
 
 @cache
 def circle_of(size: int) -> np.ndarray:
-    """e^{−2πik/size} for k < size/2 as double-double numbers, their parts in turn, shape (size, 2)."""
+    """e^{−2πik/size} for k < size/2 as double-double numbers, real and imaginary parts alternating, shape (size, 2)."""
     from mpmath import MPContext
 
     context = MPContext()

@@ -46,7 +46,7 @@ class BareReals:
         return result
 
     def number(self, x: Any) -> Any:
-        """An int, a float, an mpf of any context or a number of this kind; what has more digits may be rounded."""
+        """An int, a float, an mpf of any context or a number of this kind; numbers with more digits may be rounded."""
         if isinstance(x, self._type):
             return x
         if isinstance(x, int):

@@ -23,7 +23,7 @@ def threads() -> int:
 
 
 def set_threads(count: int | None) -> None:
-    """Spread large batches over ``count`` threads; None for as many as there are processors."""
+    """Spread large batches over ``count`` threads; None for the number of processors."""
     global _count
     if count is not None:
         count = whole(count, "count", "an int ≥ 1, or None for all processors", 1)
@@ -34,7 +34,7 @@ def in_ranges(total: int, size: int, work: Callable[[int, int], Any], most: int 
     """work(begin, end) for ranges of at most ``size`` rows that make up ``total``, in order, on all threads, or on
     ``most``.
 
-    Where there is more than one range, every thread has as many, of equal length.
+    If there is more than one range, all threads get the same number of ranges, of equal length.
     """
     pieces = -(-total // size)
     count = min(threads() if most is None else most, pieces)

@@ -21,12 +21,12 @@ Bounds: a word is at most 4·p on Lazy (p < 2^(w−3)) and p on Wide (p < 2^(w�
 most 2·p² on Wide and 32·p² on Lazy. The result is a word only if they add up to at most p² on Wide and 28·p² on Lazy.
 Running a formula on intervals proves that it keeps these bounds (``tests/jacobian/numbers/word_bounds.py``).
 
-For p < 2^49 a fifth context, :class:`Double`, keeps least residues as floats: the rest of a product is had from two
-fused multiplications and a rounded quotient, exactly, and processors do that eight at a time, which they cannot with
-products of 64 bits. Its products are reduced one by one; those of one dot may add up to any number of units, a product
-to less than 16·p², a sum to less than 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
+For p < 2^49 a fifth context, :class:`Double`, keeps least residues as floats: the remainder of a product is computed
+exactly from two fused multiplications and a rounded quotient. Processors do that for eight products at a time, which
+they cannot for products of 64 bits. Its products are reduced one by one; those of one dot may add up to any number of
+units, a product to less than 16·p², a sum to less than 16·p; ``settled`` and ``canonical`` take |x| ≤ 4.5·p.
 
-The functions run as they stand on Python ints, exactly; :mod:`jacobian.numbers.words_compiled` registers their compiled
+The functions also run on Python ints, exactly; :mod:`jacobian.numbers.words_compiled` registers their compiled
 versions. Importing this module imports neither numba nor numpy.
 """
 

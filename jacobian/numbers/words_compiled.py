@@ -19,7 +19,7 @@ INLINED = {"forceinline": True}
 
 
 def opaque(builder: Any, x: Any) -> Any:
-    """The same 64 bits, by an empty piece of assembly that LLVM does not look behind."""
+    """The same 64 bits, passed through an empty piece of assembly that LLVM cannot analyse."""
     return builder.call(ir.InlineAsm(ir.FunctionType(x.type, [x.type]), "", "=r,0"), [x])
 
 
