@@ -184,7 +184,7 @@ class Compared(NamedTuple):
         )
 
     def check(self, least: float) -> None:
-        """PrecisionLoss where nothing is known of the points of the sum, MoreDigits where it is not resolved."""
+        """PrecisionLoss if nothing is known of the points of the sum, MoreDigits if it is not resolved."""
         asked = zip(self.first.questions, self.first.answers, strict=True)
         dropped = max((abs(x) for (x, _), zero in asked if zero), default=0)
         if (self.first.rest > self.digits.floor >= dropped) or not self._resolved():
