@@ -20,7 +20,7 @@ def divisor_of_conjugates(J: GroupLaw, points: Iterable[Any], extension: Any) ->
     """The class of Σ P_i minus infinity for points over an extension of the field, each with all its conjugates.
 
     A point at infinity is one of the curve over its own field. Raises NotRepresentable when the points are not closed
-    under Frobenius, as often as they are repeated.
+    under Frobenius, counted with multiplicity.
     """
     C, inclusion = J.curve, embedding(J.field, extension)
     above = C.change_ring(extension)
