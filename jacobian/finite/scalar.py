@@ -1,6 +1,6 @@
 """Scalar multiples beyond one m·D: fixed bases, linear combinations, the Frobenius endomorphism.
 
-m·D itself is :meth:`jacobian.group.Jacobian.multiply`. Every method here returns what the plain sum would.
+m·D itself is :meth:`jacobian.group.Jacobian.multiply`. Every method here returns the same class as the plain sum.
 """
 
 from __future__ import annotations
