@@ -20,7 +20,7 @@ from jacobian.relatives.heights import canonical_height, dependence, pairings
 
 class Generators(NamedTuple):
     """``classes``: independent ones, so that the rank is at least their number by proof; ``regulator``: the determinant
-    of their pairings, a ball. With torsion they generate the group that was asked for, not always all of J(QQ).
+    of their pairings, a ball. Together with torsion they generate the given group, which need not be all of J(QQ).
     """
 
     classes: tuple[Divisor, ...]

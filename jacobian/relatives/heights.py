@@ -62,8 +62,8 @@ def _height(D: Divisor, digits: int) -> Any:
 
 
 def _sum(surface: KummerSurface, x: Sequence[int], terms: int, bound: int, reals: BallReals) -> Any:
-    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over the first terms, each in as many bits, and modulo such
-    a power of the bound, as what follows takes.
+    """log |x| + Σ 4^(−n−1) (log |δ(x)| − 4 log |x| − log g) over the first terms; each is computed with only the bits,
+    and modulo only the power of the bound, that the remaining terms need.
     """
     import gmpy2
     from flint import arb
@@ -179,7 +179,7 @@ def _of_one_group(classes: Sequence[Divisor]) -> list[Divisor]:
 
 
 def pairings(classes: Sequence[Divisor], digits: int) -> Any:
-    """The matrix of ⟨D_i, D_j⟩ of some classes (flint's arb_mat), from heights with so many digits."""
+    """The matrix of ⟨D_i, D_j⟩ of some classes (flint's arb_mat), from heights with this many digits."""
     from flint import arb_mat
 
     size = len(classes)

@@ -160,7 +160,7 @@ def _two_torsion(J: GroupLaw) -> Iterator[Divisor]:
             for P in chosen:
                 u = poly.mul(QQ, u, P)
             if C.model == "ramified" or len(u) % 2:
-                # as many points are taken away at ∞₊ as at ∞₋
+                # the same number of points is subtracted at ∞₊ and ∞₋
                 n = (C.genus + 1) // 2 - len(u) // 2 if C.model == "split" else None
                 yield J._reduced(u, poly.mod(QQ, half, u), n)
 

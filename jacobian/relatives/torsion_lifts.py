@@ -75,7 +75,7 @@ class TorsionLifts:
         self.J, self.p = J, p
         self.surface = kummer_surface(J.curve)
         self.reduced = kummer_surface(J.change_ring(GF(p)).curve)
-        # ĥ = 0 lies between h(T) + low/3 − log(bad part)/3 and what is above
+        # ĥ = 0 lies between h(T) + low/3 − log(bad part)/3 and an upper bound
         low, _ = real_bounds(self.surface)
         self.bits = ceil((log(bad_part(self.surface)) - low) / 3 / log(2)) + 1
         self.digits = 1
