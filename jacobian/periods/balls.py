@@ -180,7 +180,7 @@ def ball_numbers(bits: int) -> BallNumbers:
 
 
 def exact_parts(x: Any) -> tuple[Fraction, Fraction]:
-    """The real and the imaginary part of a number of QQ, RR, CC or MP(dps) as the fractions that they are."""
+    """The real and the imaginary part of a number of QQ, RR, CC or MP(dps) as exact fractions."""
     return _fraction(x.real), _fraction(x.imag)
 
 

@@ -49,7 +49,7 @@ class Endomorphisms(NamedTuple):
 
 
 def endomorphisms(C: HyperellipticCurve, digits: int = 100) -> Endomorphisms:
-    """The endomorphisms that the periods of a curve over QQ show, from balls with so many digits.
+    """The endomorphisms that the periods of a curve over QQ show, from balls with this many digits.
 
     Numerical evidence: A·Π = Π·R holds to some 9/10 of the digits, and each R has entries of less than a quarter of
     them. PrecisionLoss where these do not stand out; FieldError over other fields, Infeasible beyond genus 4.
@@ -119,7 +119,7 @@ def _tangent(P: PeriodMatrix, R: Integers) -> list[list[Any]]:
 
 
 def _holds(P: PeriodMatrix, A: list[list[Any]], R: Integers, digits: int) -> bool:
-    """Whether A·Π = Π·R to so many digits but the last tenth of them."""
+    """Whether A·Π = Π·R to nine tenths of this many digits."""
     from flint import acb_mat, fmpz_mat
 
     big = acb_mat(P.big)

@@ -116,7 +116,7 @@ class Numbers:
 
 
 def complex_field(field: Any) -> Any:
-    """CC beside RR, MP(dps, complex=True) beside MP(dps)."""
+    """CC for RR, MP(dps, complex=True) for MP(dps)."""
     from jacobian.fields import CC, MP
 
     return CC if field.dps is None else MP(field.dps, complex=True)
