@@ -74,7 +74,7 @@ def _text(value: Any) -> str:
 
 
 def _decimal(x: Any) -> float | str:
-    """A float where it is exact, else as many digits as needed."""
+    """A float if that is exact, otherwise as many digits as needed."""
     from mpmath.libmp import repr_dps, to_str
 
     if float(x) == x:
