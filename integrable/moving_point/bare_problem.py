@@ -17,7 +17,7 @@ Row = tuple[Any, ...]
 # places in a :func:`problem_row`: f, the axes and the start, then
 START, TIME_SCALE, RATIO, HEAVINESS, MOMENTUM, HALF_STEP, MATRIX, SLOWNESS = 14, 24, 25, 26, 27, 28, 29, 33
 ROW = 34
-# of |γ × M|/|M| nothing is known that is below so many of the last bits
+# |γ × M|/|M| is unknown below this many of the last bits
 SPARE_BITS = 15
 
 
@@ -88,7 +88,7 @@ def problem_row(given: Any, tilted: bool, out: Any, numbers: Any) -> None:
 
 
 def check(gamma: Row, M: Row, tilted: bool, bits: int) -> None:
-    """The errors of a motion that has no curve, M ∥ γ being told to so many bits."""
+    """Raises the errors of a motion without a curve; M ∥ γ is decided with this many bits."""
     (x, y, z), (a, b, c) = gamma, M
     square = a * a + b * b + c * c
     if square == 0:

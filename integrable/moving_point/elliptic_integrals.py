@@ -118,7 +118,7 @@ class FirstKind:
         """x with F(x | m) = v."""
         k = self.k
         x = amplitude(v, k) if k <= 1 else self._right_angle - amplitude(k * (self.quarter - v), 1 / k)
-        # a step of Newton, for what the transformations have rounded
+        # one Newton step removes the rounding error of the transformations
         return x - (self.at(x) - v) * np.sqrt(np.cos(x) ** 2 + (k * np.sin(x)) ** 2)
 
 

@@ -64,8 +64,8 @@ LENGTH = 5.0
 TURN = 1.7
 # least number of doublings; the nodes are then made in wide numbers, as floats lose digits on such bodies
 WORTHWHILE = 3
-# last coefficients of γ, w and 1/g on a panel: what they may be; and steps at its ends, where the nodes are made in
-# floats, or wide beside a panel whose nodes were not
+# largest last coefficients of γ, w and 1/g on a panel; largest jumps at its ends, for nodes computed in floats, or in
+# wide numbers beside a panel whose nodes were not
 TAIL = 4e-15
 STEP, WIDE_STEP = 2e-14, 6e-14
 # cost of a panel with wide nodes, in panels
@@ -186,7 +186,7 @@ def centre_given(room: ShortRoom, request: Request, n: int, sign: int) -> int:
 
 
 def centre_after(room: ShortRoom, n: int, sign: int) -> int:
-    """The same by one addition to a centre before: LOST where wide numbers have too few digits for that."""
+    """The same by one addition to an earlier centre: LOST if wide numbers have too few digits for it."""
     place = (n + AHEAD - 1) % AHEAD
     if n == 0 or place == 0:
         go_ahead(room, n == 0, sign)
@@ -259,7 +259,9 @@ def piece(room: ShortRoom, rule: Rule, request: Request, h: float, careful: bool
 
 
 def tails(room: ShortRoom, rule: Rule, request: Request) -> tuple[float, float]:
-    """The last coefficients of γ, of w and of 1/g beside its mean, the largest, and the same of earlier ones."""
+    """The largest of the last coefficients of γ, of w and of 1/g relative to its mean, and the same for earlier
+    coefficients.
+    """
     count, tail, before = len(rule.nodes), 0.0, 0.0
     for e in range(6):
         last, earlier = two_ends(rule, room.values, e * count)

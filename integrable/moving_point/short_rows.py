@@ -17,7 +17,7 @@ LEVELS, FINEST = 6, 7
 # orders of the expansion of translations, how many of them are wide, and by what each falls at least: 15 by 107 bits
 ORDERS, WIDE_ORDERS, ORDER_GAIN = 16, 9, 140.5
 
-# places in ``numbers``, what is known of a motion in floats: f, the axes, then
+# positions in ``numbers``, the data of a motion in floats: f, the axes, then
 CLOCK, MOMENTUM, MATRIX, REACH = 14, 15, 16, 20
 LIFT, CLOSE, INVARIANTS, SHAPE, PHYSICAL, FASTEST, RADIAN = 21, 22, 23, 25, 32, 33, 34
 NUMBERS = 35
@@ -31,7 +31,7 @@ SHADOW, MOVED = 11, 12
 POINT = OFF + 1
 # rows of wide points: a centre, and those on the way down to panels about it
 POINTS = LEVELS + 1
-# so many centres are made at once, each with its shadow: as many as a processor has lanes. Rows of ``ahead``: these,
+# number of centres made at once, each with its shadow: the number of lanes of a processor. Rows of ``ahead``: these,
 # then the shadows, and the two starts
 AHEAD = 4
 AHEAD_POINTS = 2 * AHEAD + 2
@@ -48,7 +48,7 @@ LOT = 8
 
 
 class Rule(NamedTuple):
-    """Nodes on [−1, 1], those of :data:`SUMS` below 0 and then, backwards, above it, and what goes with them."""
+    """Nodes on [−1, 1], those of :data:`SUMS` below 0 and then, backwards, above it, and data derived from them."""
 
     nodes: Row
     coefficients: Row
@@ -135,7 +135,7 @@ FLOATS = NUMBERS + NODE_STEPS + POINT + 2 * AHEAD * POINT + 9 * NODES + 1 + 9
 
 
 def new_room(wide: Row, floats: Row, made: Row) -> ShortRoom:
-    """Rows in ``wide`` and ``floats``, so many numbers of any value; ``made`` is :data:`MADE` zeros."""
+    """Working memory in ``wide`` and ``floats``, of arbitrary content; ``made`` is :data:`MADE` zeros."""
     points, steps = WIDE, WIDE + 10 * POINTS
     nodes = steps + 10 * (PANEL + AHEAD)
     series = nodes + NODE_STEPS
@@ -164,6 +164,6 @@ def axes_of(row: Row) -> Any:
 
 
 def unit_axes(row: Row) -> Any:
-    """Those of translations."""
+    """The axes of translations."""
     one = 1 + 0 * row[6]
     return row[6], row[7], row[8], one, one, one, one, 0 * one

@@ -1,5 +1,5 @@
-"""Translations by about 2^k basic steps, so that a time is reached in as many additions as its number of steps has
-binary digits.
+"""Translations by about 2^k basic steps, so that the number of additions to a time is the number of binary digits of
+its steps.
 """
 
 from __future__ import annotations

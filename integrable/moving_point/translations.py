@@ -48,7 +48,7 @@ class Translations:
 
     @cached_property
     def series(self) -> tuple[Any, ...]:
-        """Those of 1/√(f/f0) about x = 0."""
+        """The coefficients of 1/√(f/f0) about x = 0."""
         size = int(self.reals.bits / (TERM_BITS + self._halvings)) + 6
         with self.reals:
             return series_of(self.f, -1, size)
@@ -203,7 +203,7 @@ def expansion_of(row: Row) -> Expansion:
 
 
 def high_parts(rows: Expansion) -> Expansion:
-    """The same rows, of double-doubles their high parts, when compiled."""
+    """The same rows; when compiled, the high parts of double-doubles."""
     return Expansion(
         leading(rows.u0), leading(rows.u1), leading(rows.v0), leading(rows.v1), leading(rows.s0), leading(rows.squares),
         leading(rows.less),
