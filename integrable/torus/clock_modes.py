@@ -1,4 +1,4 @@
-"""The series of a clock from the spectrum of 1/g, on bare reals compiled as they stand.
+"""The series of a clock from the spectrum of 1/g, on bare reals, compiled unchanged.
 
 A spectrum is flat: for k = 0, …, rows/2 all second modes in the order of a discrete transform, real and imaginary parts
 one after the other (:func:`integrable.torus.series.half_spectrum`); ``grid`` is the shape of the samples, powers of 2.
@@ -166,7 +166,7 @@ def swing_of(values: Row, columns: int, k: int, m: int, rates: Row) -> tuple[Rea
 
 def swings(values: Row, grid: tuple[int, int], rates: Row, limits: Cutoffs, tables: Tables) -> tuple[int, float, float]:
     """The coefficients of S and of its slope into the room for ``modes``, four numbers for k = 0, 1, … and m =
-    −columns/2, …, zeros for what is not kept, and into ``lines`` where what is kept begins and ends, three numbers for
+    −columns/2, …, zeros for dropped modes, and into ``lines`` where the kept ones begin and end, three numbers for
     each k; (−1 or the place of a mode in resonance, the sum of all |S|, S at the start).
     """
     (rows, columns), modes, lines = grid, tables.modes, tables.lines

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 
 # branch points closer than this, relative to the largest, get their own origin and unit
 CLOSE = 2.0**-6
-# and those farther apart in units of either, and so M and γ, lose almost no digits where they are
+# branch points farther apart than this, in either unit, and so M and γ, lose almost no digits without a change of
+# origin
 APART = 2.0**-6
 # sizes whose powers stay within the range of floats
 FAR = 1e30

@@ -116,7 +116,7 @@ class ReadableLoops:
         return np.array([float(x) for x in values])
 
     def samples(self, values: Any, sizes: tuple[int, int]) -> np.ndarray:
-        """Working numbers on a grid as they are, or as the long doubles of this machine where those suffice."""
+        """Working numbers on a grid unchanged, or as the long doubles of this machine if those suffice."""
         if self._digits > FLOAT_DIGITS:
             return np.array(values, dtype=object).reshape(sizes)
         high = self.floats(values)
@@ -156,7 +156,7 @@ class ReadableLoops:
 
 
 class CompiledLoops:
-    """The same compiled, on arrays of double-double numbers."""
+    """The compiled loops, on arrays of double-double numbers."""
 
     terms = TERMS
     noise = 1e-15

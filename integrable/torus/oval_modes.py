@@ -6,8 +6,8 @@ integrals over one oval each,
 
     constant·(P₀Q₁ − P₁Q₀)/(area of the lattice),  P_j, Q_j = ∮ u^j e^(−2πi(kθ₁ + mθ₂)) du/(y√(1 − du)),
 
-P over the first oval and Q over the second. What leans in a tilted body's 1/g is alike: with A(u) = Π(α_i − u) and R =
-±√|A|, analytic along the oval,
+P over the first oval and Q over the second. The tilt term of a tilted body's 1/g is treated alike: with A(u) = Π(α_i −
+u) and R = ±√|A|, analytic along the oval,
 
     Σ(α_k − α_j)ν_iσ_jσ_k = ±Π_{i<j}(α_j − α_i)·(y₁R₂/R₁ + y₂R₁/R₂)/((u₂ − u₁)√|κ₁κ₂κ₃|).
 
@@ -135,7 +135,7 @@ class Found(NamedTuple):
 
 
 def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: float) -> Found:
-    """The tables of a torus to so many digits, from a first size on."""
+    """The tables of a torus to this many digits, starting from a first size."""
     while True:
         torus.use(size, most_work)
         found = Found(size, torus.upright(), torus.leaning())
@@ -146,8 +146,8 @@ def _resolved(torus: OvalTorus, size: tuple[int, int], digits: int, most_work: f
 
 
 class ModesSource(Protocol):
-    """What they are made from (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide`` field, good
-    to ``digits``, and of a tilted body the moving points in ``bare`` reals.
+    """The data from which modes are made (:class:`integrable.moving_point.setup.Setup`): the motion over the ``wide``
+    field, accurate to ``digits``, and of a tilted body the moving points in ``bare`` reals.
     """
 
     @property
@@ -230,7 +230,7 @@ class OvalTorus:
     # --- tables
 
     def use(self, size: tuple[int, int], most_work: float) -> None:
-        """Make tables for so many modes, at as many nodes as bear the highest of them."""
+        """Make tables for this many modes, with enough nodes for the highest of them."""
         if size == self._size:
             return
         for oval in self.ovals:
@@ -247,7 +247,7 @@ class OvalTorus:
         self._size = size
 
     def upright(self) -> list[list[Any]]:
-        """c but for the factor of the start, of α/g̃."""
+        """The coefficients c, up to the phase factor of the start, of α/g̃."""
         first, second = ([oval.integrals(part, 0, 0) for part in oval.moments()] for oval in self.ovals)
         factor = self.constant * self.axes[6]
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), -1)
@@ -262,7 +262,7 @@ class OvalTorus:
         return modes._replace(frequencies=(nu[0], nu[1]), mean=mean)
 
     def leaning(self) -> list[list[Any]] | None:
-        """The same of what leans, at k + ½ or m + ½; None for an upright body."""
+        """The same for the tilt term, at k + ½ or m + ½; None for an upright body."""
         if self.axes[7].mid() == 0:
             return None
         half = (1, 0) if self.low else (0, 1)
@@ -273,7 +273,7 @@ class OvalTorus:
         return _combined(factor, (first[0], second[1]), (first[1], second[0]), 1)
 
     def modes(self, upright: list[list[Any]], leaning: list[list[Any]] | None, size: tuple[int, int]) -> Modes:
-        """All of it, from the start on and in turns of the periods of 1/g."""
+        """The modes of 1/g, with phases from the start and in turns of the periods of 1/g."""
         acb, wide, balls = self.flint.acb, self._setup.wide, self._balls
         doubled = (1, 1) if leaning is None else ((2, 1) if self.low else (1, 2))
         one, other = (acb((2 * x / n).cos_pi(), (2 * x / n).sin_pi()) for x, n in zip(self.start, doubled, strict=True))

@@ -79,7 +79,7 @@ class Oval:
         self._integrate(ceil((pair.digits + 4) * log(10) / self.decay) + 2)
 
     def _integrate(self, count: int) -> None:
-        """The cosine series of 1/Y and u/Y, to so many terms."""
+        """The cosine series of 1/Y and u/Y, to this many terms."""
         arb, mat = self.flint.arb, self.flint.arb_mat
         self.harmonics = count
         waves = [(arb(i) / count).cos_pi() for i in range(2 * count)]
@@ -178,8 +178,8 @@ class Oval:
         ]
 
     def alias(self, pair: Pair, size: tuple[int, int]) -> float:
-        """The decimal exponent of what the nodes make of the highest modes that is not there: half of what nodes
-        between them make otherwise.
+        """The decimal exponent of the aliasing error of the highest modes at the nodes: half of the change by
+        intermediate nodes.
         """
         half, acb = len(self.nodes) - 1, self.flint.acb
         between = self._round(range(1, 2 * half, 2), 2 * half)

@@ -24,7 +24,7 @@ ONE_IN = 25
 # a rule that shows how fast Legendre coefficients fall, for a cell and for a long panel, down to that size
 SCOUT_NODES, LEAST_SEEN = (24, 80), 1e-12
 SCOUT_BITS = 240
-# a part of 1/g that varies less than this is measured in as many bits, or in double-double numbers down to that
+# a relative variation of 1/g below the first is measured in multiprecision, or down to the second in double-doubles
 FLAT, FLATTEST = 1e-6, 1e-16
 SAMPLES = range(0, 512, 61)
 
@@ -56,7 +56,7 @@ class PanelRates:
         return np.roll(rates, (count - 1) // 2, axis=0)
 
     def around(self, point: Any, steps: Sequence[Any], packed: Any) -> np.ndarray | None:
-        """The same, of ``steps`` and what they were packed to; None where double-doubles have too few digits."""
+        """The same for ``steps`` and their packed form; None if double-doubles have too few digits."""
         rates = self.values(point, packed)
         return rates if self._right(point, steps, rates) else None
 

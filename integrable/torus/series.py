@@ -131,8 +131,8 @@ def together(series: list[TorusSeries], first: np.ndarray, second: np.ndarray) -
 
 
 class SeriesLevel(NamedTuple):
-    """The modes of a :class:`LongSeries` that so many digits take: the large ones in balls of ``bits``, from the row 0
-    and the column ``first`` on, and ``tail``, those that floats hold well enough.
+    """The modes of a :class:`LongSeries` needed for a number of digits: the large ones in balls of ``bits``, from the
+    row 0 and the column ``first`` on, and ``tail``, those for which floats suffice.
     """
 
     first: int
@@ -206,7 +206,7 @@ class LongSeries:
         return sums
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """Modes are left to floats, or left out, where what that costs adds up to a part of the noise."""
+        """The modes computed in floats, or dropped, are those whose total error is a fraction of the noise."""
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail = self._kept.copy(), np.zeros((0, 0))
         if noise > TINY:
@@ -235,7 +235,7 @@ class LongSeries:
 
 
 def _adding_up(sizes: np.ndarray, most: float) -> np.ndarray:
-    """Where the smallest of the sizes are, as many as add up to no more than ``most``."""
+    """Where the sizes are smallest, as many as add up to no more than ``most``."""
     order = np.argsort(sizes, axis=None)
     small = np.zeros(sizes.size, dtype=bool)
     small[order[np.cumsum(sizes.ravel()[order]) <= most]] = True

@@ -41,7 +41,9 @@ def whole_turns(x: Real) -> tuple[Real, int]:
 
 
 def state_at(torus: Torus, first: Real, second: Real, turn1: int, turn2: int, out: Row, place: int) -> None:
-    """γ and M at the phases (first, second) in [0, 1) after so many whole turns, into out[place … place + 5]."""
+    """γ and M at the phases (first, second) in [0, 1) after ``turn1`` and ``turn2`` whole turns, into out[place … place
+    + 5].
+    """
     put_state(point_at(torus, first, second, turn1, turn2), torus.matrix, out, place)
 
 

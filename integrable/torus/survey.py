@@ -42,7 +42,7 @@ FLAT = 0.01
 # the number of results of :func:`surveyed_rates`
 RATES = 16
 # nodes on either side of the middle of an oval, SPACING apart in the logarithm of how it is divided: the rule leaves
-# e^(−2π²/SPACING) = 5e-35, what it leaves off at the ends e^(−NODES·SPACING/2) = 1e-33
+# e^(−2π²/SPACING) = 5e-35, truncation at the ends e^(−NODES·SPACING/2) = 1e-33
 NODES, SPACING = 608, 0.25
 
 
