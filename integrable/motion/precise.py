@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 WIDER = 10
 # digits that a result keeps beyond those requested
 SPARE = 2
-# the largest loss, beyond as many digits as are requested: half a minute of computing on the separatrix
+# the largest allowed loss, in addition to the requested digits: half a minute of computing on the separatrix
 MOST_LOST = 400
 # from this many basic steps per digit on, the torus costs less than stepping
 TORUS_FROM = 20
@@ -139,8 +139,8 @@ class ManyDigits:
         self.carrier = carrier
         self._witness: Carrier | None = None
         self._witnessed: Any = 0
-        # what the motion began with and the largest digits since, where others are in use; the nearest time, in units
-        # of the user, at which a computation showed that the first digits do not suffice
+        # the first set-up of the motion and the one with most digits since, if others are in use; the nearest time, in
+        # units of the user, at which a computation showed that the first digits do not suffice
         self._few: Level | None = None
         self._more: Level | None = None
         self._too_far: Any = inf
@@ -434,8 +434,8 @@ class BodyCarrier(Carrier):
         return self._torus
 
     def _made_torus(self, work: float, digits: int) -> Any:
-        """The clock on the torus to so many digits after the point, if its tables take no more multiplications; else
-        None, and what it takes is known.
+        """The clock on the torus to this many digits after the point, if its tables need at most ``work``
+        multiplications; otherwise None, and the work needed is recorded.
         """
         from integrable.torus.long_clock import MultiprecisionTorusClock
         from integrable.torus.oval_modes import TooManyModes

@@ -96,7 +96,7 @@ def _too_many(compute: Compute, values: np.ndarray, left: np.ndarray) -> Iterabl
 
 
 def _refusal(compute: Compute, values: np.ndarray) -> str:
-    """The reason for refusing the rows, "" where they are accepted."""
+    """The reason for refusing the rows, "" if they are accepted."""
     try:
         compute(values)
     except REFUSALS as error:

@@ -79,7 +79,7 @@ class PrincipalRotation:
 
 
 class RotationForm(ClosedForm):
-    """The same in the numbers of a wide field K."""
+    """The same formulas in the numbers of a wide field K."""
 
     def __init__(self, system: PhaseSpace, state: State, K: Any) -> None:
         axis = rotation_axis(state)

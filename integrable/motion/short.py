@@ -113,7 +113,7 @@ class ShortRuns:
         return None if found is None else found[1]
 
     def _run(self, times: np.ndarray, physical: bool, clock: bool) -> Found | None:
-        """The states, and τ at ``physical`` times or, if the ``clock`` is asked for, physical times at τ."""
+        """The states, and τ at ``physical`` times or, with ``clock``, physical times at τ."""
         if len(times) > MOST_TIMES:
             return None
         status = short.FAR
@@ -259,7 +259,7 @@ def torus_cost(least: float, most: float, d: float) -> TorusCost:
 
 
 def panels_within(torus: TorusCost, count: int, worth: float = WORTH) -> int:
-    """So many panels cost less than a torus and so many states off it."""
+    """The number of panels that cost less than a torus and this many states from it."""
     cost = torus.set_up + count * (torus.each if count < DENSE_FROM else torus.dense)
     return min(MOST_PANELS, int((cost / worth - START_COST) / PANEL_COST))
 
@@ -323,7 +323,7 @@ def lagrange(nodes: np.ndarray, weights: np.ndarray, places: np.ndarray) -> np.n
 
 @cache
 def _listed() -> Rule:
-    """The same as lists, which interpreted loops read faster."""
+    """The same as lists, which are faster in interpreted loops."""
     return Rule(*(part.tolist() for part in rule()))
 
 
