@@ -61,7 +61,7 @@ class BodySystem(MumfordSystem):
         """Table: the c_i = l(a_i), without loss of digits."""
         raise NotImplementedError
 
-    # --- what follows
+    # --- derived from these
 
     def _set_up_moments(self, field: Any, inertia: Any) -> None:
         """Sets ``field``, and ``constants`` to three different numbers that are not 0."""

@@ -166,7 +166,7 @@ class WalkedClock:
         step = 1 if t >= 0 else -1
         if abs(t) > MOST_PANELS * self._longest:
             raise self._too_far(t)
-        # what the clock shows at the near end of the panel
+        # the clock's reading at the near end of the panel
         panel, shown = min(step, 0), 0 * t
         while abs(t - shown) > self._panel(panel)[1]:
             shown += step * self._panel(panel)[1]

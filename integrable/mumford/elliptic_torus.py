@@ -69,7 +69,7 @@ def theta_quotients(table: Row, cv: Real, sv: Real) -> tuple[Real, Real, Real]:
 
 
 def circle(turns: Real, inverse: Row) -> tuple[Real, Real]:
-    """(cos, sin) of so many turns."""
+    """(cos, sin) of this many turns."""
     whole = turns - float(floor(float(turns) + 0.5))
     quarters = floor(4 * float(whole) + 0.5)
     y = (whole - quarters / 4) * inverse[0]

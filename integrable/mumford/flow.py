@@ -1,7 +1,7 @@
-"""The motion of one state of a system on a Jacobian of any genus: whichever way has its times soonest.
+"""The motion of one state of a system on a Jacobian of any genus, by the fastest method for the given times.
 
-Near times in floats come from Taylor series (:mod:`integrable.series.near`), others from the compiled torus, many
-from tables, all that are left by additions in long numbers (:mod:`integrable.mumford.motion`).
+Near times in floats come from Taylor series (:mod:`integrable.series.near`), others from the compiled torus, many times
+from tables, and the rest from additions in long numbers (:mod:`integrable.mumford.motion`).
 """
 
 from __future__ import annotations
@@ -29,18 +29,19 @@ if TYPE_CHECKING:
     from integrable.phase.enclosure import EnclosedPath
     from integrable.series.near import Near
 
-# a torus whose states differ by more from those of the equations of motion is not that of the motion
+# a torus is rejected if its states differ by more than this from those of the equations of motion
 RIGHT = 1e-12
-# standard steps of series (integrable.series.steps.weight) that take as long as a point by additions, and as one on a
-# torus, the most that are worth trying, and those that take as long as setting up a torus, by its genus
+# numbers of standard steps of series (integrable.series.steps.weight): those that take as long as a point by additions;
+# those for a point on a torus; the most worth trying; those that take as long as setting up a torus, by its genus
 STEPS_BY_ADDITIONS, STEPS_ON_TORUS, MOST_STEPS, STEPS_TO_TORUS = 500, 1, 50000, {1: 100, 2: 1000}
-# times that take as long by additions as setting up theta functions of genus 2 (python -m benchmarks real_torus)
+# number of times whose additions take as long as setting up theta functions of genus 2 (python -m benchmarks
+# real_torus)
 TIMES_TO_THETA = 12
-# of floats that are right to their last bits
+# rounding error of floats that are right to the last bit
 ROUNDED = 2.0**-53
-# the words of Path.way
+# the values of Path.way
 SERIES, TORUS, ADDITIONS = "series", "torus", "additions"
-# where tables in double-double numbers keep what floats need
+# genera for which tables in double-double numbers keep the digits of floats
 GENERA_TABLED = range(3, 7)
 
 
@@ -130,7 +131,9 @@ class MumfordFlow:
         return Path(np.array(given), states[:, 0], states[:, 1], way, max(near.error, ROUNDED))
 
     def _quickly(self, times: Any) -> Path | None:
-        """Times in order, as a compiled walk has all of them: the same as of any others, with the least around it."""
+        """The states if a compiled walk reaches all times, which are sorted: the same as by any other path, with the
+        least overhead.
+        """
         import numpy as np
 
         from integrable.series.near import quickly
@@ -145,13 +148,13 @@ class MumfordFlow:
         return Path(given, found.states[:, 0], found.states[:, 1], SERIES, max(SPARE * found.gap, ROUNDED))
 
     def _budget(self, count: int) -> float:
-        """Standard steps that are worth trying before what comes after them is set up."""
+        """The number of standard steps worth trying before the next method is set up."""
         if self._may_have_torus:
             return STEPS_TO_TORUS[self._genus] + count * STEPS_ON_TORUS
         return min(self._setting_up + count * STEPS_BY_ADDITIONS, MOST_STEPS)
 
     def _near(self, times: np.ndarray) -> Near:
-        """What series reach in no more time than what comes after them."""
+        """The states that series reach in no more time than the next method."""
         from integrable.series.near import finished, walked
 
         near = walked(self.system, self.start, times, self._budget(len(times)), self.tolerance)
@@ -161,7 +164,7 @@ class MumfordFlow:
         return finished(self.system, self.start, times, near, most)
 
     def _far(self, given: list[Any]) -> Path:
-        """The states at times, by additions, however they are made."""
+        """The states at times by additions, in whichever way."""
         import numpy as np
 
         K = self.system.field
@@ -185,17 +188,17 @@ class MumfordFlow:
 
     @property
     def _in_floats(self) -> bool:
-        """Whether compiled loops may take the motion."""
+        """Whether compiled loops may be used for the motion."""
         return bool(self.system.field == RR and not interpreted())
 
     @property
     def _compiles(self) -> bool:
-        """Whether compiled loops in floats may take the pairs of the motion."""
+        """Whether compiled loops in floats may be used for the pairs of the motion."""
         return self._in_floats and not self.system.complex_data
 
     @cached_property
     def _tabled(self) -> TabledStates | None:
-        """What makes many states of a motion in floats, of more points than a torus is for."""
+        """The tables for many states of a motion in floats, in genera beyond those of a torus."""
         if self._genus not in GENERA_TABLED or self._clock is not None or not self._compiles:
             return None
         from integrable.mumford.tabled import TabledStates
@@ -230,21 +233,21 @@ class MumfordFlow:
         return self._motion.tau_at(time, digits, self._clock)
 
     def _places(self, times: list[Any]) -> list[Any]:
-        """What the motion is asked for to be there at these times: themselves, or τ."""
+        """The arguments of the motion at these times: the times themselves, or τ."""
         return times
 
     @property
     def _may_have_torus(self) -> bool:
-        """Whether there may be one."""
+        """Whether the motion may have a torus."""
         return self._compiles and (self._genus == 2 or (self._genus == 1 and not self.system.clocked))
 
     def _torus_for(self, count: int) -> RealTorus | BodyTorus | EllipticTorus | ThetaTorus | None:
-        """The torus, where so many times pay its set-up."""
+        """The torus, if this many times justify its set-up."""
         return self._torus if count >= TIMES_TO_THETA or (count and not self._takes_theta) else None
 
     @cached_property
     def _takes_theta(self) -> bool:
-        """Whether a torus would be one of theta functions of genus 2, whose set-up is as long as some additions."""
+        """Whether a torus would be one of theta functions of genus 2, whose set-up takes as long as some additions."""
         if self._genus != 2 or not self._may_have_torus:
             return False
         from integrable.mumford.real_torus import BITS, OtherOvals, real_roots
@@ -284,8 +287,8 @@ class MumfordFlow:
             return ThetaTorus(self._place)
 
     def _confirmed(self, torus: Any) -> bool:
-        """Whether a torus has the states that the equations of motion lead to, signs included; where series of these do
-        not reach or lose digits, those that additions in long numbers lead to.
+        """Whether the states of a torus agree with those of the equations of motion, signs included; if series do not
+        reach them or lose digits, with those of additions in long numbers.
         """
         import numpy as np
 
@@ -323,7 +326,7 @@ class MumfordFlow:
 
 
 def long_digits(K: Any) -> int:
-    """How many digits long numbers need for results in K; ArgumentError but for RR and MP(digits)."""
+    """The digits of long numbers needed for results in K; ArgumentError except for RR and MP(digits)."""
     if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: real numbers are needed here, RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)

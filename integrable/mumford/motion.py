@@ -68,14 +68,14 @@ class Placed:
         return self._directions[0]
 
     def translations(self, which: int = 0) -> GroupTranslations:
-        """Those of one direction, made when its first time other than 0 is asked for."""
+        """The translations along one direction, made when its first nonzero time is requested."""
         if which not in self._translations:
             self._translations[which] = self._kind(self.group, self._directions[which], self._ends)
         return self._translations[which]
 
     @cached_property
     def _ends(self) -> list[Any]:
-        """Of lifts, where the pair stays in a double point of the curve."""
+        """The lifts at which the pair stays in a double point of the curve."""
         K, (u, v, _) = self.field, self.start
         lifts = (kind.e for kind in self.group.kinds if isinstance(kind, Lift))
         return [e for e in lifts if max(part_at(K, u, e), part_at(K, v, e)) <= STILL * K.eps**0.5]
@@ -121,7 +121,7 @@ class Placed:
         if still:
             with LongField(MOST_BITS, K.complex) as L:
                 still = Placed(L, self._place)._moved <= STILL * L.eps
-        # sums keep what is small beside a double point at the root of the last bit, in all precisions alike
+        # near a double point sums lose small quantities below the square root of the last bit, in all precisions alike
         if not still and moved * moved <= STILL * K.eps:
             raise PrecisionLoss("the state is too near to one at rest: use more digits")
         return still

@@ -142,10 +142,10 @@ class PairTables:
         return Extended((*columns[:genus], Column(1.0)), tuple(columns[genus : 2 * genus]), tuple(pairs))
 
     def _split(self, times: np.ndarray, begin: int) -> tuple[np.ndarray, np.ndarray]:
-        """The rows to add at times, shape (N, tables), and what is left, as double-doubles."""
+        """The rows to add at times, shape (N, tables), and the remaining times, as double-doubles."""
         which = np.empty((len(times), len(self._places)), dtype=np.int64)
         shift = self._shifts[begin]
-        # times of rows are multiples of a quarter of a step: what is taken is exact
+        # the times of rows are multiples of a quarter of a step, so their subtraction is exact
         rest, total = times + shift, np.full(len(times), self._step / 4 - shift)
         for k in range(len(self._places) - 1, -1, -1):
             row, first, count = self._places[k]

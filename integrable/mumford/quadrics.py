@@ -56,7 +56,7 @@ class QuadricSystem(MumfordSystem):
         """Table: the l_i, elements of the field."""
         return [self.field.zero] * len(self.constants)
 
-    # --- what follows
+    # --- derived from these
 
     def _axes(self, state: Point) -> Point:
         return Point(state.q[self.before :], state.p[self.before :])

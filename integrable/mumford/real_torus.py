@@ -216,7 +216,7 @@ class RealTorus(Corners):
         return GivenSource(problem, MP(DIGITS), BareReals(K.bits))
 
     def _made_rates(self, motion: Any) -> Any:
-        """Those along the motion's own direction, with x and y in the units of the torus."""
+        """The rates along the motion's own direction, with x and y in the units of the torus."""
         (origin, length, lift), direction = self.units, self._direction
         first, second, height = self._affine
         a, b, height = first + second * origin, second * length, height * length**2 * lift
@@ -259,7 +259,7 @@ def real_roots(K: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]:
 
 
 def standard(K: Any, model: OvalModel, e: Any, kappa: int) -> tuple[Any, Any, Any]:
-    """(κ, σ, ν) at a branch point e where nothing is carried: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
+    """(κ, σ, ν) at a branch point e without a carried lift: κσ² = U, κσν = V, κν² = −W with κ = ±1."""
     whole, v = (*model.u, K.one), tuple(model.v)
     height, slope = kappa * poly.evaluate(K, whole, e), kappa * poly.evaluate(K, v, e)
     if height > SMALL * e**2:

@@ -1,4 +1,4 @@
-"""What a system on a Jacobian of any genus is: a table of formulas, and what follows from them.
+"""A system on a Jacobian of any genus: a table of formulas, and everything derived from them.
 
 A system (a file of :mod:`integrable.classical`) gives the formulas marked "table" below, written with operators for
 numbers of any field; from them :class:`MumfordSystem` makes states, divisors, the vector field, integrals, and over RR
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
 
     from integrable.series.kinds import Kind
 
-# how far off its constraints a state may be before it is refused, in units of what the last digits of q and p do there
+# allowed violation of the constraints of a state, in units of the effect of the last digits of q and p
 OFF = 2.0**24
-# a tolerance that plain steps in floats may still meet
+# the least tolerance that plain steps in floats can meet
 LEAST = 2.0**-50
 
 
@@ -191,7 +191,7 @@ class MumfordSystem(Made):
             return
         N = self.numbers
         inside = self._inside(N, state)
-        # a constraint that is infinite is off
+        # an infinite value violates the constraint
         values = self._formula(self._constraints, state, finite=False)
         right = all(value == N.zero for value in values)
         sizes = [None] * len(values) if N.exact or right else self._constraint_sizes(inside)
@@ -274,7 +274,7 @@ class MumfordSystem(Made):
 
         count = len(self.constants)
         symbols = tuple(Symbol("constant", i) for i in range(count))
-        # terms that are not there are no terms of 0: they divide by what may vanish
+        # absent terms are omitted rather than set to 0, since they divide by quantities that may vanish
         further = tuple(Symbol("constant", count + i) if x else 0.0 for i, x in enumerate(self._standing))
         return replaced(self, field=SymbolField(), constants=symbols, parameters=further)
 
@@ -306,7 +306,7 @@ class MumfordSystem(Made):
                 count = 2 * n + len(self._auxiliary(RR, rest))
                 return Kind(type(self).__name__, Formulas(rates, start, 2 * n, count, n))
             except (TypeError, ArgumentError):
-                # a function of another library's
+                # a function of another library
                 return None
 
         return kind_of((type(self), self.size, len(self.constants), self._standing), made)

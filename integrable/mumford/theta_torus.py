@@ -221,7 +221,7 @@ class ThetaTorus:
 
 
 def lift_of(Z: LongField, start: Start, e: Any) -> tuple[Any, Any, Any]:
-    """(κ, σ, ν) at a real branch point e where nothing is carried: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
+    """(κ, σ, ν) at a real branch point e without a carried lift: κσ² = U, κσν = V, κν² = −W, κ = ±1."""
     whole = (*start.u[:2], start.u[0] ** 0)
     height, slope = poly.evaluate(Z, whole, e).real, poly.evaluate(Z, start.v, e).real
     if abs(height) > SMALL * (1 + e**2):
@@ -265,7 +265,7 @@ def complex_roots(N: LongField, f: poly.Poly, known: Sequence[Any]) -> list[Any]
 
 
 class Lattice(NamedTuple):
-    """Im τ and 2Re τ, whole numbers; so many values of either index of a sum; a direction in z."""
+    """Im τ and 2Re τ, whole numbers; the numbers of values of both indices of a sum; a direction in z."""
 
     y: list[list[Any]]
     halves: list[list[int]]
