@@ -60,7 +60,7 @@ class AxialSystem(MumfordSystem):
         """Table: (jc, L, c) if the state of the system has the angular momentum of a top; None if it has a velocity."""
         return None
 
-    # --- what follows
+    # --- derived from these
 
     def flow(self, state: Point, tolerance: float | None = None) -> AxialFlow:
         """The motion of a state over RR or MP(digits), any time at once; ``tolerance`` as for other systems."""

@@ -1,4 +1,4 @@
-"""States of a heavy axis by theta functions of genus 1, on bare reals compiled as they stand.
+"""States of a heavy axis by theta functions of genus 1, on bare reals, compiled unchanged.
 
 Let v = πu/2K, u the argument of sn, and q the nome. The axis z = x₁ + (x₂ − x₁)sn²u is a quotient of θ₁(v) and θ₄(v).
 Its horizontal part is g = Ce^{iRt}θ₂(v − iα)θ₁(v − iβ)/θ₄(v)². The zeros of θ₂ and θ₁ are the points of the curve at z

@@ -1,9 +1,9 @@
 """Far states of a heavy axis in closed form: what :mod:`integrable.classical.axial_loops` reads, made once in long
 numbers, and the flow that takes it.
 
-With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at
-K + is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
-turn R about the vertical is what makes g'/g right where z rests, at x₁ for one and at x₂ for the other.
+With the roots x₁ ≤ z ≤ x₂ ≤ 1 ≤ x₃ of f the moduli are m = (x₂ − x₁)/(x₃ − x₁) and m' = 1 − m. The zeros of g are at K
++ is₁ and is₂, where z = ±1: sn²(s₁|m') = (1 − x₂)(x₃ − x₁)/((1 − x₁)(x₃ − x₂)), sc²(s₂|m') = (1 + x₁)/(x₂ − x₁). The
+rate R of the turn about the vertical is fixed by g'/g where z rests, at x₁ in one case and at x₂ in the other.
 """
 
 from __future__ import annotations
@@ -118,7 +118,7 @@ class Gaps(NamedTuple):
 
     @staticmethod
     def of(N: LongField, f: Any, axis: Any) -> Gaps:
-        """Those of a cubic with leading coefficient 2, f(1) = −m₁², f(−1) = −m₂²."""
+        """The gaps of a cubic with leading coefficient 2, f(1) = −m₁², f(−1) = −m₂²."""
         m1, m2 = axis.m
         mean, slope = -f[2] / 6, f[1] / 2
         square, cube = mean * mean - slope / 3, mean**3 - mean * slope / 2 - f[0] / 4
@@ -136,7 +136,7 @@ class Gaps(NamedTuple):
         middle = (3 * mean - x) / 2
         spread = N.sqrt(max(middle * middle - (slope - 2 * x * middle), N.zero))
         x1, x2, x3 = (middle - spread, middle + spread, x) if side > 0 else (x, middle - spread, middle + spread)
-        # f at ±1 is known to all digits, and so is what is close to them
+        # f at ±1 is known to all digits, and so are roots close to ±1
         down1, down2, beyond = 1 - x1, abs(1 - x2), abs(x3 - 1)
         if down2 > beyond:
             beyond = m1 * m1 / (2 * down1 * down2)
@@ -166,7 +166,7 @@ def _steady(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
 
 
 def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
-    """The same of one that nods between x₁ and x₂."""
+    """The same for an axis that nods between x₁ and x₂."""
     (down1, down2), (up1, up2), swing = gaps.down, gaps.up, gaps.swing
     wide = swing + gaps.above
     k, k1 = N.sqrt(swing / wide), N.sqrt(gaps.above / wide)
@@ -201,7 +201,7 @@ def _turning(N: LongField, gaps: Gaps, axis: Any) -> tuple[Any, Any]:
 
 
 def _turns(nome: Any, angle: Any, count: int) -> Turns:
-    """Of θ(v − i·angle)."""
+    """The coefficients of θ(v − i·angle)."""
     import gmpy2
 
     grown, size = gmpy2.exp(2 * abs(angle)), [nome ** (n * n + n) for n in range(count)]

@@ -182,7 +182,7 @@ class Wave:
         return self._filled(*self._given(x, t), value, object)
 
     def _ball(self, place: EnclosedPlace, x: Any, t: Any) -> tuple[Any, Any]:
-        """u and its radius, beside the span of the edges."""
+        """u and its radius relative to the span of the edges."""
         K = place.field
         D = place.at(K.coerce(x), (K.coerce(t),))
         ((value, span),) = self._read(K, D)
@@ -282,7 +282,7 @@ class Wave:
 
     def _read(self, N: Any, D: Extended) -> list[list[Any]]:
         f = poly.neg(N, poly.from_roots(N, [*map(N.coerce, self._edges)]))
-        # u beside the span of the edges, which decides how many of its digits count
+        # the span of the edges decides how many digits of u count
         return [[potential(N, f, D.u), N.coerce(self._edges[-1]) - N.coerce(self._edges[0])]]
 
 
