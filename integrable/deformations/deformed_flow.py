@@ -1,9 +1,9 @@
-"""What the flows of the deformations share: how many digits a time takes, and what is asked of every state.
+"""The common part of the flows of the deformations: how many digits a time needs, and the checks of every state.
 
-A flow asked for n digits runs over wider numbers: GUARD_DIGITS more, and as many more as there are periods in the time.
-What it loses beyond that is measured on every call: from the integrals of each state, from the farthest state made
-again with more digits, which tells the signs too, and from the state at τ = 0. Where digits are missing all is done
-again with as many more, and PrecisionLoss ends it.
+For n requested digits a flow uses wider numbers: GUARD_DIGITS more, plus the digits of the number of periods in the
+time. Any further loss is measured on every call: from the integrals of each state, from the farthest state computed
+again with more digits, which also checks the signs, and from the state at τ = 0. If digits are missing, everything is
+repeated with that many more; PrecisionLoss if this does not help.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def at_its_precision(method: Any) -> Any:
 
 
 class CurvesCarrier(Carrier):
-    """The motion of a deformation at one precision: what a :class:`DeformedFlow` is made of. Its points are (γ, M).
+    """The motion of a deformation at one precision, used by a :class:`DeformedFlow`. Its points are (γ, M).
 
     ``system`` and ``start`` are wide, of LongNumbers that were entered when it was made or of MP(digits); ``sizes``
     those of H and K that their changes are held against, ``momentum`` what an M = 0 is.
@@ -66,7 +66,7 @@ class CurvesCarrier(Carrier):
 
     @property
     def precision(self) -> Any:
-        """What its numbers are computed in."""
+        """The context of its numbers."""
         return self.field if isinstance(self.field, LongNumbers) else nullcontext()
 
     @property
@@ -78,7 +78,7 @@ class CurvesCarrier(Carrier):
         return self.system.body.rolls
 
     def turns(self, tau: Any) -> Any:
-        """In how many periods |τ| is, the shorter of the two."""
+        """The number of shorter periods in |τ|."""
         raise NotImplementedError
 
     def scaled(self, t: Any) -> Any:
@@ -114,9 +114,9 @@ class DeformedFlow(EnclosedMotion):
     """The motion of a deformation through a state as additions on two elliptic curves, at any time, over RR or MP(n).
 
     Base of the flows that ``system.flow`` gives. The inputs count as exact: states come rounded once to the field,
-    floats included. The same times have the same states, to the last bit, whatever was asked before; only when the walk
-    of a kind of systems is compiled, once on a machine, may last bits change (:class:`integrable.series.kinds.Kind`).
-    PrecisionLoss where more than MOST_LOST digits would be lost.
+    floats included. The same times give the same states, to the last bit, whatever was computed before. Only when the
+    walk of a kind of systems is compiled, once on a machine, may last bits change
+    (:class:`integrable.series.kinds.Kind`). PrecisionLoss where more than MOST_LOST digits would be lost.
     """
 
     method = "elliptic curves"
@@ -124,7 +124,7 @@ class DeformedFlow(EnclosedMotion):
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
         if not self._is_ordinary():
-            # made here, so that what it refuses is refused at once
+            # computed here so that refusals are raised at once
             _ = self._curves
 
     def _moving(self, system: Any, state: State) -> CurvesCarrier:
@@ -136,7 +136,7 @@ class DeformedFlow(EnclosedMotion):
         return RoundedRows(self.system.field, OnCurves(self.system, self.state, self._moving), self.method)
 
     def _is_ordinary(self) -> bool:
-        """Whether floats show already that nothing is to be refused."""
+        """Whether floats already show that nothing will be refused."""
         return False
 
     _steps = STEPS_TO_DIGITS
@@ -144,7 +144,7 @@ class DeformedFlow(EnclosedMotion):
 
     @property
     def _any_time(self) -> Way:
-        """What has the states at any time."""
+        """The method for states at any time."""
         return self._curves
 
     def _way_to(self, times: np.ndarray, physical: bool) -> Way:
@@ -183,8 +183,8 @@ class OnCurves(ManyDigits):
 def integrals_missing(
     system: Any, before: tuple[Any, Any], sizes: tuple[Any, Any], rows: Sequence[Any], digits: int
 ) -> int:
-    """How many of so many digits H and K of rows (γ, M) lack beside ``before``, relative to ``sizes``; over wide
-    numbers, 0 or less for none.
+    """How many of these digits H and K of rows (γ, M) lack compared with ``before``, relative to ``sizes``; over wide
+    numbers, 0 or less if none.
     """
     worst = -NOTHING
     for gamma, M in rows:
@@ -194,7 +194,7 @@ def integrals_missing(
 
 
 def digits_asked(K: Any) -> int:
-    """The digits that states over RR or MP(digits) are rounded to; ArgumentError for other fields."""
+    """The digits to which states over RR or MP(digits) are rounded; ArgumentError for other fields."""
     if K.exact or K.complex:
         raise ArgumentError(f"field = {K.name}: a motion runs over RR or MP(digits)")
     return ROUNDED_TO_FLOATS if K == RR else int(K.dps)

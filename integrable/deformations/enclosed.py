@@ -70,8 +70,8 @@ def deformed_enclosure(system: Hamiltonian, state: State, times: list[Any], digi
 
 
 def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) -> list[Any]:
-    """The rows at times of one sign, ascending in size, with as many bits as they take."""
-    # what is lost on the way grows with it, what M outgrows its unit by does not
+    """The rows at times of one sign, ascending in size, with as many bits as they need."""
+    # lost bits grow with the time, the bits by which M outgrows its unit do not
     needed = ceil(3.33 * (digits + 2)) + _March(system, state, BOUND_BITS).outgrown()
     bits = needed + SPARE_BITS
     for _ in range(MOST_ATTEMPTS):
@@ -80,7 +80,7 @@ def _narrow(system: Hamiltonian, state: State, times: list[Any], digits: int) ->
             rows, left = march.rows(times, digits), march.left(times[-1])
         if len(rows) == len(times):
             return rows
-        # what the balls lost on their way, over the whole of it, and a part more
+        # the bits lost so far, extrapolated to the whole time, and some more
         bits = needed + SPARE_BITS + ceil(1.2 * (bits - needed) * min(left, MOST_AHEAD))
     raise PrecisionLoss(
         f"times: no balls of radius 1e-{written(digits)} were reached at t = {written(times[-1])} with {bits} bits; "
@@ -143,7 +143,7 @@ class _March:
         return found
 
     def left(self, end: Any) -> float:
-        """How many times as far ``end`` is as what was reached."""
+        """The ratio of the time until ``end`` to the time reached."""
         return float(abs(self.reals.number(end)) / (abs(self._now) + 2.0**-1000))
 
     def _check(self, end: Any) -> None:
@@ -175,7 +175,7 @@ class _March:
         return _Around(self._now, self._series(self._point, self._order, self._flint.arb), radius, reach)
 
     def _at(self, around: _Around, distance: Any) -> list[Any]:
-        """The point at a distance in time: the series, and by Cauchy's estimate what it leaves out."""
+        """The point at a distance in time: the series, and its truncation error by Cauchy's estimate."""
         count = len(self._point)
         found = [self.reals.number(0)] * count
         values_at(distance, self._order, around.series, count, found, 0)
@@ -206,8 +206,8 @@ class _March:
         return series[1 : 2 * len(point) : 2]
 
     def _size(self, speed: list[float]) -> float:
-        """What M is measured by in a disc: |M| at the start or, where a potential moves what was nearly at rest, what
-        it makes of M while γ turns by a radian.
+        """The unit of M in a disc: |M| at the start or, if a potential moves a body nearly at rest, the |M| it produces
+        while γ turns by a radian.
         """
         turning, pull = max(speed[:3]), max(speed[3:6])
         now = max(float(abs(x).abs_upper()) for x in self._point[3:6])

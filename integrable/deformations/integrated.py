@@ -1,4 +1,4 @@
-"""The motion of any system by integration of its equations, in any precision: for where no flow is known."""
+"""The motion of any system by integration of its equations, in any precision, where no flow is known."""
 
 from __future__ import annotations
 
@@ -25,10 +25,10 @@ from jacobian.numbers.compiler import interpreted
 
 __all__ = ["IntegratedMotion"]
 
-# digits of a step beyond those asked for, and what all steps together may lose of H and K
+# digits of a step beyond those requested, and the digits of H and K that all steps together may lose
 STEP_DIGITS = 2
 LOST_DIGITS = 3
-# powers of 2 between which rates stay as they are, without a product for each
+# powers of 2 between which rates are not rescaled, to save a product each
 USUAL = 10
 # not so small that a K with a double zero, as at K = 0, does not change
 PART = 1.2345e-4
@@ -46,7 +46,7 @@ class IntegratedMotion(EnclosedMotion):
 
     def __init__(self, system: Hamiltonian, state: State) -> None:
         super().__init__(system, state)
-        # so that another field is refused at once
+        # computed here so that another field is refused at once
         _ = self._equations
 
     @cached_property
@@ -127,7 +127,7 @@ class IntegratedStates:
         return exponent if abs(exponent) > USUAL else 0
 
     def _missing(self, rows: list[list[Any]]) -> list[int]:
-        """How many of the digits asked for, but for LOST_DIGITS, H and K of each row lack."""
+        """How many of the requested digits, less LOST_DIGITS, H and K of each row lack."""
         wanted, nearby = self._asked - LOST_DIGITS, self._nearby
         tape = recorded(self._integrals, 6)
         found = evaluate(self._system.field, tape, [*nearby, *rows], self._asked + STEP_DIGITS, 2)

@@ -63,14 +63,14 @@ class SeparatedFlow(_QuickFlow):
         return OvalCarrier(system, state)
 
     def translated(self, time_of: Any) -> State:
-        """The state with points added on the curves k = 0, 1: what their motion for times ``time_of(k, field, μ_k,
-        μ_k/I_i)`` adds.
+        """The state with points added on the curves k = 0, 1, those added by their motion for times ``time_of(k, field,
+        μ_k, μ_k/I_i)``.
         """
         many = self._curves.many
         while True:
             carrier: Any = many.carrier
             times = carrier.times_of(time_of)
-            # as many digits as there are of periods
+            # the extra digits are those of the number of periods
             if many.enough(max(map(abs, times))) is None:
                 continue
             moved = carrier.moved(times)
@@ -162,7 +162,7 @@ class OvalCarrier(CurvesCarrier):
 
     @cached_property
     def weights(self) -> tuple[Any, Any]:
-        """Of 1 + dz_k in g²: both positive, with the sum 1."""
+        """The weights of 1 + dz_k in g²: both positive, with the sum 1."""
         one, two = self.lambdas
         return one / (one - two), -two / (one - two)
 

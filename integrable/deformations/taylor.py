@@ -1,4 +1,4 @@
-"""Taylor series of any vector field that is rational in its variables, of any number of digits: variable steps.
+"""Taylor series of any vector field that is rational in its variables, to any number of digits, with variable steps.
 
 The coefficients by the recurrences of :mod:`integrable.series.recurrences`, interpreted on numbers of any precision
 or compiled for double-double numbers, the steps from the last two of them (Jorba & Zou 2005).
