@@ -46,7 +46,7 @@ Samples = Callable[[tuple[int, int], "np.ndarray | None"], Any]
 
 @cache
 def nodes(count: int) -> tuple[float, ...]:
-    """The Chebyshev nodes in z = (s/reach)², from 0 to 1, rounded to floats, which are then exact."""
+    """The Chebyshev nodes in z = (s/reach)², from 0 to 1, rounded to floats, which then count as exact."""
     return tuple((1 + cos(pi * (k + 0.5) / count)) / 2 for k in range(count))
 
 

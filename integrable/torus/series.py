@@ -206,7 +206,9 @@ class LongSeries:
         return sums
 
     def _level(self, digits: int | None) -> SeriesLevel:
-        """The modes computed in floats, or dropped, are those whose total error is a fraction of the noise."""
+        """The modes for that many digits: modes are dropped, or left to floats, while their total error stays a
+        fraction of the noise.
+        """
         noise = self._noise if digits is None else 10.0**-digits
         kept, tail = self._kept.copy(), np.zeros((0, 0))
         if noise > TINY:
