@@ -28,7 +28,7 @@ __all__ = ["IntegratedMotion"]
 # digits of a step beyond those requested, and the digits of H and K that all steps together may lose
 STEP_DIGITS = 2
 LOST_DIGITS = 3
-# powers of 2 between which rates are not rescaled, to save a product each
+# rates within 2^±USUAL are not rescaled, to save a product each
 USUAL = 10
 # not so small that a K with a double zero, as at K = 0, does not change
 PART = 1.2345e-4
