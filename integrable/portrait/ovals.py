@@ -122,7 +122,7 @@ class Ovals(NamedTuple):
 
     @staticmethod
     def of(level: Level) -> Ovals:
-        """Those of a level; PrecisionLoss where the two ovals meet: the separatrix."""
+        """The periods of a level; PrecisionLoss where the two ovals meet: the separatrix."""
         if not level.parted:
             raise PrecisionLoss(
                 f"ζ = {float(level.zeta)} is the middle 1/(I + d) to all digits: on the separatrix periods are infinite"
