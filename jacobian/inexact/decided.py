@@ -193,7 +193,7 @@ class Compared(NamedTuple):
             raise PrecisionLoss(LOST)
 
     def sum(self) -> Total:
-        """The sum, with zeros for what is zero at every precision."""
+        """The sum, with exact zeros for quantities that are zero at every precision."""
         floor = self.digits.floor
         pairs = zip(self.first.coefficients, self.near.coefficients, strict=True)
         values = iter([0 * x if abs(x) <= floor and 2 * abs(x - y) > abs(x) else x for x, y in pairs])
