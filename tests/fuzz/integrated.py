@@ -2,7 +2,7 @@
 compiled Taylor series of :mod:`integrable.oracles.taylor_compiled`, which imports nothing of the flow, and SciPy's
 DOP853.
 
-The equations are written here once more (γ̇ = γ×Ω; the deformations': Tsiganov, Hamiltonian H/2, time of the ball).
+The equations are written independently (γ̇ = γ×Ω; those of deformations: Tsiganov, Hamiltonian H/2, time of the ball).
 """
 
 from __future__ import annotations
@@ -218,14 +218,14 @@ class Integrated:
         return worst / 64 + 4 * EPS + self._own_error(base, wanted)
 
     def _own_error(self, base: np.ndarray, wanted: Any) -> Any:
-        """What the integrator itself may be off by: by another order of its series, or a bound for each turn."""
+        """The error of the integrator itself: from another order of its series, or a bound per turn."""
         s = self.start
         if self.extended:
             inertia, d, gamma, M, c = map(np.longdouble, (s.inertia, s.d, s.gamma, s.M, self.c))
             order = abs(self._rows(inertia, d, gamma, M, c, wanted, 1e-17) - base).max(axis=1)
             if gamma.all() and M.all():
                 return order
-            # beside unstable rotations a zero grows from what rounds the first step
+            # near unstable rotations a zero grows from the rounding of the first step
             nudged = [np.where(v == 0, np.finfo(np.longdouble).eps * abs(v).max(), v) for v in (gamma, M)]
             return order + abs(self._rows(inertia, d, *nudged, c, wanted) - base).max(axis=1)
         turns = np.array([1 + abs(t) * s.speed for t in wanted]) * (1 + s.d / min(s.inertia))
@@ -247,7 +247,7 @@ class Integrated:
                 [*gamma, *M / unit],
                 wanted,
             )
-        # what no extended integrator reaches is left to cases of shorter times
+        # motions beyond every extended integrator are left to cases of shorter times
         wanted = np.where(abs(wanted) * max(a) <= MOST_STEPS / 6, wanted, np.nan)
         if self.equations == "body":
             return _by_taylor(inertia, d, gamma, M / unit, wanted)

@@ -91,7 +91,7 @@ def image(start: Motion, gamma: Any, M: Any, points: Any, sheets: Any, factors: 
             if C.re(turned) < 0:
                 G[i], n[i] = -G[i], -n[i]
     else:
-        # one point: the package's choice of the lift is the other one
+        # one point: the package chooses the other lift
         G, n = [-x for x in G], [-x for x in n]
     return [C.re(x) for x in body.state(G, n)]
 
@@ -223,7 +223,7 @@ def _wide_multiple(start: Motion, gamma: Any, M: Any, f: Any, factor: int) -> li
 
 
 def tilted(rng: Random) -> Case:
-    """Steps of tilted states: |γ̃| = 1, and (γ, M), H1 and H2 stay."""
+    """Steps of tilted states: |γ̃| = 1, and (γ, M), H1 and H2 are preserved."""
     start = random.motion(rng, random.general_moments(rng), rolls=True, tilted=True)
     points = [1 / start.d * (1 + random.magnitude(rng, -3, 6)) for _ in range(2)]
     step = rng.choice((f"translation({points})", "keyless()", "torsion()"))
@@ -279,7 +279,7 @@ def against_motion(rng: Random) -> Case:
             break
     else:
         step = f"multiplication({multiple})"
-    # how many times as fast the image moves
+    # the ratio of the rates of image and state
     factor = {"multiplication": multiple, "conic": 0}.get(step.split("(")[0] if name != "conic at infinity" else "", 1)
     kind = f"ChaplyginBall({inertia}, {d}, field=GF({p}))" if rolls else f"EulerTop({inertia}, field=GF({p}))"
     setup = (

@@ -329,7 +329,7 @@ def test_physical_time_far_out_and_over_floats() -> None:
 
 @pytest.mark.parametrize("name", ["tilde, potential", "gyroscopic"])
 def test_what_has_no_curves_is_integrated(name) -> None:
-    """motion_through: floats and 25 digits agree with the integrals of the start, and with each other."""
+    """motion_through: floats and 25 digits agree with each other and keep the integrals of the start."""
     from jacobian import RR
 
     runs = []
@@ -381,7 +381,7 @@ def test_fast_motions_turn_back_before_a_pole(d) -> None:
 
 
 def test_where_a_curve_degenerates_the_equations_are_integrated() -> None:
-    """K = 0 and equal moments: flow is refused by name, motion_through goes on."""
+    """K = 0 and equal moments: flow refuses them by name, motion_through continues."""
     for system in (Tilde((1, 2, 3), 0.7), Tilde((1, 1, 3), 0.7)):
         start = system.state((1, 0, 0), (0, 1, 1)) if system.rigid.inertia[1] == 2 else _generic(system)
         with pytest.raises(NotRepresentable):
