@@ -259,7 +259,7 @@ def test_every_room_has_a_page():
     """In docs/rooms: its purpose, its words, its input and output, where to start reading, and lines that run."""
     pages = {path.relative_to(ROOT / "docs" / "rooms").with_suffix("").as_posix() for path in PAGES}
     folders = {path.parent for name in PACKAGES for path in (ROOT / name).rglob("*") if path.is_file()}
-    rooms = {path.relative_to(ROOT).as_posix() for path in folders if path.name != "__pycache__"} - set(PACKAGES)
+    rooms = {path.relative_to(ROOT).as_posix() for path in folders if "__pycache__" not in path.parts} - set(PACKAGES)
     assert pages == rooms
     listed = (ROOT / "docs" / "rooms.md").read_text(encoding="utf-8")
     for path in PAGES:

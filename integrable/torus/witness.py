@@ -45,7 +45,7 @@ RIGHT = 1e-8
 # whose κ is small, less by 10κ, down to LEAST: where a γ_i passes 0, an error of V counts 1/κ times in M_i
 # (test_a_torus_of_close_moments_is_right_where_a_coordinate_plane_is_passed)
 BORDERS = 16
-SEAM, LEAST = 1e-13, 1e-4
+SEAM, LEAST = 1e-13, 1e-2
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
 SLOW = 8
 # the number of halvings of a step, so that these terms and Newton passes give a double-double number
