@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 from integrable.phase.body import said
 from integrable.phase.precisions import FLOAT_DIGITS
-from jacobian.errors import ArgumentError, whole, written
+from jacobian.errors import ArgumentError, shortened, whole, written
 
 __all__ = ["MOST_STEPS", "SYSTEMS", "Comparison", "Map", "Scene", "Steps", "Times"]
 
@@ -263,7 +263,7 @@ def finite_field(name: str) -> Any:
 
     found = _FINITE_FIELD.fullmatch(name.replace(" ", ""))
     if found is None:
-        raise ArgumentError(f'field: "{name}" given; GF(101), GF(2^61-1) or GF(7^3) would be one')
+        raise ArgumentError(f'field: "{shortened(name)}" given; GF(101), GF(2^61-1) or GF(7^3) would be one')
     base, power, offset = int(found[1]), int(found[2] or 1), int(found[3] or 0)
     return GF(base**power + offset) if offset else GF(base, power)
 

@@ -21,7 +21,7 @@ from integrable.study.page import answer, page
 from integrable.study.plan import NOT_MEASURED, Task, first_answer_tasks, in_order, tasks_of
 from integrable.study.runner import ONE_RUN, run_tasks
 from integrable.study.store import Store
-from jacobian.errors import ArgumentError
+from jacobian.errors import ArgumentError, shown
 from jacobian.numbers.compiler import look_for_a_place
 
 if TYPE_CHECKING:
@@ -53,7 +53,7 @@ def study_of(
     if minutes is not None and not minutes > 0:
         raise ArgumentError(f"minutes: {minutes:g} given; a positive number is needed")
     if jobs is not None and jobs < 1:
-        raise ArgumentError(f"jobs: {jobs} given; at least one process is needed")
+        raise ArgumentError(f"jobs: {shown(jobs)} given; at least one process is needed")
     chosen = list(sources) or scene_names()
     scenes = _loaded(chosen)
     rows = planned(scenes, chosen, "quick" if quick else "full")
