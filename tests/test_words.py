@@ -21,8 +21,8 @@ PAGES = sorted(
     )
     if str(path.relative_to(ROOT)) not in MADE
 )
-# words at most; the guide asks for 25 and 99
-SENTENCE, PARAGRAPH = 40, 99
+# words at most; the guide asks for 25 and 99. Pages are held closer than docstrings, which name more
+SENTENCE, OF_A_PAGE, PARAGRAPH = 40, 30, 99
 
 
 def prose(page: str) -> str:
@@ -55,12 +55,12 @@ def words(text: str) -> int:
     return len(re.findall(r"[^\W\d_]{2,}", text))
 
 
-def too_long(text: str) -> list[str]:
+def too_long(text: str, most: int = SENTENCE) -> list[str]:
     found = []
     for paragraph in paragraphs(text):
         if words(paragraph) > PARAGRAPH:
             found.append(f"paragraph of {words(paragraph)} words: {paragraph[:80]}")
-        found += [f"sentence of {words(s)} words: {s[:80]}" for s in sentences(paragraph) if words(s) > SENTENCE]
+        found += [f"sentence of {words(s)} words: {s[:80]}" for s in sentences(paragraph) if words(s) > most]
     return found
 
 
@@ -76,7 +76,7 @@ def test_the_readme_is_a_page_that_a_terminal_shows():
 
 @pytest.mark.parametrize("page", PAGES)
 def test_sentences_and_paragraphs_are_short(page):
-    assert too_long(prose(read(page))) == []
+    assert too_long(prose(read(page)), OF_A_PAGE) == []
 
 
 MODULES = sorted(path for room in ("jacobian", "integrable") for path in (ROOT / room).rglob("*.py"))
