@@ -40,8 +40,8 @@ def diagram(of: Any, states: Any) -> Figure:
         levels = np.quantile(numbers, np.linspace(0.02, 0.98, 15))
         ax.contourf(X, Z, numbers, levels=levels, cmap="Greys", alpha=0.5, extend="both")
         lines = ax.contour(X, Z, numbers, levels=levels, colors="0.4", linewidths=0.5, linestyles="solid")
-        # contours crowd near the separatrix: label every third one
-        ax.clabel(lines, levels[1::3], fontsize=7, fmt="%.2f")
+        # contours crowd near the separatrix: label every third one, but not those in the corner of the lines
+        ax.clabel(lines, levels[1:-2:3], fontsize=7, fmt="%.2f")
     for axis, line in enumerate(of.lines):
         dashes = "--" if a[0] < of.system.a[axis] < a[2] else "-"
         ax.plot(*line.T, dashes, color=COLORS[axis], label=f"rotation about axis {axis + 1}")

@@ -221,7 +221,7 @@ REFUSED = [
     (EXACT, "count = 12", 'count = 12\n[output]\npictures = ["sphere"]', "no place in a picture"),
     (EXACT, "GF(2^61-1)", "GF(2^61-3)", "scene scene.toml: field: "),
     (EXACT, "GF(2^61-1)", "F_7", 'field: "F_7" given; GF(101), GF(2^61-1) or GF(7^3) would be one'),
-    (EXACT, "GF(2^61-1)", "9" * 5000, "9… (5000 characters)\" given; GF(101), "),
+    (EXACT, "GF(2^61-1)", "9" * 5000, '9… (5000 characters)" given; GF(101), '),
     (EXACT, "GF(2^61-1)", "GF(5)", "[start] 12/25 has a denominator that is zero in GF(5)"),
 ]
 
