@@ -242,6 +242,7 @@ def _work(connection: Connection) -> None:
         os.setpgid(0, 0)
     end_with_parent()
     warnings.simplefilter("ignore", NoCacheWarning)  # the parent printed the line
+    warnings.simplefilter("ignore", RuntimeWarning)  # of a comparator whose values overflow: its row says so
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where nothing shields this process (Windows)
     for name in _THREADS:
         os.environ.setdefault(name, "1")
