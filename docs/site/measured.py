@@ -70,7 +70,7 @@ def _write(path: Path, text: str) -> None:
 
 def _chart(study: Study) -> str:
     columns = study.horizons
-    once = ("a system once: flow", "competitors", "a machine once: flow", "competitors")
+    once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")
     heads = "".join(f"<th>{head}</th>" for head in ("scene", *map(horizon_name, columns), *once))
     lines = [_line(found, columns) for found in study.motions if found.standings]
     table = f"<table><thead><tr>{heads}</tr></thead><tbody>\n{''.join(lines)}</tbody></table>"

@@ -63,7 +63,7 @@ def _far(study: Study) -> list[Claim]:
 def _near(study: Study) -> list[Claim]:
     found = [s for f in study.motions for s in f.standings if s.T is not None and s.T <= 1 and s.peer is not None]
     won = sum(s.ratio >= 1 for s in found)
-    claim = "At T = 1 an integrator built beforehand is faster than the flow, wherever one is as accurate."
+    claim = "At T = 1 an integrator that is already compiled is faster than the flow, wherever one is as accurate."
     return [(claim, f"{len(found) - won} of {len(found)} cases", not won)] if found else []
 
 
@@ -71,7 +71,7 @@ def _ahead(study: Study) -> list[Claim]:
     far = [f for f in study.motions if f.long]
     names = {f.scene.name for f in far}
     behind = [b for b in study.behind if b.scene in names]
-    claim = "The flow is ahead of every comparator in error at equal run time on scenes with T ≥ 1000."
+    claim = "On scenes with T ≥ 1000 the flow is more accurate than every other method at equal run time."
     compared = sum(len(f.comparators) for f in far)
     return [(claim, _standing(compared, behind, len(far)), not behind)] if compared else []
 
@@ -80,8 +80,8 @@ def _ahead_in_doubles(study: Study) -> list[Claim]:
     compared = sum(_in_doubles(row) for f in study.motions for row in f.comparators)
     behind = [b for b in study.behind if _in_doubles(b.row)]
     claim = (
-        f"In at least {100 * AHEAD:.0f} % of the rows of methods in doubles, at any T, the flow is ahead in error at "
-        "equal run time."
+        f"The flow is more accurate at equal run time than at least {100 * AHEAD:.0f} % of the rows of methods in "
+        "doubles, at any T."
     )
     holds = len(behind) <= (1 - AHEAD) * compared
     return [(claim, _standing(compared, behind, len(study.motions)), holds)] if compared else []
@@ -117,7 +117,7 @@ def _no_silence(study: Study) -> Claim:
     return (
         "No scene crashes, hangs or returns a wrong value without saying so.",
         f"{refused} rows of the flow raised a named error, {stopped} were stopped, {len(silent)} are wrong by more "
-        "than 10⁻⁶ and 1000 floors" + "".join(f"; {name}" for name in silent),
+        "than 10⁻⁶ and more than 1000 times the floor" + "".join(f"; {name}" for name in silent),
         not silent and not stopped,
     )
 

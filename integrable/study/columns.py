@@ -24,13 +24,13 @@ BEHIND = (
     "scene",
     "method",
     "rows",
-    "best of them",
+    "most accurate of them",
     "run time",
     "error γ",
-    "flow in that time",
+    "flow's error in that time",
     "floor",
-    "overtaken after",
-    "how far off",
+    "flow as accurate after",
+    "by how much",
 )
 
 
@@ -51,7 +51,7 @@ def behind_cells(study: Study, behind: Behind, count: int) -> tuple[str, ...]:
 
 
 def _none_yet(behind: Behind) -> str:
-    return "no flow" if behind.first is None else f"none, takes {duration(behind.first['total'])}"
+    return "no flow" if behind.first is None else f"none: the flow takes {duration(behind.first['total'])}"
 
 
 def _how_far(behind: Behind) -> str:
@@ -59,10 +59,10 @@ def _how_far(behind: Behind) -> str:
     row = behind.row["result"]
     if behind.cheaper and behind.first is not None:
         error, time = (row[key] / (behind.first[key] or row[key] or 1) for key in ("error_gamma", "total"))
-        return f"cheaper: {error:.2g} × the flow's error in {time:.2g} of its time"
+        return f"faster: {error:.2g} × the flow's error in {time:.2g} × its time"
     if behind.overtaken is None:
         return "more accurate than any row of the flow"
-    return f"more accurate: the flow needs {behind.overtaken / row['total']:.2g} × its time"
+    return f"more accurate: the flow needs {behind.overtaken / row['total']:.2g} × the time"
 
 
 def horizon_name(T: float | None) -> str:
@@ -128,7 +128,7 @@ SCENES = (
     "over floor",
     "run time",
     "truth",
-    "check to t",
+    "checked to t",
     "differs",
 )
 

@@ -60,9 +60,17 @@ def page(study: Study) -> str:
 
 
 def in_one_minute(study: Study) -> str:
-    """The summary: where the flow is ahead and by how much, where others are, where nobody else is accurate enough."""
+    """The summary: where the flow is faster and by how much, where others are, where no other is as accurate."""
     rows: list[tuple[str, ...]] = [
-        ("at", "scenes", "flow ahead", "another ahead", "nobody else as near", "could not run", "others ÷ flow")
+        (
+            "at",
+            "scenes",
+            "flow faster",
+            "another faster",
+            "no other as accurate",
+            "others could not run",
+            "time of fastest other ÷ flow: least … median … most",
+        )
     ]
     for T in study.horizons:
         found = [standing for f in study.motions for standing in f.standings if standing.T == T]
@@ -78,16 +86,16 @@ def in_one_minute(study: Study) -> str:
     text = (
         "States are requested at one time T, in time scales of the motion (a body turns by about a radian in one), or "
         "at all times of the scene. The flow is compared with the fastest other method whose error is at most the "
-        "flow's, or at most the effect of rounding the inputs to doubles. Run times count a start and its evaluation, "
-        "on both sides, with code already compiled. The last column has the least, median and largest ratio where "
-        "another method is as accurate."
+        "flow's, or at most the effect of rounding the inputs to doubles. For both, a run time counts the set-up of "
+        "one start and the evaluation, with code already compiled. The last column has the least, median and largest "
+        "ratio of run times, over the scenes where another method is as accurate: above 1 the flow is faster."
     )
     far = [s for f in study.motions for s in f.standings if s.outcome == "met" and s.ratio < 1]
     faster = sorted({T for T in (s.T for s in far) if T is not None})
     said = (
         f"**Others are faster** in {len(far)} of these cases, at T = {plain_power(faster[0])} … "
         f"{plain_power(faster[-1])}: "
-        "for short times and single outputs an integrator that has been built beforehand is the better choice. "
+        "for short times and single outputs an integrator that is already compiled is the better choice. "
         if faster
         else ""
     )
@@ -103,23 +111,23 @@ def in_one_minute(study: Study) -> str:
 def introduction(study: Study) -> str:
     """How and on which machine it was measured, or on which machines if kept rows are from another."""
     return (
-        f"Written by `{study.command}`. Every row is one scene × method × setting.\n\n"
+        f"Written by `{study.command}`. Every row is one method with one setting on one scene.\n\n"
         "**Run times.** One rule holds for all methods. Costs are counted *once a machine* (compilation that depends "
         "on no body and no start: numba's, ours, and heyoka's of equations whose constants are parameters), *once a "
         "system* (work for a body that serves all its starts), *once a start*, and for *evaluation*. A run time is "
-        "once a start + evaluation, and ratios use it. Costs of a system and of a machine stand beside the ratios, "
-        "in the table of first answers and in each row of report.json.\n\n"
-        "Rows are timed one at a time, with nothing else of this study running, and are medians. A row that scatters "
-        f"by more than a tenth (median absolute deviation over median) is measured again, and marked{SCATTERS} if it "
-        "still does. The two sides of a ratio run in turn in one process, and so do each row of another method and the "
-        "flow. Timed rows are of one machine, one commit and one run.\n\n"
-        "**Errors** are the largest over components and times, of M relative to |M|, against the divisor flow at 40 "
-        "digits or more. That reference is compared with an integrator that shares no code with it. For a system "
-        "without a body q and p take the place of γ and M, and errors of both are relative to the largest value at the "
-        "start or in their row.\n\n"
+        "the sum of the last two, and ratios are ratios of run times. The costs once a system and once a machine stand "
+        "beside the ratios, in the table of first answers and in each row of report.json.\n\n"
+        "Rows are timed one at a time, with nothing else of this study running, and times are medians. A row whose "
+        "times scatter by more than a tenth (median absolute deviation over median) is measured again, and "
+        f"marked{SCATTERS} if they still do. The two sides of a ratio run in turn in one process, and so do each row of "
+        "another method and the flow. All timed rows come from one machine, one commit and one run.\n\n"
+        "**Errors** are differences from the truth, the divisor flow at 40 digits or more: the largest over components "
+        "and times. Those of M are relative to |M|. The truth itself is compared with an integrator that shares no "
+        "code with it. For a system without a body q and p take the place of γ and M, and errors of both are relative "
+        "to the largest value at the start or in their row.\n\n"
         "**Inputs** are doubles: moments, d, γ, M and times of a scene are rounded to doubles before anything is "
         "computed, and every method starts from these. In doubles |γ| = 1 and, in scenes that are not tilted, "
-        "(γ, M) = 0 hold only to rounding. So the reference and all methods in more digits start from γ/|γ| and from M "
+        "(γ, M) = 0 hold only to rounding. So the truth and all methods in more digits start from γ/|γ| and from M "
         "without its part along γ, computed in their own precision. So does the flow in floats, whose set-up has 45 "
         "digits. Methods in doubles start from the doubles themselves.\n\n"
         "**The floor** is eps·conditioning, the effect on the state of a change of every input in its last digit "
@@ -174,7 +182,8 @@ def _not_ahead(study: Study) -> str:
     text = (
         "For each scene and method, the number of rows that no row of the flow beats in error in the same run time or "
         "less, and the most accurate of them. Scenes with T ≥ 1000 come first, then rows that are more accurate, then "
-        "rows that are faster. Overtaken after: the run time in which the flow is at least as accurate."
+        "rows that are faster. \"Flow's error in that time\" is the least error that the flow reaches in the row's run "
+        'time; "flow as accurate after" is the run time in which it is at least as accurate as the row.'
     )
     rows = [behind_cells(study, *entry) for entry in study.behind_by_method]
     none = "None." if any(f.comparators for f in study.motions) else NO_OTHERS
@@ -187,13 +196,13 @@ def _horizons(study: Study) -> str:
         "by that of the flow in floats: above 1 the flow is faster. Sufficiently accurate: with an error at most the "
         "flow's, or at most the effect of rounding the inputs. >x: no competitor finished in x times the flow's time. "
         "none: no method that was run reached that accuracy. stopped: the methods could not run, because of a pole or "
-        "because they gave up. At one time T, in time scales of the motion, and at all times of the scene. The last "
-        "columns have what is no part of a ratio: the costs once a system, and once a machine as first use in the "
-        "measuring process had them, of the flow and of these competitors. Kinds of systems share code of the flow, "
-        "which the first of them imports or compiles."
+        "because they gave up. Columns are one time T, in time scales of the motion, or all times of the scene. The "
+        "last four columns have the costs that no ratio includes, of the flow and of these competitors: once a system, "
+        "and once a machine as measured at first use in this process. Systems of one kind share code of the flow; its "
+        "import or compilation is counted for the first of them."
     )
     columns = study.horizons
-    once = ("a system once: flow", "competitors", "a machine once: flow", "competitors")
+    once = ("flow, once a system", "competitor, once a system", "flow, once a machine", "competitor, once a machine")
     rows = [
         ("scene", *map(horizon_name, columns), *once),
         *(horizon_cells(f, columns) for f in study.motions if f.standings),
@@ -202,8 +211,8 @@ def _horizons(study: Study) -> str:
 
 
 def _faster(study: Study) -> str:
-    once = ("its machine", "its system", "flow's machine", "flow's system")
-    head = ("scene", "at", "fastest", "its time", "its error γ", "flow", "error γ", "× the flow's", *once)
+    once = ("once a machine", "once a system", "flow, once a machine", "flow, once a system")
+    head = ("scene", "at", "fastest", "time", "error γ", "flow's time", "flow's error γ", "time ÷ flow's", *once)
     rows: list[tuple[str, ...]] = [head]
     for f in study.motions:
         for s in f.standings:
@@ -214,14 +223,18 @@ def _faster(study: Study) -> str:
                 spent = (duration(side[part]) for side in (peer, flow) for part in ("machine", "system"))
                 rows.append((*name, *cells, ratio_cell(s), *spent))
     text = (
-        "Every case in which another method is as accurate and faster, with the costs of both once a machine, in this "
-        "process, and once a system."
+        "Every case in which another method is as accurate and faster. The last columns have the costs of both once a "
+        "machine, as measured in this process, and once a system."
     )
     return _section("Where others are faster", text, rows)
 
 
 def _floor(study: Study) -> str:
-    text = "The fastest row of the flow in floats. A ! marks a truth that its check does not confirm."
+    text = (
+        'The fastest row of the flow in floats; "over floor" is its error divided by the floor. The last columns say '
+        "what the truth is, up to which time it was checked by an independent integrator, and how far they differ. A ! "
+        "marks a truth that this check does not confirm."
+    )
     if "floors" in study.figures:
         text += f"\n\n![Error over floor of every scene]({study.figures['floors']})"
     return _section("The flow's error and the floor", text, [SCENES, *map(scene_cells, study.motions)])
@@ -260,7 +273,7 @@ def _orbits(study: Study) -> str:
 
 
 def _failed(study: Study) -> str:
-    rows = [("scene", "row", "what it says")]
+    rows = [("scene", "row", "message")]
     for f in study.findings:
         groups: dict[tuple[str, str], list[dict[str, Any]]] = {}
         for content in f.failures:
@@ -271,7 +284,7 @@ def _failed(study: Study) -> str:
             rows.append((f.scene.name, f"{method}: {settings}", shortened(group[0]["error"])))
     limits = LIMITS[study.mode]
     text = (
-        f"A run may take {limits.run:g} s, a row {limits.task:g} s. "
+        f"The limits were {limits.run:g} s for a run and {limits.task:g} s for a row with all its repetitions. "
         "Of rows whose messages differ only in numbers the first is shown."
     )
     return _section("Rows without a figure", text, rows)

@@ -729,7 +729,7 @@ def test_standings_say_how_many_times_the_flows_time_another_takes(done):
     outcomes = [standing.outcome for standing in found.standings]
     assert outcomes == ["met", "met", "none", "slower", "stopped"]
     text = page(replace(study, findings=[found]))
-    assert "| scene | T = 1 | T = 10 | T = 100 | T = 1000 | all its times | a system once: flow | comp" in text
+    assert "| scene | T = 1 | T = 10 | T = 100 | T = 1000 | all its times | flow, once a system | comp" in text
     assert "| top | 0.25 | 3 | none | >4 | stopped | 200 ms | 100 ms | 2 s | 1 s |" in text
     cells = "125 ms | 1.0e-14 | 500 ms | 1.0e-15 | 0.25 | 1 s | 100 ms | 2 s | 200 ms |"
     assert f"| top | T = 1 | SciPy DOP853, tolerance 1e-12 | {cells}" in text
