@@ -55,7 +55,7 @@ def batch_curves() -> dict[str, HyperellipticCurve]:
 
 
 def two_word_curves() -> dict[str, HyperellipticCurve]:
-    """One curve for each kernel of two words, of single classes and of arrays."""
+    """One curve for each kernel of two-word arithmetic, for single classes and for arrays."""
     fields = {
         "GF(p), p < 2^128": GF(2**127 - 1),
         "GF(2^n), 16 < n < 64": GF(2, 17, [1, 0, 0, 1, *[0] * 13, 1]),

@@ -28,12 +28,12 @@ WRITERS = {
 }
 # usual names of arguments, small numbers and parts of messages
 NAMES = {"digits", "i", "k", "most", "name", "argument", "wanted", "width"}
-# annotations of what writes itself, or is no number
+# annotations of types that are no numbers, or that shorten large numbers in their own text
 TEXTS = {
     "Ball", "Body", "Divisor", "Exception", "FormalSum", "GroupLaw", "HyperellipticCurve", "Jacobian",
     "JacobianError", "KummerSurface", "Path", "RayClass", "Step", "System", "bool", "date", "str",
 }  # fmt: skip
-# attributes that write themselves or are small: names, kinds, what was checked when the object was made
+# attributes that are small or shorten their own text: names, kinds, values checked when the object was made
 SMALL = {
     "__name__", "_digits", "_full", "at", "attr", "characteristic", "closure", "curve", "d", "degree", "digits",
     "directions", "dtype", "field", "finite_field", "flow", "folder", "genus", "given", "group", "jacobian", "kind",
@@ -115,7 +115,7 @@ def unsafe(function: ast.FunctionDef) -> Iterator[ast.FormattedValue]:
     caller.
     """
     statements = [node for node in ast.walk(function) if isinstance(node, ast.Raise)]
-    # a format is one of floats
+    # only floats have a format specification, and their text is short
     formatted = [
         x for node in statements for x in ast.walk(node) if isinstance(x, ast.FormattedValue) and not x.format_spec
     ]

@@ -169,7 +169,7 @@ class Hamiltonian(Made):
 
     @property
     def field(self) -> Field[Any]:
-        """The field of the coordinates."""
+        """The field in which the coordinates lie."""
         return self.rigid.field
 
     @property
@@ -196,7 +196,7 @@ class Hamiltonian(Made):
         return replaced(self, rigid=rigid, potential=potential)
 
     def poisson(self, state: State) -> tuple[tuple[Any, ...], ...]:
-        """The 6×6 matrix of the brackets of (γ, M), that of the ball."""
+        """The 6×6 matrix of the Poisson brackets of (γ, M), the same as for the ball."""
         return self.rigid.poisson(self._checked(state))
 
     def integrals(self, state: State) -> DeformedIntegrals:
@@ -235,7 +235,7 @@ class Hamiltonian(Made):
         return self._rates(self._checked(state))
 
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """(γ̇, Ṁ) at y = (γ, M) in other numbers: a field whose elements have operators, expressions for instance."""
+        """(γ̇, Ṁ) at y = (γ, M) over a field whose elements overload the operators, such as symbolic expressions."""
         rate = self.over(numbers)._rates(State((y[0], y[1], y[2]), (y[3], y[4], y[5])))
         return [*rate.gamma, *rate.M]
 

@@ -33,14 +33,16 @@ Motion = Callable[[Any, State, Any], tuple[np.ndarray, np.ndarray]]
 
 @dataclass(frozen=True)
 class Conditioning:
-    """Σ |x ∂γ/∂x| and Σ |x ∂M/∂x|/|M| over the inputs x, the largest over the times; for a system without a body those
-    of q and p relative to their largest value at the start or at that time.
+    """The largest values over the times of Σ |x ∂γ/∂x| and of Σ |x ∂M/∂x|/|M|, the sums being over the inputs x.
+
+    For a system without a body γ and M stand for q and p. Each is then relative to its size at the start or at that
+    time, whichever is larger.
     """
 
     gamma: float
     M: float
     inputs: dict[str, float] = dataclasses.field(hash=False)
-    """The part of each input in ``gamma``, at the worst time of that input."""
+    """The contribution of each input to ``gamma``, at the worst time of that input."""
 
     def floor(self, eps: float = 2.0**-52) -> tuple[float, float]:
         """The errors of γ and of M (relative to |M|) that inputs rounded to ``eps`` cause."""

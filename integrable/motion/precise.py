@@ -40,7 +40,7 @@ TORUS_FROM = 20
 # multiplications of the torus's tables that cost as much as a step per digit, and the largest number that fits into
 # memory
 WORK_A_STEP, WORK_WITH_ROOM = 20, 1 << 28
-# from this many digits on a first time is computed alone, with this many digits
+# from ALONE_FROM digits on, the first time is computed without a series of the clock; digits of its start value
 ALONE_FROM, ROUGH_DIGITS = 250, 30
 
 

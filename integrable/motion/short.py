@@ -230,11 +230,11 @@ def compiled_run(
     asked: Asked, times: np.ndarray, centres: np.ndarray | None = None
 ) -> tuple[int, int, np.ndarray, np.ndarray]:
     """(why it was given up or 0, what it has cost in panels, γ and M, the other times) of one motion at ``times``;
-    ``centres`` as :class:`Request` has them, shape (10·panels, 2).
+    ``centres`` as in :class:`Request`, shape (10·panels, 2).
     """
     prepared, length = _prepared(), len(times)
     try:
-        # a call takes as long for each of its arrays as for half an addition
+        # each array passed to a call costs as much as half an addition: the packed memory of an earlier run saves that
         work = prepared.kept.pop() if length <= KEPT_TIMES else prepared.room(1, length)
     except IndexError:
         work = prepared.room(1, KEPT_TIMES)

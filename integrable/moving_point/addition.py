@@ -63,7 +63,7 @@ def cofactor_at(f: Row, divisor: Row) -> Row:
 
 
 def settled_pair(divisor: Row, rest: Row, a: Real, kappa: Real, sigma: Real, nu: Real, trust: Real) -> Any:
-    """The pair at the branch point a as :func:`settled` has it; ``rest`` is W."""
+    """The pair at the branch point a, settled as in :func:`settled`; ``rest`` is W."""
     b0, b1, c0, c1 = divisor
     w0, w1, w2, w3 = rest
     return settle(sigma, nu, kappa, (a + b1) * a + b0, c1 * a + c0, ((w3 * a + w2) * a + w1) * a + w0, trust)
@@ -89,8 +89,8 @@ def settle(sigma: Real, nu: Real, kappa: Real, u: Real, v: Real, w: Real, trust:
 def pair(a: Real, kappa: Real, sigma: Real, nu: Real, sigma2: Real, nu2: Real, transfer: Row) -> tuple[Real, Real]:
     """(σ'', ν'') at the branch point a, from the transfer polynomials of the sum.
 
-    Either factor gives it, one by division through σ', the other through κσ: together they never divide by a small
-    number unless both points are at the same branch point.
+    Two formulas give it: one divides by σ', the other by κσ. Their least-squares combination divides by a small number
+    only if both points are at the same branch point.
     """
     q, l1, l0, k0, m0, n1, n0, j0 = transfer
     # the rounding noise of the second row grows with ν', which is large near the identity

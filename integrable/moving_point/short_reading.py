@@ -111,7 +111,7 @@ def place_of(room: ShortRoom, target: float, full: float) -> float:
     """x with the integral of 1/g from −1 to x equal to ``target``: Newton, held between the ends."""
     low, high, step = -1.0, 1.0, 2.0
     x = min(1.0, max(-1.0, -1 + 2 * target / full))
-    # eight times eight steps: of times abreast those go on that are not there, and where all are, few are looked at
+    # eight times eight steps: only lanes that have not converged go on; once all have, few further steps are tested
     for _ in range(8):
         if abs(step) >= LAST:
             for _ in range(8):

@@ -1,13 +1,13 @@
 """Poincaré sections in closed form.
 
-γ̃ has no component along the axis of the largest moment where u1 = a₁, and none along that of the least where u2 = a₃.
+The component of γ̃ along the axis of the largest moment vanishes where u1 = a₁, along that of the least where u2 = a₃.
 Every motion crosses these surfaces transversally, once per turn of u1 or of u2. From the second integral at the n-th
 crossing of the first, with S_k = Σ∫x^k dx/y at the start,
 
     E = ∫x dx/y of u2 = S1 − 2nA1,   τ_n = 2nA0 + F − S0,   F = ∫dx/y of u2,
 
-so that ϑ = E/(2B1) is a rotation by −A1/B1 (the other section with A and B exchanged). On the section, γ̃ = (0, cos φ,
-sin φ) in the sorted axes, each motion is on a curve of its own,
+so that the map rotates ϑ = E/(2B1) by −A1/B1 (on the other section with A and B exchanged). On the section γ̃ is (0,
+cos φ, sin φ) in the sorted axes, and each motion lies on its own curve,
 
     M̃₁²/h̃2 = (q − ζ)/(q − a₁),   q = (a₃cos²φ + a₂sin²φ − d̃a₂a₃)/(1 − d̃(a₂cos²φ + a₃sin²φ)).
 """

@@ -43,9 +43,9 @@ COLUMNS = ("gamma1", "gamma2", "gamma3", "M1", "M2", "M3", "I1", "I2", "I3", "d"
 class Sensitivity(Record):
     """∂(γ, M)(t)/∂(γ(0), M(0), I, d) at N times. Get one from ``flow.sensitivity(times)``.
 
-    ``matrix`` has shape (N, 6, 10): rows γ and M, columns :data:`COLUMNS`; γ(0) moves on the unit sphere, its columns
-    are those of tangents. ``times`` (N,). Numbers of the field of the system. ``way`` is "torus", or "differences" of
-    motions in more digits.
+    ``matrix`` has shape (N, 6, 10): rows γ and M, columns :data:`COLUMNS`. γ(0) varies on the unit sphere, so its
+    columns are derivatives along the axes projected onto the tangent plane. ``times`` has shape (N,). The entries lie
+    in the field of the system. ``way`` is "torus", or "differences" of motions in more digits.
     """
 
     def __init__(self, times: Any, matrix: Any, secular: Any, way: str, grown: Any = None) -> None:

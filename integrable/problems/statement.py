@@ -89,8 +89,9 @@ class Problem:
         return np.swapaxes(self.rhs(t, moved).imag / STEP, -1, -2)
 
     def rates(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """f in other numbers with operators, such as another library's expressions; ``numbers`` has the methods of
-        :class:`integrable.problems.arrays.Arrays`.
+        """f at y of any type that overloads the operators, such as another library's expressions.
+
+        ``numbers`` has the methods of :class:`integrable.problems.arrays.Arrays`.
         """
         system = self.motion.in_floats
         if self.scene.classical:

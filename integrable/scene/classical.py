@@ -63,7 +63,7 @@ class ClassicalSystem:
         return namedtuple("Integrals", [name.replace(" ", "_") for name in found])(*found.values())
 
     def rates_in(self, numbers: Any, y: Sequence[Any]) -> list[Any]:
-        """(q', p') at y = (q, p) in other numbers with operators, such as another library's expressions."""
+        """(q', p') at y = (q, p), of any type that overloads the operators, such as another library's expressions."""
         size = len(y) // 2
         rate = self.system._vector_field(numbers, Point(tuple(y[:size]), tuple(y[size:])))
         return [*rate.q, *rate.p]

@@ -30,15 +30,15 @@ from jacobian.numbers.compiler import interpreted
 LOG = logging.getLogger(__name__)
 MODULES = [f"integrable.series.{name}" for name in ("room", "steps_text", "symbols", "tape", "text", "walk_text")]
 ENTRIES = ("start", "series", "advance", "dense")
-# rooms begin at multiples of so many bytes, a line of the cache
+# rooms begin at multiples of this many bytes, a cache line
 LINE = 64
-# what a term of a node takes to compile, in seconds (integrable.series.steps.terms)
+# compile time of a term of a node, in seconds (integrable.series.steps.terms)
 COMPILING = 2e-5
 
 
 class Formulas(NamedTuple):
-    """Those of a kind: ``rates``(N, y) of all variables y, ``start``(N, y) all variables from the first ``shown``
-    of them, as they are given. These are q and p, and further parts of as many numbers, ``half``.
+    """The formulas of a kind: ``rates``(N, y) gives the derivatives of all variables y, ``start``(N, y) all variables
+    from the first ``shown``, which are given. These are q, p and further parts, each of ``half`` numbers.
     """
 
     rates: Callable[[Any, Sequence[Any]], Sequence[Any]]
@@ -88,7 +88,10 @@ class Kind:
         self._walks: dict[Orders, Compiled | None] = {}
 
     def walk(self, orders: Orders, compiles: bool = False) -> Compiled | None:
-        """The compiled walk, if it is there, on disk or has paid; ``compiles``: in any case."""
+        """The compiled walk, or None if it is neither in memory nor on disk.
+
+        It is compiled where walks on the tape have taken longer than compiling would, or with ``compiles``.
+        """
         found = self._walks.get(orders)
         if found is None and (orders not in self._walks or compiles or self._paid > self.cost(orders)):
             with self._lock:
@@ -100,7 +103,7 @@ class Kind:
         return COMPILING * len(self.rates.kinds) * terms(orders)
 
     def pay(self, seconds: float) -> None:
-        """So long walks have taken on the interpreted tape."""
+        """Adds the time that walks have taken on the interpreted tape."""
         self._paid += seconds
 
     def _loaded(self, orders: Orders, compiles: bool) -> Compiled | None:

@@ -12,7 +12,7 @@ from integrable.series.kinds import Compiled, Kind
 from integrable.series.steps import FINE, FINEST, SPARE, Reached, Steps, steps_for, weight
 from jacobian.numbers.compiler import interpreted
 
-# compiled steps in the time of one on an interpreted tape
+# number of compiled steps that take as long as one on an interpreted tape
 FASTER = 4
 
 
@@ -26,7 +26,7 @@ class State(Protocol):
 
 
 class Walked(Protocol):
-    """What a walk asks a system for."""
+    """The attributes of a system that a walk uses."""
 
     @property
     def size(self) -> int: ...
@@ -38,7 +38,7 @@ class Walked(Protocol):
 
 class Near(NamedTuple):
     """The places of the times that were reached, q and p there, shape (N, 2, n), and an estimate of the largest error
-    beside the largest q, or p.
+    relative to the largest q, or p.
     """
 
     places: np.ndarray
@@ -47,15 +47,16 @@ class Near(NamedTuple):
 
 
 def compiled_walk(system: Walked, steps: Steps) -> Compiled | None:
-    """The compiled walk of the kind of system, where it is there."""
+    """The compiled walk of the kind of system; None where it is not available."""
     kind = system._kind
     return None if kind is None else kind.walk(steps.orders)
 
 
 def walked(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None = None) -> Near:
-    """The states at the times that about so many standard steps (:func:`integrable.series.steps.weight`) on an
-    interpreted tape take as long to, by the compiled walk if it is there; to their last bits where a tolerance is more
-    than floats keep.
+    """The states at those times that are reached in the time of about ``most`` standard steps on an interpreted tape.
+
+    :func:`integrable.series.steps.weight` defines a standard step. The compiled walk is used where it is available.
+    States are accurate to their last bits where coarser steps do not keep the tolerance.
     """
     found = Near(np.empty(0, dtype=np.int64), np.empty((0, 2, system.size)), 0.0)
     for steps in steps_for(tolerance):
@@ -65,12 +66,12 @@ def walked(system: Walked, state: State, times: np.ndarray, most: float, toleran
 
 
 def finished(system: Walked, state: State, times: np.ndarray, near: Near, most: float) -> Near:
-    """Beside what there is already the times that are left, by finer steps that keep more digits."""
+    """``near`` with the remaining times added, by finer steps that keep more digits."""
     return _completed(near, system, state, times, FINEST, most)
 
 
 def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolerance: float | None) -> Reached | None:
-    """The states at times that ascend from 0, or descend, if the compiled walk is there and all are right."""
+    """The states at times that ascend or descend from 0; None without a compiled walk, or if any is wrong."""
     given = (*state.q, *state.p)
     for steps in steps_for(tolerance):
         walk = compiled_walk(system, steps)
@@ -82,7 +83,7 @@ def quickly(system: Walked, state: State, times: np.ndarray, most: float, tolera
 
 
 def _completed(near: Near, system: Walked, state: State, times: np.ndarray, steps: Steps, most: float) -> Near:
-    """The times that are left by other steps."""
+    """``near`` with the remaining times added, by other steps."""
     left = np.setdiff1d(np.arange(len(times)), near.places)
     if not len(left):
         return near
@@ -106,7 +107,7 @@ def _walked(system: Walked, state: State, times: np.ndarray, steps: Steps, most:
 
 
 def both_ways(shape: tuple[int, int], times: np.ndarray, steps: Steps, walk: Callable[[np.ndarray], Reached]) -> Near:
-    """What a walk reaches of times in any order, of either sign; ``shape`` is that of a state."""
+    """The states that a walk reaches at times of either sign, in any order; ``shape`` is the shape of a state."""
     places, rows, error = [np.empty(0, dtype=np.int64)], [np.empty((0, *shape))], 0.0
     for ahead in (times >= 0, times < 0):
         order = np.flatnonzero(ahead)

@@ -1,7 +1,7 @@
-"""Where the coefficients of a tape are in the memory of a compiled walk, and which products are done abreast.
+"""The layout of a tape's coefficients in the memory of a compiled walk, and the products computed in one vector.
 
-Factors of products abreast are kept side by side: of products that do not wait for each other, and of the sums of
-earlier coefficients of products, quotients and roots, which wait for nothing.
+The factors of these products are stored side by side. They belong to products that do not depend on each other, or to
+the sums of earlier coefficients of products, quotients and roots.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from typing import NamedTuple
 from integrable.series.tape import CONSTANT, PRODUCT, QUOTIENT, ROOT, VARIABLE, Tape
 from jacobian.native.machine import features
 
-# floats abreast: those of a register
+# number of floats in a vector register
 WIDEST = 8 if "+avx512f" in features() else 4
-# as many variables side by side at most
+# largest number of variables side by side
 ABREAST = 4
 # the vectors of a room: terms that the step is read off, whether the motion is bent, the steps, and unit/(k + 1)
 RATIOS, BENT, STEP, UNITS = 0, 4, 5, 8
@@ -75,7 +75,7 @@ class Room:
         return n in self.kept or (k == 0 and n in self._highs)
 
     def _placed(self, nodes: tuple[int, ...], width: int, square: bool) -> tuple[tuple[tuple[int, ...], int], ...]:
-        """For either side of products abreast their factors, and where copies of them are side by side."""
+        """For each side of the products of a vector: their factors, and where copies of these are side by side."""
         wide, order = self.orders
         found = []
         for side in range(1 if square else 2):
@@ -98,7 +98,7 @@ def _factors(tape: Tape) -> dict[int, tuple[int, int]]:
 
 
 def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
-    """Nodes whose sums of earlier coefficients are done abreast, as these wait for nothing, and in how many places."""
+    """Nodes whose sums of earlier coefficients are independent and computed in one vector, and the vector's width."""
     if most < 2 or len(nodes) < 2:
         return {}
     width = min(most, 4)
@@ -107,7 +107,7 @@ def _packs(nodes: Sequence[int], most: int) -> dict[tuple[int, ...], int]:
 
 
 def _abreast(tape: Tape, most: int) -> list[tuple[tuple[int, ...], bool]]:
-    """Products and whether they are squares, two or four together that may be done in any order."""
+    """Groups of two or four products that do not depend on each other, and whether they are squares."""
     levels = list[int]()
     for kind, p, q in zip(tape.kinds, tape.left, tape.right, strict=True):
         levels.append(0 if kind in (VARIABLE, CONSTANT) else 1 + max(levels[p], levels[q]))

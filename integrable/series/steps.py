@@ -1,4 +1,4 @@
-"""What a walk is asked for, and what it gives: the steps it takes, how far it goes, the rows it has reached."""
+"""Requests to a walk and its results: the orders and bounds of its steps, and the rows it has reached."""
 
 from __future__ import annotations
 
@@ -11,16 +11,16 @@ import numpy as np
 from integrable.series.room import Orders
 from integrable.series.tape import PRODUCT, QUOTIENT, ROOT, Tape
 
-# what a step takes beside its products, in these, and both for Neumann's point
+# cost of a step apart from its products, in products; cost of a whole step of Neumann's point
 FIXED, STANDARD = 3, 13
-# a term of double-doubles, in those of floats
+# cost of a term in double-doubles, in terms in floats
 WIDE_TERM = 20
 
 
 class Steps(NamedTuple):
-    """Which terms a walk has, and what it leaves out beside each q and p: ``left_out`` by the last terms, ``rounded``
-    the first one in floats; the second walk leaves out so many times as much; rows that agree to ``agreed`` are right.
-    Times more than ``farthest`` first steps off are not walked to.
+    """The orders of a walk's series, and bounds relative to q and to p: ``left_out`` of the last terms, ``rounded`` of
+    the first ones in floats. In the second walk they are ``coarser`` and ``rougher`` times as large. Rows that agree to
+    ``agreed`` are right. Times more than ``farthest`` first steps away are not tried.
     """
 
     orders: Orders
@@ -32,20 +32,21 @@ class Steps(NamedTuple):
     farthest: float = 1e300
 
 
-# right to the last bits of floats: an eighth of what they are rounded to is what rows may differ by, as terms in floats
-# may be off by nearly as much in the finer walk
+# accurate to the last bits of floats: the walks may differ by an eighth of the rounding unit, since terms in floats
+# cause nearly as large an error in the finer walk
 WIDE, WIDEST = Orders(8, 30), Orders(18, 44)
 FINE, FINEST = Steps(WIDE, 1e-25, 1e-7, 1e1, 1e1, 2.0**-56), Steps(WIDEST, 1e-29, 1e-11, 1e3, 1e3, 2.0**-56)
-# where few steps do, errors have no time to grow: three quarters of the time (python -m benchmarks near)
+# where few steps suffice, errors cannot grow: three quarters of the time of FINE (python -m benchmarks near)
 ROUGH = Steps(Orders(6, 26), 1e-21, 1e-5, 1e1, 1e1, 2.0**-56, 128.0)
 PLAIN, MIDDLE = Orders(-1, 20), Orders(3, 24)
-# beside a tolerance: what steps leave out, in floats, and where the first terms are double-doubles; the first term in
-# floats there; how much more the second walk leaves out, and how many times what the two differ by an error may be
+# relative to a tolerance: the truncation of steps in floats, and of those whose first terms are double-doubles. Then
+# the bound of their first term in floats, the factor of the second walk's truncation, and the largest ratio of the
+# error to the difference of the walks
 SHARE, SHARE_OF_MIDDLE, ROUNDED_IN_MIDDLE, COARSER, SPARE = 1e-4, 1e-6, 3e-3, 3.0, 4.0
 
 
 def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
-    """What is tried, one after the other: the last are right to the last bits."""
+    """The steps to try, one after the other; the last are accurate to the last bits."""
     if tolerance is None:
         return ROUGH, FINE
     agreed = tolerance / SPARE
@@ -55,8 +56,8 @@ def steps_for(tolerance: float | None) -> tuple[Steps, ...]:
 
 
 class Reached(NamedTuple):
-    """How many of the times were reached, −1 where they are not in order, q and p there, which rows are not right
-    (None: all are), the largest difference of the two walks beside q or p, and steps.
+    """How many of the times were reached (−1 where they are not in order), q and p there, which rows are wrong (None if
+    none is), the largest difference of the two walks relative to q or p, and the number of steps.
     """
 
     reached: int
@@ -67,13 +68,13 @@ class Reached(NamedTuple):
 
 
 def terms(orders: Orders) -> float:
-    """What a sum of products takes for all orders, in terms of floats."""
+    """The cost of a sum of products through all orders, in units of a term in floats."""
     wide, order = orders
     return WIDE_TERM * (wide + 1.0) ** 2 + order**2
 
 
 def weight(tape: Tape, orders: Orders) -> float:
-    """About how long a step takes, beside a fine one of Neumann's point on S²."""
+    """The approximate cost of a step, relative to a fine step of Neumann's point on S²."""
     products = sum(kind in (PRODUCT, QUOTIENT, ROOT) for kind in tape.kinds)
     return (FIXED + products) / STANDARD * terms(orders) / terms(WIDE)
 

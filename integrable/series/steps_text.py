@@ -1,8 +1,8 @@
 """A Taylor step of a tape as straight-line code: the coefficients of all orders, one after the other.
 
 Coefficients up to the order ``wide`` are double-doubles, those beyond floats; both walks go in lanes of each number.
-What was made last stays in registers, as a wide load waits for narrow stores just made, and is added last: the earlier
-coefficients of a product are there an order before.
+Recent values stay in registers, because a wide load waits for narrow stores just made. They are added last, because the
+earlier coefficients of a product are known one order before.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from integrable.series.tape import CONSTANT, DIFFERENCE, MULTIPLE, PRODUCT, ROOT
 from integrable.series.text import Text, Wide, joined_lanes
 from jacobian.numbers.double_double_steps import fast_two_sum, quotient, reciprocal, square_root, two_product, two_sum
 
-# lines after which a block ends: what LLVM does with a block grows with the square of its length
+# lines after which a block ends: the time that LLVM takes for a block grows with the square of its length
 BLOCK = 150
 Term = tuple[int, int, int]
 """(factor, j, k − j)."""
@@ -198,7 +198,7 @@ class Series:
         return self._sums.get(n)
 
     def _group(self, nodes: tuple[int, ...], k: int) -> dict[int, Wide]:
-        """The coefficients k of products abreast."""
+        """The coefficients k of several products, computed in one vector."""
         text = Text(self.room.lanes * len(nodes), self.text)
         if nodes in self.room.sides:
             return self._apart(
@@ -222,7 +222,7 @@ class Series:
         return joined_lanes(text, parts, self.room.lanes)
 
     def _products(self, text: Text, nodes: tuple[int, ...], terms: Sequence[Term], k: int) -> Wide:
-        """Sums of products abreast whose factors lie side by side."""
+        """Sums of several products in one vector, whose factors lie side by side."""
         sides, wide = self.room.sides[nodes], k <= self.wide
         pairs = []
         for f, i, j in terms:
@@ -237,7 +237,7 @@ class Series:
         return {n: (self._part(text, x[0], i), self._part(text, x[1], i)) for i, n in enumerate(nodes)}
 
     def _part(self, text: Text, x: str, slot: int) -> str:
-        """One number of some abreast."""
+        """One number of a vector of several."""
         if not x:
             return ""
         kind, lanes = text.types.double, self.room.lanes

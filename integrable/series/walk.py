@@ -1,8 +1,8 @@
 """A walk along Taylor series whose straight lines are compiled for the kind of system (:mod:`integrable.series.kinds`).
 
 The loop is compiled once for all kinds (:mod:`integrable.series.walk_compiled`). Two walks go together, in the lanes of
-each number: the second has steps of its own, coarser ones, of which the first is a short one back, and a start moved by
-what it was rounded by. What they differ by is what a row is wrong by.
+each number. The second takes coarser steps of its own, the first of them a short one backwards, from a start changed by
+about a rounding unit. The difference of the walks estimates the error of a row.
 """
 
 from __future__ import annotations
@@ -18,15 +18,17 @@ __all__ = ["Bounds", "Codes", "Given", "walked"]
 
 LANES = 2
 FARTHEST = 1e300
-# the part of its first step that the second walk goes back: about the start both have the same terms in floats
+# the part of its first step that the second walk goes back: about the same start both would have the same terms in
+# floats, with the same errors
 BACK = 0.25
-# steps are multiples of this in units of time, and times below its inverse times 2^53 exact
+# steps are multiples of this, in the unit of time, so that sums of steps below 2^53 times this are exact
 GRAIN = 2.0**-36
 MOST_UNITS = 2.0**16
-# how many times as long as the present one steps may become, and after so many of them as their mean
+# a walk goes on if ``most`` steps, UNEVEN times as long as the present one, would reach the last time; after KNOWN
+# steps, if EVEN times ``most`` steps of the mean length would
 UNEVEN, KNOWN, EVEN = 4, 64, 1.25
-# after so many rows that are wrong a walk ends, or that say so of the last one: from the part of the way where a
-# difference counts, and by how much more than what rows may differ by
+# a walk ends after more than MOST_LOST rows that are wrong or predict that the last row is. Predictions count from
+# 1/KNOWN_FROM of the last time on, if the difference predicted exceeds HOPELESS times the allowed one
 MOST_LOST, KNOWN_FROM, HOPELESS = 2, 16, 4.0
 
 
@@ -40,9 +42,9 @@ class Codes(NamedTuple):
 
 
 class Bounds(NamedTuple):
-    """What a step may leave out, as logarithms to base 2: of the last two terms, and of the first two in floats; by how
-    much less in the second walk; 1 over the orders of the four terms; what rows that are ``agreed`` on differ by; how
-    many steps are taken at most, as those go that are known, and as the first one goes.
+    """Logarithms to base 2 of what a step may leave out: of the last two terms, and of the first two in floats; by how
+    much more in the second walk. Then 1 over the orders of the four terms and the difference up to which rows agree;
+    the largest number of steps, judged by those taken, and the farthest time, in first steps.
     """
 
     left_out: float
@@ -59,9 +61,9 @@ class Bounds(NamedTuple):
 
 
 class Given(NamedTuple):
-    """Constants, a state in floats, and where the room has what: ``half`` of its variables are q, as many p, as many
-    each further one of ``parts``; coefficients begin at ``highs``, the next ones of them ``apart`` from there; a spare
-    row of eight floats is at ``spare``.
+    """Constants, a state in floats, and the layout of the room. Its variables are ``parts`` (q, p and any others) of
+    ``half`` numbers each. Coefficients begin at ``highs``, those of the next order ``apart`` further on. A spare row of
+    eight floats is at ``spare``.
     """
 
     constants: Any
@@ -76,8 +78,8 @@ class Given(NamedTuple):
 
 
 class Compared(NamedTuple):
-    """So many rows of both walks have been compared: how many differ, of how many more the last will, as far as they
-    part there, and the largest difference.
+    """The comparison of the first ``rows`` rows of both walks: how many are ``wrong``, how many are wrong or predict
+    that the last one is (``lost``), and the largest difference.
     """
 
     rows: int
@@ -87,7 +89,7 @@ class Compared(NamedTuple):
 
 
 class Place(NamedTuple):
-    """Which walk it is, where it is, how far its series reach, and its next row."""
+    """The number of a walk, its time, how far its series reach, and its next row."""
 
     lane: int
     now: float
@@ -96,9 +98,11 @@ class Place(NamedTuple):
 
 
 def walked(codes: Codes, bounds: Bounds, given: Given, room: Any, units: Any, times: Any, rows: Any, found: Any) -> Any:
-    """q and p at ``times``, of one sign and ascending in size, into ``found``: (how many were reached, −1 where times
-    are not like that, how many of them are wrong, the largest difference of the walks beside the largest q, or p,
-    steps). A wrong one has a number that is not 0 at the beginning of its row of ``rows``.
+    """(How many of ``times`` were reached, how many of these are wrong, the largest difference of the walks relative to
+    the largest q, or p, the number of steps). q and p go into ``found``.
+
+    ``times`` must be of one sign and ascend in size; otherwise the first number is −1. The row of a wrong one in
+    ``rows`` begins with a nonzero number.
     """
     if not in_order(times):
         return -1, 0, 0.0, 0
@@ -179,7 +183,7 @@ def shortest_time(given: Given, room: Any) -> float:
     shortest = FARTHEST
     for begin in (0, given.half):
         for j in range(FIRST):
-            # of the next but one: from rest, or nearly, every other one is small
+            # coefficients two orders apart: from rest, or nearly, every other one is small
             before, after = largest(given, room, begin, j), largest(given, room, begin, j + 2)
             if 0 < before < FARTHEST and 0 < after < FARTHEST:
                 shortest = min(shortest, exp((log(before) - log(after)) / 2))
@@ -211,7 +215,7 @@ def reach(bounds: Bounds, room: Any, lane: int) -> float:
 
 
 def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit: int, unit: float, rows: Any) -> int:
-    """The rows of one walk from its own on that its series reach: the first that they do not reach."""
+    """The first row that the series of one walk do not reach; the rows from its next one up to there are written."""
     width, ahead = 2 * given.parts * given.half, room[given.spare : given.spare + 2 * TIMES]
     lane, now, step, row = at
     fitting = TIMES
@@ -222,7 +226,7 @@ def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit
             left = time - now
             if not (step > 0 and abs(left) <= step):
                 break
-            # and what the difference was rounded by
+            # the rounding error of the difference
             back = left - time
             ahead[fitting] = left
             ahead[TIMES + fitting] = (time - (left - back)) - (now + back)
@@ -237,7 +241,7 @@ def put_rows(codes: Codes, given: Given, room: Any, at: Place, times: Any, limit
 
 
 def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bool:
-    """Whether the last time is near enough to go there."""
+    """Whether the last time can be reached in about ``most`` steps, judged by the present or by the mean step."""
     left, gone = abs(last - now), abs(now)
     if not (step > 0 and gone < MOST_UNITS):
         return False
@@ -245,7 +249,7 @@ def goes_on(step: float, now: float, last: float, steps: int, most: float) -> bo
 
 
 def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any, rows: Any, found: Any) -> Compared:
-    """The rows of the first walk up to a limit, rounded, into ``found``, and how far they are off the second."""
+    """The comparison of both walks up to row ``limit``; the rows of the first, rounded, go into ``found``."""
     half, width, count = given.half, given.parts * given.half, len(times)
     wrong, lost, worst = seen.wrong, seen.lost, seen.gap
     for row in range(seen.rows, limit):
@@ -265,7 +269,7 @@ def compared(given: Given, agreed: float, seen: Compared, limit: int, times: Any
         if off > 0:
             wrong += 1
         worst = widest if not widest <= worst else worst
-        # walks part at least as time does
+        # the difference of the walks grows at least linearly in time
         way, last = abs(times[row]), abs(times[count - 1])
         if off > 0 or (way * KNOWN_FROM > last and not widest * last <= HOPELESS * agreed * way):
             lost += 1

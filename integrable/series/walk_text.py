@@ -21,14 +21,14 @@ from jacobian.numbers.double_double_steps import (
     two_sum,
 )
 
-# by how much of themselves numbers differ in the second of two walks, some units of what they are rounded to: of
-# double-doubles, of floats
+# relative change of the numbers of the second walk, some rounding units: of double-doubles, of floats
 MOVED, MOVED_IN_FLOATS = 2.0**-104, 2.0**-52
-# of the terms near times in double-doubles one in so many are summed in them: what is left is a hundredth of a number
+# between steps one in this many of the double-double terms is summed in double-doubles; the others sum to a hundredth
+# of a number
 FIRST_TERMS = 2
-# times abreast
+# number of times computed in one vector
 TIMES = WIDEST
-# e^x − 1 is that of x/2^HALVED, |x| < 2^9 or so, by so many terms, and that doubled
+# e^x − 1, |x| < 2^9 or so, is computed by TERMS terms at x/2^HALVED and then doubled in its argument HALVED times
 HALVED, TERMS = 11, 18
 
 
@@ -53,7 +53,7 @@ def _advance(room: Room) -> str:
     step = single.load(STEP)
     parts = [(first, width, Text(room.lanes * width, single)) for first, width in chunks(room.count)]
     steps = {width: joined_lanes(text, [step] * width, room.lanes) for _, width, text in parts}
-    # all variables abreast in time: one does not wait for the other
+    # the variables are interleaved, so that none waits for another
     for _ in zip(*[_further(room, text, steps[width], first, width) for first, width, text in parts], strict=True):
         pass
     return _function("advance", "ptr noalias %s", single)
@@ -108,7 +108,7 @@ def _dense(room: Room, count: int) -> str:
         return text.spread(text.write(f"load double, ptr {there}, align 8"))
 
     first, variables = (wide + 1) // FIRST_TERMS, range(count)
-    # all variables abreast: one does not wait for the other
+    # the variables are interleaved, so that none waits for another
     rest = [spread(room.high(i, order)) for i in variables]
     for k in range(order - 1, max(first, 1) - 1, -1):
         rest = [text.fma(x, ahead[0], spread(room.high(i, k))) for i, x in enumerate(rest)]
@@ -152,7 +152,7 @@ def _gathered(text: Text, parts: list[str]) -> str:
     """Numbers of the walks, the last one for all that are left."""
     if text.lanes == 1:
         return parts[0]
-    # of many motions abreast each has its own start: see the ensembles
+    # each of many motions in one vector has its own start: see the ensembles
     return text.gathered((parts + [parts[-1]] * text.lanes)[: text.lanes])
 
 

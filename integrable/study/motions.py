@@ -170,7 +170,10 @@ class _Run:
 
     @cached_property
     def truths(self) -> dict[bool, Task]:
-        """The truth of the scene's own numbers (True) and of doubles (False), where a row starts from them."""
+        """The tasks that compute the truth: from the scene's numbers (True) and from these rounded to doubles (False).
+
+        Each is there only if some row starts from the same numbers.
+        """
         digits = max(self.asked.truth_digits, self.digits + MORE)
         used = {task.scene is self.scene for task in (*self.flows, *self.rivals)}
         pieces, label = len(parts(self.scene, FLOAT_DIGITS)) + 1, f"truth, {digits} digits"

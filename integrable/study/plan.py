@@ -191,9 +191,9 @@ def first_answer_tasks(scenes: Sequence[Scene], sources: Sequence[str]) -> list[
 
 
 def _comparators(scene: Scene, task: Any, mode: str, truth: str) -> list[Task]:
-    """A chain for each method, cheapest setting first: after one that ran out of time no costlier one is tried.
+    """The tasks of each method, cheapest setting first; after one that ran out of time the costlier ones are skipped.
 
-    Settings of as many digits as the truth has are left out, since they would measure the truth's error.
+    Settings with as many digits as the truth are left out, because their rows would measure the truth's error.
     """
     tasks = []
     system, state = scene.start(FLOAT_DIGITS)

@@ -105,8 +105,8 @@ class TorusFlow(Corners):
         return self._rows_at_tau(tau) if panels is None else panels.at(tau, self.loops.panel_values)
 
     def phases(self, times: np.ndarray, physical: bool, periods: Sequence[int]) -> tuple[np.ndarray, np.ndarray]:
-        """The phases at times, or at values of τ unless ``physical``, in turns of ``periods`` periods in either
-        direction; they keep the digits that a rounded τ has lost.
+        """The phases at physical times, or at values of τ unless ``physical``: for each direction, as a fraction of its
+        number of ``periods``. They keep the digits that a rounded τ has lost.
         """
         rates, rest = self.frequencies, np.zeros(len(times))
         if physical and self.clock:

@@ -75,7 +75,7 @@ def modes_of_rate(
     with balls:
         # computed first, because it raises if digits are lost
         whole = OvalTorus(setup, balls, max(digits, mean_digits), direction)
-        # a far time is its mean rate times τ; its phases have no more digits than the modes
+        # far from 0, t is nearly its mean rate times τ, which needs ``mean_digits``; phases need only as many as modes
         torus = whole if mean_digits <= digits else OvalTorus(setup, balls, digits, direction)
         few = min(SCOUT_DIGITS, digits)
         scout = OvalTorus(setup, balls, min(few + HELD, digits), direction)

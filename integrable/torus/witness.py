@@ -48,7 +48,7 @@ BORDERS = 16
 SEAM, LEAST = 1e-13, 1e-2
 # the largest ratio of the phases' rates for which equations of motion are followed to a turn of the slower one
 SLOW = 8
-# the number of halvings of a step, so that these terms and Newton passes give a double-double number
+# numbers of halvings of a step, of terms and of Newton passes that together give a double-double number
 HALVINGS, TERMS, NEWTON_PASSES = 2, 32, 2
 
 
@@ -113,8 +113,8 @@ def states_agree(first: np.ndarray, second: np.ndarray) -> bool:
 
 
 def departure(torus: Torus, line: Line, times: Row, room: TableRoom, points: Row, out: Row) -> float:
-    """The difference between states of a torus at some times of the flow and those from additions; both go into
-    ``out``, one after the other, six floats each.
+    """The largest difference between states of a torus at some τ and the same states from additions. All states go
+    into ``out``, six floats each, first those of the torus.
     """
     count = 6 * len(times)
     states_at_tau(torus, (line.rates[6], line.rates[7]), times, out[:count])

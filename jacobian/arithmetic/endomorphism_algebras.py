@@ -78,7 +78,7 @@ def algebra(basis: Sequence[Integers]) -> Algebra:
     if centre == 1 and size == 4:
         return Algebra(_quaternions(matrices), size, False)
     if centre == 2 and size == 8:
-        # of a surface with so many it is E² up to isogeny, E with complex multiplication by the centre
+        # a surface with an algebra of this dimension is isogenous to E², E with complex multiplication by the centre
         kernel, nullity = fmpz_mat(commutators).transpose().nullspace()
         rows = [[int(kernel[i, k]) for i in range(size)] for k in range(nullity)]
         middle = [sum((c * X for c, X in zip(row, matrices, strict=True)), 0 * matrices[0]) for row in rows]

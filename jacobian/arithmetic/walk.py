@@ -109,8 +109,9 @@ class Group(NamedTuple):
 
 
 class Room(NamedTuple):
-    """The memory of a walk: coefficients of a round, inverses of its k, and for each group their product, a power of
-    it, and the product of all rounds.
+    """The memory of a walk: the coefficients of a round (``states``) and the inverses of its k (``reciprocals``).
+
+    For each group there are also the product of these k, a power of it, and the product over all rounds (``run``).
     """
 
     states: Any

@@ -211,7 +211,7 @@ def add_columns(
 
 @njit(**JIT)
 def first_off_curve(f: Any, half: Any, inverses: Any, divisors: Columns) -> int:
-    """The first divisor that is not on the curve to GIVEN_NOISE, or −1."""
+    """The index of the first divisor whose remainder exceeds GIVEN_NOISE, or −1."""
     for i in range(divisors.shape[1]):
         if not misfit(f, scaled(half, inverses, divisors, i)) <= GIVEN_NOISE:
             return i

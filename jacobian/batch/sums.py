@@ -69,8 +69,9 @@ class FloatSums:
         return out, doubtful
 
     def first_off_curve(self, divisors: Columns) -> int:
-        """The first of the columns, all of weight 2, that is not on the curve to 2^-32 of the size of the terms, or
-        −1.
+        """The index of the first column whose remainder f − V² mod U exceeds 2^-32 of the size of its terms, or −1.
+
+        All columns have weight 2.
         """
         return int(first_off_curve(self._f, self._half, self._inverses, divisors))
 

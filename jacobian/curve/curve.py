@@ -325,7 +325,7 @@ class HyperellipticCurve(CurveQuestions):
         # about half of the x carry points; a small field may have none at all
         for _ in range(0 if K.order is None and K.exact else 10000):
             found = self.lift_x(K.random(rng), all=True)
-            # two y for some x and one for others: half of the single ones are drawn again, to leave all points equal
+            # some x have two points, others one: a single one is kept half of the time, so that all are equally likely
             choice = random_below(rng, 2)
             if choice < len(found):
                 return found[choice]

@@ -42,8 +42,8 @@ class InexactField(Immutable):
     def is_zero(self, x: Any, scale: Any = None) -> bool:
         """Whether x, a difference of terms of size ``scale``, is zero.
 
-        Up to 16·eps·scale it is; from 4096·eps·scale on it is not; between the two PrecisionLoss is raised, as it is
-        where the scale is beyond the range of floats. Without a scale only an exact 0 is zero.
+        It is zero up to 16·eps·scale and nonzero from 4096·eps·scale on. In between, and where the scale is beyond the
+        range of floats, PrecisionLoss is raised. Without a scale only an exact 0 is zero.
         """
         if scale is None:
             return bool(x == 0)

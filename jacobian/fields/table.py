@@ -35,7 +35,7 @@ class TableField(ExtensionField):
         g = next(g for g in range(2, self.order) if all(slow.power(g, size // q) != 1 for q in factors))
         powers = [1]
         if self.p == 2:
-            # g·x is linear in x: that of the lower bits and that of the upper ones
+            # g·x is linear in x, hence the sum of the products of g with the lower and with the upper bits of x
             half = self.degree // 2
             lower = [slow.mul(g, x) for x in range(1 << half)]
             upper = [slow.mul(g, x << half) for x in range(1 << self.degree - half)]

@@ -122,7 +122,7 @@ def compose(field: Any, genus: int, f: Sequence[Number], first: Pair, second: Pa
 
 
 class Units(NamedTuple):
-    """x in 2^x and y in 2^y; the smallest point that is not 0 is at about 2^low."""
+    """The units 2^x of x and 2^y of y; the smallest nonzero abscissa is about 2^low."""
 
     x: int
     y: int
@@ -134,7 +134,7 @@ class Units(NamedTuple):
         return [move(c, sign * self.x * (len(u) - 1 - i)) for i, c in enumerate(u)]
 
     def of_p(self, p: Sequence[Any], move: Any, sign: int = -1, power: int = 1) -> Coefficients:
-        """A polynomial of the size of y (of y² with ``power=2``)."""
+        """A polynomial with values of the size of y (of y² with ``power=2``), in these units; see :meth:`of_u`."""
         return [move(c, sign * (power * self.y - self.x * i)) for i, c in enumerate(p)]
 
 

@@ -25,15 +25,14 @@ from jacobian.inexact.stacked import Pair, Total
 
 # a quantity is zero up to this multiple of the effect of a unit in the last place of the summands
 ZERO = 16
-# summands that are sums themselves have errors of this size, in units of the last place; from these multiples of their
-# effect on a quantity is not zero: the first for one that decides a degree, the second for the distance of a point from
-# an opposite one
+# error of summands that are sums themselves, in units of the last place. A quantity is nonzero if it exceeds the effect
+# of such errors by NONZERO where it decides a degree, by DISTINCT if it is the distance of a point from an opposite one
 ROUNDED, NONZERO, DISTINCT = 4, 4096, 64
-# the part of a sum by which rounding may move it: where nothing was decided, and in any case
+# largest relative change of a sum by rounding: where nothing was decided, and in any case
 CLEAR, UNKNOWN = 2.0**-12, 2.0**-4
-# a number is resolved when the working precision determines it to this part
+# a number is resolved when it exceeds its error at the working precision by this factor
 RESOLVED = 2**16
-# the ways of rounding tried where a degree depends on it
+# number of random roundings of the summands that are tried where a degree depends on rounding
 WAYS = 4
 
 LOST = "rounding of the summands decides the degree of their sum; use more digits"
@@ -159,7 +158,7 @@ class Compared(NamedTuple):
     rounded: Pass
 
     def wrong_answer(self, ways: Sequence[Pass]) -> int | None:
-        """The first question whose answer differs from that of the ways of rounding."""
+        """The first question whose answer the random roundings ``ways`` contradict; None if there is none."""
         for k, ((x, of_degree), answer) in enumerate(zip(self.first.questions, self.first.answers, strict=True)):
             size, rounding = abs(x), abs(x - self.near.questions[k].value)
             noise = max(abs(x - way.questions[k].value) for way in ways)
@@ -208,8 +207,9 @@ class Compared(NamedTuple):
         return all(abs(x) <= floor or abs(x - y) <= own * abs(x) or 8 * abs(x - y) <= abs(x - z) for x, y, z in numbers)
 
     def _known(self, part: float, least: float, polynomials: Sequence[Coefficients]) -> bool:
-        """Whether rounding moves the polynomials by at most that part, at the largest point of the sum or at
-        ``least``.
+        """Whether rounding changes each polynomial by at most ``part`` of its size at |x| = radius.
+
+        The radius is that of the largest point of the sum, or ``least`` if that is larger.
         """
         u, moved = self.first.total.u, iter(self.rounded.coefficients)
         m = len(u) - 1

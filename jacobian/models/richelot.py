@@ -204,7 +204,7 @@ def kernel(C: HyperellipticCurve, quadratics: Quadratics) -> list[Divisor]:
 
 
 def _even_weight(C: HyperellipticCurve, G: poly.Poly) -> int | None:
-    # no line beside a quadratic on a split model: infinity is no branch point there
+    # infinity is no branch point of a split model, so all three G have degree 2 and the weight at infinity is 0
     return 0 if C.model == "split" else None
 
 

@@ -1,11 +1,12 @@
 """Kleinian functions of genus 2: ℘_ij and ζ_i as symmetric functions of the divisor that a point of ℂ² inverts to.
 
-On Y² = F(x) let u = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, e a branch point (its Y is 0) or infinity, and for two x, z of
-e, x_1, x_2 the polar F(x, z) = Σ x^i z^i (2F_2i + F_2i+1 (x + z)). Then ℘_11 + ℘_12 (x + z) + ℘_22 xz = (F(x, z) −
-2YZ)/(4(x − z)²) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the differentials ρ_j of
-:mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1 − x_2 and c_2 = 1
-(after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's u, where nothing is 0/0 when P_1 and
-P_2 come together: with F = V² + u·w the right side for them is −(w_0 + u_0 w_2 + u_0² w_4)/4.
+On Y² = F(x) let u = Σ ∫ (dx/Y, x dx/Y) over P_1 + P_2, and e a branch point (where Y = 0) or infinity. For two
+abscissae x, z among e, x_1, x_2 the polar form is F(x, z) = Σ x^i z^i (2F_2i + F_2i+1 (x + z)), and ℘_11 + ℘_12 (x + z)
++ ℘_22 xz = (F(x, z) − 2YZ)/(4(x − z)²) (Klein 1888; Baker 1907). With Π = (x − e)(x − x_1)(x − x_2) and the
+differentials ρ_j of :mod:`jacobian.periods.second_kind`, ζ_j = −Σ ∫ ρ_j + ½ Σ Y_k·c_j(x_k)/Π′(x_k), c_1 = 2x − e − x_1
+− x_2 and c_2 = 1 (after Buchstaber, Enolskii & Leykin 1997). All of it is computed modulo Mumford's u, where no
+quotient becomes 0/0 when P_1 and P_2 coincide: with F = V² + u·w the right-hand side for x_1, x_2 is −(w_0 + u_0 w_2 +
+u_0² w_4)/4.
 """
 
 from __future__ import annotations

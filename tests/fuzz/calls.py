@@ -87,7 +87,7 @@ def _zoo(text: str, argument: str) -> tuple[str, ...]:
 def operator(rng: Random) -> Case:
     text = rng.choice(OPERATORS)
     text = text.format(*(f"({rng.choice(ZOO)})" for _ in range(text.count("{}"))))
-    # numpy answers for its own arrays beside a step
+    # between an array and a step numpy evaluates ``@`` and raises its own ValueError
     own = (ValueError,) if "@" in text else ()
     return case(text, lambda error: None, (JacobianError, TypeError, IndexError, *own))
 

@@ -46,7 +46,7 @@ class Curve:
 
 
 def field_text(rng: Random, rational: bool = True) -> str:
-    """A field, small ones and words more often than large ones."""
+    """The text of a random field; orders below 2^64 are more frequent than larger ones."""
     p = rng.random()
     if p < 0.4:
         return f"GF({rng.choice(PRIMES)})"

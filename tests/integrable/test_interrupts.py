@@ -17,7 +17,10 @@ pytestmark = pytest.mark.skipif(os.name != "posix", reason="an interrupt of one 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_at_once(command):
-    """There were tracebacks, exit codes −2 and interrupts without effect in the first quarter of a second."""
+    """An interrupt as soon as the handler is installed: one line, exit code 130, nothing left behind.
+
+    In the first quarter of a second there used to be tracebacks, exit codes −2, and interrupts without effect.
+    """
     found = interrupted(command, 0.0, group=True)
     name = command.split()[0].rpartition(".")[2]
     assert (found.code, found.err, found.out, found.left) == (130, f"{name}: interrupted\n", "", [])
@@ -26,7 +29,7 @@ def test_at_once(command):
 @pytest.mark.parametrize("delay", [0.05, 0.15, 0.4, pytest.param(2.0, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("executor", ["threads", "processes"])
 def test_a_sweep(executor, delay):
-    """It took six seconds, in which threads continued, and workers printed tracebacks."""
+    """A sweep stops without tracebacks of its workers; it used to take six seconds, in which threads continued."""
     command = f"integrable sweep chaplygin --vary d=0:1:100000 --chunk 5000 --out out.zarr --executor {executor}"
     found = interrupted(command, delay, group=True)
     assert (found.code, found.err, found.out) == (130, "integrable: interrupted\n", "")

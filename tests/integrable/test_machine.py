@@ -43,7 +43,7 @@ def integrable(*arguments, before="", **environment):
     """The command in a process of its own, after a line of Python: exit code, output and errors as bytes."""
     code = f"{before}\nimport sys\nfrom integrable.__main__ import main\nsys.exit(main({list(arguments)!r}))"
     clean = {k: v for k, v in os.environ.items() if not k.startswith(("LC_", "LANG", "PYTHONIOENCODING", "PYTHONUTF8"))}
-    # started in another folder, and of the same sources
+    # the process starts in another folder but must import the same sources
     found = {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     done = subprocess.run(
         [sys.executable, "-c", code],

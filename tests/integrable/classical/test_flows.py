@@ -226,15 +226,15 @@ def test_a_cubic_potential_is_left_and_entered_again() -> None:
     [
         (LagrangeTop("7/10"), (0, 0, 1), (0.25, 0.5, 1.5)),  # through the vertical
         (LagrangeTop("7/10"), (0, 0, -1), (0.25, 0.5, 1.5)),
-        (LagrangeTop("7/10"), (0, 0, 1), (0, 0, 1.5)),  # asleep
-        (LagrangeTop("7/10"), (0, 0, 1), (1e-9, 0, 1.5)),  # nearly, where that is unstable
+        (LagrangeTop("7/10"), (0, 0, 1), (0, 0, 1.5)),  # a sleeping top
+        (LagrangeTop("7/10"), (0, 0, 1), (1e-9, 0, 1.5)),  # nearly a sleeping top, unstable at this spin
         (LagrangeTop("7/10"), (1, 0, 0), (1, 0, 1)),  # a steady precession: the pair rests, γ turns
         (LagrangeTop("7/10"), (1, 0, 0), (1, 1e-12, 1)),
         (LagrangeTop(2), ("3/5", 0, "4/5"), (0, 0, 0)),  # in a vertical plane, to the vertical
         (SphericalPendulum(), (0, 0, -1), (0.5, 1, 0)),
         (SphericalPendulum(), (0, 0, 1), (0.5, 1, 0)),
         (SphericalPendulum(), ("3/5", 0, "4/5"), (0, 0, 0)),
-        (SphericalPendulum(), ("3/5", 0, "-4/5"), (0, 0.6 * 1.25**0.5, 0)),  # a cone, to the digits of floats
+        (SphericalPendulum(), ("3/5", 0, "-4/5"), (0, 0.6 * 1.25**0.5, 0)),  # conical, to the accuracy of floats
         (SphericalPendulum(), (0, 0, 1), (0, 0, 0)),
     ],
 )

@@ -160,7 +160,7 @@ def test_one_soliton() -> None:
     u, x = wave((-1, -1, 0), (0,), (1,)), np.array([-30, -1, 0.5, 3, 21])
     for t in (0.0, 0.75):
         assert np.allclose(u.at(x, t), -2 / np.cosh(x - 4 * t) ** 2, rtol=1e-14, atol=0)
-    # κ = 2, moved by 3
+    # κ = 2, shifted by 3
     moved = wave((-4, -4, 0), (-4 * np.tanh(6) ** 2,), (-1,))
     assert np.allclose(moved.at(x[1:4], 0.25), -8 / np.cosh(2 * (x[1:4] - 4 - 3)) ** 2, rtol=1e-9, atol=0)
 

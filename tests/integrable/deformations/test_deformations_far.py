@@ -382,7 +382,7 @@ def test_an_integration_that_loses_the_integrals_is_refused(monkeypatch) -> None
 
 
 def test_steps_on_the_curves_keep_the_integrals_too() -> None:
-    """A translation near the identity, 200 times: the sum on the curves, checked like the flow."""
+    """200 times a translation near the identity, added on the curves: the integrals hold as well as for the flow."""
     system = Tilde((1, 2, 4))
     start = system.state(*START)
     lambdas = [

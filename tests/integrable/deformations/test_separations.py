@@ -65,7 +65,7 @@ def of_poles(jets):
         U = [u + x * x * z for u, z in zip(U, pair, strict=True)]
         V = [v + 2 * x * w * z for v, z in zip(V, pair, strict=True)]
     assert V[2].value == jets.field.zero
-    # the slope of the leading coefficient is that of 2(γ, w), off the leaf only
+    # the leading coefficient 2(γ, w) vanishes on the leaf; only directions off the leaf have a nonzero derivative
     square = poly.mul(jets.jets, (V[0], V[1]), (V[0], V[1]))
     rest = poly.sub(jets.jets, f, square)
     quotient, remainder = divided(rest, U)

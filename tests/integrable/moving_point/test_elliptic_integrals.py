@@ -32,7 +32,7 @@ def test_the_third_kind_to_its_last_digits(kind, modulus) -> None:
     kappa2 = np.maximum(k2, 1) + 10 ** generator.uniform(-8, 1, 2 * count)
     x, y, z, p = c * c, c * c + k2 * s * s, 1 + 0 * s, c * c + kappa2 * s * s
     product = (p - x) * (p - y) * (p - z)
-    # of a difference with few digits the product would not be that of the arguments
+    # where a difference has few digits, the rounded product would not belong to these arguments
     chosen = (p - z) * (p - y) > 1e-4 * p * p
     x, y, z, p, product = (v[chosen] for v in (x, y, z, p, product))
     found = carlson_j(x, y, z, p, product)

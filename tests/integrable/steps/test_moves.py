@@ -79,7 +79,7 @@ HAMILTONIANS = {
 @pytest.mark.parametrize("F", HAMILTONIANS)
 @pytest.mark.parametrize("kind", SHIFTED)
 def test_a_shift_adds_what_the_equations_integrate_to(kind, F) -> None:
-    """D + T(w) against the equations of motion of the pairs, and T(w) itself is what the divisor moves by."""
+    """D + T(w) agrees with integrating the equations of motion of the pairs, and is the divisor of the image."""
     system, gamma, M = SHIFTED[kind]
     state, size = onto_constraints(system, State(gamma, M)), sum(m * m for m in M) ** 0.5
     step = system.shift(HAMILTONIANS[F])

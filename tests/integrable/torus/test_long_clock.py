@@ -146,8 +146,9 @@ def test_a_place_on_a_tiny_oval_is_known_or_asked_for_in_more_digits(inertia, ap
 
 @pytest.mark.parametrize("d", ["1e-10", "1e-15", "1e-20", "1e-150"])
 def test_tables_of_a_light_ball_are_no_larger_than_those_of_another(d) -> None:
-    """Its modes are all but one below the digits of the first tables, whose noise was read as a slow fall: thousands of
-    columns at a hundred digits, which were refused, and far times were counted to for ever.
+    """All its modes but one are below the digits of the first tables, whose noise used to be mistaken for slow decay.
+
+    At a hundred digits that led to thousands of columns, which were refused; stepping to far times then never ended.
     """
     K = MP(20)
     setups = [

@@ -236,7 +236,7 @@ def test_special_motions_with_two_equal_moments(name) -> None:
     run = ball.flow(state, kernel="compiled").at(times)
     assert np.abs(run.gamma - right.gamma.astype(float)).max() < 3e-16
     assert np.abs(run.M - right.M.astype(float)).max() < 1e-15
-    # as it comes: a short run, or this where M is along an axis or all moments are equal
+    # by default: a short run, or the same closed form where M is along an axis or all moments are equal
     near = ball.flow(state).at(times)
     assert np.abs(near.gamma - run.gamma).max() < 4e-15
     assert np.abs(near.M - run.M).max() < 4e-15

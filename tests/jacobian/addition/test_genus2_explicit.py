@@ -150,7 +150,7 @@ def test_counts_of_lange_for_degree_five():
 
 
 def test_counts_beyond_the_tables():
-    # a coefficient f4 costs the doubling two products with it, h = x² + x + 1 a third squaring of the tangent
+    # a doubling takes two products more with a coefficient f4, one more with h = x² + x + 1
     assert operation_counts([7, 5, 11, 13, 17, 1]) == ("1I + 22M + 3S", "1I + 24M + 5S")
     assert operation_counts([7, 5, 11, 13, 0, 1], [1, 1, 1]) == ("1I + 22M + 3S", "1I + 23M + 5S")
 

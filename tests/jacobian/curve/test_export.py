@@ -94,8 +94,8 @@ def test_pari_counts_as_we_do(K, genera, count):
 
 def test_pari_counts_as_we_do_in_characteristic_2():
     # hyperellcharpoly of PARI 2.15.4 and 2.17.4 refuses curves over GF(2^k), k > 1, and from genus 3 on over GF(2):
-    # "domain error in hyperellpadicfrobenius: H is singular at 2"; the orders of elliptic curves it has, and
-    # test_brute_force.py tries every pair (x, y)
+    # "domain error in hyperellpadicfrobenius: H is singular at 2"; PARI does compute the orders of elliptic
+    # curves, and test_brute_force.py tries every pair (x, y)
     pari = pytest.importorskip("cypari").pari
     rng, polynomial = Random(2), pari("v -> hyperellcharpoly(v)")
     for _ in range(300):

@@ -218,7 +218,7 @@ def test_ranks_and_slopes_in_characteristic_2():
 
 
 def test_p_ranks_by_complex_multiplication():
-    """Where the matrix of Cartier and Manin is out of reach: y² = x⁵ + 3 is ordinary for p ≡ 1 modulo 5 alone."""
+    """Where the Cartier–Manin matrix is out of reach: y² = x⁵ + 3 is ordinary only for p ≡ 1 modulo 5."""
     for p, expected in ((2**127 + 123, 2), (2**127 - 1, 0)):
         assert p % 5 == (1 if expected else 2)
         assert HyperellipticCurve(GF(p), [3, 0, 0, 0, 0, 1]).p_rank() == expected

@@ -37,7 +37,7 @@ def test_sums_and_opposites_are_those_over_the_rationals(genus, with_h, K):
     pairs = list(product(found, repeat=2))
     for D, E in rng.sample(pairs, 12):
         assert_equal(into(J, D) + into(J, E), D + E, size(D) * size(E))
-        # P + ιP and the like: all of it opposite
+        # all points of D − D are in opposite pairs P + ιP
         assert into(J, D) - into(J, D) == J.zero()
 
 

@@ -173,7 +173,7 @@ def test_the_map_and_its_inverse(K, genus, degree, with_h):
     assert found.n == D.n
     scale = max(map(abs, (*D.u, *D.v)))
     assert max(abs(x - y) for x, y in zip((*found.u, *found.v), (*D.u, *D.v), strict=True)) < 1e6 * K.eps * scale
-    # far away by lattice vectors
+    # the same class, shifted by lattice vectors
     far = [x + 3 * row[0] - 2 * row[-1] for x, row in zip(z, A.periods.big, strict=True)]
     again = A.inverse(far)
     assert max(abs(x - y) for x, y in zip((*again.u, *again.v), (*D.u, *D.v), strict=True)) < 1e6 * K.eps * scale
